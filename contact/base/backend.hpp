@@ -1,0 +1,104 @@
+// The one back-end adapter: names of spaces and Views, and what differs between Kokkos 3.4.1 and 4.x/5.x or
+// between OpenMP and CUDA. No other file asks which back end or which Kokkos it is built with.
+#pragma once
+
+#include <Kokkos_Core.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace brickwall {
+
+using global_id = std::int64_t;
+
+using exec_space = Kokkos::DefaultExecutionSpace;
+using memory_space = exec_space::memory_space;
+using host_exec_space = Kokkos::DefaultHostExecutionSpace;
+
+// Messages are staged here where MPI cannot read device memory: page-locked on CUDA, plain memory else.
+#if defined(KOKKOS_ENABLE_CUDA)
+using staging_space = Kokkos::CudaHostPinnedSpace;
+#else
+using staging_space = Kokkos::HostSpace;
+#endif
+
+// Device data of our libraries; the layout is the back end's own.
+template <class T>
+using View = Kokkos::View<T, memory_space>;
+
+using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>>;
+
+// True where device and host share memory, so that staging copies vanish.
+constexpr bool host_accessible =
+    Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
+
+// One launch policy over [0, n) on the given space instance.
+inline range_policy over(const exec_space& space, std::int64_t n) {
+  return range_policy(space, 0, n);
+}
+
+// A View whose entries are not initialised; `extents` as of Kokkos::View.
+template <class ViewType, class... Extents>
+ViewType allocate(const exec_space& space, const std::string& label, Extents... extents) {
+  return ViewType(Kokkos::view_alloc(space, Kokkos::WithoutInitializing, label),
+                  static_cast<std::size_t>(extents)...);
+}
+
+// Makes `view` hold at least `n` rows (first extent), keeping its label and other extents, not its contents.
+// Growth is by a quarter more than asked, so a slowly growing size settles after a few steps. Rank 1 or [n][W].
+template <class ViewType>
+void growTo(const exec_space& space, ViewType& view, std::int64_t n) {
+  if (static_cast<std::int64_t>(view.extent(0)) >= n)
+    return;
+  const std::string label = view.label();
+  const auto rows = static_cast<std::size_t>(n + n / 4 + 16);
+  auto layout = view.layout();
+  layout.dimension[0] = rows;
+  view = ViewType(); // free first: the peak is one copy
+  view = ViewType(Kokkos::view_alloc(space, Kokkos::WithoutInitializing, label), layout);
+}
+
+// std::min and std::max are not callable in device code of every compiler.
+template <class T>
+KOKKOS_INLINE_FUNCTION constexpr T minOf(T a, T b) {
+  return b < a ? b : a;
+}
+template <class T>
+KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
+  return a < b ? b : a;
+}
+
+// Reducer for any value type with operator+= whose default value is the neutral element: parallel_reduce(...,
+// Combine<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators; this does not.
+template <class T>
+class Combine {
+public:
+  using reducer = Combine;
+  using value_type = T;
+  using result_view_type = Kokkos::View<T, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;
+
+  KOKKOS_INLINE_FUNCTION explicit Combine(T& result) : _result(&result) {}
+  KOKKOS_INLINE_FUNCTION void join(T& to, const T& from) const { to += from; }
+  KOKKOS_INLINE_FUNCTION void join(volatile T& to, const volatile T& from) const {
+    const_cast<T&>(to) += const_cast<const T&>(from);
+  }
+  KOKKOS_INLINE_FUNCTION void init(T& value) const { value = T(); }
+  KOKKOS_INLINE_FUNCTION T& reference() const { return *_result.data(); }
+  KOKKOS_INLINE_FUNCTION result_view_type view() const { return _result; }
+  KOKKOS_INLINE_FUNCTION bool references_scalar() const { return true; }
+
+private:
+  result_view_type _result;
+};
+
+// Number of threads (or device lanes) that the default execution space runs at once.
+inline int concurrency(const exec_space& space) {
+#if defined(KOKKOS_VERSION) && KOKKOS_VERSION >= 30700
+  return space.concurrency();
+#else
+  (void)space;
+  return exec_space::concurrency();
+#endif
+}
+
+} // namespace brickwall

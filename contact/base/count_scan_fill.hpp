@@ -1,0 +1,50 @@
+// Results of variable length: count per item, exclusive scan with 64-bit offsets, fill.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+namespace brickwall {
+
+// Turns counts[0, n) into exclusive offsets in place, with offsets[n] the total, which is returned. `counts` has n + 1
+// entries or more. Fences (the total is read by the host).
+inline std::int64_t scanCounts(const exec_space& space, const std::string& label,
+                               const View<std::int64_t*>& counts, std::int64_t n) {
+  std::int64_t total = 0;
+  Kokkos::parallel_scan(
+      label, over(space, n + 1),
+      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum, const bool final) {
+        const std::int64_t count = i < n ? counts(i) : 0;
+        if (final)
+          counts(i) = sum;
+        sum += count;
+      },
+      total);
+  return total;
+}
+
+// Calls emit(i, sink) for each i in [0, n), twice: the first time sink(value) only counts, the second time it stores.
+// On return offsets[0, n] are the exclusive offsets and values[offsets(i), offsets(i+1)) what i emitted, in order.
+// Both Views are grown, never shrunk. Returns the total.
+template <class T, class Emit>
+std::int64_t countScanFill(const exec_space& space, const std::string& label, std::int64_t n,
+                           const Emit& emit, View<std::int64_t*>& offsets, View<T*>& values) {
+  growTo(space, offsets, n + 1);
+  const auto counts = offsets;
+  Kokkos::parallel_for(
+      label + "::count", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+        std::int64_t count = 0;
+        emit(i, [&](const T&) { ++count; });
+        counts(i) = count;
+      });
+  const std::int64_t total = scanCounts(space, label + "::scan", counts, n);
+  growTo(space, values, total);
+  const auto filled = values;
+  Kokkos::parallel_for(
+      label + "::fill", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+        std::int64_t next = counts(i);
+        emit(i, [&](const T& value) { filled(next++) = value; });
+      });
+  return total;
+}
+
+} // namespace brickwall

@@ -1,0 +1,33 @@
+// The errors of the program and the exit code each leads to. Only main turns them into a message and a code.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace brickwall {
+
+enum class ExitCode { success = 0, internal = 1, bad_input = 2, physics = 3, output = 4 };
+
+class Error : public std::runtime_error {
+public:
+  Error(ExitCode code, const std::string& message) : std::runtime_error(message), _code(code) {}
+  ExitCode code() const { return _code; }
+
+private:
+  ExitCode _code;
+};
+
+// Deck, command line or mesh file: what was found and what was expected. Exit code 2.
+struct InputError : Error {
+  explicit InputError(const std::string& message) : Error(ExitCode::bad_input, message) {}
+};
+// The computation broke down: inverted element, NaN, overflow, energy limit. Exit code 3.
+struct PhysicsError : Error {
+  explicit PhysicsError(const std::string& message) : Error(ExitCode::physics, message) {}
+};
+// A result could not be written. Exit code 4.
+struct OutputError : Error {
+  explicit OutputError(const std::string& message) : Error(ExitCode::output, message) {}
+};
+
+} // namespace brickwall

@@ -1,0 +1,221 @@
+// Pairwise messages over a fixed pattern: the plan is built once and applied to many Views. One message per partner
+// and direction; buffers persist; receives are posted first, one fence, sends, one wait.
+#pragma once
+
+#include "contact/base/backend.hpp"
+#include "contact/base/mpi.hpp"
+
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace brickwall {
+
+// Persistent message buffers between this rank and some partners, in 64-bit words. The device reads and writes
+// `send` and `receive`; staging copies stand between them and MPI where MPI cannot read device memory.
+class MessageBuffers {
+public:
+  // Words sent to and received from each partner, whose ranks are `partners`; offsets have partners + 1 entries.
+  // Collective among partners: each must call it with matching sizes.
+  void exchange(const exec_space& space, MPI_Comm comm, int tag, const std::vector<int>& partners,
+                const std::vector<std::int64_t>& send_offsets,
+                const std::vector<std::int64_t>& receive_offsets) {
+    const std::int64_t num_send = send_offsets.back(), num_receive = receive_offsets.back();
+    growTo(space, receive, num_receive);
+    growStaging(num_send, num_receive);
+    _requests.clear();
+    for (std::size_t p = 0; p < partners.size(); ++p)
+      post(receiveData() + receive_offsets[p], receive_offsets[p + 1] - receive_offsets[p],
+           partners[p], tag, comm, false);
+    if constexpr (!host_accessible)
+      copyRange(space, _staged_send, send, num_send);
+    space.fence();
+    for (std::size_t p = 0; p < partners.size(); ++p)
+      post(sendData() + send_offsets[p], send_offsets[p + 1] - send_offsets[p], partners[p], tag,
+           comm, true);
+    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
+             "MPI_Waitall");
+    if constexpr (!host_accessible)
+      copyRange(space, receive, _staged_receive, num_receive);
+  }
+
+  View<std::int64_t*> send{"base::MessageBuffers::send", 0};
+  View<std::int64_t*> receive{"base::MessageBuffers::receive", 0};
+
+private:
+  using staging_view = Kokkos::View<std::int64_t*, staging_space>;
+
+  template <class To, class From>
+  static void copyRange(const exec_space& space, const To& to, const From& from, std::int64_t n) {
+    const auto range = std::make_pair(std::size_t(0), static_cast<std::size_t>(n));
+    if (n > 0)
+      Kokkos::deep_copy(space, Kokkos::subview(to, range), Kokkos::subview(from, range));
+  }
+  void growStaging(std::int64_t num_send, std::int64_t num_receive) {
+    if constexpr (!host_accessible) {
+      if (static_cast<std::int64_t>(_staged_send.extent(0)) < num_send)
+        _staged_send = staging_view("base::MessageBuffers::staged_send", num_send + num_send / 4);
+      if (static_cast<std::int64_t>(_staged_receive.extent(0)) < num_receive)
+        _staged_receive =
+            staging_view("base::MessageBuffers::staged_receive", num_receive + num_receive / 4);
+    } else {
+      (void)num_send, (void)num_receive;
+    }
+  }
+  std::int64_t* sendData() { return host_accessible ? send.data() : _staged_send.data(); }
+  std::int64_t* receiveData() { return host_accessible ? receive.data() : _staged_receive.data(); }
+  void post(std::int64_t* data, std::int64_t words, int partner, int tag, MPI_Comm comm,
+            bool sending) {
+    if (words == 0)
+      return;
+    _requests.emplace_back();
+    const int n = checkedInt(words, "message");
+    if (sending)
+      checkMpi(MPI_Isend(data, n, MPI_INT64_T, partner, tag, comm, &_requests.back()), "MPI_Isend");
+    else
+      checkMpi(MPI_Irecv(data, n, MPI_INT64_T, partner, tag, comm, &_requests.back()), "MPI_Irecv");
+  }
+
+  staging_view _staged_send, _staged_receive;
+  std::vector<MPI_Request> _requests;
+};
+
+// Bits of a double as a message word and back.
+KOKKOS_INLINE_FUNCTION std::int64_t toWord(double value) {
+  std::int64_t word;
+  memcpy(&word, &value, sizeof word);
+  return word;
+}
+KOKKOS_INLINE_FUNCTION std::int64_t toWord(std::int64_t value) { return value; }
+KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, double& value) {
+  memcpy(&value, &word, sizeof word);
+}
+KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, std::int64_t& value) { value = word; }
+
+// Rows of local arrays that go to and come from each partner. Row lists of partner p are
+// [offsets[p], offsets[p+1]); both sides must list matching rows in the same order.
+class ExchangePlan {
+public:
+  ExchangePlan() = default;
+  // Host lists: `send_rows[p]` and `receive_rows[p]` for partner rank `partners[p]`. Tag must not be used by another
+  // plan that is in flight at the same time.
+  ExchangePlan(const exec_space& space, MPI_Comm comm, int tag, std::vector<int> partners,
+               const std::vector<std::vector<int>>& send_rows,
+               const std::vector<std::vector<int>>& receive_rows)
+      : _comm(comm), _tag(tag), _partners(std::move(partners)),
+        _send_offsets(offsetsOf(send_rows)), _receive_offsets(offsetsOf(receive_rows)),
+        _send_rows(flatten(space, "base::ExchangePlan::send_rows", send_rows)),
+        _receive_rows(flatten(space, "base::ExchangePlan::receive_rows", receive_rows)) {}
+
+  const std::vector<int>& partners() const { return _partners; }
+  std::int64_t numSendRows() const { return _send_offsets.back(); }
+  std::int64_t numReceiveRows() const { return _receive_offsets.back(); }
+
+  // Owner to ghost: values(receive_row, :) = the partner's values(send_row, :). View [row][W] of double or int64,
+  // W equal on all ranks. Collective among partners.
+  template <class ViewType>
+  void forward(const exec_space& space, const ViewType& values) {
+    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets, Assign());
+  }
+  // Owner to ghost between two arrays: target(receive_row, :) = the partner's source(send_row, :).
+  template <class SourceView, class TargetView>
+  void forward(const exec_space& space, const SourceView& source, const TargetView& target) {
+    transfer(space, source, target, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
+             Assign());
+  }
+  // Ghost to owner: values(send_row, :) += the partner's values(receive_row, :). int64 only: exact in any order.
+  template <class ViewType>
+  void reverseSum(const exec_space& space, const ViewType& values) {
+    static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
+    transfer(space, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets, Add());
+  }
+  // Adds every partner's partial sums to this rank's, where both list the same rows to send and to receive:
+  // afterwards all copies hold the same total. int64 only.
+  template <class ViewType>
+  void sumShared(const exec_space& space, const ViewType& values) {
+    static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
+    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets, Add());
+  }
+
+private:
+  struct Assign {};
+  struct Add {};
+
+  template <class ViewType, class Combine>
+  void transfer(const exec_space& space, const ViewType& values, const View<int*>& from_rows,
+                const std::vector<std::int64_t>& from_offsets, const View<int*>& to_rows,
+                const std::vector<std::int64_t>& to_offsets, Combine combine) {
+    transfer(space, values, values, from_rows, from_offsets, to_rows, to_offsets, combine);
+  }
+  template <class SourceView, class TargetView, class Combine>
+  void transfer(const exec_space& space, const SourceView& source, const TargetView& target,
+                const View<int*>& from_rows, const std::vector<std::int64_t>& from_offsets,
+                const View<int*>& to_rows, const std::vector<std::int64_t>& to_offsets, Combine) {
+    using value_type = typename TargetView::non_const_value_type;
+    if (_partners.empty())
+      return;
+    const auto width = static_cast<std::int64_t>(source.extent(1));
+    const std::int64_t num_from = from_offsets.back(), num_to = to_offsets.back();
+    growTo(space, _buffers.send, num_from * width);
+    const auto packed = _buffers.send;
+    Kokkos::parallel_for(
+        "base::ExchangePlan::pack", over(space, num_from), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (std::int64_t w = 0; w < width; ++w)
+            packed(i * width + w) = toWord(source(from_rows(i), w));
+        });
+    _buffers.exchange(space, _comm, _tag, _partners, scaled(from_offsets, width, _send_words),
+                      scaled(to_offsets, width, _receive_words));
+    const auto received = _buffers.receive;
+    Kokkos::parallel_for(
+        "base::ExchangePlan::unpack", over(space, num_to), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (std::int64_t w = 0; w < width; ++w) {
+            value_type value;
+            fromWord(received(i * width + w), value);
+            if constexpr (std::is_same_v<Combine, Add>)
+              Kokkos::atomic_add(&target(to_rows(i), w), value); // several partners, one row
+            else
+              target(to_rows(i), w) = value;
+          }
+        });
+  }
+
+  static std::vector<std::int64_t> offsetsOf(const std::vector<std::vector<int>>& rows) {
+    std::vector<std::int64_t> offsets(1, 0);
+    for (const auto& list : rows)
+      offsets.push_back(offsets.back() + static_cast<std::int64_t>(list.size()));
+    return offsets;
+  }
+  static View<int*> flatten(const exec_space& space, const std::string& label,
+                            const std::vector<std::vector<int>>& rows) {
+    const auto offsets = offsetsOf(rows);
+    auto flat = allocate<View<int*>>(space, label, offsets.back());
+    auto host = Kokkos::create_mirror_view(flat);
+    std::size_t next = 0;
+    for (const auto& list : rows)
+      for (const int row : list)
+        host(next++) = row;
+    Kokkos::deep_copy(space, flat, host);
+    space.fence();
+    return flat;
+  }
+  static const std::vector<std::int64_t>& scaled(const std::vector<std::int64_t>& offsets,
+                                                 std::int64_t width,
+                                                 std::vector<std::int64_t>& words) {
+    words.resize(offsets.size());
+    for (std::size_t p = 0; p < offsets.size(); ++p)
+      words[p] = offsets[p] * width;
+    return words;
+  }
+
+  MPI_Comm _comm = MPI_COMM_NULL;
+  int _tag = 0;
+  std::vector<int> _partners;
+  std::vector<std::int64_t> _send_offsets{0}, _receive_offsets{0};
+  View<int*> _send_rows, _receive_rows;
+  MessageBuffers _buffers;
+  std::vector<std::int64_t> _send_words, _receive_words;
+};
+
+} // namespace brickwall

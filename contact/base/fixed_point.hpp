@@ -1,0 +1,98 @@
+// Order-free sums (shared/sums.md): forces in 64-bit fixed point, energies and momenta in two 64-bit limbs. Integer
+// addition is associative, so the result does not depend on threads, ranks or message order.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+#include <cmath>
+#include <cstdint>
+
+namespace brickwall {
+
+// A power of two: one unit of a fixed-point force, in units of force.
+struct Quantum {
+  double value = 1;
+  double inverse = 1;
+  static Quantum powerOfTwo(int exponent) {
+    return {std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent)};
+  }
+  // The quantum 2^(ceil(log2 F) - 54) for the largest force scale F > 0 (shared/sums.md).
+  static Quantum forForceScale(double largest_force) {
+    return powerOfTwo(static_cast<int>(std::ceil(std::log2(largest_force))) - 54);
+  }
+};
+
+// Single contributions must stay below this many quanta, so that sums of up to 64 of them fit 64 bits.
+constexpr double fixed_point_limit = 72057594037927936.0; // 2^56
+
+// False for values too large for a contribution, and for NaN.
+KOKKOS_INLINE_FUNCTION bool fitsFixedPoint(double quanta) {
+  return std::fabs(quanta) < fixed_point_limit;
+}
+
+// Rounds to the nearest integer, ties to even. Needs fitsFixedPoint(quanta); other values become 0, so that the
+// conversion is defined; the caller counts and reports them.
+KOKKOS_INLINE_FUNCTION std::int64_t roundToFixed(double quanta) {
+  return fitsFixedPoint(quanta) ? static_cast<std::int64_t>(std::rint(quanta)) : 0;
+}
+
+// Scale of a two-limb sum: terms are below `largest` in magnitude, up to 2^28 of them are added without overflow,
+// and each is kept to largest * 2^-68.
+struct LimbScale {
+  double high_quantum = 1, high_inverse = 1;
+  double low_quantum = 1, low_inverse = 1;
+  static LimbScale forLargest(double largest) {
+    const int e = largest > 0 ? static_cast<int>(std::ceil(std::log2(largest))) : 0;
+    return {std::ldexp(1.0, e - 34), std::ldexp(1.0, 34 - e), std::ldexp(1.0, e - 68),
+            std::ldexp(1.0, 68 - e)};
+  }
+};
+
+// One sum in two limbs, value = high * high_quantum + low * low_quantum. Terms beyond the scale (or NaN) are not
+// added but counted in `invalid`.
+struct LimbSum {
+  std::int64_t high = 0;
+  std::int64_t low = 0;
+
+  // Returns false, adding nothing, when the term does not fit the scale.
+  KOKKOS_INLINE_FUNCTION bool add(double term, const LimbScale& scale) {
+    const double high_part = std::rint(term * scale.high_inverse);
+    if (!(std::fabs(high_part) < 17179869184.0)) // 2^34
+      return false;
+    const double rest = term - high_part * scale.high_quantum; // exact: both are multiples of ulp(term)
+    high += static_cast<std::int64_t>(high_part);
+    low += static_cast<std::int64_t>(std::rint(rest * scale.low_inverse));
+    return true;
+  }
+  double value(const LimbScale& scale) const {
+    // Carry first, so that the result is the double nearest to the exact sum but for one rounding.
+    constexpr std::int64_t base = std::int64_t(1) << 34;
+    const std::int64_t carry = low / base;
+    return static_cast<double>(high + carry) * scale.high_quantum +
+           static_cast<double>(low - carry * base) * scale.low_quantum;
+  }
+};
+
+// N sums that are reduced together: Kokkos reduces it with Combine<LimbSums<N>>, MPI as 2 N + 1 int64.
+template <int N>
+struct LimbSums {
+  LimbSum sum[N];
+  std::int64_t invalid = 0; // terms that did not fit
+
+  KOKKOS_INLINE_FUNCTION void add(int i, double term, const LimbScale& scale) {
+    if (!sum[i].add(term, scale))
+      ++invalid;
+  }
+  KOKKOS_INLINE_FUNCTION LimbSums& operator+=(const LimbSums& b) {
+    for (int i = 0; i < N; ++i) {
+      sum[i].high += b.sum[i].high;
+      sum[i].low += b.sum[i].low;
+    }
+    invalid += b.invalid;
+    return *this;
+  }
+  std::int64_t* data() { return reinterpret_cast<std::int64_t*>(this); }
+  static constexpr int size() { return 2 * N + 1; }
+};
+
+} // namespace brickwall

@@ -1,0 +1,153 @@
+// Checked MPI: error codes become exceptions, ranks agree on failures, typed reductions.
+#pragma once
+
+#include "contact/base/error.hpp"
+#include "contact/base/fixed_point.hpp"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <climits>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace brickwall {
+
+inline void checkMpi(int code, const char* call) {
+  if (code == MPI_SUCCESS)
+    return;
+  char text[MPI_MAX_ERROR_STRING];
+  int length = 0;
+  MPI_Error_string(code, text, &length);
+  throw Error(ExitCode::internal, std::string(call) + " failed: " + std::string(text, length));
+}
+
+inline int rankOf(MPI_Comm comm) {
+  int rank = 0;
+  checkMpi(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
+  return rank;
+}
+inline int sizeOf(MPI_Comm comm) {
+  int size = 1;
+  checkMpi(MPI_Comm_size(comm, &size), "MPI_Comm_size");
+  return size;
+}
+
+// MPI counts are int: says which size did not fit instead of wrapping.
+inline int checkedInt(std::int64_t n, const char* what) {
+  if (n < 0 || n > INT_MAX)
+    throw Error(ExitCode::internal, std::string(what) + ": " + std::to_string(n) +
+                                        " does not fit a 32-bit count; use more ranks");
+  return static_cast<int>(n);
+}
+
+template <class T>
+MPI_Datatype mpiType() {
+  if constexpr (std::is_same_v<T, double>)
+    return MPI_DOUBLE;
+  else if constexpr (std::is_same_v<T, float>)
+    return MPI_FLOAT;
+  else if constexpr (std::is_same_v<T, int>)
+    return MPI_INT;
+  else if constexpr (std::is_same_v<T, std::int64_t>)
+    return MPI_INT64_T;
+  else if constexpr (std::is_same_v<T, char> || std::is_same_v<T, unsigned char>)
+    return MPI_BYTE;
+  else
+    static_assert(sizeof(T) == 0, "no MPI type for T");
+}
+
+// Collective. Reduces `n` values in place over all ranks.
+template <class T>
+void allReduce(MPI_Comm comm, T* values, int n, MPI_Op op) {
+  checkMpi(MPI_Allreduce(MPI_IN_PLACE, values, n, mpiType<T>(), op, comm), "MPI_Allreduce");
+}
+template <class T>
+T allReduce(MPI_Comm comm, T value, MPI_Op op) {
+  allReduce(comm, &value, 1, op);
+  return value;
+}
+// Collective. Adds the limbs of all ranks exactly.
+template <int N>
+void allReduce(MPI_Comm comm, LimbSums<N>& sums) {
+  allReduce(comm, sums.data(), LimbSums<N>::size(), MPI_SUM);
+}
+
+// Collective. Rank `root`'s text on every rank.
+inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
+  std::int64_t length = static_cast<std::int64_t>(text.size());
+  checkMpi(MPI_Bcast(&length, 1, MPI_INT64_T, root, comm), "MPI_Bcast");
+  text.resize(static_cast<std::size_t>(length));
+  checkMpi(MPI_Bcast(text.data(), checkedInt(length, "broadcast"), MPI_CHAR, root, comm),
+           "MPI_Bcast");
+  return text;
+}
+
+// Collective. Runs `work` on this rank; when it throws on any rank, every rank throws the message of the lowest such
+// rank with the same code. So what one rank finds alone is decided together. `work` itself must not call MPI.
+inline void together(MPI_Comm comm, const std::function<void()>& work) {
+  std::string message;
+  int code = 0;
+  try {
+    work();
+  } catch (const Error& error) {
+    message = error.what();
+    code = static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    message = error.what();
+    code = static_cast<int>(ExitCode::internal);
+  }
+  const int none = sizeOf(comm);
+  const int first = allReduce(comm, code != 0 ? rankOf(comm) : none, MPI_MIN);
+  if (first == none)
+    return;
+  checkMpi(MPI_Bcast(&code, 1, MPI_INT, first, comm), "MPI_Bcast");
+  throw Error(static_cast<ExitCode>(code), broadcast(comm, message, first));
+}
+
+// Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank. For set-up: the
+// cost is that of an all-to-all.
+template <class T>
+std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
+                                           const std::vector<std::vector<T>>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const int size = sizeOf(comm);
+  std::vector<std::int64_t> send_bytes(size), receive_bytes(size);
+  for (int q = 0; q < size; ++q)
+    send_bytes[q] = static_cast<std::int64_t>(values[q].size() * sizeof(T));
+  checkMpi(MPI_Alltoall(send_bytes.data(), 1, MPI_INT64_T, receive_bytes.data(), 1, MPI_INT64_T,
+                        comm),
+           "MPI_Alltoall");
+  std::vector<std::vector<T>> received(size);
+  std::vector<MPI_Request> requests;
+  constexpr int tag = 71;
+  // One message may be larger than an int counts: it goes in pieces of at most 1 GiB.
+  constexpr std::int64_t piece = std::int64_t(1) << 30;
+  const auto forPieces = [&](std::int64_t bytes, auto&& call) {
+    for (std::int64_t begin = 0; begin < bytes; begin += piece)
+      call(begin, static_cast<int>(std::min(piece, bytes - begin)));
+  };
+  for (int q = 0; q < size; ++q) {
+    received[q].resize(static_cast<std::size_t>(receive_bytes[q]) / sizeof(T));
+    char* data = reinterpret_cast<char*>(received[q].data());
+    forPieces(receive_bytes[q], [&](std::int64_t begin, int n) {
+      requests.emplace_back();
+      checkMpi(MPI_Irecv(data + begin, n, MPI_BYTE, q, tag, comm, &requests.back()), "MPI_Irecv");
+    });
+  }
+  for (int q = 0; q < size; ++q) {
+    const char* data = reinterpret_cast<const char*>(values[q].data());
+    forPieces(send_bytes[q], [&](std::int64_t begin, int n) {
+      requests.emplace_back();
+      checkMpi(MPI_Isend(data + begin, n, MPI_BYTE, q, tag, comm, &requests.back()), "MPI_Isend");
+    });
+  }
+  checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+           "MPI_Waitall");
+  return received;
+}
+
+} // namespace brickwall

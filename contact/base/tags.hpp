@@ -1,0 +1,12 @@
+// Message tags, all in one place, so that no two patterns in flight share one.
+#pragma once
+
+namespace brickwall::tags {
+
+constexpr int shared_nodes = 11;     // mechanics: sums at nodes that several ranks share
+constexpr int node_faces = 12;       // contact: area vectors of the faces around a node
+constexpr int node_boxes = 21;       // contact: phase 4
+constexpr int face_migration = 22;   // contact: phase 6
+constexpr int ghost_reactions = 23;  // contact: forces on ghost faces back to their owners
+
+} // namespace brickwall::tags

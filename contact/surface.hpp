@@ -1,0 +1,46 @@
+// The contact surface that a host code gives to the search, and what the search gives back.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+namespace brickwall::contact {
+
+// This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1). The arrays are the host
+// code's; the search only reads them. A node that several ranks share is owned by exactly one of them.
+struct Surface {
+  int num_nodes = 0;
+  int num_faces = 0;
+  View<const double* [3]> coordinates_old; // x^n     [node][xyz], length
+  View<const double* [3]> coordinates_new; // x^{n+1} [node][xyz], length
+  View<const int* [4]> face_to_nodes;      // [face][corner], outward normal by the right-hand rule; a triangle
+                                           // repeats a corner
+  View<const global_id*> node_ids;         // [node]
+  View<const global_id*> face_ids;         // [face]
+  View<const unsigned char*> node_is_owned; // [node]
+  View<const global_id*> node_body;        // [node] bodies share no node
+  View<const global_id*> face_body;        // [face]
+  View<const double**> face_attributes;    // [face][any number] host data that ghosts carry along; may be empty
+};
+
+// Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then face id.
+// Rows [0, count) are valid; the Views may be longer (they persist and grow).
+struct GhostFaces {
+  int count = 0;
+  View<global_id*> face_ids;             // [ghost]
+  View<global_id*> bodies;               // [ghost]
+  View<global_id* [4]> corner_ids;       // [ghost][corner] global node ids
+  View<double* [12]> coordinates_old;    // [ghost][3 * corner + xyz]
+  View<double* [12]> coordinates_new;    // [ghost][3 * corner + xyz]
+  View<double**> attributes;             // [ghost][as face_attributes]
+};
+
+// Candidate pairs by node, compressed rows: faces(offsets(node)) .. faces(offsets(node + 1) - 1). A face index below
+// num_faces is an own face, else ghost face index - num_faces. Rows of nodes not owned here are empty. Each row is
+// in the order of (body, face id), without repeats.
+struct CandidatePairs {
+  std::int64_t count = 0;
+  View<std::int64_t*> offsets; // [num_nodes + 1]
+  View<int*> faces;            // [count]
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,49 @@
+// One rank's hexahedral mesh on the device, with materials per block.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+#include <mpi.h>
+
+#include <vector>
+
+namespace brickwall::mechanics {
+
+enum class MaterialModel { neo_hookean, svk, linear };
+
+struct Material {
+  MaterialModel model = MaterialModel::neo_hookean;
+  double density = 0;  // reference mass per volume
+  double youngs = 0;   // Young's modulus, pressure
+  double poisson = 0;  // Poisson's ratio
+  KOKKOS_INLINE_FUNCTION double lambda() const {
+    return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  }
+  KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
+};
+
+// Elements [first, first + count) that are one body's on this rank. `exclusive`: no element outside touches its nodes.
+struct ElementRange {
+  int first = 0, count = 0;
+};
+
+struct HexMesh {
+  int num_nodes = 0;
+  int num_elems = 0;
+  View<int* [8]> elem_to_nodes;            // [elem][corner], Exodus corner order
+  View<global_id*> elem_ids;               // 0-based
+  View<global_id*> node_ids;               // 0-based
+  View<unsigned char*> node_is_owned;      // each node is owned by exactly one rank
+  View<int*> elem_block;                   // [elem] index into materials
+  View<Material*> materials;               // [block]
+  View<double* [3]> reference_coordinates; // X [node][xyz], length
+  std::vector<ElementRange> bodies;        // this rank's part of each body, contiguous elements
+};
+
+// Ranks and local nodes shared with each, both sides in the same order: for SharedNodeSum.
+struct SharedNodeLists {
+  std::vector<int> ranks;
+  std::vector<std::vector<int>> nodes;
+};
+
+} // namespace brickwall::mechanics
