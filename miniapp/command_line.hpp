@@ -1,0 +1,42 @@
+// The command line: brickwall [run|check|mesh|search] [DECK] [options].
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+enum class Command { run, check, mesh, search };
+enum class Timing {
+  normal, // no synchronisation that the algorithm does not need
+  paper // fences and barriers at the begin of each phase of the search: waits are told apart from
+        // work
+};
+
+struct Options {
+  Command command = Command::run;
+  std::string deck = "inputs/brick_wall.toml";
+  std::string output_directory; // default out/<deck name>
+  bool write_output = true; // false with --no-output: no file at all is written
+  Timing timing = Timing::normal;
+  std::vector<std::string> overrides; // of --set, and of --steps as "time.steps=N"
+  std::vector<std::string> kokkos_arguments; // --kokkos-*, for Kokkos::initialize
+
+  // The deck's file name without folder and suffix: the base name of all output files.
+  std::string caseName() const;
+};
+
+// What the command line asks for: options, or a text to print and the exit code to end with (-h,
+// --version, faults).
+struct CommandLine {
+  std::optional<Options> options;
+  std::string text;
+  int exit_code = 0;
+};
+
+// Reads argv; needs no MPI, prints nothing.
+CommandLine parseCommandLine(int argc, const char* const* argv);
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,87 @@
+// What a run reports: report.json (field names are fixed), the printed table, the FOM line and PASS
+// or FAIL.
+#pragma once
+
+#include "miniapp/phase_report.hpp"
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+// How the program was built and where it runs.
+struct Provenance {
+  std::string version, commit, compiler, flags, kokkos; // of the build
+  std::string host, cpu; // of rank 0
+  int ranks = 1;
+  int threads_per_rank = 1;
+  std::string execution_space;
+};
+// Collective.
+Provenance describeRun(MPI_Comm comm);
+
+// The text of --version.
+std::string versionText();
+
+struct SearchReport {
+  std::string method; // "paper", "reference", with "_" and more as the app likes
+  std::int64_t searches = 0;
+  double seconds_per_step =
+      0; // median of a steady step, slowest rank: PhaseRecorder::medianPerStep("search")
+  std::int64_t ghost_faces = 0, candidate_pairs = 0,
+               active_contacts = 0; // of the last step, all ranks
+  bool drops_same_body = false; // pairs of a node and a face of its own body are dropped
+};
+
+struct BalanceReport {
+  double energy_error = 0, momentum_error = 0;
+  double external_work = 0, peak_kinetic_energy = 0, peak_stored_energy = 0;
+};
+
+struct RunReport {
+  std::string case_name, title;
+  std::string command = "run"; // or "search"
+  Provenance provenance;
+  std::int64_t elements = 0, nodes = 0, faces = 0; // all ranks
+  std::int64_t steps = 0;
+  double end_time = 0;
+  std::int64_t counted_steps = 0; // steps within loop_seconds (the first is not)
+  double loop_seconds = 0; // time loop without output and without the first step, slowest rank
+  double solver_seconds = 0; // of it, without contact search and enforcement
+  double search_seconds = 0; // of it, in region "search"
+  std::int64_t counted_searches = 0; // searches within search_seconds
+  std::vector<PhaseTime> phases; // PhaseRecorder::phases
+  std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
+  SearchReport search;
+  BalanceReport balance;
+  std::int64_t max_rank_bytes = 0; // see peakRankBytes
+  std::vector<std::string> failures; // why the run fails; empty: PASS
+
+  double elementStepsPerSecond() const; // 0 where there is nothing to divide by
+  double solverElementStepsPerSecond() const;
+  double faceSearchesPerSecond() const;
+  bool pass() const { return failures.empty(); }
+};
+
+// Collective. Peak resident memory of the largest rank so far, bytes.
+std::int64_t peakRankBytes(MPI_Comm comm);
+
+// The report as JSON text.
+std::string reportJson(const RunReport& report);
+
+// Collective: rank 0 writes; throws OutputError on every rank when that fails.
+void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report);
+// Collective: rank 0 writes any text to a file, checked to the last byte; for the resolved deck
+// too.
+void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text);
+// Collective: rank 0 makes the folder and those above it; throws OutputError when that fails.
+void makeDirectory(MPI_Comm comm, const std::string& path);
+
+// Table of phases, FOM line, and last line PASS or FAIL: why. For rank 0's standard output.
+void printReport(std::ostream& out, const RunReport& report);
+
+} // namespace brickwall::miniapp
