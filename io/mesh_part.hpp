@@ -1,5 +1,5 @@
-// One rank's part of a hexahedral mesh, on the host: what the wall generator and the mesh reader make, and what the
-// results writer writes. Global ids are 0-based here (files add one).
+// One rank's part of a hexahedral mesh, on the host: what the wall generator and the mesh reader
+// make, and what the results writer writes. Global ids are 0-based here (files add one).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ using global_id = std::int64_t;
 
 // Element block. The list of blocks is the same, in the same order, on every rank.
 struct Block {
-  std::int64_t id = 1;            // Exodus block id
-  std::string name;               // as in [material.<name>] of the deck
+  std::int64_t id = 1; // Exodus block id
+  std::string name; // as in [material.<name>] of the deck
   global_id num_global_elems = 0; // elements of the block on all ranks
 };
 
@@ -21,16 +21,19 @@ struct Block {
 struct SideSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int> elems; // local element of each side, in the order of global element id, then side
+  std::vector<int>
+      elems; // local element of each side, in the order of global element id, then side
   std::vector<int> sides; // 0-based Exodus side of that element (hex8: 0..5)
 };
 struct NodeSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int> nodes; // local nodes, in the order of global node id; a shared node is listed on every sharer
+  std::vector<int>
+      nodes; // local nodes, in the order of global node id; a shared node is listed on every sharer
 };
 
-// Nodes that this rank shares with one other rank, in the order of global node id: both ranks list the same nodes.
+// Nodes that this rank shares with one other rank, in the order of global node id: both ranks list
+// the same nodes.
 struct SharedNodes {
   int rank = 0;
   std::vector<int> nodes; // local nodes
@@ -40,12 +43,12 @@ struct MeshPart {
   // nodes, in the order of global node id
   std::vector<global_id> node_ids;
   std::vector<double> coordinates; // [node][xyz], length
-  std::vector<int> node_owner;     // lowest rank that shares the node
+  std::vector<int> node_owner; // lowest rank that shares the node
 
   // elements, in the order of global element id; blocks are contiguous in that order
   std::vector<global_id> elem_ids;
-  std::vector<int> elem_nodes;      // [elem][8] local nodes, Exodus corner order
-  std::vector<int> elem_block;      // index into blocks
+  std::vector<int> elem_nodes; // [elem][8] local nodes, Exodus corner order
+  std::vector<int> elem_block; // index into blocks
   std::vector<global_id> elem_body; // brick number, or connected component: bodies share no node
 
   std::vector<Block> blocks;
@@ -61,14 +64,15 @@ struct MeshPart {
   int numElems() const { return static_cast<int>(elem_ids.size()); }
 };
 
-// The exterior surface of a wall alone, for `brickwall search`: same ids as the full mesh would have.
+// The exterior surface of a wall alone, for `brickwall search`: same ids as the full mesh would
+// have.
 struct SurfacePart {
   std::vector<global_id> node_ids;
   std::vector<double> coordinates; // [node][xyz]
-  std::vector<int> node_owner;     // lowest rank that shares the node
+  std::vector<int> node_owner; // lowest rank that shares the node
   std::vector<global_id> node_body;
   std::vector<global_id> face_ids; // global element id * 6 + side
-  std::vector<int> face_nodes;     // [face][4] local nodes, outward normal by the right-hand rule
+  std::vector<int> face_nodes; // [face][4] local nodes, outward normal by the right-hand rule
   std::vector<global_id> face_body;
   global_id num_global_nodes = 0;
   global_id num_global_faces = 0;

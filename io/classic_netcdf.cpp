@@ -1,0 +1,1 @@
+#include "io/exodus_file.hpp"

@@ -1,0 +1,1 @@
+#include "io/connected_components.hpp"

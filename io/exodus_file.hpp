@@ -1,0 +1,45 @@
+// One Exodus file, closed by its destructor, and the check that every Exodus call goes through.
+#pragma once
+
+#include <string>
+
+namespace brickwall::io {
+
+// Owns an open Exodus id. Calls on it are written
+//   file.check(ex_put_time(file.id(), step, &time), "time of step 3");
+// and throw OutputError (a file being written) or InputError (a file being read) naming file and
+// what failed.
+class ExodusFile {
+public:
+  // `flags` as of ex_create; bytes of a real in the file are 8 or 4. Throws OutputError.
+  static ExodusFile create(const std::string& path, int flags, int stored_real_bytes);
+  // Opens for reading with 64-bit integers and doubles. Throws InputError: missing, truncated or
+  // not Exodus.
+  static ExodusFile open(const std::string& path);
+
+  ExodusFile() = default;
+  ~ExodusFile();
+  ExodusFile(ExodusFile&& other) noexcept;
+  ExodusFile& operator=(ExodusFile&& other) noexcept;
+
+  bool isOpen() const { return _id >= 0; }
+  int id() const { return _id; }
+  const std::string& path() const { return _path; }
+
+  // Passes on what an Exodus call returned; below 0, throws naming the file, `what` and Exodus'
+  // reason.
+  int check(int returned, const std::string& what) const;
+
+  // Closes and checks: a full disk shows up here at the latest.
+  void close();
+
+private:
+  ExodusFile(const std::string& path, int id, bool writing)
+      : _path(path), _id(id), _writing(writing) {}
+
+  std::string _path;
+  int _id = -1;
+  bool _writing = false;
+};
+
+} // namespace brickwall::io

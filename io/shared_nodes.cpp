@@ -1,0 +1,1 @@
+#include "io/shared_nodes.hpp"

@@ -1,0 +1,1 @@
+#include "io/wall_generator.hpp"
