@@ -1,0 +1,32 @@
+// Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes that hold them.
+#pragma once
+
+#include "contact/base/box.hpp"
+#include "contact/search_config.hpp"
+#include "contact/surface.hpp"
+
+namespace brickwall::contact {
+
+struct SurfaceBoxes {
+  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes", 0}; // B_n [node]; the empty box where not owned
+  View<Box*> face_boxes{"contact::SurfaceBoxes::faces", 0}; // B_f [face]
+  Box node_box;                                             // Bbar_n
+  Box face_box;                                             // Bbar_f
+  std::int64_t num_invalid = 0; // nodes with a coordinate that is NaN or infinite
+  global_id first_invalid = 0;  // smallest global id of those
+};
+
+// Box of a node over the step.
+KOKKOS_INLINE_FUNCTION Box nodeBox(const Vec3& x_old, const Vec3& x_new, double tolerance) {
+  Box box;
+  box.include(x_old);
+  box.include(x_new);
+  box.inflate(tolerance);
+  return box;
+}
+
+// Fills `boxes` from the surface. Invalid coordinates are counted, not thrown: the ranks decide in phase 2.
+void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
+                    SurfaceBoxes& boxes);
+
+} // namespace brickwall::contact

@@ -1,0 +1,53 @@
+// Contact global search (paper, Fig. 4): which off-rank faces may this rank's owned nodes touch in this step, and
+// copies of them. Face f of rank r goes to rank q != r if and only if the box of f overlaps the box of a node that q owns.
+#pragma once
+
+#include "contact/construct_boxes.hpp"
+#include "contact/face_ghost_search.hpp"
+#include "contact/face_migration.hpp"
+#include "contact/ghosting_candidates.hpp"
+#include "contact/node_box_exchange.hpp"
+#include "contact/rank_boxes.hpp"
+#include "contact/search_config.hpp"
+#include "contact/surface.hpp"
+
+#include <mpi.h>
+
+namespace brickwall::contact {
+
+class GlobalSearch {
+public:
+  // `comm` must outlive the search. Throws InputError for a negative or non-finite tolerance.
+  GlobalSearch(MPI_Comm comm, const SearchConfig& config);
+
+  // Collective. The ghost faces of this step, in the order of (owner rank, face id); valid until the next call.
+  // Throws PhysicsError on all ranks together, naming node and rank, when a coordinate is not finite.
+  const GhostFaces& findGhosts(const exec_space& space, const Surface& surface);
+
+  // Collective. Adds each ghost's values to its owner's row: own_face_values(face, :) += ghost_values(ghost, :) with
+  // the ghosts of the last findGhosts(); rows are [face][3 * corner + xyz] in quanta. Integer sums: exact, any order.
+  void returnToOwners(const exec_space& space, const View<const std::int64_t* [12]>& ghost_values,
+                      const View<std::int64_t* [12]>& own_face_values);
+
+  // Boxes of the last findGhosts(), for the local search.
+  const SurfaceBoxes& boxes() const { return _boxes; }
+  const GhostFaces& ghosts() const { return _migration.ghosts; }
+  const SearchStatistics& statistics() const { return _statistics; }
+  const SearchConfig& config() const { return _config; }
+
+private:
+  void synchronise(const exec_space& space) const;
+  void countResults();
+
+  MPI_Comm _comm;
+  SearchConfig _config;
+  SurfaceBoxes _boxes;            // phase 1
+  RankBoxes _rank_boxes;          // phase 2
+  GhostingCandidates _candidates; // phase 3
+  RemoteNodeBoxes _remote_nodes;  // phase 4
+  FaceGhostSearch _ghost_search;  // phase 5
+  FaceMigration _migration;       // phase 6
+  SearchStatistics _statistics;
+};
+
+} // namespace brickwall::contact
