@@ -1,0 +1,51 @@
+// The skin faces around each owned surface node, those of other ranks included: static lists, and
+// per step the mean planes of the faces. The area A_i and the opposed-normal rule of
+// shared/physics.md, section 4, come from them.
+#pragma once
+
+#include "contact/base/exchange_plan.hpp"
+#include "contact/projection.hpp"
+#include "contact/surface.hpp"
+
+namespace brickwall::contact {
+
+// Faces around nodes, compressed rows: rows(offsets(node)) .. rows(offsets(node + 1) - 1), by
+// ascending global face id. A row below num_faces is an own face, else remote face row - num_faces.
+// Empty for nodes not owned here.
+struct NodeFaceLists {
+  View<int*> offsets; // [num_nodes + 1]
+  View<int*> rows; // [offsets(num_nodes)]
+  View<double*> surface_mass; // mu = rho h_n/2, mass/area [num_faces + num_remote]
+  View<double*>
+      corner_share; // part of the face's area that is a corner's: 1/4, 1/3 on triangles [same]
+};
+
+class NodeFaces {
+public:
+  // Column of Surface::face_attributes that holds mu; columns 0..3 are the corner masses.
+  static constexpr int surface_mass_column = 4;
+
+  NodeFaces() = default;
+  // Collective. Uses ids, ownership, connectivity and the attribute mu of `surface`. Throws (on all
+  // ranks) when a node is owned by no rank that has it on its surface, since its contact would then
+  // be missed.
+  NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface);
+
+  const NodeFaceLists& lists() const { return _lists; }
+  int numRemote() const { return _num_remote; }
+
+  // Collective. Fills planes(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
+  // only the normal and the area. The bits are those of the face's own rank.
+  void updatePlanes(const exec_space& space, const Surface& surface,
+                    const View<MeanPlane*>& planes);
+
+private:
+  NodeFaceLists _lists;
+  int _num_faces = 0, _num_remote = 0;
+  View<int*> _border_faces; // own faces that other ranks ask for
+  View<double* [3]> _border_areas; // their area vectors
+  View<double* [3]> _remote_areas; // area vectors of remote faces
+  ExchangePlan _plan;
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,204 @@
+// Closest point of a face to a point: Newton's method with the full Hessian on the bilinear quad,
+// exact on triangles (a repeated corner), four triangles about the centroid where Newton fails
+// (shared/physics.md, section 4). All arithmetic is relative to the point, so that flat faces give
+// exactly flat normals.
+#pragma once
+
+#include "contact/base/vec3.hpp"
+
+namespace brickwall::contact {
+
+// The corners of a face, counter-clockwise seen from outside; a triangle repeats a corner.
+struct Quad {
+  Vec3 corner[4];
+};
+
+// A point of a face with the way it stands to the point that was projected.
+struct FacePoint {
+  double weight[4] = {0, 0, 0, 0}; // N_j, sum 1; slightly negative beyond an edge
+  Vec3 normal; // outward unit normal there
+  double gap = 0; // g = (point - x_c) . normal, length; negative inside the body
+  double excess =
+      HUGE_VAL; // how far outside the face, in half-lengths: max(|xi|, |eta|) - 1; <= 0 inside
+  bool valid = false; // false: no projection near this face, or a degenerate face
+
+  KOKKOS_INLINE_FUNCTION bool activeWithin(double lateral_tolerance) const {
+    return valid && excess <= lateral_tolerance;
+  }
+};
+
+namespace projection {
+
+constexpr int max_iterations = 20;
+constexpr double far_outside = 3.0; // iterates beyond this parameter belong to another face
+constexpr double last_step =
+    1e-8; // steps halve their digits each time: the next one would be < 1e-15
+constexpr double least_determinant = 0.01; // of A C: below it the curvature term is dropped
+
+// Plane of a triangle; returns barycentric coordinates of the origin's projection, or false if
+// degenerate.
+KOKKOS_INLINE_FUNCTION bool barycentric(const Vec3& a, const Vec3& b, const Vec3& c,
+                                        double (&lambda)[3], Vec3& unit_normal) {
+  const Vec3 area = cross(b - a, c - a);
+  const double square = dot(area, area);
+  if (!(square > 0))
+    return false;
+  const double inverse = 1.0 / square;
+  lambda[1] = inverse * dot(area, cross(c - a, a));
+  lambda[2] = inverse * dot(area, cross(a, b - a));
+  lambda[0] = 1.0 - lambda[1] - lambda[2];
+  unit_normal = (1.0 / std::sqrt(square)) * area;
+  return true;
+}
+
+// Index of a corner that repeats its successor, or -1 for a true quad.
+KOKKOS_INLINE_FUNCTION int repeatedCorner(const Vec3 (&q)[4]) {
+  for (int j = 0; j < 4; ++j) {
+    const Vec3 edge = q[(j + 1) & 3] - q[j];
+    if (edge.x == 0 && edge.y == 0 && edge.z == 0)
+      return j;
+  }
+  return -1;
+}
+
+KOKKOS_INLINE_FUNCTION FacePoint ontoTriangle(const Vec3 (&q)[4], int repeated) {
+  FacePoint found;
+  const int a = (repeated + 1) & 3, b = (repeated + 2) & 3, c = (repeated + 3) & 3;
+  double lambda[3];
+  if (!barycentric(q[a], q[b], q[c], lambda, found.normal))
+    return found;
+  found.weight[a] = lambda[0];
+  found.weight[b] = lambda[1];
+  found.weight[c] = lambda[2];
+  // An edge at lambda = 0 is the edge xi = 1 of a quad with lambda = (1 - xi)/2.
+  found.excess = -2.0 * minOf(lambda[0], minOf(lambda[1], lambda[2]));
+  found.gap = -dot(q[a], found.normal);
+  found.valid = found.excess < far_outside;
+  return found;
+}
+
+// The quad as four triangles about its centroid; of those takes the one that the origin projects
+// into best.
+KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
+  FacePoint found;
+  const Vec3 centre = 0.25 * ((q[0] + q[1]) + (q[2] + q[3]));
+  double best = -HUGE_VAL;
+  for (int j = 0; j < 4; ++j) {
+    const int next = (j + 1) & 3;
+    double lambda[3];
+    Vec3 normal;
+    if (!barycentric(q[j], q[next], centre, lambda, normal))
+      continue;
+    const double inside =
+        minOf(lambda[0], lambda[1]); // the outer edge, lambda[2] = 0, may be overshot
+    if (inside <= best)
+      continue;
+    best = inside;
+    for (int i = 0; i < 4; ++i)
+      found.weight[i] = 0.25 * lambda[2];
+    found.weight[j] += lambda[0];
+    found.weight[next] += lambda[1];
+    found.normal = normal;
+    found.gap = -dot(q[j], normal);
+    found.excess = -lambda[2];
+    found.valid = found.excess < far_outside;
+  }
+  return found;
+}
+
+} // namespace projection
+
+// Projects `point` onto the face. Never fails to return; `valid` says whether there is a point near
+// the face.
+KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
+  using namespace projection;
+  const Vec3 q[4] = {face.corner[0] - point, face.corner[1] - point, face.corner[2] - point,
+                     face.corner[3] - point};
+  const int repeated = repeatedCorner(q);
+  if (repeated >= 0)
+    return ontoTriangle(q, repeated);
+  // x(xi, eta) = centre + xi a + eta b + xi eta c, in differences so that equal coordinates cancel
+  // exactly.
+  const Vec3 bottom = q[1] - q[0], top = q[2] - q[3], left = q[3] - q[0], right = q[2] - q[1];
+  const Vec3 centre = 0.25 * ((q[0] + q[1]) + (q[2] + q[3]));
+  const Vec3 a = 0.25 * (bottom + top), b = 0.25 * (left + right), c = 0.25 * (top - bottom);
+  const bool parallelogram = dot(c, c) <= 1e-30 * (dot(a, a) + dot(b, b));
+  double xi = 0, eta = 0;
+  bool converged = false;
+  for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
+    const Vec3 t_xi = a + eta * c, t_eta = b + xi * c;
+    const Vec3 d = -(centre + xi * a + eta * b + (xi * eta) * c);
+    const double A = dot(t_xi, t_xi), C = dot(t_eta, t_eta), plain = dot(t_xi, t_eta);
+    double B = plain - dot(d, c);
+    double determinant = A * C - B * B;
+    if (!(determinant > least_determinant * A * C)) {
+      B = plain;
+      determinant = A * C - B * B;
+    }
+    if (!(determinant > 0))
+      break;
+    const double r_xi = dot(t_xi, d), r_eta = dot(t_eta, d);
+    const double step_xi = (C * r_xi - B * r_eta) / determinant;
+    const double step_eta = (A * r_eta - B * r_xi) / determinant;
+    xi += step_xi;
+    eta += step_eta;
+    if (!(std::fabs(xi) <= far_outside && std::fabs(eta) <= far_outside))
+      return iteration < 2 || parallelogram ? FacePoint() : ontoFourTriangles(q);
+    converged =
+        parallelogram || (std::fabs(step_xi) < last_step && std::fabs(step_eta) < last_step);
+  }
+  if (!converged)
+    return ontoFourTriangles(q);
+  FacePoint found;
+  const Vec3 area = cross(a + eta * c, b + xi * c);
+  const double length = norm(area);
+  if (!(length > 0))
+    return found;
+  found.normal = (1.0 / length) * area;
+  found.gap = -dot(centre + xi * a + eta * b + (xi * eta) * c, found.normal);
+  found.weight[0] = 0.25 * (1 - xi) * (1 - eta);
+  found.weight[1] = 0.25 * (1 + xi) * (1 - eta);
+  found.weight[2] = 0.25 * (1 + xi) * (1 + eta);
+  found.weight[3] = 0.25 * (1 - xi) * (1 + eta);
+  found.excess = maxOf(std::fabs(xi), std::fabs(eta)) - 1;
+  found.valid = true;
+  return found;
+}
+
+// Mean plane of a face: quick to test a node against before the projection.
+struct MeanPlane {
+  Vec3 normal; // unit; zero for a degenerate face
+  double offset = 0; // normal . centroid, length
+  double warp = 0; // greatest distance of a corner from the plane, length
+  double area = 0; // |half the cross product of the diagonals|
+
+  // True if a point that projects onto the face within `lateral_tolerance` cannot have a negative
+  // gap.
+  KOKKOS_INLINE_FUNCTION bool surelyOutside(const Vec3& point, double lateral_tolerance) const {
+    const double stretch = (1 + lateral_tolerance) * (1 + lateral_tolerance);
+    return dot(normal, point) - offset > warp * stretch;
+  }
+};
+
+// Half the cross product of the diagonals: the exact area vector of the bilinear patch, and of a
+// triangle.
+KOKKOS_INLINE_FUNCTION Vec3 areaVector(const Quad& f) {
+  return 0.5 * cross(f.corner[2] - f.corner[0], f.corner[3] - f.corner[1]);
+}
+
+KOKKOS_INLINE_FUNCTION MeanPlane meanPlane(const Quad& f) {
+  MeanPlane plane;
+  const Vec3 area = areaVector(f);
+  plane.area = norm(area);
+  if (!(plane.area > 0))
+    return plane;
+  plane.normal = (1.0 / plane.area) * area;
+  const Vec3 sum = (f.corner[0] + f.corner[1]) + (f.corner[2] + f.corner[3]);
+  plane.offset = 0.25 * dot(plane.normal, sum);
+  // The corners stand alternately above and below the mean plane by the same distance.
+  const Vec3 twist = (f.corner[0] - f.corner[1]) + (f.corner[2] - f.corner[3]);
+  plane.warp = 0.25 * std::fabs(dot(plane.normal, twist));
+  return plane;
+}
+
+} // namespace brickwall::contact
