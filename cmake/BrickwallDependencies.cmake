@@ -3,6 +3,13 @@
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(Kokkos 3.4 REQUIRED CONFIG)
 find_package(Threads REQUIRED)
+if(BRICKWALL_EXECUTION_SPACE)
+  string(TOUPPER "${BRICKWALL_EXECUTION_SPACE}" _space)
+  if(NOT _space IN_LIST Kokkos_DEVICES)
+    message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} has no ${BRICKWALL_EXECUTION_SPACE} (it has: ${Kokkos_DEVICES}). "
+                        "Point Kokkos_ROOT or CMAKE_PREFIX_PATH at one that has.")
+  endif()
+endif()
 
 # The C++ standard follows Kokkos' (5.x needs C++20), and is 17 at least.
 add_library(brickwall_standard INTERFACE)

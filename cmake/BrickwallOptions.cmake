@@ -3,6 +3,7 @@ include(CTest) # defines BUILD_TESTING
 
 option(BRICKWALL_NATIVE "Build our own targets for this machine's processor (-march=native)" ON)
 option(BRICKWALL_WERROR "Treat warnings in our own code as errors" OFF)
+set(BRICKWALL_EXECUTION_SPACE "" CACHE STRING "Kokkos execution space, e.g. Serial, OpenMP, Cuda (default: Kokkos' own)")
 set(BRICKWALL_SANITIZE "" CACHE STRING "Sanitizers for our own targets, e.g. address,undefined")
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)

@@ -1,6 +1,11 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that Brickwall builds with. Says what it installs; asks for nothing
 # when everything is there. Needs apt-get (and sudo when not root) only if something is missing.
+#
+#   cmake/install_packages.sh [--check] [--with-format]
+#
+# --check installs nothing and only names what Debian's package list lacks: with dependencies of the user's own
+# (modules, Spack) that may be right.
 set -euo pipefail
 
 packages=(
@@ -14,9 +19,14 @@ packages=(
   # the picture of the wall
   python3 python3-netcdf4 python3-matplotlib
 )
-if [[ "${1:-}" == "--with-format" ]]; then
-  packages+=(clang-format)
-fi
+check_only=no
+for option in "$@"; do
+  case $option in
+    --check) check_only=yes ;;
+    --with-format) packages+=(clang-format) ;;
+    *) echo "setup: unknown argument $option" >&2; exit 2 ;;
+  esac
+done
 
 missing=()
 for package in "${packages[@]}"; do
@@ -26,6 +36,12 @@ for package in "${packages[@]}"; do
 done
 [[ ${#missing[@]} -eq 0 ]] && exit 0
 
+if [[ $check_only == yes ]]; then
+  if command -v dpkg-query >/dev/null; then
+    echo "setup: not installed as Debian packages, to be found elsewhere: ${missing[*]}"
+  fi
+  exit 0
+fi
 if ! command -v apt-get >/dev/null; then
   echo "setup: these packages are missing and there is no apt-get to install them: ${missing[*]}" >&2
   exit 1

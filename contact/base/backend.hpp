@@ -11,7 +11,12 @@ namespace brickwall {
 
 using global_id = std::int64_t;
 
+// The option BRICKWALL_EXECUTION_SPACE asks for another of Kokkos' spaces than its default.
+#if defined(BRICKWALL_EXECUTION_SPACE)
+using exec_space = Kokkos::BRICKWALL_EXECUTION_SPACE;
+#else
 using exec_space = Kokkos::DefaultExecutionSpace;
+#endif
 using memory_space = exec_space::memory_space;
 using host_exec_space = Kokkos::DefaultHostExecutionSpace;
 
