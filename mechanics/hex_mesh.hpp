@@ -13,9 +13,9 @@ enum class MaterialModel { neo_hookean, svk, linear };
 
 struct Material {
   MaterialModel model = MaterialModel::neo_hookean;
-  double density = 0;  // reference mass per volume
-  double youngs = 0;   // Young's modulus, pressure
-  double poisson = 0;  // Poisson's ratio
+  double density = 0; // reference mass per volume
+  double youngs = 0; // Young's modulus, pressure
+  double poisson = 0; // Poisson's ratio
   KOKKOS_INLINE_FUNCTION double lambda() const {
     return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
   }
@@ -25,19 +25,20 @@ struct Material {
 // Elements [first, first + count) that are one body's on this rank. `exclusive`: no element outside touches its nodes.
 struct ElementRange {
   int first = 0, count = 0;
+  global_id body = -1; // number of the body, the same on every rank that holds a part of it
 };
 
 struct HexMesh {
   int num_nodes = 0;
   int num_elems = 0;
-  View<int* [8]> elem_to_nodes;            // [elem][corner], Exodus corner order
-  View<global_id*> elem_ids;               // 0-based
-  View<global_id*> node_ids;               // 0-based
-  View<unsigned char*> node_is_owned;      // each node is owned by exactly one rank
-  View<int*> elem_block;                   // [elem] index into materials
-  View<Material*> materials;               // [block]
+  View<int* [8]> elem_to_nodes; // [elem][corner], Exodus corner order
+  View<global_id*> elem_ids; // 0-based
+  View<global_id*> node_ids; // 0-based
+  View<unsigned char*> node_is_owned; // each node is owned by exactly one rank
+  View<int*> elem_block; // [elem] index into materials
+  View<Material*> materials; // [block]
   View<double* [3]> reference_coordinates; // X [node][xyz], length
-  std::vector<ElementRange> bodies;        // this rank's part of each body, contiguous elements
+  std::vector<ElementRange> bodies; // this rank's part of each body, contiguous elements
 };
 
 // Ranks and local nodes shared with each, both sides in the same order: for SharedNodeSum.

@@ -1,0 +1,55 @@
+// Prescribed motion of nodes by component (fixed = velocity zero), gravity, and initial velocities. Velocities are
+// prescribed at half steps, so positions follow by the drift; reactions are booked by the kick.
+#pragma once
+
+#include "contact/base/vec3.hpp"
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/nodal_state.hpp"
+#include "mechanics/pulse_shape.hpp"
+#include "mechanics/shared_node_sum.hpp"
+
+namespace brickwall::mechanics {
+
+// Velocity of some components of a set of nodes; the default fixes all three.
+struct PrescribedMotion {
+  std::vector<int> nodes; // local; a shared node must be listed on every rank that shares it
+  bool component[3] = {true, true, true}; // which of x, y, z
+  Vec3 velocity; // peak, length/time
+  PulseShape shape; // factor of the velocity in time since `start`
+  double start = 0; // time
+};
+
+class BoundaryConditions {
+public:
+  static constexpr int max_motions = 31;
+
+  // A component that several motions name follows the last of them. The list of motions must be the same on all
+  // ranks (their node lists differ). Throws InputError for more than max_motions or a bad node.
+  BoundaryConditions(const exec_space& space, int num_nodes,
+                     const std::vector<PrescribedMotion>& motions, const Vec3& gravity);
+
+  // What a kernel needs at one time.
+  struct AtTime {
+    View<const unsigned char* [3]> motion; // [node][xyz] 0 free, else index into velocity
+    double velocity[max_motions + 1][3]; // length/time
+    Vec3 gravity; // length/time^2
+    bool any = false; // false: no component is prescribed
+  };
+  AtTime at(double time) const;
+
+  const Vec3& gravity() const { return _gravity; }
+  bool any() const { return !_motions.empty(); }
+
+private:
+  std::vector<PrescribedMotion> _motions; // without nodes
+  View<unsigned char* [3]> _motion_of;
+  Vec3 _gravity;
+};
+
+// Sets velocity(node, :) on all nodes of the elements chosen here or, at shared nodes, on another rank
+// (elem_is_chosen [num_elems], host). Collective.
+void setInitialVelocity(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
+                        const std::vector<unsigned char>& elem_is_chosen, const Vec3& velocity,
+                        const NodalState& state);
+
+} // namespace brickwall::mechanics

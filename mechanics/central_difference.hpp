@@ -1,0 +1,22 @@
+// Central differences with velocities at half steps (physics.md section 3): drift and kick, the kick together with the
+// sums of the energy ledger.
+#pragma once
+
+#include "mechanics/boundary_conditions.hpp"
+#include "mechanics/energy.hpp"
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/nodal_state.hpp"
+
+namespace brickwall::mechanics {
+
+// u^{n+1} = u^n + dt v^{n+1/2}. Prescribed components need no more: their velocity is prescribed.
+void drift(const exec_space& space, double dt, const NodalState& state);
+
+// v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, then prescribed components, with dt = (dt^- + dt^+)/2, or
+// dt^+/2 for the start from v^0. `time` is that of the new velocity, t^{n+1/2}. `forces` are totals (after the
+// shared-node sum). Returns this rank's ledger sums over owned nodes. Not collective; fences.
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales);
+
+} // namespace brickwall::mechanics

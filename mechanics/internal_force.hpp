@@ -1,0 +1,82 @@
+// Internal forces of all elements, in fixed point: TL-PS one-point hexahedra (hex8_tlps.hpp) or full 2x2x2 integration
+// (hex8_full.hpp). Each element's force is rounded once, as 7 Walsh-Hadamard modes of 3 components, and transformed to
+// the corners in integers, so an element's corner forces sum to exactly zero and totals depend on no order.
+#pragma once
+
+#include "mechanics/congruent_bodies.hpp"
+#include "mechanics/element_failure.hpp"
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/nodal_state.hpp"
+
+namespace brickwall::mechanics {
+
+enum class ElementKind { one_point, full };
+
+// F = max over elements and ranks of (lambda + 2 mu) h_max^2: the force that a strain of one would make. From input
+// data only. Collective.
+double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
+
+// Sets all columns to zero.
+void zeroForces(const exec_space& space, const NodalForces& forces);
+
+// Stored energies of this rank's elements: 0 material, 1 hourglass.
+enum StoredEnergy : int { stored_material, stored_hourglass, num_stored_energies };
+
+struct InternalForceResult {
+  LimbSums<num_stored_energies> energy; // zero when not asked for
+  ElementFailure failure; // this rank's
+  bool has_energy = false;
+};
+
+// Element output fields; rows [0, num_elems) are valid.
+struct ElementFields {
+  View<double* [6]>
+      stress; // Cauchy [elem][xx yy zz xy yz zx], pressure unit; mean over the integration points
+  View<double*> pressure; // -tr(stress)/3
+  View<double*> energy_density; // stored energy (hourglass included) per reference volume
+};
+
+// A run of elements that one thread handles, all of one body.
+struct ElementChunk {
+  int first = 0, count = 0;
+  int shape = -1; // row of the table of shapes when the body is congruent, else -1
+  int atomic = 0; // nonzero: other chunks touch its nodes
+};
+
+class InternalForce {
+public:
+  // Finds congruent bodies, stores what the general elements need (about 370 B each) and cuts the bodies into chunks.
+  // `energy_scale` is the scale of the stored-energy sums. Collective.
+  InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh, ElementKind kind,
+                Quantum quantum, LimbScale energy_scale);
+
+  // Adds the elements' forces at X + u to the columns material_force and hourglass_force (full integration has no
+  // hourglass share). `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the range) add
+  // nothing and are reported. Not collective; fences.
+  InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
+                          const NodalForces& forces, bool with_energy);
+
+  // Stress and energy density of every element at X + u; Views are grown. Not collective.
+  void computeFields(const exec_space& space, const View<const double* [3]>& displacement,
+                     ElementFields& fields) const;
+
+  ElementKind kind() const { return _kind; }
+  std::int64_t numCongruentElems() const { return _num_congruent_elems; }
+
+  // For kernels only (extended lambdas and functors need public access).
+  struct Tables {
+    View<const ElementChunk*> chunks;
+    View<const double**> shapes; // [shape][geometry]
+    View<const double***> geometry; // [pack][component][lane]; empty when all bodies are congruent
+    View<const int*> pack_of_elem;
+  };
+
+private:
+  HexMesh _mesh;
+  ElementKind _kind;
+  Quantum _quantum;
+  LimbScale _energy_scale;
+  std::int64_t _num_congruent_elems = 0;
+};
+
+} // namespace brickwall::mechanics

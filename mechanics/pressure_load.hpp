@@ -1,0 +1,56 @@
+// Pressure on faces: consistent nodal loads of the bilinear quad by 2x2 Gauss (exact for uniform pressure, also on a
+// warped face), on the current face (follower) or the reference face (dead), in fixed point.
+#pragma once
+
+#include "contact/base/vec3.hpp"
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/nodal_state.hpp"
+#include "mechanics/pulse_shape.hpp"
+
+namespace brickwall::mechanics {
+
+// p(X, t) = peak shape(t - start - r/speed) exp(-r^2 / (2 radius^2)), r = |X - centre| on the reference face.
+struct Pressure {
+  double peak = 0; // pressure, positive pushes into the body
+  PulseShape shape;
+  double start = 0; // time
+  bool follower = true; // false: dead load
+  bool gaussian = false; // false: uniform
+  Vec3 centre; // length
+  double radius = HUGE_VAL; // length (standard deviation)
+  double speed = HUGE_VAL; // of the arrival, length/time; infinite: at once everywhere
+
+  KOKKOS_INLINE_FUNCTION double at(const Vec3& X, double time) const {
+    if (!gaussian)
+      return peak * shape(time - start);
+    const double r = norm(X - centre), s = r / radius;
+    return peak * shape(time - start - r / speed) * std::exp(-0.5 * s * s);
+  }
+};
+
+// Nodal loads of pressure on one quad with corners x, outward by the right-hand rule; X are the reference corners.
+KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Pressure& pressure, double time,
+                                              const Vec3 (&X)[4], const Vec3 (&x)[4],
+                                              Vec3 (&load)[4]);
+
+class PressureLoad {
+public:
+  // `face_to_nodes` [face][4] local mesh nodes, outward normals; each face on one rank only.
+  PressureLoad(const exec_space& space, const Pressure& pressure,
+               const std::vector<int>& face_to_nodes);
+
+  // Adds the loads at X + u and `time` to the external_force columns. Returns the number of corner loads on this rank
+  // beyond the range of the quantum, or NaN (they are not added); EnergyLedger::bookStep takes the count. Not
+  // collective.
+  std::int64_t add(const exec_space& space, const HexMesh& mesh,
+                   const View<const double* [3]>& displacement, double time,
+                   const NodalForces& forces) const;
+
+  const Pressure& pressure() const { return _pressure; }
+
+private:
+  Pressure _pressure;
+  View<int* [4]> _face_to_nodes;
+};
+
+} // namespace brickwall::mechanics
