@@ -1,0 +1,139 @@
+#include "miniapp/scene.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "io/mesh_reader.hpp"
+#include "io/wall_generator.hpp"
+#include "mechanics/lumped_mass.hpp"
+#include "miniapp/to_device.hpp"
+
+#include <utility>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+std::vector<mechanics::Material> materialsOf(const Config& config,
+                                             const std::vector<io::Block>& blocks) {
+  std::vector<mechanics::Material> materials;
+  for (const auto& block : blocks) {
+    const auto* material = config.materialOf(block.name);
+    if (!material)
+      throw InputError(config.deck_path + ": element block '" + block.name +
+                       "' has no material; expected a table [material." + block.name + "]");
+    materials.push_back(*material);
+  }
+  return materials;
+}
+
+// Runs of consecutive elements of one body.
+std::vector<mechanics::ElementRange> bodyRanges(const std::vector<global_id>& elem_body) {
+  std::vector<mechanics::ElementRange> ranges;
+  for (int elem = 0; elem < static_cast<int>(elem_body.size()); ++elem) {
+    if (ranges.empty() || ranges.back().body != elem_body[elem])
+      ranges.push_back({elem, 0, elem_body[elem]});
+    ++ranges.back().count;
+  }
+  return ranges;
+}
+
+mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
+                             const std::vector<unsigned char>& node_is_owned,
+                             const std::vector<mechanics::Material>& materials) {
+  mechanics::HexMesh mesh;
+  mesh.num_nodes = part.numNodes();
+  mesh.num_elems = part.numElems();
+  mesh.elem_to_nodes = toDevice<View<int* [8]>>(space, "mesh::elem_to_nodes", part.elem_nodes);
+  mesh.elem_ids = toDevice<View<global_id*>>(space, "mesh::elem_ids", part.elem_ids);
+  mesh.node_ids = toDevice<View<global_id*>>(space, "mesh::node_ids", part.node_ids);
+  mesh.node_is_owned =
+      toDevice<View<unsigned char*>>(space, "mesh::node_is_owned", node_is_owned);
+  mesh.elem_block = toDevice<View<int*>>(space, "mesh::elem_block", part.elem_block);
+  mesh.materials = toDevice<View<mechanics::Material*>>(space, "mesh::materials", materials);
+  mesh.reference_coordinates =
+      toDevice<View<double* [3]>>(space, "mesh::reference_coordinates", part.coordinates);
+  mesh.bodies = bodyRanges(part.elem_body);
+  return mesh;
+}
+
+double shortestSkinEdge(const exec_space& space, MPI_Comm comm, const mechanics::HexMesh& mesh,
+                        const mechanics::Skin& skin) {
+  const auto face_to_nodes = skin.face_to_nodes;
+  const auto X = mesh.reference_coordinates;
+  double shortest = HUGE_VAL;
+  Kokkos::parallel_reduce(
+      "miniapp::shortestSkinEdge", over(space, skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face, double& least) {
+        for (int corner = 0; corner < 4; ++corner) {
+          const Vec3 a = rowOf(X, face_to_nodes(face, corner));
+          const Vec3 b = rowOf(X, face_to_nodes(face, (corner + 1) % 4));
+          least = minOf(least, norm(b - a));
+        }
+      },
+      Kokkos::Min<double>(shortest));
+  return allReduce(comm, shortest, MPI_MIN);
+}
+
+template <class Set>
+const Set& findByName(const std::vector<Set>& sets, const std::string& name,
+                      const std::string& kind) {
+  std::vector<std::string> names;
+  std::string known;
+  for (const auto& set : sets) {
+    if (set.name == name)
+      return set;
+    names.push_back(set.name);
+    known += (known.empty() ? "" : ", ") + set.name;
+  }
+  const std::string nearest = io::nearestName(name, names);
+  throw InputError("the mesh has no " + kind + " '" + name + "'" +
+                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") +
+                   " It has: " + (known.empty() ? "none" : known));
+}
+
+} // namespace
+
+io::WallConfig toWallConfig(const WallConfig& wall) {
+  io::WallConfig config;
+  config.bricks = wall.bricks;
+  config.brick = wall.brick;
+  config.elements = wall.elements;
+  config.gap = wall.gap;
+  config.ends = wall.ends == Ends::flush ? io::WallEnds::flush : io::WallEnds::ragged;
+  return config;
+}
+
+io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config) {
+  return config.wall ? io::generateWall(comm, toWallConfig(*config.wall))
+                     : io::readMesh(comm, config.mesh->file);
+}
+
+Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
+  Scene scene;
+  scene.part = makeMeshPart(comm, config);
+  const auto materials = materialsOf(config, scene.part.blocks);
+  scene.node_is_owned.reserve(scene.part.node_owner.size());
+  for (const int owner : scene.part.node_owner)
+    scene.node_is_owned.push_back(owner == rankOf(comm));
+  scene.mesh = toHexMesh(space, scene.part, scene.node_is_owned, materials);
+
+  mechanics::SharedNodeLists shared;
+  for (const auto& list : scene.part.shared_nodes) {
+    shared.ranks.push_back(list.rank);
+    shared.nodes.push_back(list.nodes);
+  }
+  scene.shared = mechanics::SharedNodeSum(space, comm, shared);
+  scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+  scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
+  scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
+  scene.shortest_edge = shortestSkinEdge(space, comm, scene.mesh, scene.skin);
+  return scene;
+}
+
+const io::SideSet& sideSetOf(const io::MeshPart& part, const std::string& name) {
+  return findByName(part.side_sets, name, "side set");
+}
+const io::NodeSet& nodeSetOf(const io::MeshPart& part, const std::string& name) {
+  return findByName(part.node_sets, name, "node set");
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,43 @@
+// The scene that a deck describes, as this rank holds it: mesh on host and device, skin, masses, sets by name.
+#pragma once
+
+#include "io/mesh_part.hpp"
+#include "io/wall_layout.hpp"
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/shared_node_sum.hpp"
+#include "mechanics/skin.hpp"
+#include "miniapp/config.hpp"
+
+#include <mpi.h>
+
+#include <string>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+struct Scene {
+  io::MeshPart part; // host: for sets and output
+  mechanics::HexMesh mesh;
+  mechanics::SharedNodeSum shared;
+  mechanics::Skin skin;
+  View<double*> mass;           // lumped [node]
+  std::vector<unsigned char> node_is_owned; // host copy [node]
+  global_id num_faces = 0;      // exterior faces of all ranks
+  double shortest_edge = 0;     // of all skin faces of all ranks, length
+};
+
+// Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws
+// InputError (on all ranks) for a block without material, a mesh that cannot be read, or a bad element.
+Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
+
+// The mesh alone, still on the host. Collective.
+io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config);
+
+// The generator's view of [wall].
+io::WallConfig toWallConfig(const WallConfig& wall);
+
+// Sets by name. Throw InputError that names the set and the nearest name there is.
+const io::SideSet& sideSetOf(const io::MeshPart& part, const std::string& name);
+const io::NodeSet& nodeSetOf(const io::MeshPart& part, const std::string& name);
+
+} // namespace brickwall::miniapp
