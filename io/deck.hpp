@@ -32,7 +32,7 @@ struct KeyRule {
   int length = scalar; // `scalar`, the exact length of a list, or `any_length` (at least one entry)
   std::string unit; // "" for pure numbers
   std::string help; // one line
-  std::string fallback; // default, spelled as TOML; "" for none
+  std::string fallback; // default, spelled as for --set: TOML, words and texts bare; "" for none
   bool required = false;
   double lower = -std::numeric_limits<double>::infinity(); // bounds of every entry
   double upper = std::numeric_limits<double>::infinity();
@@ -67,9 +67,14 @@ struct BlockRule {
   BlockKind kind = BlockKind::single;
   std::string help; // one line
   std::vector<KeyRule> keys;
+  bool required =
+      false; // of a `single` block: must be given. Required keys count in given blocks only.
 };
 
 using Schema = std::vector<BlockRule>;
+
+// What a value of the rule is, as in a message: "a list of 3 integers each at least 1".
+std::string describeValue(const KeyRule& rule);
 
 // The text of `help`, one key a line with type, unit, default and range: for `brickwall --keys` and
 // the README.
@@ -119,6 +124,8 @@ public:
   // and `expected` complete the sentences "found ..." and "expected ...".
   void complain(const std::string& block, const std::string& key, const std::string& found,
                 const std::string& expected);
+  // Replaces a text, e.g. a relative path by the absolute one, also in resolved().
+  void assignText(const std::string& block, const std::string& key, const std::string& value);
   // Number of faults so far.
   int faults() const;
   // Throws InputError with all faults, sorted by line, if there are any. Not collective.
