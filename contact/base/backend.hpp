@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 
 namespace brickwall {
 
@@ -36,6 +37,9 @@ using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int6
 // True where device and host share memory, so that staging copies vanish.
 constexpr bool host_accessible =
     Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
+
+// Elements that one thread takes at once in SIMD lanes (mechanics/pack.hpp); 1 on a device, whose lanes are threads.
+constexpr int simd_width = std::is_same<exec_space, host_exec_space>::value ? 8 : 1;
 
 // One launch policy over [0, n) on the given space instance.
 inline range_policy over(const exec_space& space, std::int64_t n) {

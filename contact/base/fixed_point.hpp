@@ -1,4 +1,4 @@
-// Order-free sums (shared/sums.md): forces in 64-bit fixed point, energies and momenta in two 64-bit limbs. Integer
+// Order-free sums (shared/sums.md): forces in 64-bit fixed point, energies and momenta in three 64-bit limbs. Integer
 // addition is associative, so the result does not depend on threads, ranks or message order.
 #pragma once
 
@@ -36,44 +36,52 @@ KOKKOS_INLINE_FUNCTION std::int64_t roundToFixed(double quanta) {
   return fitsFixedPoint(quanta) ? static_cast<std::int64_t>(std::rint(quanta)) : 0;
 }
 
-// Scale of a two-limb sum: terms are below `largest` in magnitude, up to 2^28 of them are added without overflow,
-// and each is kept to largest * 2^-68.
+// Scale of a sum in limbs: terms are below `largest` in magnitude, up to 2^28 of them are added without overflow, and
+// each is kept to largest * 2^-102, so `largest` may be chosen generously from input data.
 struct LimbScale {
   double high_quantum = 1, high_inverse = 1;
   double low_quantum = 1, low_inverse = 1;
+  double tail_quantum = 1, tail_inverse = 1;
   static LimbScale forLargest(double largest) {
     const int e = largest > 0 ? static_cast<int>(std::ceil(std::log2(largest))) : 0;
-    return {std::ldexp(1.0, e - 34), std::ldexp(1.0, 34 - e), std::ldexp(1.0, e - 68),
-            std::ldexp(1.0, 68 - e)};
+    return {std::ldexp(1.0, e - 34), std::ldexp(1.0, 34 - e),  std::ldexp(1.0, e - 68),
+            std::ldexp(1.0, 68 - e), std::ldexp(1.0, e - 102), std::ldexp(1.0, 102 - e)};
   }
 };
 
-// One sum in two limbs, value = high * high_quantum + low * low_quantum. Terms beyond the scale (or NaN) are not
-// added but counted in `invalid`.
+// One sum in limbs, value = high * high_quantum + low * low_quantum + tail * tail_quantum. Terms beyond the scale (or
+// NaN) are not added but counted in LimbSums::invalid.
 struct LimbSum {
   std::int64_t high = 0;
   std::int64_t low = 0;
+  std::int64_t tail = 0;
 
   // Returns false, adding nothing, when the term does not fit the scale.
   KOKKOS_INLINE_FUNCTION bool add(double term, const LimbScale& scale) {
     const double high_part = std::rint(term * scale.high_inverse);
     if (!(std::fabs(high_part) < 17179869184.0)) // 2^34
       return false;
-    const double rest = term - high_part * scale.high_quantum; // exact: both are multiples of ulp(term)
+    const double rest = term - high_part * scale.high_quantum; // exact: multiples of ulp(term)
+    const double low_part = std::rint(rest * scale.low_inverse);
     high += static_cast<std::int64_t>(high_part);
-    low += static_cast<std::int64_t>(std::rint(rest * scale.low_inverse));
+    low += static_cast<std::int64_t>(low_part);
+    tail += static_cast<std::int64_t>(
+        std::rint((rest - low_part * scale.low_quantum) * scale.tail_inverse));
     return true;
   }
   double value(const LimbScale& scale) const {
-    // Carry first, so that the result is the double nearest to the exact sum but for one rounding.
+    // Carry first, so that the result is the double nearest to the exact sum but for two roundings.
     constexpr std::int64_t base = std::int64_t(1) << 34;
-    const std::int64_t carry = low / base;
-    return static_cast<double>(high + carry) * scale.high_quantum +
-           static_cast<double>(low - carry * base) * scale.low_quantum;
+    const std::int64_t carry_tail = tail / base;
+    const std::int64_t whole_low = low + carry_tail;
+    const std::int64_t carry_low = whole_low / base;
+    return static_cast<double>(high + carry_low) * scale.high_quantum +
+           (static_cast<double>(whole_low - carry_low * base) * scale.low_quantum +
+            static_cast<double>(tail - carry_tail * base) * scale.tail_quantum);
   }
 };
 
-// N sums that are reduced together: Kokkos reduces it with Combine<LimbSums<N>>, MPI as 2 N + 1 int64.
+// N sums that are reduced together: Kokkos reduces it with Combine<LimbSums<N>>, MPI as 3 N + 1 int64.
 template <int N>
 struct LimbSums {
   LimbSum sum[N];
@@ -87,12 +95,13 @@ struct LimbSums {
     for (int i = 0; i < N; ++i) {
       sum[i].high += b.sum[i].high;
       sum[i].low += b.sum[i].low;
+      sum[i].tail += b.sum[i].tail;
     }
     invalid += b.invalid;
     return *this;
   }
   std::int64_t* data() { return reinterpret_cast<std::int64_t*>(this); }
-  static constexpr int size() { return 2 * N + 1; }
+  static constexpr int size() { return 3 * N + 1; }
 };
 
 } // namespace brickwall
