@@ -33,15 +33,14 @@ struct WallConfig {
   WallEnds ends = WallEnds::flush;
 };
 
-// Nodes and elements are displaced by nothing; `search` jitters its surface, see WallJitter.
+// Disorder of the surface that `search` makes, so that no two coordinates of neighbouring bricks agree.
 struct WallJitter {
   double amplitude =
       0.0; // each node moves by up to this part of the element's edge along each axis, either way
   std::uint64_t seed = 1;
 };
 
-// Where a brick stands. `half_steps` counts half element edges from x = 0 to its first node, were
-// there no gap.
+// Where a brick stands in the wall.
 struct BrickPlace {
   std::int64_t course = 0, wythe = 0;
   std::int64_t along = 0; // position in its course, half bricks included

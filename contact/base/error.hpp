@@ -30,4 +30,18 @@ struct OutputError : Error {
   explicit OutputError(const std::string& message) : Error(ExitCode::output, message) {}
 };
 
+// The error class that belongs to `code`.
+[[noreturn]] inline void throwError(ExitCode code, const std::string& message) {
+  switch (code) {
+  case ExitCode::bad_input:
+    throw InputError(message);
+  case ExitCode::physics:
+    throw PhysicsError(message);
+  case ExitCode::output:
+    throw OutputError(message);
+  default:
+    throw Error(code, message);
+  }
+}
+
 } // namespace brickwall

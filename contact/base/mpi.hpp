@@ -87,7 +87,7 @@ inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
 }
 
 // Collective. Runs `work` on this rank; when it throws on any rank, every rank throws the message of the lowest such
-// rank with the same code. So what one rank finds alone is decided together. `work` itself must not call MPI.
+// rank, as the same class of error. So what one rank finds alone is decided together. `work` itself must not call MPI.
 inline void together(MPI_Comm comm, const std::function<void()>& work) {
   std::string message;
   int code = 0;
@@ -105,7 +105,7 @@ inline void together(MPI_Comm comm, const std::function<void()>& work) {
   if (first == none)
     return;
   checkMpi(MPI_Bcast(&code, 1, MPI_INT, first, comm), "MPI_Bcast");
-  throw Error(static_cast<ExitCode>(code), broadcast(comm, message, first));
+  throwError(static_cast<ExitCode>(code), broadcast(comm, message, first));
 }
 
 // Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank. For set-up: the
