@@ -11,10 +11,6 @@ if(BRICKWALL_EXECUTION_SPACE)
   endif()
 endif()
 
-# The C++ standard follows Kokkos' (5.x needs C++20), and is 17 at least.
-add_library(brickwall_standard INTERFACE)
-target_compile_features(brickwall_standard INTERFACE cxx_std_17)
-
 # Zoltan: Trilinos' package (target zoltan, Zoltan::zoltan in newer releases).
 find_package(Zoltan REQUIRED CONFIG)
 add_library(brickwall_zoltan INTERFACE)
