@@ -8,12 +8,13 @@
 namespace brickwall::contact {
 
 struct SurfaceBoxes {
-  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes", 0}; // B_n [node]; the empty box where not owned
+  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes",
+                        0}; // B_n [node]; the empty box where not owned
   View<Box*> face_boxes{"contact::SurfaceBoxes::faces", 0}; // B_f [face]
-  Box node_box;                                             // Bbar_n
-  Box face_box;                                             // Bbar_f
+  Box node_box; // Bbar_n
+  Box face_box; // Bbar_f
   std::int64_t num_invalid = 0; // nodes with a coordinate that is NaN or infinite
-  global_id first_invalid = 0;  // smallest global id of those
+  global_id first_invalid = 0; // smallest global id of those
 };
 
 // Box of a node over the step.

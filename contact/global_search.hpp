@@ -32,22 +32,20 @@ public:
   // Boxes of the last findGhosts(), for the local search.
   const SurfaceBoxes& boxes() const { return _boxes; }
   const GhostFaces& ghosts() const { return _migration.ghosts; }
-  const SearchStatistics& statistics() const { return _statistics; }
+  SearchStatistics statistics() const; // of the last findGhosts(), this rank's
   const SearchConfig& config() const { return _config; }
 
 private:
-  void synchronise(const exec_space& space) const;
-  void countResults();
+  void waitForOthers(const exec_space& space) const;
 
   MPI_Comm _comm;
   SearchConfig _config;
-  SurfaceBoxes _boxes;            // phase 1
-  RankBoxes _rank_boxes;          // phase 2
+  SurfaceBoxes _boxes; // phase 1
+  RankBoxes _rank_boxes; // phase 2
   GhostingCandidates _candidates; // phase 3
-  RemoteNodeBoxes _remote_nodes;  // phase 4
-  FaceGhostSearch _ghost_search;  // phase 5
-  FaceMigration _migration;       // phase 6
-  SearchStatistics _statistics;
+  RemoteNodeBoxes _remote_nodes; // phase 4
+  FaceGhostSearch _ghost_search; // phase 5
+  FaceMigration _migration; // phase 6
 };
 
 } // namespace brickwall::contact

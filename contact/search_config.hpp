@@ -11,20 +11,21 @@ enum class SearchMethod { paper, reference };
 
 struct SearchConfig {
   SearchMethod method = SearchMethod::paper;
-  double node_tolerance = 0;       // inflation of node boxes, length, >= 0
-  double face_tolerance = 0;       // inflation of face boxes, length, >= 0
-  bool drop_same_body = false;     // candidate pairs of a node and a face of one body are not listed
-  bool synchronise_phases = false; // fence and barrier between phases, in the region "search::waiting"
+  double node_tolerance = 0; // inflation of node boxes, length, >= 0
+  double face_tolerance = 0; // inflation of face boxes, length, >= 0
+  bool drop_same_body = false; // candidate pairs of a node and a face of one body are not listed
+  bool synchronise_phases =
+      false; // fence and barrier between phases, in the region "search::waiting"
 };
 
 // Counts of the last call on this rank.
 struct SearchStatistics {
-  int num_partners = 0;                // ranks that node boxes are sent to or received from
-  std::int64_t node_boxes_sent = 0;    // sum over q of |L_gns^q|
-  std::int64_t candidate_faces = 0;    // sum over q of |L_gfs^q|
-  std::int64_t overlapping_pairs = 0;  // pairs of search 2 before its filter
-  std::int64_t faces_sent = 0;         // sum over q of |L_ges^q|
-  std::int64_t num_ghosts = 0;         // faces received
+  int num_partners = 0; // ranks that node boxes are sent to or received from
+  std::int64_t node_boxes_sent = 0; // sum over q of |L_gns^q|
+  std::int64_t candidate_faces = 0; // sum over q of |L_gfs^q|
+  std::int64_t overlapping_pairs = 0; // pairs of search 2 before its filter
+  std::int64_t faces_sent = 0; // sum over q of |L_ges^q|
+  std::int64_t num_ghosts = 0; // faces received
 };
 
 } // namespace brickwall::contact

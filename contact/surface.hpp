@@ -12,35 +12,43 @@ struct Surface {
   int num_faces = 0;
   View<const double* [3]> coordinates_old; // x^n     [node][xyz], length
   View<const double* [3]> coordinates_new; // x^{n+1} [node][xyz], length
-  View<const int* [4]> face_to_nodes;      // [face][corner], outward normal by the right-hand rule; a triangle
-                                           // repeats a corner
-  View<const global_id*> node_ids;         // [node]
-  View<const global_id*> face_ids;         // [face]
+  View<const int* [4]>
+      face_to_nodes; // [face][corner], outward normal by the right-hand rule; a triangle
+  // repeats a corner
+  View<const global_id*> node_ids; // [node]
+  View<const global_id*> face_ids; // [face]
   View<const unsigned char*> node_is_owned; // [node]
-  View<const global_id*> node_body;        // [node] bodies share no node
-  View<const global_id*> face_body;        // [face]
-  View<const double**> face_attributes;    // [face][any number] host data that ghosts carry along; may be empty
+  View<const global_id*> node_body; // [node] bodies share no node
+  View<const global_id*> face_body; // [face]
+  View<const double**>
+      face_attributes; // [face][any number] host data that ghosts carry along; may be empty
 };
 
 // Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then face id.
 // Rows [0, count) are valid; the Views may be longer (they persist and grow).
 struct GhostFaces {
   int count = 0;
-  View<global_id*> face_ids;             // [ghost]
-  View<global_id*> bodies;               // [ghost]
-  View<global_id* [4]> corner_ids;       // [ghost][corner] global node ids
-  View<double* [12]> coordinates_old;    // [ghost][3 * corner + xyz]
-  View<double* [12]> coordinates_new;    // [ghost][3 * corner + xyz]
-  View<double**> attributes;             // [ghost][as face_attributes]
+  View<global_id*> face_ids{"contact::GhostFaces::face_ids", 0}; // [ghost]
+  View<global_id*> bodies{"contact::GhostFaces::bodies", 0}; // [ghost]
+  View<global_id* [4]> corner_ids {
+    "contact::GhostFaces::corner_ids", 0
+  }; // [ghost][corner] global node ids
+  View<double* [12]> coordinates_old {
+    "contact::GhostFaces::coordinates_old", 0
+  }; // [ghost][3 * corner + xyz]
+  View<double* [12]> coordinates_new {
+    "contact::GhostFaces::coordinates_new", 0
+  }; // [ghost][3 * corner + xyz]
+  View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
 };
 
 // Candidate pairs by node, compressed rows: faces(offsets(node)) .. faces(offsets(node + 1) - 1). A face index below
 // num_faces is an own face, else ghost face index - num_faces. Rows of nodes not owned here are empty. Each row is
-// in the order of (body, face id), without repeats.
+// in the order of (body, face id), without repeats. The Views may be longer (they persist and grow).
 struct CandidatePairs {
   std::int64_t count = 0;
-  View<std::int64_t*> offsets; // [num_nodes + 1]
-  View<int*> faces;            // [count]
+  View<std::int64_t*> offsets{"contact::CandidatePairs::offsets", 0}; // [num_nodes + 1]
+  View<int*> faces{"contact::CandidatePairs::faces", 0}; // [count]
 };
 
 } // namespace brickwall::contact

@@ -36,6 +36,9 @@ inline int sizeOf(MPI_Comm comm) {
   return size;
 }
 
+// Collective. Returns when all ranks have come here.
+inline void barrier(MPI_Comm comm) { checkMpi(MPI_Barrier(comm), "MPI_Barrier"); }
+
 // MPI counts are int: says which size did not fit instead of wrapping.
 inline int checkedInt(std::int64_t n, const char* what) {
   if (n < 0 || n > INT_MAX)

@@ -1,0 +1,28 @@
+// Phase 6: the faces L_ges^q with their data go to q, packed in one message per partner; the reactions on the ghosts
+// go the way back.
+#pragma once
+
+#include "contact/base/mpi.hpp"
+#include "contact/message_exchange.hpp"
+#include "contact/partner_lists.hpp"
+#include "contact/surface.hpp"
+
+namespace brickwall::contact {
+
+struct FaceMigration {
+  GhostFaces ghosts;
+  PartnerMessages messages;
+};
+
+// Collective among partners. Sends the listed faces and receives the ghosts of this rank from `senders` (Q_snd).
+void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                  const PartnerLists& faces_to_send, const std::vector<int>& senders,
+                  int num_attributes, FaceMigration& migration);
+
+// Collective among partners. own_face_values(face, :) += ghost_values(ghost, :) of all ghosts of the face. `faces_sent`
+// as of the last migration.
+void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                       const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
+                       const View<std::int64_t* [12]>& own_face_values);
+
+} // namespace brickwall::contact

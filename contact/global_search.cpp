@@ -1,0 +1,61 @@
+#include "contact/global_search.hpp"
+
+#include "contact/base/region.hpp"
+
+#include <cmath>
+
+namespace brickwall::contact {
+
+GlobalSearch::GlobalSearch(MPI_Comm comm, const SearchConfig& config)
+    : _comm(comm), _config(config) {
+  for (const double tolerance : {config.node_tolerance, config.face_tolerance})
+    if (!(tolerance >= 0) || !std::isfinite(tolerance))
+      throw InputError("GlobalSearch: tolerance is " + std::to_string(tolerance) +
+                       ", needs a finite length >= 0");
+}
+
+const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const Surface& surface) {
+  const Region region("findGhosts");
+  const PartnerLists &nodes_to_send = _candidates.nodes_to_send, // L_gns, Q_snd
+      &faces_to_test = _candidates.faces_to_test; // L_gfs, Q_rcv
+  constructBoxes(space, surface, _config, _boxes);
+  waitForOthers(space);
+  exchangeRankBoxes(_comm, surface, _boxes, _rank_boxes);
+  findPartnersAndCandidates(space, surface, _boxes, _rank_boxes, _config.method, _candidates);
+  waitForOthers(space);
+  exchangeNodeBoxes(space, _comm, _boxes, nodes_to_send, faces_to_test.ranks, _remote_nodes);
+  searchLocalFacesAgainstRemoteNodes(space, surface, _boxes, faces_to_test, _remote_nodes,
+                                     _config.method, _ghost_search);
+  waitForOthers(space);
+  migrateFaces(space, _comm, surface, _ghost_search.faces_to_send, nodes_to_send.ranks,
+               _rank_boxes.num_attributes, _migration);
+  return _migration.ghosts;
+}
+
+void GlobalSearch::returnToOwners(const exec_space& space,
+                                  const View<const std::int64_t* [12]>& ghost_values,
+                                  const View<std::int64_t* [12]>& own_face_values) {
+  returnGhostValues(space, _comm, _ghost_search.faces_to_send, ghost_values, _migration,
+                    own_face_values);
+}
+
+SearchStatistics GlobalSearch::statistics() const {
+  SearchStatistics counts;
+  counts.num_partners = _migration.messages.numPartners();
+  counts.node_boxes_sent = _candidates.nodes_to_send.size();
+  counts.candidate_faces = _candidates.faces_to_test.size();
+  counts.overlapping_pairs = _ghost_search.overlapping_pairs;
+  counts.faces_sent = _ghost_search.faces_to_send.size();
+  counts.num_ghosts = _migration.ghosts.count;
+  return counts;
+}
+
+void GlobalSearch::waitForOthers(const exec_space& space) const {
+  if (!_config.synchronise_phases)
+    return;
+  const Region timer("search::waiting");
+  space.fence();
+  barrier(_comm);
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,163 @@
+#include "contact/local_search.hpp"
+
+#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/region.hpp"
+#include "contact/candidate_rules.hpp"
+#include "contact/reference_search.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+using DeviceRules = PairRules<memory_space>;
+
+// The exact test of a leaf, then the rules: most boxes that overlap are kept.
+struct IsCandidate {
+  View<const Box*> node_boxes;
+  View<const Box*> face_boxes;
+  DeviceRules rules;
+  KOKKOS_INLINE_FUNCTION bool operator()(int node, int face) const {
+    return node_boxes(node).overlaps(face_boxes(face)) && rules.allow(node, face);
+  }
+};
+
+// Boxes of own faces, then of ghosts, by the same arithmetic as the owner's; `all` grows by the ghosts'.
+void appendGhostBoxes(const exec_space& space, const View<const Box*>& own, int num_own,
+                      const GhostFaces& ghosts, double tolerance, const View<Box*>& joined,
+                      Box& all) {
+  const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
+  Box ghost_box;
+  Kokkos::parallel_for(
+      "contact::localSearch::own_boxes", over(space, num_own),
+      KOKKOS_LAMBDA(const std::int64_t face) { joined(face) = own(face); });
+  Kokkos::parallel_reduce(
+      "contact::localSearch::ghost_boxes", over(space, ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost, Box& sum) {
+        Box box;
+        for (int c = 0; c < 12; c += 3) {
+          box.include(Vec3{x_old(ghost, c), x_old(ghost, c + 1), x_old(ghost, c + 2)});
+          box.include(Vec3{x_new(ghost, c), x_new(ghost, c + 1), x_new(ghost, c + 2)});
+        }
+        box.inflate(tolerance);
+        joined(num_own + ghost) = box;
+        sum.include(box);
+      },
+      Combine<Box>(ghost_box));
+  space.fence();
+  all.include(ghost_box);
+}
+
+// Sifts entry `root` of a heap of n entries (largest first) down.
+template <class Before>
+KOKKOS_INLINE_FUNCTION void siftDown(int* row, std::int64_t root, std::int64_t n,
+                                     const Before& before) {
+  for (std::int64_t child = 2 * root + 1; child < n; child = 2 * root + 1) {
+    if (child + 1 < n && before(row[child], row[child + 1]))
+      ++child;
+    if (!before(row[root], row[child]))
+      return;
+    const int swapped = row[root];
+    row[root] = row[child];
+    row[child] = swapped;
+    root = child;
+  }
+}
+
+// Insertion sort for the usual short row, heap sort for a long one.
+template <class Before>
+KOKKOS_INLINE_FUNCTION void sortRow(int* row, std::int64_t n, const Before& before) {
+  if (n <= 48) {
+    for (std::int64_t i = 1; i < n; ++i) {
+      const int face = row[i];
+      std::int64_t to = i;
+      for (; to > 0 && before(face, row[to - 1]); --to)
+        row[to] = row[to - 1];
+      row[to] = face;
+    }
+    return;
+  }
+  for (std::int64_t root = n / 2; root-- > 0;)
+    siftDown(row, root, n, before);
+  for (std::int64_t last = n - 1; last > 0; --last) {
+    const int swapped = row[0];
+    row[0] = row[last];
+    row[last] = swapped;
+    siftDown(row, 0, last, before);
+  }
+}
+
+// The rows of the result buffer, in the order of nodes, become compressed rows.
+void compressRows(const exec_space& space, int num_nodes, const QueryResults& results,
+                  CandidatePairs& pairs) {
+  growTo(space, pairs.offsets, num_nodes + 1);
+  growTo(space, pairs.faces, results.num_rows);
+  const auto begin = results.begin, count = results.count;
+  const auto items = results.items;
+  const auto offsets = pairs.offsets;
+  const auto faces = pairs.faces;
+  Kokkos::parallel_scan(
+      "contact::localSearch::offsets", over(space, num_nodes + 1),
+      KOKKOS_LAMBDA(const std::int64_t node, std::int64_t& sum, const bool final) {
+        if (final)
+          offsets(node) = sum;
+        sum += node < num_nodes ? count(node) : 0;
+      });
+  Kokkos::parallel_for(
+      "contact::localSearch::gather", over(space, num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        const std::int64_t first = offsets(node), n = offsets(node + 1) - first;
+        for (std::int64_t i = 0; i < n; ++i)
+          faces(first + i) = items(begin(node) + i);
+      });
+  pairs.count = results.num_rows;
+}
+
+void sortRows(const exec_space& space, int num_nodes, const DeviceRules& rules,
+              const CandidatePairs& pairs) {
+  const auto offsets = pairs.offsets;
+  const auto faces = pairs.faces;
+  Kokkos::parallel_for(
+      "contact::localSearch::sort_rows", over(space, num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        const std::int64_t first = offsets(node), n = offsets(node + 1) - first;
+        if (n > 1)
+          sortRow(&faces(first), n, [&](const int a, const int b) { return rules.before(a, b); });
+      });
+}
+
+} // namespace
+
+const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
+                                                      const Surface& surface,
+                                                      const GhostFaces& ghosts,
+                                                      const SurfaceBoxes& boxes) {
+  const Region region("findCandidatePairs");
+  const Region timer("search::local search");
+  View<const Box*> face_boxes = boxes.face_boxes;
+  Box all = boxes.face_box;
+  const int num_faces = surface.num_faces + ghosts.count;
+  if (ghosts.count > 0) {
+    growTo(space, _face_boxes, num_faces);
+    appendGhostBoxes(space, boxes.face_boxes, surface.num_faces, ghosts, _config.face_tolerance,
+                     _face_boxes, all);
+    face_boxes = _face_boxes;
+  }
+  const DeviceRules rules(surface, ghosts, _config.drop_same_body);
+  if (_config.method == SearchMethod::reference) {
+    referencePairs(space, surface, ghosts, boxes.node_boxes, face_boxes, _config.drop_same_body,
+                   _pairs);
+  } else {
+    buildTree(space, face_boxes, num_faces, all, _tree);
+    const BoxOfRow box_of{boxes.node_boxes};
+    const bool sorted = worthSorting(surface.num_nodes, num_faces);
+    if (sorted)
+      sortQueries(space, box_of, surface.num_nodes, all, _order);
+    queryTree(space, "contact::localSearch::query", _tree, surface.num_nodes, box_of,
+              IsCandidate{boxes.node_boxes, face_boxes, rules}, sorted ? &_order : nullptr,
+              _results);
+    compressRows(space, surface.num_nodes, _results, _pairs);
+  }
+  sortRows(space, surface.num_nodes, rules, _pairs);
+  return _pairs;
+}
+
+} // namespace brickwall::contact

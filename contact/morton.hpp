@@ -1,0 +1,55 @@
+// Morton codes: 63-bit Z-order keys of points in a box (Morton 1966; paper, section 5). Near points mostly get near
+// keys, so sorting by them makes tree nodes compact and queries of one chunk alike.
+#pragma once
+
+#include "contact/base/box.hpp"
+
+#include <cstdint>
+
+namespace brickwall::contact {
+
+using morton_code = std::uint64_t;
+constexpr int morton_bits = 63; // 21 per axis
+
+// A grid of 2^21 cubic cells along the longest edge of a box. Cubes, not the box's own shape: a wall is thin.
+struct MortonGrid {
+  double lower[3] = {0, 0, 0};
+  double cells_per_length = 0;
+
+  MortonGrid() = default;
+  explicit MortonGrid(const Box& all) {
+    if (all.empty())
+      return;
+    double edge = 0;
+    for (int d = 0; d < 3; ++d) {
+      lower[d] = all.lower[d];
+      edge = maxOf(edge, all.upper[d] - all.lower[d]);
+    }
+    if (edge > 0)
+      cells_per_length = 2097151.0 / edge; // 2^21 - 1; all in cell 0 when the box is one point
+  }
+};
+
+// Spreads the low 21 bits of v to every third bit.
+KOKKOS_INLINE_FUNCTION std::uint64_t spreadBits(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x001f00000000ffff;
+  v = (v | v << 16) & 0x001f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  v = (v | v << 2) & 0x1249249249249249;
+  return v;
+}
+
+// Points outside the grid's box get the nearest cell, points that are not finite cell 0 or the last.
+KOKKOS_INLINE_FUNCTION morton_code mortonCode(const MortonGrid& grid, const Vec3& point) {
+  morton_code code = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double cell = (point[d] - grid.lower[d]) * grid.cells_per_length;
+    const double clamped = cell > 0 ? minOf(cell, 2097151.0) : 0.0; // NaN: 0
+    code |= spreadBits(static_cast<std::uint64_t>(clamped)) << (2 - d);
+  }
+  return code;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,70 @@
+#include "contact/node_box_exchange.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/base/tags.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+constexpr int box_words = 6;
+
+void packBoxes(const exec_space& space, const View<const Box*>& boxes, const PartnerLists& lists,
+               MessageBuffers& buffers) {
+  growTo(space, buffers.send, lists.size() * box_words);
+  const auto words = buffers.send;
+  const View<const int*> rows = lists.rows;
+  Kokkos::parallel_for(
+      "contact::exchangeNodeBoxes::pack", over(space, lists.size()),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const Box& box = boxes(rows(i));
+        for (int d = 0; d < 3; ++d) {
+          words(i * box_words + d) = toWord(box.lower[d]);
+          words(i * box_words + 3 + d) = toWord(box.upper[d]);
+        }
+      });
+}
+
+void unpackBoxes(const exec_space& space, RemoteNodeBoxes& remote) {
+  growTo(space, remote.boxes, remote.size());
+  growTo(space, remote.senders, remote.size());
+  copyToDevice(space, remote.offsets, remote.device_offsets);
+  const View<const std::int64_t*> offsets = remote.device_offsets;
+  const auto num_senders = static_cast<int>(remote.ranks.size());
+  const auto words = remote.messages.buffers.receive;
+  const auto boxes = remote.boxes;
+  const auto senders = remote.senders;
+  Kokkos::parallel_reduce(
+      "contact::exchangeNodeBoxes::unpack", over(space, remote.size()),
+      KOKKOS_LAMBDA(const std::int64_t i, Box& all) {
+        Box box;
+        for (int d = 0; d < 3; ++d) {
+          fromWord(words(i * box_words + d), box.lower[d]);
+          fromWord(words(i * box_words + 3 + d), box.upper[d]);
+        }
+        boxes(i) = box;
+        senders(i) = partnerOf(offsets, num_senders, i);
+        all.include(box);
+      },
+      Combine<Box>(remote.all));
+  space.fence();
+}
+
+} // namespace
+
+void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxes& boxes,
+                       const PartnerLists& nodes_to_send, const std::vector<int>& senders,
+                       RemoteNodeBoxes& remote) {
+  const Region region("exchangeNodeBoxes");
+  const Region timer("search::node-box exchange");
+  auto& messages = remote.messages;
+  remote.ranks = senders;
+  remote.offsets = messages.agreeOnSizes(comm, tags::node_box_counts, nodes_to_send.ranks,
+                                         nodes_to_send.offsets, senders);
+  packBoxes(space, boxes.node_boxes, nodes_to_send, messages.buffers);
+  messages.exchange(space, comm, tags::node_boxes, box_words);
+
+  checkedInt(remote.size(), "node boxes received");
+  unpackBoxes(space, remote);
+}
+
+} // namespace brickwall::contact

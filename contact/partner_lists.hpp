@@ -1,0 +1,54 @@
+// Lists of local rows by partner rank: the form of L_gns, L_gfs and L_ges (paper, section 4).
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+#include <vector>
+
+namespace brickwall::contact {
+
+struct PartnerLists {
+  std::vector<int> ranks; // partners, ascending
+  std::vector<std::int64_t> offsets{0}; // [partner + 1] into rows
+  View<int*> rows{"contact::PartnerLists::rows", 0}; // by partner, ascending within; may be longer
+
+  std::int64_t size() const { return offsets.back(); }
+};
+
+// The partner whose rows [offsets(p), offsets(p + 1)) hold row i.
+KOKKOS_INLINE_FUNCTION int partnerOf(const View<const std::int64_t*>& offsets, int num_partners,
+                                     std::int64_t i) {
+  int low = 0, high = num_partners; // the last partner whose first row is not after i
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    if (offsets(middle) <= i)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// Copies the first `n` entries of a device View to the host vector. Fences.
+template <class T>
+void copyToHost(const exec_space& space, const View<T*>& from, std::int64_t n, std::vector<T>& to) {
+  to.resize(static_cast<std::size_t>(n));
+  if (n > 0)
+    Kokkos::deep_copy(
+        space, Kokkos::View<T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(to.data(), to.size()),
+        Kokkos::subview(from, std::make_pair(std::size_t(0), static_cast<std::size_t>(n))));
+  space.fence();
+}
+
+// Copies a host vector to the first entries of a device View, which grows. Fences.
+template <class T>
+void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>& to) {
+  growTo(space, to, static_cast<std::int64_t>(from.size()));
+  if (!from.empty())
+    Kokkos::deep_copy(space, Kokkos::subview(to, std::make_pair(std::size_t(0), from.size())),
+                      Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
+                          from.data(), from.size()));
+  space.fence();
+}
+
+} // namespace brickwall::contact
