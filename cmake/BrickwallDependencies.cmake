@@ -2,6 +2,10 @@
 # cmake/build_trilinos.sh caches, or from wherever CMAKE_PREFIX_PATH and <Package>_ROOT point.
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(Kokkos 3.4 REQUIRED CONFIG)
+if("CUDA" IN_LIST Kokkos_DEVICES)
+  # nvcc leaves typedefs of its own in lambdas.
+  target_compile_options(brickwall_flags INTERFACE -Wno-unused-local-typedefs)
+endif()
 find_package(Threads REQUIRED)
 if(BRICKWALL_EXECUTION_SPACE)
   string(TOUPPER "${BRICKWALL_EXECUTION_SPACE}" _space)
