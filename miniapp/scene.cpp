@@ -45,8 +45,7 @@ mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
   mesh.elem_to_nodes = toDevice<View<int* [8]>>(space, "mesh::elem_to_nodes", part.elem_nodes);
   mesh.elem_ids = toDevice<View<global_id*>>(space, "mesh::elem_ids", part.elem_ids);
   mesh.node_ids = toDevice<View<global_id*>>(space, "mesh::node_ids", part.node_ids);
-  mesh.node_is_owned =
-      toDevice<View<unsigned char*>>(space, "mesh::node_is_owned", node_is_owned);
+  mesh.node_is_owned = toDevice<View<unsigned char*>>(space, "mesh::node_is_owned", node_is_owned);
   mesh.elem_block = toDevice<View<int*>>(space, "mesh::elem_block", part.elem_block);
   mesh.materials = toDevice<View<mechanics::Material*>>(space, "mesh::materials", materials);
   mesh.reference_coordinates =

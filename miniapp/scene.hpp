@@ -20,10 +20,10 @@ struct Scene {
   mechanics::HexMesh mesh;
   mechanics::SharedNodeSum shared;
   mechanics::Skin skin;
-  View<double*> mass;           // lumped [node]
+  View<double*> mass; // lumped [node]
   std::vector<unsigned char> node_is_owned; // host copy [node]
-  global_id num_faces = 0;      // exterior faces of all ranks
-  double shortest_edge = 0;     // of all skin faces of all ranks, length
+  global_id num_faces = 0; // exterior faces of all ranks
+  double shortest_edge = 0; // of all skin faces of all ranks, length
 };
 
 // Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws

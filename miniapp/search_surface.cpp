@@ -8,8 +8,8 @@
 
 namespace brickwall::miniapp {
 
-SearchSurface::SearchSurface(const exec_space& space, const io::SurfacePart& part, int rank, double drift,
-                             std::uint64_t seed)
+SearchSurface::SearchSurface(const exec_space& space, const io::SurfacePart& part, int rank,
+                             double drift, std::uint64_t seed)
     : _num_nodes(static_cast<int>(part.node_ids.size())),
       _num_faces(static_cast<int>(part.face_ids.size())), _drift(drift), _seed(seed),
       _bricks(part.node_body) {
@@ -18,8 +18,8 @@ SearchSurface::SearchSurface(const exec_space& space, const io::SurfacePart& par
   std::vector<int> node_brick;
   node_brick.reserve(part.node_body.size());
   for (const global_id body : part.node_body)
-    node_brick.push_back(static_cast<int>(
-        std::lower_bound(_bricks.begin(), _bricks.end(), body) - _bricks.begin()));
+    node_brick.push_back(
+        static_cast<int>(std::lower_bound(_bricks.begin(), _bricks.end(), body) - _bricks.begin()));
   _node_brick = toDevice<View<int*>>(space, "search::node_brick", node_brick);
   _motion = View<double* [3]>("search::motion", _bricks.size());
   _motion_host = Kokkos::create_mirror_view(_motion);

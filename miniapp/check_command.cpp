@@ -1,0 +1,98 @@
+// `brickwall check`: what the scene will model and what it will need, from the deck alone for walls of any size.
+#include "contact/base/mpi.hpp"
+#include "io/wall_layout.hpp"
+#include "miniapp/commands.hpp"
+#include "miniapp/memory_estimate.hpp"
+#include "miniapp/scene.hpp"
+#include "miniapp/simulation.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// A wall with one brick of each kind that the deck's wall has: its time step is the same.
+Config smallestLikeScene(const Config& config) {
+  Config small = config;
+  if (small.wall) {
+    auto& bricks = small.wall->bricks;
+    bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
+    small.initial_velocities.clear();
+  }
+  return small;
+}
+
+const char* modelName(mechanics::MaterialModel model) {
+  switch (model) {
+  case mechanics::MaterialModel::svk:
+    return "svk";
+  case mechanics::MaterialModel::linear:
+    return "linear";
+  default:
+    return "neo_hookean";
+  }
+}
+
+} // namespace
+
+int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
+  const Config small = smallestLikeScene(config);
+  const Scene scene = makeScene(exec_space(), comm, small);
+  const Simulation simulation(comm, small, scene);
+
+  std::int64_t elements = scene.part.num_global_elems, nodes = scene.part.num_global_nodes,
+               faces = scene.num_faces, bodies = scene.part.num_global_bodies;
+  if (config.wall) {
+    const io::WallLayout layout(toWallConfig(*config.wall));
+    elements = layout.numElems();
+    nodes = layout.numNodes();
+    faces = layout.numFaces();
+    bodies = layout.numBricks();
+  }
+  const std::int64_t congruent = simulation.numCongruentElems();
+  const bool all_congruent = congruent == scene.part.num_global_elems;
+  const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
+  const int ranks = sizeOf(comm);
+  if (rankOf(comm) != 0)
+    return 0;
+
+  const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
+  std::printf("%s\n", config.title.empty() ? options.caseName().c_str() : config.title.c_str());
+  std::printf("  deck              %s\n", config.deck_path.c_str());
+  std::printf("  bodies            %lld\n", count(bodies));
+  std::printf("  elements          %lld (%s; %s)\n", count(elements),
+              config.formulation == Formulation::tlps ? "one-point, assumed-strain hourglass"
+                                                      : "full 2x2x2",
+              all_congruent ? "congruent bricks: no geometry per element"
+                            : "general: geometry stored per element");
+  std::printf("  nodes             %lld\n", count(nodes));
+  std::printf("  exterior faces    %lld\n", count(faces));
+  for (const auto& block : scene.part.blocks) {
+    const auto& material = *config.materialOf(block.name);
+    std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g\n",
+                block.name.c_str(), modelName(material.model), material.density, material.youngs,
+                material.poisson);
+  }
+  std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
+              config.gravity == Triple{0, 0, 0} ? "off" : "on");
+  std::printf("  boundary          %zu fixed, %zu moving node sets\n", config.fixed.size(),
+              config.prescribed.size());
+  if (config.contact.enabled)
+    std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
+                config.contact.tolerance * scene.shortest_edge, config.contact.penalty,
+                simulation.dropsSameBody() ? "no contact of a body with itself"
+                                           : "bodies may touch themselves");
+  else
+    std::printf("  contact           off: nothing is searched\n");
+  std::printf("  time step         %g\n", simulation.clock().dt);
+  std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
+              config.time.end);
+  std::printf(
+      "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
+      1e-6 * bytes.host_and_device / ranks, ranks, 1e-6 * bytes.device / ranks);
+  return 0;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,191 @@
+#include "miniapp/results.hpp"
+
+#include "contact/base/exchange_plan.hpp"
+#include "contact/base/region.hpp"
+#include "miniapp/acceleration.hpp"
+#include "miniapp/report.hpp"
+
+namespace brickwall::miniapp {
+
+namespace {
+
+const std::vector<std::string> nodal_names = {
+    "displacement_x",  "displacement_y", "displacement_z",  "velocity_x",
+    "velocity_y",      "velocity_z",     "force_contact_x", "force_contact_y",
+    "force_contact_z", "contact_status", "contact_gap"};
+const std::vector<std::string> element_names = {"stress_xx", "stress_yy",     "stress_zz",
+                                                "stress_xy", "stress_yz",     "stress_zx",
+                                                "pressure",  "energy_density"};
+
+io::ResultsConfig resultsConfig(const Config& config) {
+  io::ResultsConfig results;
+  results.title = config.title;
+  results.version = versionText();
+  results.information = config.resolved_deck;
+  results.nodal_names = nodal_names;
+  results.element_names = element_names;
+  results.global_names = globalNames();
+  results.write_processor_id = config.output.processor_id;
+  results.single_precision = config.output.precision == Precision::single;
+  results.format = config.output.file_format == FileFormat::netcdf4 ? io::FileFormat::netcdf4
+                                                                    : io::FileFormat::classic;
+  return results;
+}
+
+// Status and gap of the nodes owned here as message words. Only the owner of a node knows its contacts: the words of
+// all other sharers are zero, so that a sum forwards the owner's bits.
+void packContact(const exec_space& space, const Scene& scene,
+                 const contact::Enforcement& enforcement, const View<std::int64_t**>& words) {
+  Kokkos::deep_copy(space, words, 0);
+  const auto surface_to_node = scene.skin.surface_to_node;
+  const auto is_owned = scene.mesh.node_is_owned;
+  const auto status = enforcement.status();
+  const auto gap = enforcement.gap();
+  Kokkos::parallel_for(
+      "results::packContact", over(space, scene.skin.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = surface_to_node(i);
+        if (!is_owned(node))
+          return;
+        words(node, 0) = status(i);
+        words(node, 1) = toWord(gap(i));
+      });
+}
+
+} // namespace
+
+std::vector<std::string> globalNames() {
+  return {"timestep",
+          "kinetic_energy",
+          "internal_energy",
+          "hourglass_energy",
+          "contact_energy",
+          "dissipated_energy",
+          "total_energy",
+          "external_work",
+          "internal_work",
+          "hourglass_work",
+          "contact_work",
+          "load_work",
+          "gravity_work",
+          "reaction_work",
+          "energy_error",
+          "momentum_error",
+          "ledger_residual",
+          "momentum_x",
+          "momentum_y",
+          "momentum_z",
+          "angular_momentum_x",
+          "angular_momentum_y",
+          "angular_momentum_z",
+          "impulse_load_x",
+          "impulse_load_y",
+          "impulse_load_z",
+          "impulse_gravity_x",
+          "impulse_gravity_y",
+          "impulse_gravity_z",
+          "impulse_reaction_x",
+          "impulse_reaction_y",
+          "impulse_reaction_z",
+          "contacts",
+          "max_penetration",
+          "searches"};
+}
+
+std::vector<double> globalValues(const Simulation& simulation) {
+  const auto& balance = simulation.balance();
+  const ContactCounts counts = simulation.contactCounts();
+  std::vector<double> values = {simulation.clock().dt,
+                                balance.kinetic,
+                                balance.stored_material + balance.stored_hourglass,
+                                balance.stored_hourglass,
+                                balance.stored_contact,
+                                balance.dissipated,
+                                balance.total_half,
+                                balance.external_work,
+                                balance.work[mechanics::material_force],
+                                balance.work[mechanics::hourglass_force],
+                                balance.work[mechanics::contact_force],
+                                balance.work[mechanics::external_force],
+                                balance.work_gravity,
+                                balance.work_reaction,
+                                balance.energy_error,
+                                balance.momentum_error,
+                                balance.ledger_residual};
+  for (const Vec3& v : {balance.momentum, balance.angular_momentum, balance.impulse_external,
+                        balance.impulse_gravity, balance.impulse_reaction})
+    values.insert(values.end(), {v.x, v.y, v.z});
+  values.push_back(static_cast<double>(counts.active));
+  values.push_back(counts.max_penetration);
+  values.push_back(static_cast<double>(counts.searches));
+  return values;
+}
+
+Results::Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene)
+    : _scene(scene), _shared(scene.shared),
+      _writer(comm, base + ".exo", scene.part, resultsConfig(config)),
+      _nodal(nodal_names.size(), std::vector<double>(scene.part.node_ids.size())),
+      _element(element_names.size(), std::vector<double>(scene.part.elem_ids.size())),
+      _contact_words("results::contact_words", scene.part.node_ids.size(), 2) {}
+
+void Results::writeStep(Simulation& simulation) {
+  const Region region("output");
+  fillNodal(simulation);
+  fillContact(simulation);
+  fillElement(simulation);
+  _writer.writeStep(simulation.clock().time, _nodal, _element, globalValues(simulation));
+}
+
+// Displacement and contact force at t^n; velocity at t^n from that of the half step after it, v^{n+1/2} - dt/2 a^n.
+void Results::fillNodal(const Simulation& simulation) {
+  const auto u =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
+  const auto v =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().velocity);
+  const auto mass =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
+  const auto values =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.forces().values);
+  const auto& boundary = simulation.boundary();
+  const auto motion =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.at(0).motion);
+  const double quantum = simulation.forces().quantum.value;
+  const double half_step = 0.5 * simulation.clock().dt;
+  for (int d = 0; d < 3; ++d)
+    for (int node = 0; node < _scene.mesh.num_nodes; ++node) {
+      const double acceleration = accelerationOf(values, quantum, mass(node), boundary.gravity(),
+                                                 boundary.any(), motion, node, d);
+      _nodal[d][node] = u(node, d);
+      _nodal[3 + d][node] = v(node, d) - half_step * acceleration;
+      _nodal[6 + d][node] =
+          static_cast<double>(values(node, 3 * mechanics::contact_force + d)) * quantum;
+    }
+}
+
+void Results::fillContact(const Simulation& simulation) {
+  if (!simulation.enforcement())
+    return;
+  packContact(_space, _scene, *simulation.enforcement(), _contact_words);
+  _shared.sum(_space, _contact_words);
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _contact_words);
+  for (int node = 0; node < _scene.mesh.num_nodes; ++node) {
+    _nodal[9][node] = static_cast<double>(host(node, 0));
+    fromWord(host(node, 1), _nodal[10][node]);
+  }
+}
+
+void Results::fillElement(Simulation& simulation) {
+  simulation.internalForce().computeFields(_space, simulation.state().displacement, _fields);
+  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.stress);
+  const auto pressure = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.pressure);
+  const auto density =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.energy_density);
+  for (int elem = 0; elem < _scene.mesh.num_elems; ++elem) {
+    for (int c = 0; c < 6; ++c)
+      _element[c][elem] = stress(elem, c);
+    _element[6][elem] = pressure(elem);
+    _element[7][elem] = density(elem);
+  }
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,43 @@
+// What a run writes while it goes: the Exodus steps and the rows of history.csv.
+#pragma once
+
+#include "io/results_writer.hpp"
+#include "miniapp/history.hpp"
+#include "miniapp/simulation.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+// Energies, momenta, steps and counts of the moment, in the order of globalNames(): Exodus globals and history.csv
+// are this list.
+std::vector<std::string> globalNames();
+std::vector<double> globalValues(const Simulation& simulation);
+
+class Results {
+public:
+  // Creates `base`.exo (or this rank's file of it). Collective. Throws OutputError on all ranks.
+  Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene);
+
+  // Appends the state of the moment. Collective. Throws OutputError on all ranks.
+  void writeStep(Simulation& simulation);
+  void close() { _writer.close(); }
+
+private:
+  void fillNodal(const Simulation& simulation);
+  void fillContact(const Simulation& simulation);
+  void fillElement(Simulation& simulation);
+
+  exec_space _space;
+  const Scene& _scene;
+  mechanics::SharedNodeSum _shared;
+  io::ResultsWriter _writer;
+  std::vector<std::vector<double>> _nodal, _element;
+  mechanics::ElementFields _fields;
+  View<std::int64_t**>
+      _contact_words; // [node] status, bits of the gap: forwarded from owners to sharers
+};
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,226 @@
+#include "miniapp/simulation.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "mechanics/central_difference.hpp"
+#include "mechanics/lumped_mass.hpp"
+#include "mechanics/stable_time_step.hpp"
+#include "miniapp/loads.hpp"
+#include "miniapp/undo_step.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+void Simulation::step() {
+  moveNodes();
+  findContactCandidates();
+  computeForces(_clock.time);
+  enforceContact(_clock.dt_before);
+  sumSharedNodes();
+  kickVelocities(0.5 * (_clock.dt_before + _clock.dt), _clock.time + 0.5 * _clock.dt);
+  bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
+}
+
+void Simulation::start() {
+  if (_coupling)
+    _coupling->resetCoordinates(_space, _state.displacement);
+  findContactCandidates();
+  computeForces(_clock.time);
+  enforceContact(_clock.dt);
+  sumSharedNodes();
+  kickVelocities(0.5 * _clock.dt, 0.5 * _clock.dt);
+  bookEnergies(0.5 * _clock.dt);
+}
+
+void Simulation::moveNodes() {
+  const Region region("step::drift");
+  mechanics::drift(_space, _clock.dt, _state);
+  if (_coupling)
+    _coupling->gatherCoordinates(_space, _state.displacement);
+  _clock.dt_before = _clock.dt;
+  _clock.time += _clock.dt;
+  ++_clock.step;
+}
+
+void Simulation::findContactCandidates() {
+  if (!_coupling)
+    return;
+  const Region region("search");
+  const contact::Surface surface = _coupling->surface();
+  const contact::GhostFaces& ghosts = _global_search->findGhosts(_space, surface);
+  _pairs = &_local_search->findCandidatePairs(_space, surface, ghosts, _global_search->boxes());
+  ++_searches;
+}
+
+void Simulation::computeForces(double time) {
+  mechanics::zeroForces(_space, _forces);
+  {
+    const Region region("step::internal force");
+    _internal = _internal_force->add(_space, _state.displacement, _forces, true);
+  }
+  const Region region("step::loads");
+  _load_failures = 0;
+  for (const auto& load : _loads)
+    _load_failures += load.add(_space, _scene.mesh, _state.displacement, time, _forces);
+}
+
+void Simulation::enforceContact(double dt) {
+  if (!_enforcement)
+    return;
+  const Region region("step::contact enforcement");
+  _contact =
+      _enforcement->enforce(_space, _coupling->surface(), _global_search->ghosts(), *_pairs, dt);
+  _coupling->addContactForces(_space, _enforcement->forces(), *_global_search, _forces);
+}
+
+void Simulation::sumSharedNodes() {
+  const Region region("step::shared-node sum");
+  _shared.sum(_space, _forces.values);
+}
+
+void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
+  const Region region("step::kick");
+  _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
+                          _state, _scales);
+}
+
+void Simulation::bookEnergies(double dt_kick) {
+  const Region region("step::ledger");
+  mechanics::ContactEnergySums contact_energy;
+  contact_energy.sum[mechanics::contact_stored_half] = _contact.stored.sum[0];
+  const std::int64_t contact_failures =
+      _contact.overflow + _contact.invalid + _contact.stored.invalid;
+  _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
+                   _load_failures + contact_failures);
+  if (_ledger.balance().failures > 0) {
+    stepBack(dt_kick);
+    reportFailure();
+  }
+}
+
+// Undoes the kick and the drift that led to a failed element, so that the last good state can be written. Forces that
+// failed were never added, so what was added is finite.
+void Simulation::stepBack(double dt_kick) {
+  undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, _forces, _state);
+  _clock.time -= _clock.dt_before;
+  --_clock.step;
+}
+
+void Simulation::reportFailure() {
+  std::ostringstream message;
+  const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
+  auto contact_sums = _contact;
+  contact::allReduce(_comm, contact_sums);
+  message << "the computation broke down in step " << _clock.step + 1 << " (time "
+          << _clock.time + _clock.dt_before << "): ";
+  if (failure.count > 0)
+    message << mechanics::describe(failure);
+  else if (!contact_sums.problem().empty())
+    message << contact_sums.problem();
+  else
+    message << "a load or an energy is not finite or beyond the range of the exact sums";
+  throw PhysicsError(message.str());
+}
+
+std::int64_t Simulation::plannedSteps() const {
+  return _planned_steps;
+}
+
+// Whole steps of equal length from now to the end, none longer than `longest`.
+void Simulation::planSteps(double longest) {
+  const double left = _config.time.end - _clock.time;
+  const auto steps = static_cast<std::int64_t>(std::ceil(left / longest * (1 - 1e-12)));
+  _clock.dt = left / static_cast<double>(maxOf<std::int64_t>(steps, 1));
+  _planned_steps = _clock.step + steps;
+  if (_config.time.steps)
+    _planned_steps = minOf(_planned_steps, *_config.time.steps);
+}
+
+void Simulation::adaptTimeStep() {
+  const Region region("step::stable step");
+  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _internal_force->kind(),
+                                                _state.displacement);
+  // A jittering step is itself unstable (shared/physics.md, finding 5): dt changes only when the elements' bound has
+  // fallen below it, and then by enough to last.
+  constexpr double reserve = 0.9;
+  if (_step_share * stable.dt < _clock.dt && stable.dt > 0)
+    planSteps(reserve * _step_share * stable.dt);
+}
+
+Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
+    : _comm(comm), _config(config), _scene(scene),
+      _boundary(_space, scene.mesh.num_nodes, prescribedMotions(config, scene.part),
+                toVec3(config.gravity)),
+      _shared(scene.shared) {
+  const auto& mesh = scene.mesh;
+  _state.mass = scene.mass;
+  _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
+  _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
+  _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
+  _forces.values =
+      View<std::int64_t**>("state::forces", mesh.num_nodes, 3 * mechanics::num_force_kinds);
+  _scales = mechanics::ledgerScales(_space, comm, mesh);
+  const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
+                                                            : mechanics::ElementKind::full;
+  _internal_force = std::make_unique<mechanics::InternalForce>(_space, comm, mesh, kind,
+                                                               _forces.quantum, _scales.energy);
+  _loads = pressureLoads(_space, config, scene);
+  setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
+
+  const auto stable = mechanics::stableTimeStep(_space, comm, mesh, kind);
+  _step_share = config.contact.enabled
+                    ? mechanics::contactStepShare(config.time.safety, config.contact.penalty)
+                    : config.time.safety;
+  planSteps(_step_share * stable.dt);
+  if (config.contact.enabled)
+    setUpContact();
+  _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
+                                    mechanics::totalMass(_space, comm, mesh, scene.mass),
+                                    mechanics::momentaOf(_space, mesh, _state, _scales));
+}
+
+void Simulation::setUpContact() {
+  _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
+  _drops_same_body = _config.contact.self == SelfContact::never ||
+                     (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
+  contact::SearchConfig search;
+  search.method = _config.search.method == SearchMethod::paper ? contact::SearchMethod::paper
+                                                               : contact::SearchMethod::reference;
+  search.node_tolerance = search.face_tolerance = _config.contact.tolerance * _scene.shortest_edge;
+  search.drop_same_body = _drops_same_body;
+  search.synchronise_phases = false;
+  _global_search = std::make_unique<contact::GlobalSearch>(_comm, search);
+  _local_search = std::make_unique<contact::LocalSearch>(search);
+  contact::EnforcementConfig enforcement;
+  enforcement.penalty = _config.contact.penalty;
+  enforcement.reference_step = _clock.dt;
+  enforcement.lateral_tolerance = _config.contact.lateral_tolerance;
+  enforcement.self_contact = !_drops_same_body;
+  _coupling->resetCoordinates(_space, _state.displacement);
+  _enforcement = std::make_unique<contact::Enforcement>(_space, _comm, _coupling->surface(),
+                                                        _coupling->nodeMass(), enforcement,
+                                                        _forces.quantum, _scales.energy);
+}
+
+ContactCounts Simulation::contactCounts() const {
+  ContactCounts counts;
+  if (!_coupling)
+    return counts;
+  std::int64_t sums[3] = {_global_search->ghosts().count, _pairs ? _pairs->count : 0,
+                          _contact.active};
+  allReduce(_comm, sums, 3, MPI_SUM);
+  counts.searches = _searches;
+  counts.ghost_faces = sums[0];
+  counts.candidate_pairs = sums[1];
+  counts.active = sums[2];
+  counts.max_penetration = allReduce(_comm, _contact.max_penetration, MPI_MAX);
+  return counts;
+}
+
+std::int64_t Simulation::numCongruentElems() const {
+  return allReduce(_comm, _internal_force->numCongruentElems(), MPI_SUM);
+}
+
+} // namespace brickwall::miniapp

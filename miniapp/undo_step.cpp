@@ -1,0 +1,30 @@
+#include "miniapp/undo_step.hpp"
+
+#include "miniapp/acceleration.hpp"
+
+namespace brickwall::miniapp {
+
+void undoKickAndDrift(const exec_space& space, const mechanics::HexMesh& mesh,
+                      const mechanics::BoundaryConditions& boundary, double dt_kick,
+                      double dt_drift, const mechanics::NodalForces& forces,
+                      const mechanics::NodalState& state) {
+  const auto motion = boundary.at(0).motion;
+  const bool any = boundary.any();
+  const Vec3 gravity = boundary.gravity();
+  const auto values = forces.values;
+  const double quantum = forces.quantum.value;
+  const auto u = state.displacement, v = state.velocity;
+  const auto mass = state.mass;
+  Kokkos::parallel_for(
+      "miniapp::undoKickAndDrift", over(space, mesh.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int d = 0; d < 3; ++d) {
+          v(node, d) -=
+              dt_kick * accelerationOf(values, quantum, mass(node), gravity, any, motion, node, d);
+          u(node, d) -= dt_drift * v(node, d);
+        }
+      });
+  space.fence();
+}
+
+} // namespace brickwall::miniapp
