@@ -152,6 +152,8 @@ hold_summary < <(
   echo "$code" >"$code_file"
 )
 code=$(<"$code_file")
+# mpiexec was told to be quiet, so this is the only word about a crash.
+[[ $code -lt 128 ]] || echo "run.sh: $program ended by signal $((code - 128))" >&2
 
 # One file from the rank files. Those of an earlier run with another number of ranks go away.
 joined=$output/$name.exo
