@@ -1,6 +1,7 @@
 #include "miniapp/scene.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/vec3.hpp"
 #include "io/mesh_reader.hpp"
 #include "io/wall_generator.hpp"
 #include "mechanics/lumped_mass.hpp"
