@@ -5,6 +5,7 @@
 #pragma once
 
 #include "contact/contact_history.hpp"
+#include "contact/face_access.hpp"
 #include "contact/node_faces.hpp"
 
 #include <functional>
@@ -35,9 +36,10 @@ struct ContactForces {
   View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
 };
 
-// This rank's sums over its interactions; allReduce adds those of all ranks.
+// This rank's sums over its interactions; sumOverRanks adds those of all ranks.
 struct ContactSums {
   LimbSums<1> stored; // sum of k p^n p^{n+1}/2: the contact term of the half-step energy gauge
+  std::int64_t interactions = 0; // nodes in touch with a body, with or without a force
   std::int64_t active = 0; // interactions with a force
   std::int64_t lost =
       0; // loaded interactions whose face is no longer a candidate: deeper than the search reaches
@@ -47,6 +49,7 @@ struct ContactSums {
 
   KOKKOS_INLINE_FUNCTION ContactSums& operator+=(const ContactSums& b) {
     stored += b.stored;
+    interactions += b.interactions;
     active += b.active;
     lost += b.lost;
     overflow += b.overflow;
@@ -58,7 +61,7 @@ struct ContactSums {
   std::string problem() const;
 };
 // Collective.
-void allReduce(MPI_Comm comm, ContactSums& sums);
+void sumOverRanks(MPI_Comm comm, ContactSums& sums);
 
 // What the energy-neutral scheme needs of the host code besides.
 struct NeutralInput {
@@ -105,18 +108,31 @@ public:
   void setReferenceStep(double dt_ref) { _config.reference_step = dt_ref; }
 
 private:
+  void updatePlanes(const exec_space& space, const FaceAccess& faces);
+  ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
+                                 const CandidatePairs& pairs, double dt);
+  std::int64_t makeNeutral(const exec_space& space, const FaceAccess& faces, double dt,
+                           const NeutralInput* neutral);
+
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;
   View<const double*> _node_mass;
   NodeFaces _node_faces;
   View<MeanPlane*> _planes; // own, remote, ghost faces
-  ContactHistory _history, _next;
+  ContactHistory _history, _next; // of the last step and of the present one, in turn
+  View<std::int64_t> _next_count;
+  double _previous_dt = 0;
   ContactForces _forces;
   View<unsigned char*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;
   View<double* [12]> _ghost_accelerations;
 };
+
+// Adds what returnToOwners brought, [own face][3 * corner + xyz] in quanta, to the nodes.
+void addFaceForces(const exec_space& space, const Surface& surface,
+                   const View<const std::int64_t* [12]>& own_face_forces,
+                   const View<std::int64_t* [3]>& node_forces);
 
 } // namespace brickwall::contact

@@ -35,6 +35,11 @@ constexpr double last_step =
     1e-8; // steps halve their digits each time: the next one would be < 1e-15
 constexpr double least_determinant = 0.01; // of A C: below it the curvature term is dropped
 
+// a / length, by division: an axis-parallel vector then becomes exactly a unit vector.
+KOKKOS_INLINE_FUNCTION Vec3 scaledDown(const Vec3& a, double length) {
+  return {a.x / length, a.y / length, a.z / length};
+}
+
 // Plane of a triangle; returns barycentric coordinates of the origin's projection, or false if
 // degenerate.
 KOKKOS_INLINE_FUNCTION bool barycentric(const Vec3& a, const Vec3& b, const Vec3& c,
@@ -47,7 +52,7 @@ KOKKOS_INLINE_FUNCTION bool barycentric(const Vec3& a, const Vec3& b, const Vec3
   lambda[1] = inverse * dot(area, cross(c - a, a));
   lambda[2] = inverse * dot(area, cross(a, b - a));
   lambda[0] = 1.0 - lambda[1] - lambda[2];
-  unit_normal = (1.0 / std::sqrt(square)) * area;
+  unit_normal = scaledDown(area, std::sqrt(square));
   return true;
 }
 
@@ -154,7 +159,7 @@ KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   const double length = norm(area);
   if (!(length > 0))
     return found;
-  found.normal = (1.0 / length) * area;
+  found.normal = scaledDown(area, length);
   found.gap = -dot(centre + xi * a + eta * b + (xi * eta) * c, found.normal);
   found.weight[0] = 0.25 * (1 - xi) * (1 - eta);
   found.weight[1] = 0.25 * (1 + xi) * (1 - eta);
@@ -186,13 +191,17 @@ KOKKOS_INLINE_FUNCTION Vec3 areaVector(const Quad& f) {
   return 0.5 * cross(f.corner[2] - f.corner[0], f.corner[3] - f.corner[1]);
 }
 
-KOKKOS_INLINE_FUNCTION MeanPlane meanPlane(const Quad& f) {
+// Normal and area only: what is known of a face by its area vector.
+KOKKOS_INLINE_FUNCTION MeanPlane planeOfArea(const Vec3& area) {
   MeanPlane plane;
-  const Vec3 area = areaVector(f);
   plane.area = norm(area);
-  if (!(plane.area > 0))
-    return plane;
-  plane.normal = (1.0 / plane.area) * area;
+  if (plane.area > 0)
+    plane.normal = projection::scaledDown(area, plane.area);
+  return plane;
+}
+
+KOKKOS_INLINE_FUNCTION MeanPlane meanPlane(const Quad& f) {
+  MeanPlane plane = planeOfArea(areaVector(f));
   const Vec3 sum = (f.corner[0] + f.corner[1]) + (f.corner[2] + f.corner[3]);
   plane.offset = 0.25 * dot(plane.normal, sum);
   // The corners stand alternately above and below the mean plane by the same distance.

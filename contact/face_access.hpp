@@ -1,0 +1,62 @@
+// One way to read a candidate face, whether it is this rank's own or a ghost: both give the same bits.
+#pragma once
+
+#include "contact/projection.hpp"
+#include "contact/surface.hpp"
+
+namespace brickwall::contact {
+
+// Faces by candidate index: own below num_faces, else ghosts (CandidatePairs). For kernels.
+struct FaceAccess {
+  Surface surface;
+  GhostFaces ghosts;
+
+  KOKKOS_INLINE_FUNCTION bool isOwn(int face) const { return face < surface.num_faces; }
+  KOKKOS_INLINE_FUNCTION int ghostOf(int face) const { return face - surface.num_faces; }
+
+  KOKKOS_INLINE_FUNCTION global_id id(int face) const {
+    return isOwn(face) ? surface.face_ids(face) : ghosts.face_ids(ghostOf(face));
+  }
+  KOKKOS_INLINE_FUNCTION global_id body(int face) const {
+    return isOwn(face) ? surface.face_body(face) : ghosts.bodies(ghostOf(face));
+  }
+  // Any host attribute, such as the mass of a corner or mu.
+  KOKKOS_INLINE_FUNCTION double attribute(int face, int column) const {
+    return isOwn(face) ? surface.face_attributes(face, column)
+                       : ghosts.attributes(ghostOf(face), column);
+  }
+  // Corner values of own faces from `of_nodes` [node][3], of ghosts from `of_ghosts` [ghost][3 * corner + xyz].
+  template <class NodeView, class GhostView>
+  KOKKOS_INLINE_FUNCTION Vec3 corner(int face, int j, const NodeView& of_nodes,
+                                     const GhostView& of_ghosts) const {
+    if (isOwn(face))
+      return rowOf(of_nodes, surface.face_to_nodes(face, j));
+    const int ghost = ghostOf(face);
+    return {of_ghosts(ghost, 3 * j), of_ghosts(ghost, 3 * j + 1), of_ghosts(ghost, 3 * j + 2)};
+  }
+  // At x^{n+1}.
+  KOKKOS_INLINE_FUNCTION Quad quad(int face) const {
+    Quad q;
+    for (int j = 0; j < 4; ++j)
+      q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
+    return q;
+  }
+  // x^{n+1} - x^n of a corner, length.
+  KOKKOS_INLINE_FUNCTION Vec3 cornerMotion(int face, int j) const {
+    return corner(face, j, surface.coordinates_new, ghosts.coordinates_new) -
+           corner(face, j, surface.coordinates_old, ghosts.coordinates_old);
+  }
+  KOKKOS_INLINE_FUNCTION Vec3 nodeMotion(int node) const {
+    return rowOf(surface.coordinates_new, node) - rowOf(surface.coordinates_old, node);
+  }
+  // How far the node came closer to the face point with these weights, along its normal, in this step: length.
+  KOKKOS_INLINE_FUNCTION double closing(int node, int face, const Vec3& normal,
+                                        const double (&weight)[4]) const {
+    Vec3 motion = nodeMotion(node);
+    for (int j = 0; j < 4; ++j)
+      motion -= weight[j] * cornerMotion(face, j);
+    return -dot(normal, motion);
+  }
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,523 @@
+// Rules of contact enforcement: selection, history, stiffness, exact momentum, the same integers on any ranks.
+#include "contact/brick_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <random>
+
+namespace brickwall::contact::testing {
+namespace {
+
+constexpr double dt = 0.1;
+
+EnforcementConfig config() {
+  EnforcementConfig c;
+  c.reference_step = dt;
+  return c;
+}
+Quantum quantum() {
+  return Quantum::forForceScale(100);
+}
+LimbScale energyScale() {
+  return LimbScale::forLargest(1e3);
+}
+
+// A scene on the ranks of `comm` with its enforcement.
+struct SceneRun {
+  template <class Cut>
+  SceneRun(const Scene& s, MPI_Comm comm, const Cut& cut, const EnforcementConfig& c = config(),
+           double reach = 0.3)
+      : scene(s), part(s, comm, cut, reach),
+        enforcement(exec_space(), comm, part.surface(), part.nodeMass(), c, quantum(),
+                    energyScale()) {}
+  // Collective. Forces of all nodes at the scene's present coordinates.
+  std::vector<std::array<std::int64_t, 3>> step() {
+    part.update(scene);
+    sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt);
+    sumOverRanks(part.comm(), sums);
+    return part.total(enforcement.forces(), scene.x_new.size(), scene);
+  }
+  // The interactions of an owned node.
+  std::vector<Interaction> of(int node) const {
+    std::vector<Interaction> found;
+    const auto& h = enforcement.history();
+    const auto all = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), h.interactions);
+    for (std::int64_t i = 0; i < h.count; ++i)
+      if (part.nodes()[all(i).node] == node)
+        found.push_back(all(i));
+    std::sort(found.begin(), found.end(),
+              [](const Interaction& a, const Interaction& b) { return a.body < b.body; });
+    return found;
+  }
+
+  Scene scene;
+  ScenePart part;
+  Enforcement enforcement;
+  ContactSums sums;
+};
+
+int onOneRank(int) {
+  return 0;
+}
+std::unique_ptr<SceneRun> alone(const Scene& scene, const EnforcementConfig& c = config(),
+                                double reach = 0.3) {
+  return std::make_unique<SceneRun>(scene, MPI_COMM_SELF, onOneRank, c, reach);
+}
+
+// A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that came down by `fall`.
+Scene blockOnPlate(double depth, double fall) {
+  Scene scene;
+  scene.addBox({0, 0, -1}, {4, 4, 1}, {4, 4, 1});
+  const int block = scene.addBox({1, 1, -depth}, {2, 2, 1}, {2, 2, 1});
+  scene.cameBy(block, {0, 0, -fall});
+  return scene;
+}
+
+TEST(Enforcement, BirthFeelsOnlyWhatTheStepBrought) {
+  auto run = alone(blockOnPlate(0.05, 0.02));
+  run->step();
+  const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.05}));
+  ASSERT_EQ(contact.size(), 1u);
+  EXPECT_NEAR(contact[0].depth, 0.02, 1e-15); // min(P, closing)
+  EXPECT_NEAR(contact[0].offset, 0.03, 1e-15);
+  EXPECT_NEAR(contact[0].closing, 0.02, 1e-15);
+  EXPECT_EQ(contact[0].is_new, 1);
+}
+
+TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherClosingDoes) {
+  auto run = alone(blockOnPlate(0.05, 0));
+  for (const auto& f : run->step())
+    for (int d = 0; d < 3; ++d)
+      EXPECT_EQ(f[d], 0);
+  EXPECT_GT(run->sums.interactions, 0);
+  EXPECT_EQ(run->sums.active, 0);
+  run->scene.step();
+  run->scene.move(1, {0, 0, -0.01});
+  run->step();
+  const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.06}));
+  ASSERT_EQ(contact.size(), 1u);
+  EXPECT_NEAR(contact[0].offset, 0.05, 1e-15);
+  EXPECT_NEAR(contact[0].depth, 0.01, 1e-15);
+  // Pushed out of the overlap, the offset shrinks with it: the contact never pulls.
+  run->scene.step();
+  run->scene.move(1, {0, 0, 0.02});
+  run->step();
+  EXPECT_NEAR(run->of(run->scene.nodeAt(1, {2, 2, -0.04}))[0].offset, 0.04, 1e-15);
+  EXPECT_EQ(run->sums.active, 0);
+}
+
+TEST(Enforcement, GapGivesNoForceHoweverNear) {
+  auto run = alone(blockOnPlate(-1e-9, 0.02));
+  run->step();
+  EXPECT_EQ(run->sums.interactions, 0);
+}
+
+TEST(Enforcement, AStepWithoutPenetrationEndsTheHistory) {
+  auto run = alone(blockOnPlate(0.02, 0.02));
+  run->step();
+  run->scene.step();
+  run->scene.move(1, {0, 0, 0.03});
+  run->step();
+  EXPECT_EQ(run->sums.interactions, 0);
+  EXPECT_EQ(run->sums.lost, 0); // it left, it was not lost
+  run->scene.step();
+  run->scene.move(1, {0, 0, -0.05});
+  run->step();
+  const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.04}));
+  ASSERT_EQ(contact.size(), 1u);
+  EXPECT_EQ(contact[0].is_new, 1);
+  EXPECT_NEAR(contact[0].depth, 0.04, 1e-15);
+}
+
+// The block's nodes lie on nodes of the plate: four faces are equally near, and a slide of .03 stays within the tolerance
+// of the one that was chosen.
+TEST(Enforcement, KeepsItsFaceWhileOnItAndCarriesTheDepthToTheNext) {
+  auto run = alone(blockOnPlate(0.02, 0.02));
+  run->step();
+  const int node = run->scene.nodeAt(1, {2, 2, -0.02});
+  const Interaction first = run->of(node)[0];
+  for (const double slide : {0.01, -0.02}) { // to either side of the edge
+    run->scene.step();
+    run->scene.move(1, {slide, 0, 0});
+    run->step();
+    EXPECT_EQ(run->of(node)[0].face, first.face);
+    EXPECT_EQ(run->of(node)[0].is_new, 0);
+  }
+  // Ties go to the least face id, which is the face towards lower x and y: leave it, and press on.
+  run->scene.step();
+  run->scene.move(1, {0.5, 0, -0.03});
+  run->step();
+  const Interaction moved = run->of(node)[0];
+  EXPECT_NE(moved.face, first.face);
+  EXPECT_NEAR(moved.depth, first.depth, 1e-15);
+  EXPECT_NEAR(moved.offset, 0.03, 1e-15);
+  // The cap s m_red fell a little where weights beyond the edge raised sum N_j^2 to 1.01^2 + .01^2.
+  EXPECT_NEAR(moved.stiffness, first.stiffness * 2 / (1 + 1.0202), 1e-12);
+}
+
+TEST(Enforcement, BirthFaceIsTheOneOfLeastGlobalIdAmongEquals) {
+  auto run = alone(blockOnPlate(0.02, 0.02));
+  run->step();
+  const int node = run->scene.nodeAt(1, {2, 2, -0.02});
+  global_id least = 1 << 30; // top faces around the plate's node (2, 2, 0)
+  for (const auto& face : run->scene.faces)
+    for (const int corner : face.nodes)
+      if (corner == run->scene.nodeAt(0, {2, 2, 0}) && face.body == 0)
+        least = std::min(least, face.id);
+  EXPECT_EQ(run->of(node)[0].face, least);
+}
+
+// Matching meshes of one material: eps A = (s/dt^2) A/(2/mu) with A = 1, mu = rho h_n/2 = 1/2, and the reduced mass of
+// two columns of mass rho A h/2 is the same: 1/(1/.5 + 1/.5) = 1/4.
+TEST(Enforcement, StiffnessIsTheFormulaAndEdgeNodesHaveTheirArea) {
+  auto run = alone(blockOnPlate(0.02, 0.02));
+  run->step();
+  const double scale = config().penalty / (dt * dt);
+  const auto stiffness = [&](double x, double y) {
+    return run->of(run->scene.nodeAt(1, {x, y, -0.02}))[0].stiffness;
+  };
+  EXPECT_DOUBLE_EQ(stiffness(2, 2), scale / 4);
+  EXPECT_DOUBLE_EQ(stiffness(1, 2), scale / 8);
+  EXPECT_DOUBLE_EQ(stiffness(1, 1), scale / 16);
+  // A face node is stiff by its own brick's area: the plate's inner node (2, 2, 0) against the block's underside.
+  EXPECT_DOUBLE_EQ(run->of(run->scene.nodeAt(0, {2, 2, 0}))[0].stiffness, scale / 4);
+}
+
+TEST(Enforcement, LightNodeOnAHeavyFaceIsCappedByTheReducedMass) {
+  Scene scene = blockOnPlate(0.02, 0.02);
+  const int node = scene.nodeAt(1, {2, 2, -0.02});
+  scene.mass[node] = 1e-3; // far less than mu A
+  auto run = alone(scene);
+  run->step();
+  const double reduced = 1 / (1 / 1e-3 + 1 / 0.5); // the plate's node (2, 2, 0) has mass 1/2
+  EXPECT_DOUBLE_EQ(run->of(node)[0].stiffness, config().penalty / (dt * dt) * reduced);
+}
+
+TEST(Enforcement, FixedBodyHasNoEffectOfItsMass) {
+  Scene scene = blockOnPlate(0.02, 0.02);
+  scene.fix(0);
+  auto run = alone(scene);
+  run->step();
+  EXPECT_DOUBLE_EQ(run->of(run->scene.nodeAt(1, {2, 2, -0.02}))[0].stiffness,
+                   config().penalty / (dt * dt) / 4); // the pressure form still counts mu of both
+}
+
+// Offset blocks, side faces coplanar with others': only vertical forces, bitwise.
+TEST(Enforcement, FrictionlessFlushFacesFeelNoTangentialForce) {
+  Scene scene;
+  scene.addBox({0, 0, -1 / 3.0}, {2, 1, 1 / 3.0}, {6, 3, 1});
+  scene.addBox({2, 0, -1 / 3.0}, {2, 1, 1 / 3.0}, {6, 3, 1}); // head joint with the first, gap 0
+  const int top =
+      scene.addBox({1, 0, -0.01}, {2, 1, 1 / 3.0}, {6, 3, 1}); // its ends, front, back are flush
+  scene.cameBy(top, {0, 0, -0.01});
+  auto run = alone(scene);
+  const auto force = run->step();
+  std::int64_t lift = 0, down = 0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    EXPECT_EQ(force[i][0], 0);
+    EXPECT_EQ(force[i][1], 0);
+    (run->scene.node_body[i] == top ? lift : down) += force[i][2];
+  }
+  EXPECT_GT(lift, 0);
+  EXPECT_EQ(lift, -down);
+}
+
+// Running bond, every joint closed by d in this step: bricks [0,2], [2,4] below; [1,3], [3,5] on them; [2,4] above.
+Scene runningBond(double d) {
+  Scene scene;
+  const auto grown = [&](double x, double z) { // a brick that has grown by d/2 all around
+    scene.addBrick({2, 1, 1}, {4, 2, 2}, 1, [&](const Vec3& p) {
+      return Vec3{x + p.x + d * (p.x - 1) / 2, p.y, z + p.z + d * (p.z - 0.5)};
+    });
+  };
+  for (const auto& [x, z] : {std::make_pair(0, 0), {2, 0}, {1, 1}, {3, 1}, {2, 2}})
+    grown(x, z);
+  for (std::size_t i = 0; i < scene.x_old.size(); ++i) { // at x^n it had its proper size
+    const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {1, 0, 1}, {3, 0, 1}, {2, 0, 2}};
+    const Vec3 c = corner[scene.node_body[i]] + Vec3{1, 0, 0.5};
+    Vec3& x = scene.x_old[i];
+    x = {c.x + (x.x - c.x) / (1 + d / 2), x.y, c.z + (x.z - c.z) / (1 + d)};
+  }
+  return scene;
+}
+
+TEST(Enforcement, BrickEdgeNodesOfARunningBondTouchEachNeighbourByItself) {
+  const double d = 0.01;
+  auto run = alone(runningBond(d));
+  run->step();
+  const auto bodies = [&](int body, double x, double z) {
+    std::vector<global_id> touched;
+    for (const Interaction& i : run->of(run->scene.nodeAt(body, {x, 0.5, z})))
+      touched.push_back(i.body);
+    return touched;
+  };
+  using Bodies = std::vector<global_id>;
+  // Lower right edge of brick 2: bed joint with brick 1, head joint with brick 3.
+  EXPECT_EQ(bodies(2, 3 + d / 2, 1 - d / 2), (Bodies{1, 3}));
+  // Upper right edge of brick 2: head joint with brick 3, bed joint with brick 4.
+  EXPECT_EQ(bodies(2, 3 + d / 2, 2 + d / 2), (Bodies{3, 4}));
+  // Mid top of brick 1, under the head joint of bricks 2 and 3: both.
+  EXPECT_EQ(bodies(1, 3, 1 + d / 2), (Bodies{2, 3}));
+  // Upper right edge of brick 0: head joint with brick 1, bed joint with brick 2.
+  EXPECT_EQ(bodies(0, 2 + d / 2, 1 + d / 2), (Bodies{1, 2}));
+  // Lower left edge of brick 4 on mid brick 2, away from joints; its lower mid node on bricks 2 and 3.
+  EXPECT_EQ(bodies(4, 2 - d / 2, 2 - d / 2), (Bodies{2}));
+  EXPECT_EQ(bodies(4, 3, 2 - d / 2), (Bodies{2, 3}));
+  for (const Interaction& i : run->of(run->scene.nodeAt(2, {3 + d / 2, 0.5, 1 - d / 2})))
+    EXPECT_NEAR(i.depth, d, 1e-3 * d);
+  EXPECT_EQ(run->sums.overflow, 0);
+}
+
+TEST(Enforcement, NodeUnderAHeadJointSharesItsAreaBetweenBothBricks) {
+  const double d = 0.01;
+  auto run = alone(runningBond(d));
+  run->step();
+  const auto shared = run->of(run->scene.nodeAt(1, {3, 0.5, 1 + d / 2})); // touches 2 and 3
+  const auto single = run->of(run->scene.nodeAt(1, {2.5 - d / 4, 0.5, 1 + d / 2})); // touches 2
+  ASSERT_EQ(shared.size(), 2u);
+  ASSERT_EQ(single.size(), 1u);
+  EXPECT_DOUBLE_EQ(shared[0].stiffness, shared[1].stiffness);
+  EXPECT_NEAR(shared[0].stiffness, single[0].stiffness / 2, 1e-9 * single[0].stiffness);
+  // Interactions of different directions do not share: a lower edge node has a bed and a head joint, each with the
+  // area of half a cell row, as its neighbour on the end face's rim has for the bed joint alone.
+  const auto edge = run->of(run->scene.nodeAt(2, {3 + d / 2, 0.5, 1 - d / 2}));
+  ASSERT_EQ(edge.size(), 2u);
+  EXPECT_NEAR(edge[0].stiffness, single[0].stiffness / 2, 0.05 * single[0].stiffness);
+}
+
+// k is lowered, at equal stored energy, when a second brick comes to share the area; it is not raised again.
+TEST(Enforcement, StiffnessIsOfTheBirthAndFollowsAFallingCapAtEqualEnergy) {
+  Scene scene = blockOnPlate(0.02, 0.02);
+  scene.addBox({1, 1, 5}, {2, 2, 1}, {2, 2, 1}); // a copy of the block, aloft
+  auto run = alone(scene);
+  run->step();
+  const int node = run->scene.nodeAt(0, {2, 2, 0});
+  const Interaction before = run->of(node)[0];
+  run->scene.step();
+  run->scene.move(2, {0, 0, -5.02});
+  run->step();
+  const auto both = run->of(node);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_DOUBLE_EQ(both[0].stiffness, before.stiffness / 2);
+  // p sqrt(2) would exceed P = p: clipped.
+  EXPECT_DOUBLE_EQ(both[0].depth, before.depth);
+  run->scene.step();
+  run->scene.move(2, {0, 0, 5.02});
+  run->step();
+  EXPECT_DOUBLE_EQ(run->of(node)[0].stiffness, before.stiffness / 2);
+}
+
+TEST(Enforcement, OwnBodyIsTouchedOnlyWhenSelfContactIsAllowed) {
+  // Pairs of this test scene are between bodies; so make the two bricks one body in name only.
+  Scene scene = blockOnPlate(0.02, 0.02);
+  auto run = alone(scene);
+  const View<global_id*> one("test::one_body", run->part.surface().num_nodes);
+  for (const bool allowed : {false, true}) {
+    EnforcementConfig c = config();
+    c.self_contact = allowed;
+    Surface surface = run->part.surface();
+    surface.node_body = one; // all zero
+    const View<global_id*> face_body("test::one_body", surface.num_faces);
+    surface.face_body = face_body;
+    Enforcement enforcement(exec_space(), MPI_COMM_SELF, surface, run->part.nodeMass(), c,
+                            quantum(), energyScale());
+    const auto sums =
+        enforcement.enforce(exec_space(), surface, run->part.ghosts(), run->part.pairs(), dt);
+    EXPECT_EQ(sums.active > 0, allowed);
+  }
+}
+
+TEST(Enforcement, LoadedContactThatLeavesTheCandidatesIsReported) {
+  auto run = alone(blockOnPlate(0.02, 0.02), config(), 0.05);
+  run->step();
+  EXPECT_EQ(run->sums.problem(), "");
+  EXPECT_NEAR(run->sums.max_penetration, 0.02, 1e-15); // faces of area 1
+  run->scene.step();
+  run->scene.move(1, {0, 0, -0.2});
+  run->step(); // still a candidate: the boxes hold x^n
+  EXPECT_EQ(run->sums.lost, 0);
+  EXPECT_NEAR(run->sums.max_penetration, 0.22, 1e-15);
+  run->scene.step();
+  run->step();
+  EXPECT_GT(run->sums.lost, 0);
+  EXPECT_NE(run->sums.problem().find("deeper"), std::string::npos);
+}
+
+TEST(Enforcement, MoreBodiesThanANodeCanHoldAreReported) {
+  Scene scene;
+  for (int i = 0; i < max_interactions + 1; ++i)
+    scene.addBox({0, 0, -1}, {2, 2, 1}, {1, 1, 1});
+  const int block = scene.addBox({0.5, 0.5, -0.01}, {1, 1, 1}, {1, 1, 1});
+  scene.cameBy(block, {0, 0, -0.01});
+  auto run = alone(scene);
+  run->step();
+  EXPECT_EQ(run->sums.overflow, 4);
+  EXPECT_NE(run->sums.problem(), "");
+}
+
+TEST(Enforcement, ForceBeyondTheFixedPointRangeIsReported) {
+  Scene scene = blockOnPlate(0.02, 0.02);
+  for (double& m : scene.mass)
+    m *= 1e12;
+  for (auto& face : scene.faces)
+    face.surface_mass *= 1e12;
+  auto run = alone(scene);
+  run->step();
+  EXPECT_GT(run->sums.invalid, 0);
+  EXPECT_NE(run->sums.problem(), "");
+}
+
+TEST(Enforcement, NoFacesNoNodesNoPairsRun) {
+  Scene scene = blockOnPlate(0.02, 0.02);
+  // All elements on the last rank: the others are empty.
+  const int last = sizeOf(MPI_COMM_WORLD) - 1;
+  SceneRun run(scene, MPI_COMM_WORLD, [&](int) { return last; });
+  auto one = alone(scene);
+  EXPECT_EQ(run.step(), one->step());
+  Scene apart = blockOnPlate(-2, 0);
+  for (const auto& force : alone(apart)->step())
+    EXPECT_EQ(force, (std::array<std::int64_t, 3>{0, 0, 0}));
+}
+
+// Jittered, turned bricks in a heap that moves at random.
+Scene heap(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Scene scene;
+  for (int b = 0; b < 6; ++b) {
+    const double angle = 0.3 * uniform(random), tilt = 0.2 * uniform(random);
+    const Vec3 corner = {1.0 * (b % 2) + 0.1 * uniform(random), 0.1 * uniform(random),
+                         0.93 * (b / 2) + 0.03 * uniform(random)};
+    scene.addBrick({1, 1, 1}, {3, 3, 3}, 1 + 0.5 * uniform(random), [&](const Vec3& p) {
+      const Vec3 q =
+          p + Vec3{0.03 * uniform(random), 0.03 * uniform(random), 0.03 * uniform(random)};
+      const Vec3 turned = {q.x * std::cos(angle) - q.y * std::sin(angle),
+                           q.x * std::sin(angle) + q.y * std::cos(angle), q.z + tilt * q.x};
+      return corner + turned;
+    });
+  }
+  for (Vec3& x : scene.x_old)
+    x += Vec3{0.02 * uniform(random), 0.02 * uniform(random), 0.05 * uniform(random)};
+  return scene;
+}
+void shake(Scene& scene, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  scene.step();
+  for (Vec3& x : scene.x_new)
+    x += Vec3{0.01 * uniform(random), 0.01 * uniform(random), 0.01 * uniform(random)};
+}
+
+std::array<std::int64_t, 3> sumOf(const std::vector<std::array<std::int64_t, 3>>& force) {
+  std::array<std::int64_t, 3> sum = {0, 0, 0};
+  for (const auto& f : force)
+    for (int d = 0; d < 3; ++d)
+      sum[d] += f[d];
+  return sum;
+}
+
+// Elements are cut by slabs and at random: nodes on cuts, nodes owned by a rank that has no face there.
+TEST(Enforcement, AnyCutGivesTheSameIntegersAndTheyAddUpToZero) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Scene scene = heap(seed);
+    const auto scattered = [&](int e) { return static_cast<int>((e * 2654435761u >> 7) % size); };
+    const auto slabs = [&](int e) { return e * size / static_cast<int>(scene.elements.size()); };
+    auto one = alone(scene);
+    SceneRun many(scene, MPI_COMM_WORLD, scattered), few(scene, MPI_COMM_WORLD, slabs);
+    for (int step = 0; step < 4; ++step) {
+      const auto expected = one->step();
+      EXPECT_EQ(many.step(), expected) << "seed " << seed << " step " << step;
+      EXPECT_EQ(few.step(), expected) << "seed " << seed << " step " << step;
+      EXPECT_EQ(sumOf(expected), (std::array<std::int64_t, 3>{0, 0, 0}));
+      EXPECT_GT(one->sums.active, 20);
+      EXPECT_EQ(many.sums.active, one->sums.active);
+      EXPECT_EQ(many.sums.stored.sum[0].value(energyScale()),
+                one->sums.stored.sum[0].value(energyScale()));
+      EXPECT_EQ(many.sums.max_penetration, one->sums.max_penetration);
+      for (SceneRun* run : {one.get(), &many, &few})
+        shake(run->scene, 100 * seed + step);
+    }
+  }
+}
+
+TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersOnAnyCutToo) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  EnforcementConfig c = config();
+  c.scheme = Scheme::energy_neutral;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Scene scene = heap(seed);
+    std::vector<Vec3> acceleration(scene.x_new.size());
+    for (std::size_t i = 0; i < acceleration.size(); ++i)
+      acceleration[i] = {std::sin(7.0 * i), std::cos(5.0 * i), std::sin(3.0 * i)};
+    SceneRun one(scene, MPI_COMM_SELF, onOneRank, c);
+    SceneRun many(
+        scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+    for (int step = 0; step < 4; ++step) {
+      std::vector<std::array<std::int64_t, 3>> forces[2];
+      int which = 0;
+      for (SceneRun* run : {&one, &many}) {
+        run->part.update(run->scene);
+        const NeutralInput input = run->part.neutralInput(run->scene, acceleration);
+        run->sums = run->enforcement.enforce(exec_space(), run->part.surface(), run->part.ghosts(),
+                                             run->part.pairs(), dt, &input);
+        forces[which++] = run->part.total(run->enforcement.forces(), scene.x_new.size(), scene);
+        shake(run->scene, 100 * seed + step);
+      }
+      EXPECT_EQ(forces[0], forces[1]) << "seed " << seed << " step " << step;
+      EXPECT_EQ(sumOf(forces[0]), (std::array<std::int64_t, 3>{0, 0, 0}));
+    }
+  }
+}
+
+// The stiffness of every node equals the uncut one bit for bit: area and mu of a node on a cut include other ranks' faces.
+TEST(Enforcement, AreaOfANodeOnACutIsThatOfTheUncutSurface) {
+  const Scene scene = heap(99);
+  const int size = sizeOf(MPI_COMM_WORLD);
+  auto one = alone(scene);
+  SceneRun many(scene, MPI_COMM_WORLD, [&](int e) { return e % size; });
+  one->step();
+  many.step();
+  std::int64_t compared = 0;
+  for (const int node : many.part.nodes()) {
+    const auto cut = many.of(node), uncut = one->of(node);
+    for (std::size_t i = 0; i < cut.size(); ++i, ++compared) {
+      ASSERT_EQ(cut.size(), uncut.size());
+      EXPECT_EQ(cut[i].stiffness, uncut[i].stiffness);
+      EXPECT_EQ(cut[i].face, uncut[i].face);
+    }
+  }
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, compared, MPI_SUM), one->sums.interactions);
+}
+
+// A row of nodes bounces on a fixed face: P, d follow the leapfrog of one oscillator exactly, to rounding.
+TEST(Enforcement, FreeNodeBouncesAsTheLeapfrogOscillator) {
+  Scene scene;
+  scene.addBox({-5, -5, -1}, {10, 10, 1}, {1, 1, 1});
+  scene.fix(0);
+  const int block = scene.addBox({-0.5, -0.5, 0.003}, {1, 1, 1}, {1, 1, 1});
+  auto run = alone(scene);
+  const int node = scene.nodeAt(block, {-0.5, -0.5, 0.003});
+  // eps A = (s/dt^2) (1/4)/(1/mu_a + 1/mu_b), mu = 1/2 each; node mass 1/8.
+  const double k = config().penalty / (dt * dt) * 0.25 / 4;
+  double depth = -0.003, fall = 0.01, spring = 0;
+  for (int step = 0; step < 40; ++step) {
+    depth += fall;
+    spring = depth > 0 ? depth : 0;
+    run->scene.step();
+    for (std::size_t i = 0; i < scene.x_new.size(); ++i)
+      if (scene.node_body[i] == block && scene.x_new[i].z < 0.5)
+        run->scene.x_new[i].z -= fall;
+    const auto force = run->step();
+    EXPECT_NEAR(static_cast<double>(force[node][2]) * quantum().value, k * spring, 1e-12);
+    fall -= dt * dt * k * spring / (1.0 / 8);
+  }
+  EXPECT_LT(fall, 0);
+  EXPECT_LT(depth, 0);
+  EXPECT_EQ(run->sums.interactions, 0);
+}
+
+} // namespace
+} // namespace brickwall::contact::testing
