@@ -269,6 +269,12 @@ void Deck::finish() const {
     throw InputError(message());
 }
 
+void Deck::finish(MPI_Comm comm) const {
+  const std::string verdict = broadcast(comm, message());
+  if (!verdict.empty())
+    throw InputError(verdict);
+}
+
 std::string Deck::resolved() const {
   std::ostringstream out;
   out << "# resolved deck: all defaults filled in\n";

@@ -130,6 +130,8 @@ public:
   int faults() const;
   // Throws InputError with all faults, sorted by line, if there are any. Not collective.
   void finish() const;
+  // Collective: the same, as rank 0 finds it, on every rank.
+  void finish(MPI_Comm comm) const;
   // All faults as finish() throws them; "" if there are none.
   std::string message() const;
 

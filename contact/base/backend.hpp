@@ -110,4 +110,15 @@ inline int concurrency(const exec_space& space) {
 #endif
 }
 
+// To be called before Kokkos::initialize. Kokkos 4 and later fence the device around every profiling region as soon as
+// anyone listens; our recorder of phase times does not need that (a tool that is loaded still gets its own wish).
+inline void letToolsSkipFences() {
+#if defined(KOKKOS_VERSION) && KOKKOS_VERSION >= 40000
+  Kokkos::Tools::Experimental::set_request_tool_settings_callback(
+      [](std::uint32_t, Kokkos_Tools_ToolSettings* settings) {
+        settings->requires_global_fencing = false;
+      });
+#endif
+}
+
 } // namespace brickwall

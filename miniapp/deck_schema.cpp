@@ -1,0 +1,216 @@
+// The table of all blocks and keys of a deck: name, type, range, default, unit and one line of help each.
+#include "miniapp/config.hpp"
+
+namespace brickwall::miniapp {
+namespace {
+
+using io::BlockKind;
+using io::BlockRule;
+using io::boolean;
+using io::integer;
+using io::KeyRule;
+using io::real;
+using io::text;
+using io::word;
+
+const std::vector<std::string> pulse_shapes = {"step", "half_sine", "triangle", "friedlander"};
+
+// Keys of a course in time, see PulseConfig.
+std::vector<KeyRule> pulseKeys(const std::string& default_shape) {
+  return {word("shape", pulse_shapes, "course in time").byDefault(default_shape),
+          real("start", "s", "time at which it begins").byDefault("0.0").atLeast(0),
+          real("duration", "s", "how long it lasts; optional for shape = \"step\"").above(0),
+          real("decay", "", "decay of shape = \"friedlander\"").byDefault("1.0").atLeast(0)};
+}
+
+BlockRule withPulse(BlockRule block, const std::string& default_shape) {
+  for (KeyRule& key : pulseKeys(default_shape))
+    block.keys.push_back(std::move(key));
+  return block;
+}
+
+KeyRule components() {
+  return word("components", {"x", "y", "z"}, "which components are prescribed")
+      .list(KeyRule::any_length)
+      .byDefault("[\"x\", \"y\", \"z\"]");
+}
+
+std::vector<BlockRule> sceneBlocks() {
+  return {
+      {"", BlockKind::top, "", {text("title", "one line about the problem")}},
+      {"wall",
+       BlockKind::single,
+       "a wall of bricks in running bond, each brick its own mesh",
+       {integer("bricks", "number along, across, and of courses")
+            .list(3)
+            .mustBeGiven()
+            .atLeast(1)
+            .atMost(1e6),
+        real("brick", "m", "size of a brick").list(3).mustBeGiven().above(0),
+        integer("elements", "of a brick").list(3).mustBeGiven().atLeast(1).atMost(1e5),
+        real("gap", "m", "between neighbouring bricks").byDefault("0.0").atLeast(0),
+        word("ends", {"flush", "ragged"}, "half bricks at the ends of odd courses, or none")
+            .byDefault("flush")}},
+      {"mesh",
+       BlockKind::single,
+       "a mesh from an Exodus file, in place of [wall]",
+       {text("file", "path, relative to the deck's folder").mustBeGiven()}},
+      {"material",
+       BlockKind::named,
+       "material of the element block <name>; walls have the blocks brick and half_brick",
+       {word("model", {"neo_hookean", "svk", "linear"},
+             "ln J neo-Hookean, St.Venant-Kirchhoff, or "
+             "linear at small strain")
+            .byDefault("neo_hookean"),
+        real("density", "kg/m3", "in the reference state").mustBeGiven().above(0),
+        real("youngs_modulus", "Pa", "Young's modulus").mustBeGiven().above(0),
+        real("poissons_ratio", "", "Poisson's ratio").mustBeGiven().above(-1).below(0.5)}},
+      {"element",
+       BlockKind::single,
+       "the hexahedral element",
+       {word("formulation", {"tlps", "full"},
+             "one point with assumed-strain hourglass stiffness, or 2x2x2 points")
+            .byDefault("tlps")}},
+  };
+}
+
+std::vector<BlockRule> loadBlocks() {
+  return {
+      withPulse(
+          {"load.pressure",
+           BlockKind::repeated,
+           "pressure on a side set",
+           {text("side_set", "name; walls have front, back, left, right, bottom, top")
+                .mustBeGiven(),
+            real("peak", "Pa", "largest pressure").mustBeGiven(),
+            word("distribution", {"uniform", "gaussian"}, "course in space").byDefault("uniform"),
+            real("center", "m", "of the gaussian").list(3),
+            real("radius", "m", "of the gaussian: peak exp(-(r/radius)^2)").above(0),
+            real("wave_speed", "m/s", "arrival is r/wave_speed later; 0: no delay")
+                .byDefault("0.0")
+                .atLeast(0),
+            boolean("follower", "act on the current face, else on the reference face")
+                .byDefault("true")}},
+          "half_sine"),
+      {"gravity",
+       BlockKind::single,
+       "acceleration of everything",
+       {real("acceleration", "m/s2", "vector").list(3).byDefault("[0.0, 0.0, 0.0]")}},
+      {"boundary.fixed",
+       BlockKind::repeated,
+       "nodes that do not move",
+       {text("node_set", "name; walls have base, base_course, top_course, left_end, right_end")
+            .mustBeGiven(),
+        components()}},
+      withPulse({"boundary.velocity",
+                 BlockKind::repeated,
+                 "nodes whose velocity is prescribed",
+                 {text("node_set", "name").mustBeGiven(),
+                  real("velocity", "m/s", "vector, times the course in time").list(3).mustBeGiven(),
+                  components()}},
+                "step"),
+      {"initial.velocity",
+       BlockKind::repeated,
+       "velocity at the start, of one block, brick or body, or of everything; later ones win",
+       {text("block", "element block"),
+        integer("brick", "of a wall: along, across, course, from 0").list(3).atLeast(0),
+        integer("body", "from 0").atLeast(0),
+        real("velocity", "m/s", "vector").list(3).mustBeGiven()}},
+  };
+}
+
+std::vector<BlockRule> methodBlocks() {
+  return {
+      {"contact",
+       BlockKind::single,
+       "contact between bodies",
+       {boolean("enabled", "search and enforce contact").byDefault("true"),
+        real("tolerance", "", "inflation of the search boxes, of the shortest element edge")
+            .byDefault("0.05")
+            .above(0)
+            .atMost(1),
+        real("penalty", "", "stiffness s = k dt^2/m; stable to 1.95 (1 - safety^2)")
+            .byDefault("0.5")
+            .above(0)
+            .atMost(2),
+        real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")
+            .byDefault("0.05")
+            .above(0)
+            .atMost(0.5),
+        word("self", {"auto", "never", "always"},
+             "contact within one body; auto: never for walls, always for Exodus meshes")
+            .byDefault("auto")}},
+      {"search",
+       BlockKind::single,
+       "the global search",
+       {word("method", {"paper", "reference"}, "the paper's scheme, or the plain serial loop")
+            .byDefault("paper"),
+        real("jitter", "", "of the nodes, of an edge (brickwall search)")
+            .byDefault("0.01")
+            .atLeast(0)
+            .below(0.5),
+        real("drift", "", "largest of a brick a step, of an edge (brickwall search)")
+            .byDefault("0.01")
+            .atLeast(0)
+            .atMost(10),
+        integer("repetitions", "searches counted (brickwall search)")
+            .byDefault("10")
+            .atLeast(1)
+            .atMost(1e9),
+        integer("warmup", "searches before them (brickwall search)")
+            .byDefault("2")
+            .atLeast(0)
+            .atMost(1e9),
+        integer("seed", "of jitter and drift").byDefault("1").atLeast(0)}},
+      {"time",
+       BlockKind::single,
+       "steps in time",
+       {real("end", "s", "time at which the run ends").mustBeGiven().above(0),
+        real("safety", "", "step over the stable step").byDefault("0.8").above(0).atMost(1),
+        integer("steps", "end after so many steps").atLeast(1).atMost(1e15),
+        integer("check_interval", "steps between checks of the stable step")
+            .byDefault("100")
+            .atLeast(1)
+            .atMost(1e15)},
+       true},
+  };
+}
+
+std::vector<BlockRule> outputBlocks() {
+  return {
+      {"output",
+       BlockKind::single,
+       "what is written",
+       {real("interval", "s", "between output steps; 0: first and last only")
+            .byDefault("0.0")
+            .atLeast(0),
+        real("history_interval", "s", "between rows of history.csv; 0: every step")
+            .byDefault("0.0")
+            .atLeast(0),
+        word("file_format", {"classic", "64bit_offset", "netcdf4"}, "of the Exodus files")
+            .byDefault("64bit_offset"),
+        word("precision", {"single", "double"}, "of fields in the Exodus files")
+            .byDefault("double"),
+        boolean("processor_id", "write each element's rank").byDefault("false")}},
+      {"limits",
+       BlockKind::single,
+       "what the run must keep, else it ends with FAIL",
+       {real("energy_error", "", "of the peak energy").byDefault("0.1").above(0),
+        real("momentum_error", "", "of the loads' impulse").above(0),
+        real("wall_time", "s", "wall clock time after which the run ends").above(0)}},
+  };
+}
+
+} // namespace
+
+const io::Schema& deckSchema() {
+  static const io::Schema schema = [] {
+    io::Schema all;
+    for (const auto& part : {sceneBlocks(), loadBlocks(), methodBlocks(), outputBlocks()})
+      all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }();
+  return schema;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,68 @@
+// brickwall: MPI and Kokkos up, one command, down again. The only place that turns an exception into a message and an
+// exit code.
+#include "contact/base/backend.hpp"
+#include "contact/base/mpi.hpp"
+#include "miniapp/commands.hpp"
+#include "miniapp/failure.hpp"
+
+#include <iostream>
+
+namespace {
+
+using namespace brickwall;
+using namespace brickwall::miniapp;
+
+int runCommand(MPI_Comm comm, const Options& options) {
+  const Config config = readConfig(comm, options.deck, options.overrides);
+  switch (options.command) {
+  case Command::check:
+    return checkScene(comm, config, options);
+  case Command::mesh:
+    return writeMeshOnly(comm, config, options);
+  case Command::search:
+    return runSearch(comm, config, options);
+  case Command::run:
+    break;
+  }
+  return runSimulation(comm, config, options);
+}
+
+int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) {
+  MPI_Comm guard = MPI_COMM_NULL; // only for failures
+  checkMpi(MPI_Comm_dup(comm, &guard), "MPI_Comm_dup");
+  std::vector<std::string> words = options.kokkos_arguments;
+  words.insert(words.begin(), program);
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  int count = static_cast<int>(arguments.size());
+  arguments.push_back(nullptr);
+  letToolsSkipFences();
+  Kokkos::initialize(count, arguments.data());
+  int code = 0;
+  try {
+    code = runCommand(comm, options);
+  } catch (const std::exception& error) {
+    code = reportFailure(guard, error);
+  }
+  Kokkos::finalize();
+  MPI_Comm_free(&guard);
+  return code;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const CommandLine line = parseCommandLine(argc, argv);
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN); // checkMpi turns them into exceptions
+  int code = line.exit_code;
+  if (line.options) {
+    code = runInsideKokkos(MPI_COMM_WORLD, *line.options, argv[0]);
+  } else if (rankOf(MPI_COMM_WORLD) == 0) {
+    (code == 0 ? std::cout : std::cerr) << line.text << std::flush;
+  }
+  MPI_Finalize();
+  return code;
+}

@@ -1,0 +1,227 @@
+// See report.hpp. The names in report.json are fixed: scripts and comparisons of runs read them.
+#include "miniapp/report.hpp"
+
+#include "contact/base/backend.hpp"
+#include "contact/base/mpi.hpp"
+#include "miniapp/build_info.hpp"
+#include "miniapp/git_commit.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <ostream>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace brickwall::miniapp {
+namespace {
+
+std::string hostName() {
+  char name[256] = "";
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+std::string cpuName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.compare(0, 10, "model name") == 0 && line.find(": ") != std::string::npos)
+      return line.substr(line.find(": ") + 2);
+  return "unknown";
+}
+
+std::string kokkosVersion() {
+  return std::to_string(KOKKOS_VERSION / 10000) + "." + std::to_string(KOKKOS_VERSION / 100 % 100) +
+         "." + std::to_string(KOKKOS_VERSION % 100);
+}
+
+nlohmann::ordered_json toJson(const PhaseTime& phase) {
+  return {{"name", phase.name},
+          {"calls", phase.calls},
+          {"min", phase.min},
+          {"mean", phase.mean},
+          {"max", phase.max}};
+}
+
+nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
+  auto list = nlohmann::ordered_json::array();
+  for (const PhaseTime& phase : phases)
+    list.push_back(toJson(phase));
+  return list;
+}
+
+double ratio(double amount, double seconds) {
+  return seconds > 0 ? amount / seconds : 0;
+}
+
+template <class... Values>
+std::string format(const char* how, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof(line), how, values...);
+  return line;
+}
+
+void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases) {
+  out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
+  for (const PhaseTime& phase : phases)
+    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phase.name.c_str(),
+                  static_cast<long long>(phase.calls), phase.min, phase.mean, phase.max);
+}
+
+} // namespace
+
+Provenance describeRun(MPI_Comm comm) {
+  Provenance run;
+  run.version = build_info::version;
+  run.commit = BRICKWALL_COMMIT;
+  run.compiler = build_info::compiler;
+  run.flags = build_info::flags;
+  run.kokkos = kokkosVersion();
+  run.host = broadcast(comm, hostName());
+  run.cpu = broadcast(comm, cpuName());
+  run.ranks = sizeOf(comm);
+  run.threads_per_rank = concurrency(host_exec_space());
+  run.execution_space = exec_space::name();
+  return run;
+}
+
+std::string versionText() {
+  return std::string("brickwall ") + build_info::version + " (commit " + BRICKWALL_COMMIT + ")\n" +
+         "compiler " + build_info::compiler + "\nflags    " + build_info::flags + "\nKokkos   " +
+         kokkosVersion() + ", " + exec_space::name() + "\n";
+}
+
+double RunReport::elementStepsPerSecond() const {
+  return ratio(static_cast<double>(elements) * static_cast<double>(counted_steps), loop_seconds);
+}
+double RunReport::solverElementStepsPerSecond() const {
+  return ratio(static_cast<double>(elements) * static_cast<double>(counted_steps), solver_seconds);
+}
+double RunReport::faceSearchesPerSecond() const {
+  return ratio(static_cast<double>(faces) * static_cast<double>(counted_searches), search_seconds);
+}
+
+std::int64_t peakRankBytes(MPI_Comm comm) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return allReduce(comm, static_cast<std::int64_t>(usage.ru_maxrss) * 1024, MPI_MAX);
+}
+
+std::string reportJson(const RunReport& r) {
+  nlohmann::ordered_json json;
+  json["schema"] = "brickwall-report-1";
+  json["case"] = r.case_name;
+  json["title"] = r.title;
+  json["command"] = r.command;
+  json["version"] = r.provenance.version;
+  json["commit"] = r.provenance.commit;
+  json["compiler"] = r.provenance.compiler;
+  json["flags"] = r.provenance.flags;
+  json["kokkos"] = r.provenance.kokkos;
+  json["host"] = r.provenance.host;
+  json["cpu"] = r.provenance.cpu;
+  json["ranks"] = r.provenance.ranks;
+  json["threads_per_rank"] = r.provenance.threads_per_rank;
+  json["execution_space"] = r.provenance.execution_space;
+  json["elements"] = r.elements;
+  json["nodes"] = r.nodes;
+  json["faces"] = r.faces;
+  json["steps"] = r.steps;
+  json["end_time"] = r.end_time;
+  json["loop_seconds"] = r.loop_seconds;
+  json["fom"] = {{"element_steps_per_second", r.elementStepsPerSecond()},
+                 {"solver_element_steps_per_second", r.solverElementStepsPerSecond()},
+                 {"face_searches_per_second", r.faceSearchesPerSecond()}};
+  json["phases"] = toJson(r.phases);
+  json["search"] = {{"method", r.search.method},
+                    {"searches", r.search.searches},
+                    {"seconds_per_step", r.search.seconds_per_step},
+                    {"ghost_faces", r.search.ghost_faces},
+                    {"candidate_pairs", r.search.candidate_pairs},
+                    {"active_contacts", r.search.active_contacts},
+                    {"drops_same_body", r.search.drops_same_body}};
+  json["search_timers"] = toJson(r.search_timers);
+  json["balance"] = {{"energy_error", r.balance.energy_error},
+                     {"momentum_error", r.balance.momentum_error},
+                     {"external_work", r.balance.external_work},
+                     {"peak_kinetic_energy", r.balance.peak_kinetic_energy},
+                     {"peak_stored_energy", r.balance.peak_stored_energy}};
+  json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
+  json["pass"] = r.pass();
+  json["failures"] = r.failures;
+  // Bytes that are no UTF-8 (of a title, a host name) are replaced, not thrown at.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text) {
+  together(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    std::FILE* file = std::fopen(path.c_str(), "w");
+    if (!file)
+      throw OutputError(path + ": can not create the file: " + std::strerror(errno));
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+    const int reason = errno;
+    if ((std::fclose(file) != 0) || !written)
+      throw OutputError(path +
+                        ": can not write the file: " + std::strerror(written ? errno : reason));
+  });
+}
+
+void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report) {
+  writeTextFile(comm, path, reportJson(report));
+}
+
+void makeDirectory(MPI_Comm comm, const std::string& path) {
+  together(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    std::error_code error;
+    std::filesystem::create_directories(path, error);
+    if (!std::filesystem::is_directory(path))
+      throw OutputError(path + ": can not make the output folder: " +
+                        (error ? error.message() : "a file of that name is in the way"));
+  });
+}
+
+void printReport(std::ostream& out, const RunReport& r) {
+  out << format("\n%s: %lld elements, %lld nodes, %lld faces, %lld steps to %.6g s\n",
+                r.case_name.c_str(), static_cast<long long>(r.elements),
+                static_cast<long long>(r.nodes), static_cast<long long>(r.faces),
+                static_cast<long long>(r.steps), r.end_time);
+  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n\n",
+                r.provenance.ranks, r.provenance.threads_per_rank,
+                r.provenance.execution_space.c_str(), r.provenance.kokkos.c_str(),
+                static_cast<double>(r.max_rank_bytes) / 1e6);
+  printTable(out, "phase", r.phases);
+  out << "\n";
+  printTable(out, "global search (own time)", r.search_timers);
+  out << "\nsearch: " << r.search.method
+      << (r.search.drops_same_body ? ", pairs within one body dropped"
+                                   : ", pairs within one body kept")
+      << format(", %lld searches, %.3e s each; last step: %lld ghost faces, %lld candidate pairs, "
+                "%lld active contacts\n",
+                static_cast<long long>(r.search.searches), r.search.seconds_per_step,
+                static_cast<long long>(r.search.ghost_faces),
+                static_cast<long long>(r.search.candidate_pairs),
+                static_cast<long long>(r.search.active_contacts));
+  if (r.command == "run")
+    out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
+                  "kinetic %.6e, peak stored %.6e\n",
+                  r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,
+                  r.balance.peak_kinetic_energy, r.balance.peak_stored_energy);
+  out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "
+                "loop_seconds=%.6g\n",
+                r.elementStepsPerSecond(), r.faceSearchesPerSecond(), r.loop_seconds);
+  std::string why;
+  for (const std::string& failure : r.failures)
+    why += (why.empty() ? "" : "; ") + failure;
+  out << (r.pass() ? "PASS" : "FAIL: " + why) << std::endl;
+}
+
+} // namespace brickwall::miniapp
