@@ -88,11 +88,56 @@ KOKKOS_INLINE_FUNCTION std::int64_t toWord(double value) {
   memcpy(&word, &value, sizeof word);
   return word;
 }
-KOKKOS_INLINE_FUNCTION std::int64_t toWord(std::int64_t value) { return value; }
+KOKKOS_INLINE_FUNCTION std::int64_t toWord(std::int64_t value) {
+  return value;
+}
 KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, double& value) {
   memcpy(&value, &word, sizeof word);
 }
-KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, std::int64_t& value) { value = word; }
+KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, std::int64_t& value) {
+  value = word;
+}
+
+// What becomes of a received value. Several partners may add to one row.
+struct AssignReceived {
+  template <class T>
+  KOKKOS_INLINE_FUNCTION static void place(T& target, T value) {
+    target = value;
+  }
+};
+struct AddReceived {
+  template <class T>
+  KOKKOS_INLINE_FUNCTION static void place(T& target, T value) {
+    Kokkos::atomic_add(&target, value);
+  }
+};
+
+// packed(i * width + w) = source(rows(i), w) for i in [0, num_rows).
+template <class SourceView>
+void packRows(const exec_space& space, const SourceView& source, const View<int*>& rows,
+              std::int64_t num_rows, const View<std::int64_t*>& packed) {
+  const auto width = static_cast<std::int64_t>(source.extent(1));
+  Kokkos::parallel_for(
+      "base::ExchangePlan::pack", over(space, num_rows), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (std::int64_t w = 0; w < width; ++w)
+          packed(i * width + w) = toWord(source(rows(i), w));
+      });
+}
+// Places packed(i * width + w) at target(rows(i), w) for i in [0, num_rows).
+template <class Place, class TargetView>
+void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, const View<int*>& rows,
+                std::int64_t num_rows, const TargetView& target) {
+  using value_type = typename TargetView::non_const_value_type;
+  const auto width = static_cast<std::int64_t>(target.extent(1));
+  Kokkos::parallel_for(
+      "base::ExchangePlan::unpack", over(space, num_rows), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (std::int64_t w = 0; w < width; ++w) {
+          value_type value;
+          fromWord(packed(i * width + w), value);
+          Place::place(target(rows(i), w), value);
+        }
+      });
+}
 
 // Rows of local arrays that go to and come from each partner. Row lists of partner p are
 // [offsets[p], offsets[p+1]); both sides must list matching rows in the same order.
@@ -104,8 +149,8 @@ public:
   ExchangePlan(const exec_space& space, MPI_Comm comm, int tag, std::vector<int> partners,
                const std::vector<std::vector<int>>& send_rows,
                const std::vector<std::vector<int>>& receive_rows)
-      : _comm(comm), _tag(tag), _partners(std::move(partners)),
-        _send_offsets(offsetsOf(send_rows)), _receive_offsets(offsetsOf(receive_rows)),
+      : _comm(comm), _tag(tag), _partners(std::move(partners)), _send_offsets(offsetsOf(send_rows)),
+        _receive_offsets(offsetsOf(receive_rows)),
         _send_rows(flatten(space, "base::ExchangePlan::send_rows", send_rows)),
         _receive_rows(flatten(space, "base::ExchangePlan::receive_rows", receive_rows)) {}
 
@@ -117,68 +162,51 @@ public:
   // W equal on all ranks. Collective among partners.
   template <class ViewType>
   void forward(const exec_space& space, const ViewType& values) {
-    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets, Assign());
+    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
+             AssignReceived());
   }
   // Owner to ghost between two arrays: target(receive_row, :) = the partner's source(send_row, :).
   template <class SourceView, class TargetView>
   void forward(const exec_space& space, const SourceView& source, const TargetView& target) {
     transfer(space, source, target, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
-             Assign());
+             AssignReceived());
   }
   // Ghost to owner: values(send_row, :) += the partner's values(receive_row, :). int64 only: exact in any order.
   template <class ViewType>
   void reverseSum(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
-    transfer(space, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets, Add());
+    transfer(space, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
+             AddReceived());
   }
   // Adds every partner's partial sums to this rank's, where both list the same rows to send and to receive:
   // afterwards all copies hold the same total. int64 only.
   template <class ViewType>
   void sumShared(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
-    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets, Add());
+    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
+             AddReceived());
   }
 
 private:
-  struct Assign {};
-  struct Add {};
-
-  template <class ViewType, class Combine>
+  template <class ViewType, class Place>
   void transfer(const exec_space& space, const ViewType& values, const View<int*>& from_rows,
                 const std::vector<std::int64_t>& from_offsets, const View<int*>& to_rows,
-                const std::vector<std::int64_t>& to_offsets, Combine combine) {
-    transfer(space, values, values, from_rows, from_offsets, to_rows, to_offsets, combine);
+                const std::vector<std::int64_t>& to_offsets, Place place) {
+    transfer(space, values, values, from_rows, from_offsets, to_rows, to_offsets, place);
   }
-  template <class SourceView, class TargetView, class Combine>
+  template <class SourceView, class TargetView, class Place>
   void transfer(const exec_space& space, const SourceView& source, const TargetView& target,
                 const View<int*>& from_rows, const std::vector<std::int64_t>& from_offsets,
-                const View<int*>& to_rows, const std::vector<std::int64_t>& to_offsets, Combine) {
-    using value_type = typename TargetView::non_const_value_type;
+                const View<int*>& to_rows, const std::vector<std::int64_t>& to_offsets, Place) {
     if (_partners.empty())
       return;
     const auto width = static_cast<std::int64_t>(source.extent(1));
     const std::int64_t num_from = from_offsets.back(), num_to = to_offsets.back();
     growTo(space, _buffers.send, num_from * width);
-    const auto packed = _buffers.send;
-    Kokkos::parallel_for(
-        "base::ExchangePlan::pack", over(space, num_from), KOKKOS_LAMBDA(const std::int64_t i) {
-          for (std::int64_t w = 0; w < width; ++w)
-            packed(i * width + w) = toWord(source(from_rows(i), w));
-        });
+    packRows(space, source, from_rows, num_from, _buffers.send);
     _buffers.exchange(space, _comm, _tag, _partners, scaled(from_offsets, width, _send_words),
                       scaled(to_offsets, width, _receive_words));
-    const auto received = _buffers.receive;
-    Kokkos::parallel_for(
-        "base::ExchangePlan::unpack", over(space, num_to), KOKKOS_LAMBDA(const std::int64_t i) {
-          for (std::int64_t w = 0; w < width; ++w) {
-            value_type value;
-            fromWord(received(i * width + w), value);
-            if constexpr (std::is_same_v<Combine, Add>)
-              Kokkos::atomic_add(&target(to_rows(i), w), value); // several partners, one row
-            else
-              target(to_rows(i), w) = value;
-          }
-        });
+    unpackRows<Place>(space, _buffers.receive, to_rows, num_to, target);
   }
 
   static std::vector<std::int64_t> offsetsOf(const std::vector<std::vector<int>>& rows) {
