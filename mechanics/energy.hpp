@@ -65,7 +65,9 @@ struct EnergyBalance {
   Vec3 momentum, angular_momentum; // at the last half step
   Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_contact; // since the start
   double energy_error = 0; // so far: max |total_half - external work - E_0| / max (K + stored)
-  double momentum_error = 0; // so far: max |impulses - change of momentum| / max |impulse of loads|
+  double momentum_error =
+      0; // so far: max |impulses - change of momentum| / max |impulse of loads|; without loads
+      // / max of the other impulses and the momentum
   double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
   double peak_kinetic = 0, peak_stored = 0;
   std::int64_t failures = 0; // failed elements, loads or sums of the last step, over all ranks
@@ -89,7 +91,22 @@ public:
   const EnergyBalance& balance() const { return _balance; }
 
 private:
+  void gaugeHalfStep(double stored, double internal_power);
+  void bookWorks(double dt_kick, const double (&work)[num_force_kinds], const KickSums& kick);
+  void bookImpulses(double dt_kick, const KickSums& kick);
+
   EnergyBalance _balance;
+  LedgerScales _scales;
+  Vec3 _gravity;
+  double _total_mass = 0;
+  double _initial_kinetic = 0, _initial_energy = 0;
+  Vec3 _initial_momentum;
+  bool _started = false, _has_stored = false, _has_initial_energy = false;
+  double _stored = 0; // U^n
+  double _power_after = 0; // dU/du^n . v^{n+1/2}
+  double _dt = 0; // of the drift after the last kick
+  double _peak_total = 0, _largest_energy_gap = 0;
+  double _largest_momentum_gap = 0, _largest_load = 0, _largest_other = 0;
 };
 
 } // namespace brickwall::mechanics

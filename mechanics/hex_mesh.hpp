@@ -22,7 +22,7 @@ struct Material {
   KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
 };
 
-// Elements [first, first + count) that are one body's on this rank. `exclusive`: no element outside touches its nodes.
+// Elements [first, first + count) that are one body's on this rank. Bodies share no nodes.
 struct ElementRange {
   int first = 0, count = 0;
   global_id body = -1; // number of the body, the same on every rank that holds a part of it
@@ -40,6 +40,20 @@ struct HexMesh {
   View<double* [3]> reference_coordinates; // X [node][xyz], length
   std::vector<ElementRange> bodies; // this rank's part of each body, contiguous elements
 };
+
+// The arrays of a mesh that kernels capture (no host containers).
+struct MeshViews {
+  View<const int* [8]> elem_to_nodes;
+  View<const global_id*> elem_ids;
+  View<const unsigned char*> node_is_owned;
+  View<const int*> elem_block;
+  View<const Material*> materials;
+  View<const double* [3]> reference_coordinates;
+};
+inline MeshViews viewsOf(const HexMesh& mesh) {
+  return {mesh.elem_to_nodes, mesh.elem_ids,  mesh.node_is_owned,
+          mesh.elem_block,    mesh.materials, mesh.reference_coordinates};
+}
 
 // Ranks and local nodes shared with each, both sides in the same order: for SharedNodeSum.
 struct SharedNodeLists {

@@ -3,8 +3,10 @@
 // the corners in integers, so an element's corner forces sum to exactly zero and totals depend on no order.
 #pragma once
 
-#include "mechanics/congruent_bodies.hpp"
+#include "mechanics/element_chunks.hpp"
 #include "mechanics/element_failure.hpp"
+#include "mechanics/hex8_full.hpp"
+#include "mechanics/hex8_tlps.hpp"
 #include "mechanics/hex_mesh.hpp"
 #include "mechanics/nodal_state.hpp"
 
@@ -36,13 +38,6 @@ struct ElementFields {
   View<double*> energy_density; // stored energy (hourglass included) per reference volume
 };
 
-// A run of elements that one thread handles, all of one body.
-struct ElementChunk {
-  int first = 0, count = 0;
-  int shape = -1; // row of the table of shapes when the body is congruent, else -1
-  int atomic = 0; // nonzero: other chunks touch its nodes
-};
-
 class InternalForce {
 public:
   // Finds congruent bodies, stores what the general elements need (about 370 B each) and cuts the bodies into chunks.
@@ -63,16 +58,20 @@ public:
   ElementKind kind() const { return _kind; }
   std::int64_t numCongruentElems() const { return _num_congruent_elems; }
 
-  // For kernels only (extended lambdas and functors need public access).
+  // What the kernels read (public: device code may not name private types).
   struct Tables {
-    View<const ElementChunk*> chunks;
-    View<const double**> shapes; // [shape][geometry]
-    View<const double***> geometry; // [pack][component][lane]; empty when all bodies are congruent
-    View<const int*> pack_of_elem;
+    MeshViews mesh;
+    int num_elems = 0;
+    View<ElementChunk*> chunks;
+    View<ElementPack*> packs;
+    View<TlpsBox*> boxes; // [body], one-point; rows of congruent bodies are set
+    View<FullGeometry<double>*> full_shapes; // [body], full integration; "
+    View<double** [simd_width]> geometry; // [pack][component][lane] of TlpsGeometry or FullGeometry
   };
 
 private:
-  HexMesh _mesh;
+  Tables _tables;
+  std::vector<ChunkGroup> _groups;
   ElementKind _kind;
   Quantum _quantum;
   LimbScale _energy_scale;

@@ -29,9 +29,30 @@ struct Pressure {
 };
 
 // Nodal loads of pressure on one quad with corners x, outward by the right-hand rule; X are the reference corners.
+// load_I = -integral p N_I (x_xi cross x_eta); the integrand is biquadratic for uniform p.
 KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Pressure& pressure, double time,
                                               const Vec3 (&X)[4], const Vec3 (&x)[4],
-                                              Vec3 (&load)[4]);
+                                              Vec3 (&load)[4]) {
+  constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
+  const double corner_xi[4] = {-1, 1, 1, -1}, corner_eta[4] = {-1, -1, 1, 1};
+  for (int c = 0; c < 4; ++c)
+    load[c] = Vec3();
+  for (int point = 0; point < 4; ++point) {
+    const double xi = s * corner_xi[point], eta = s * corner_eta[point];
+    Vec3 position, along_xi, along_eta;
+    double shape[4];
+    for (int c = 0; c < 4; ++c) {
+      const double a = 1 + corner_xi[c] * xi, b = 1 + corner_eta[c] * eta;
+      shape[c] = 0.25 * a * b;
+      position += shape[c] * X[c];
+      along_xi += (0.25 * corner_xi[c] * b) * x[c];
+      along_eta += (0.25 * corner_eta[c] * a) * x[c];
+    }
+    const Vec3 traction = -pressure.at(position, time) * cross(along_xi, along_eta);
+    for (int c = 0; c < 4; ++c)
+      load[c] += shape[c] * traction;
+  }
+}
 
 class PressureLoad {
 public:

@@ -1,9 +1,9 @@
 // Stable step of central differences from the element bound of physics.md section 2: dt = 2/omega, omega^2 =
 // (8/rho) lambda_max of the elasticity tensor on the mean gradient; exact on parallelepipeds, times .98 on others.
+// It holds for both kinds of element: full integration adds hourglass modes that are softer than these.
 #pragma once
 
 #include "mechanics/hex_mesh.hpp"
-#include "mechanics/internal_force.hpp"
 
 namespace brickwall::mechanics {
 
@@ -13,13 +13,12 @@ struct StableTimeStep {
 };
 
 // At rest (u = 0): small-strain moduli, closed form. Same on all ranks and for any partition. Collective.
-StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              ElementKind kind);
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 
 // At X + u: the material's tangent moduli and stress at each element's centre (9x9 eigenvalue problem, about 10 us an
 // element: call it rarely). A failed element (J <= 0, NaN) gives dt = 0. Collective.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              ElementKind kind, const View<const double* [3]>& displacement);
+                              const View<const double* [3]>& displacement);
 
 // Largest share chi = dt/dt_stable of the step next to contact of penalty s (capped by the reduced mass, two passes):
 // min(safety, sqrt(1 - s/1.95)). Throws InputError unless 0 < safety <= 1 and 0 <= s < 1.95.

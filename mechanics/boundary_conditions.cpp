@@ -1,0 +1,73 @@
+#include "mechanics/boundary_conditions.hpp"
+
+#include "contact/base/error.hpp"
+#include "mechanics/host_mesh.hpp"
+
+namespace brickwall::mechanics {
+
+BoundaryConditions::BoundaryConditions(const exec_space& space, int num_nodes,
+                                       const std::vector<PrescribedMotion>& motions,
+                                       const Vec3& gravity)
+    : _motions(motions), _gravity(gravity) {
+  if (motions.size() > max_motions)
+    throw InputError("BoundaryConditions: " + std::to_string(motions.size()) +
+                     " prescribed motions; at most " + std::to_string(max_motions));
+  std::vector<unsigned char> motion_of(3 * static_cast<std::size_t>(num_nodes), 0);
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    for (const int node : motions[m].nodes) {
+      if (node < 0 || node >= num_nodes)
+        throw InputError("BoundaryConditions: node " + std::to_string(node) + " of motion " +
+                         std::to_string(m) + "; local nodes are 0 .. " +
+                         std::to_string(num_nodes - 1));
+      for (int i = 0; i < 3; ++i)
+        if (motions[m].component[i])
+          motion_of[3 * static_cast<std::size_t>(node) + i] = static_cast<unsigned char>(m + 1);
+    }
+  _motion_of = copyRowsToDevice<unsigned char, 3>(space, "mechanics::BoundaryConditions::motion_of",
+                                                  motion_of);
+  for (PrescribedMotion& motion : _motions)
+    motion.nodes.clear();
+}
+
+BoundaryConditions::AtTime BoundaryConditions::at(double time) const {
+  AtTime result;
+  result.motion = _motion_of;
+  result.gravity = _gravity;
+  result.any = any();
+  for (auto& velocity : result.velocity)
+    velocity[0] = velocity[1] = velocity[2] = 0;
+  for (std::size_t m = 0; m < _motions.size(); ++m) {
+    const Vec3 velocity = _motions[m].shape(time - _motions[m].start) * _motions[m].velocity;
+    for (int i = 0; i < 3; ++i)
+      result.velocity[m + 1][i] = velocity[i];
+  }
+  return result;
+}
+
+void setInitialVelocity(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
+                        const std::vector<unsigned char>& elem_is_chosen, const Vec3& velocity,
+                        const NodalState& state) {
+  const auto chosen =
+      copyToDevice(space, "mechanics::setInitialVelocity::elem_is_chosen", elem_is_chosen);
+  const auto elem_to_nodes = mesh.elem_to_nodes;
+  View<std::int64_t**> touches("mechanics::setInitialVelocity::touches", mesh.num_nodes, 1);
+  Kokkos::parallel_for(
+      "mechanics::setInitialVelocity::mark", over(space, mesh.num_elems),
+      KOKKOS_LAMBDA(const std::int64_t elem) {
+        if (chosen(elem))
+          for (int c = 0; c < 8; ++c)
+            Kokkos::atomic_add(&touches(elem_to_nodes(elem, c), 0), std::int64_t(1));
+      });
+  shared.sum(space, touches);
+  const auto v = state.velocity;
+  Kokkos::parallel_for(
+      "mechanics::setInitialVelocity::set", over(space, mesh.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        if (touches(node, 0) > 0)
+          for (int i = 0; i < 3; ++i)
+            v(node, i) = velocity[i];
+      });
+  space.fence();
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,121 @@
+#include "mechanics/central_difference.hpp"
+
+namespace brickwall::mechanics {
+
+void drift(const exec_space& space, double dt, const NodalState& state) {
+  const auto u = state.displacement;
+  const auto v = state.velocity;
+  Kokkos::parallel_for(
+      "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(state.mass.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int i = 0; i < 3; ++i)
+          u(node, i) += dt * v(node, i);
+      });
+}
+
+namespace {
+
+KOKKOS_INLINE_FUNCTION bool isZero(const Vec3& a) {
+  return a.x == 0 && a.y == 0 && a.z == 0;
+}
+
+KOKKOS_INLINE_FUNCTION void addVector(KickSums& sums, int first, const Vec3& value,
+                                      const LimbScale& scale) {
+  for (int i = 0; i < 3; ++i)
+    sums.add(first + i, value[i], scale);
+}
+
+struct KickNode {
+  View<const double*[3]> reference, displacement;
+  View<double* [3]> velocity;
+  View<const double*> mass;
+  View<const unsigned char*> is_owned;
+  View<std::int64_t**> forces;
+  double quantum, dt;
+  BoundaryConditions::AtTime boundary;
+  LedgerScales scales;
+
+  // Sum of all columns, exact, and each kind's force.
+  KOKKOS_INLINE_FUNCTION Vec3 totalForce(std::int64_t node, Vec3 (&force)[num_force_kinds]) const {
+    Vec3 total;
+    for (int i = 0; i < 3; ++i) {
+      std::int64_t sum = 0;
+      for (int kind = 0; kind < num_force_kinds; ++kind) {
+        const std::int64_t column = forces(node, 3 * kind + i);
+        sum += column;
+        force[kind][i] = quantum * static_cast<double>(column);
+      }
+      total[i] = quantum * static_cast<double>(sum);
+    }
+    return total;
+  }
+
+  // The new velocity; `reaction` is the impulse that a prescribed motion needed.
+  KOKKOS_INLINE_FUNCTION Vec3 newVelocity(std::int64_t node, const Vec3& old, const Vec3& total,
+                                          Vec3& reaction) const {
+    const double m = mass(node);
+    Vec3 v = old + (dt / m) * total + dt * boundary.gravity;
+    if (boundary.any)
+      for (int i = 0; i < 3; ++i) {
+        const int motion = boundary.motion(node, i);
+        if (motion == 0)
+          continue;
+        v[i] = boundary.velocity[motion][i];
+        reaction[i] = m * (v[i] - old[i]) - dt * (total[i] + m * boundary.gravity[i]);
+      }
+    return v;
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
+    const Vec3 old = rowOf(velocity, node);
+    Vec3 force[num_force_kinds], reaction;
+    const Vec3 total = totalForce(node, force);
+    const Vec3 v = newVelocity(node, old, total, reaction);
+    for (int i = 0; i < 3; ++i)
+      velocity(node, i) = v[i];
+    if (!is_owned(node))
+      return;
+    const Vec3 mean = 0.5 * (old + v), momentum = mass(node) * v;
+    sums.add(kick_kinetic, 0.5 * dot(momentum, v), scales.energy);
+    for (int kind = 0; kind < num_force_kinds; ++kind)
+      if (!isZero(force[kind]))
+        sums.add(kick_work + kind, dt * dot(force[kind], mean), scales.energy);
+    sums.add(kick_internal_power, -dot(force[material_force] + force[hourglass_force], old),
+             scales.power);
+    addVector(sums, kick_momentum, momentum, scales.momentum);
+    addVector(sums, kick_angular,
+              cross(rowOf(reference, node) + rowOf(displacement, node), momentum), scales.angular);
+    if (!isZero(force[external_force]))
+      addVector(sums, kick_impulse_external, dt * force[external_force], scales.momentum);
+    if (!isZero(force[contact_force]))
+      addVector(sums, kick_impulse_contact, dt * force[contact_force], scales.momentum);
+    if (!isZero(reaction)) {
+      sums.add(kick_work_reaction, dot(reaction, mean), scales.energy);
+      addVector(sums, kick_impulse_reaction, reaction, scales.momentum);
+    }
+  }
+};
+
+} // namespace
+
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales) {
+  const KickNode functor{mesh.reference_coordinates,
+                         state.displacement,
+                         state.velocity,
+                         state.mass,
+                         mesh.node_is_owned,
+                         forces.values,
+                         forces.quantum.value,
+                         dt,
+                         boundary.at(time),
+                         scales};
+  KickSums sums;
+  Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, mesh.num_nodes), functor,
+                          Combine<KickSums>(sums));
+  space.fence();
+  return sums;
+}
+
+} // namespace brickwall::mechanics

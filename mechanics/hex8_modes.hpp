@@ -1,0 +1,86 @@
+// Walsh-Hadamard modes of the eight corners of a hexahedron (sums.md, physics.md section 1): h_mI, m = 1..7, are xi,
+// eta, zeta, eta zeta, zeta xi, xi eta, xi eta zeta at corner I; psi_m are the same as functions. With u_m =
+// sum_I h_mI u_I the trilinear field is u(xi) = u_mean + (1/8) sum_m u_m psi_m(xi). Modes are stored at m - 1.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+namespace brickwall::mechanics {
+
+constexpr int num_modes = 7;
+constexpr int num_hourglass_modes = 4; // the last four
+
+// Local coordinates of the corners, Exodus order.
+KOKKOS_INLINE_FUNCTION double cornerXi(int corner, int axis) {
+  const int bits = corner ^ ((corner >> 1) & 1); // corner in binary: zeta, eta, xi
+  return ((bits >> axis) & 1) ? 1.0 : -1.0;
+}
+
+// modes[m-1] = sum_I h_mI corner[I]: 17 additions and subtractions.
+template <class T>
+KOKKOS_INLINE_FUNCTION void cornersToModes(const T (&corner)[8], T (&modes)[num_modes]) {
+  // sums and differences along xi of the edges (eta, zeta) = (-,-), (+,-), (-,+), (+,+)
+  const T s0 = corner[0] + corner[1], d0 = corner[1] - corner[0];
+  const T s1 = corner[3] + corner[2], d1 = corner[2] - corner[3];
+  const T s2 = corner[4] + corner[5], d2 = corner[5] - corner[4];
+  const T s3 = corner[7] + corner[6], d3 = corner[6] - corner[7];
+  const T sd0 = s1 - s0, sd1 = s3 - s2;
+  const T ds0 = d0 + d1, ds1 = d2 + d3;
+  const T dd0 = d1 - d0, dd1 = d3 - d2;
+  modes[0] = ds0 + ds1;
+  modes[1] = sd0 + sd1;
+  modes[2] = (s2 + s3) - (s0 + s1);
+  modes[3] = sd1 - sd0;
+  modes[4] = ds1 - ds0;
+  modes[5] = dd0 + dd1;
+  modes[6] = dd1 - dd0;
+}
+
+// corner[I] = sum_m h_mI modes[m-1]: the transpose. The corners sum to exactly zero in integers.
+template <class T>
+KOKKOS_INLINE_FUNCTION void modesToCorners(const T (&modes)[num_modes], T (&corner)[8]) {
+  // at zeta = -1 (minus) and +1 (plus): coefficients of 1, eta, xi, xi eta
+  const T eta_minus = modes[1] - modes[3], eta_plus = modes[1] + modes[3];
+  const T xi_minus = modes[0] - modes[4], xi_plus = modes[0] + modes[4];
+  const T xe_minus = modes[5] - modes[6], xe_plus = modes[5] + modes[6];
+  const T a0 = -modes[2] - eta_minus, b0 = xi_minus - xe_minus; // eta = -1: value = a + xi b
+  const T a1 = eta_minus - modes[2], b1 = xi_minus + xe_minus;
+  const T a2 = modes[2] - eta_plus, b2 = xi_plus - xe_plus;
+  const T a3 = modes[2] + eta_plus, b3 = xi_plus + xe_plus;
+  corner[0] = a0 - b0, corner[1] = a0 + b0;
+  corner[3] = a1 - b1, corner[2] = a1 + b1;
+  corner[4] = a2 - b2, corner[5] = a2 + b2;
+  corner[7] = a3 - b3, corner[6] = a3 + b3;
+}
+
+// The same for the three linear modes alone.
+template <class T>
+KOKKOS_INLINE_FUNCTION void linearModesToCorners(const T (&modes)[3], T (&corner)[8]) {
+  const T minus = -modes[2] - modes[1], mixed = modes[1] - modes[2];
+  corner[0] = minus - modes[0], corner[1] = minus + modes[0];
+  corner[3] = mixed - modes[0], corner[2] = mixed + modes[0];
+  corner[4] = -corner[2], corner[5] = -corner[3];
+  corner[7] = -corner[1], corner[6] = -corner[0];
+}
+
+// Gradient of psi_m in the local coordinates at point xi.
+KOKKOS_INLINE_FUNCTION void modeGradients(const double (&xi)[3], double (&gradient)[num_modes][3]) {
+  for (int m = 0; m < num_modes; ++m)
+    for (int k = 0; k < 3; ++k)
+      gradient[m][k] = m == k ? 1 : 0;
+  gradient[3][1] = gradient[4][0] = xi[2];
+  gradient[3][2] = gradient[5][0] = xi[1];
+  gradient[4][2] = gradient[5][1] = xi[0];
+  gradient[6][0] = xi[1] * xi[2];
+  gradient[6][1] = xi[2] * xi[0];
+  gradient[6][2] = xi[0] * xi[1];
+}
+
+// The points of the 2x2x2 Gauss rule, each of weight 1.
+KOKKOS_INLINE_FUNCTION void gaussPoint(int point, double (&xi)[3]) {
+  constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
+  for (int axis = 0; axis < 3; ++axis)
+    xi[axis] = ((point >> axis) & 1) ? s : -s;
+}
+
+} // namespace brickwall::mechanics

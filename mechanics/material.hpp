@@ -1,0 +1,193 @@
+// Elastic materials: St.Venant-Kirchhoff, ln J neo-Hookean, and small-strain linear. Point-wise, templates on the
+// scalar type (double or Pack), from the displacement gradient H = du/dX (F = I + H is never formed from positions, and
+// strains come from H without cancellation: physics.md section 1).
+#pragma once
+
+#include "mechanics/hex_mesh.hpp"
+#include "mechanics/pack.hpp"
+
+namespace brickwall::mechanics {
+
+// ln(1 + d) = 2 artanh(s), s = d/(2 + d); eight terms of the series are exact to rounding for |d| <= 1/8. The same
+// arithmetic on every back end; log1p beyond.
+KOKKOS_INLINE_FUNCTION double logSeries(double s, double t) {
+  return s *
+         (2.0 + t * (2.0 / 3 +
+                     t * (2.0 / 5 +
+                          t * (2.0 / 7 +
+                               t * (2.0 / 9 + t * (2.0 / 11 + t * (2.0 / 13 + t * (2.0 / 15))))))));
+}
+template <int W>
+inline PackOf<W> logSeries(const PackOf<W>& s, const PackOf<W>& t) {
+  return s *
+         (2.0 + t * (2.0 / 3 +
+                     t * (2.0 / 5 +
+                          t * (2.0 / 7 +
+                               t * (2.0 / 9 + t * (2.0 / 11 + t * (2.0 / 13 + t * (2.0 / 15))))))));
+}
+KOKKOS_INLINE_FUNCTION double logOnePlus(double d) {
+  if (!(std::fabs(d) <= 0.125))
+    return std::log1p(d);
+  const double s = d / (2.0 + d);
+  return logSeries(s, s * s);
+}
+template <int W>
+inline PackOf<W> logOnePlus(const PackOf<W>& d) {
+  const PackOf<W> s = d / (2.0 + d);
+  PackOf<W> result = logSeries(s, s * s);
+  for (int lane = 0; lane < W; ++lane)
+    if (!(std::fabs(d.v[lane]) <= 0.125))
+      result.v[lane] = std::log1p(d.v[lane]);
+  return result;
+}
+
+// Cofactors of F = I + H, so that F^-T = cofactor / J.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3]) {
+  c[0][0] = F[1][1] * F[2][2] - F[1][2] * F[2][1];
+  c[0][1] = F[1][2] * F[2][0] - F[1][0] * F[2][2];
+  c[0][2] = F[1][0] * F[2][1] - F[1][1] * F[2][0];
+  c[1][0] = F[2][1] * F[0][2] - F[2][2] * F[0][1];
+  c[1][1] = F[2][2] * F[0][0] - F[2][0] * F[0][2];
+  c[1][2] = F[2][0] * F[0][1] - F[2][1] * F[0][0];
+  c[2][0] = F[0][1] * F[1][2] - F[0][2] * F[1][1];
+  c[2][1] = F[0][2] * F[1][0] - F[0][0] * F[1][2];
+  c[2][2] = F[0][0] * F[1][1] - F[0][1] * F[1][0];
+}
+
+// J - 1 by the invariants of H.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real volumeChange(const Real (&H)[3][3]) {
+  Real c[3][3];
+  cofactors(H, c);
+  return (H[0][0] + H[1][1] + H[2][2]) + (c[0][0] + c[1][1] + c[2][2]) +
+         (H[0][0] * c[0][0] + H[0][1] * c[0][1] + H[0][2] * c[0][2]);
+}
+
+template <class Real>
+KOKKOS_INLINE_FUNCTION void deformationGradient(const Real (&H)[3][3], Real (&F)[3][3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      F[i][j] = i == j ? H[i][j] + 1.0 : H[i][j];
+}
+
+// Energy density, stress and J at one point.
+template <class Real>
+struct StressPoint {
+  Real P[3][3]; // first Piola-Kirchhoff, dW/dH
+  Real J; // det F; 1 for the linear material, which knows no inversion
+  Real W; // energy per reference volume; only when asked for
+};
+
+// neo-Hookean: W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = tau F^-T, tau = mu (b - I) + lambda ln J I,
+// b - I = H + H^T + H H^T.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void neoHookean(const Real (&H)[3][3], double lambda, double mu, bool with_W,
+                                       StressPoint<Real>& out) {
+  Real F[3][3], cofactor[3][3], tau[3][3];
+  deformationGradient(H, F);
+  cofactors(F, cofactor);
+  const Real d = volumeChange(H);
+  out.J = 1.0 + d;
+  const Real log_J = logOnePlus(d);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j)
+      tau[i][j] =
+          mu * (H[i][j] + H[j][i] + (H[i][0] * H[j][0] + H[i][1] * H[j][1] + H[i][2] * H[j][2]));
+  const Real p = lambda * log_J;
+  tau[0][0] += p, tau[1][1] += p, tau[2][2] += p;
+  tau[1][0] = tau[0][1], tau[2][0] = tau[0][2], tau[2][1] = tau[1][2];
+  const Real inverse_J = 1.0 / out.J;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      out.P[i][j] = inverse_J * (tau[i][0] * cofactor[0][j] + tau[i][1] * cofactor[1][j] +
+                                 tau[i][2] * cofactor[2][j]);
+  if (with_W) {
+    Real square = H[0][0] * H[0][0];
+    for (int k = 1; k < 9; ++k)
+      square += H[k / 3][k % 3] * H[k / 3][k % 3];
+    const Real trace = H[0][0] + H[1][1] + H[2][2];
+    out.W = mu * (0.5 * square + (trace - log_J)) + 0.5 * lambda * (log_J * log_J);
+  }
+}
+
+// St.Venant-Kirchhoff: W = lambda/2 (tr E)^2 + mu E:E, P = F S.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], double lambda, double mu,
+                                                 bool with_W, StressPoint<Real>& out) {
+  Real F[3][3], E2[3][3], S[3][3]; // E2 = 2 E
+  deformationGradient(H, F);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) {
+      E2[i][j] = H[i][j] + H[j][i] + (H[0][i] * H[0][j] + H[1][i] * H[1][j] + H[2][i] * H[2][j]);
+      S[i][j] = mu * E2[i][j];
+    }
+  const Real trace = E2[0][0] + E2[1][1] + E2[2][2];
+  const Real p = 0.5 * lambda * trace;
+  S[0][0] += p, S[1][1] += p, S[2][2] += p;
+  S[1][0] = S[0][1], S[2][0] = S[0][2], S[2][1] = S[1][2];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      out.P[i][j] = F[i][0] * S[0][j] + F[i][1] * S[1][j] + F[i][2] * S[2][j];
+  out.J = 1.0 + volumeChange(H);
+  if (with_W) {
+    const Real square = E2[0][0] * E2[0][0] + E2[1][1] * E2[1][1] + E2[2][2] * E2[2][2] +
+                        2.0 * (E2[0][1] * E2[0][1] + E2[0][2] * E2[0][2] + E2[1][2] * E2[1][2]);
+    out.W = 0.125 * lambda * (trace * trace) + 0.25 * mu * square;
+  }
+}
+
+// Small strain: W = lambda/2 (tr e)^2 + mu e:e, P = dW/dH.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], double lambda, double mu,
+                                          bool with_W, StressPoint<Real>& out) {
+  const Real trace = H[0][0] + H[1][1] + H[2][2];
+  const Real p = lambda * trace;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      out.P[i][j] = mu * (H[i][j] + H[j][i]);
+  out.P[0][0] += p, out.P[1][1] += p, out.P[2][2] += p;
+  out.J = Real(1.0);
+  if (with_W) {
+    Real product = out.P[0][0] * H[0][0];
+    for (int k = 1; k < 9; ++k)
+      product += out.P[k / 3][k % 3] * H[k / 3][k % 3];
+    out.W = 0.5 * product;
+  }
+}
+
+template <MaterialModel model, class Real>
+KOKKOS_INLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], double lambda, double mu,
+                                             bool with_W, StressPoint<Real>& out) {
+  if (model == MaterialModel::neo_hookean)
+    neoHookean(H, lambda, mu, with_W, out);
+  else if (model == MaterialModel::svk)
+    saintVenantKirchhoff(H, lambda, mu, with_W, out);
+  else
+    linearElastic(H, lambda, mu, with_W, out);
+}
+
+// Cauchy stress sigma = P F^T / J, as xx yy zz xy yz zx; the linear material's is P itself.
+KOKKOS_INLINE_FUNCTION void cauchyStress(const double (&H)[3][3], const Material& material,
+                                         double (&sigma)[6]) {
+  StressPoint<double> point;
+  double F[3][3];
+  const double zero[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  deformationGradient(H, F);
+  if (material.model == MaterialModel::neo_hookean)
+    neoHookean(H, material.lambda(), material.mu(), false, point);
+  else if (material.model == MaterialModel::svk)
+    saintVenantKirchhoff(H, material.lambda(), material.mu(), false, point);
+  else {
+    linearElastic(H, material.lambda(), material.mu(), false, point);
+    deformationGradient(zero, F);
+  }
+  const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+  for (int k = 0; k < 6; ++k) {
+    const int i = row[k], j = column[k];
+    sigma[k] =
+        (point.P[i][0] * F[j][0] + point.P[i][1] * F[j][1] + point.P[i][2] * F[j][2]) / point.J;
+  }
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,60 @@
+#include "mechanics/pressure_load.hpp"
+
+#include "mechanics/host_mesh.hpp"
+
+namespace brickwall::mechanics {
+
+namespace {
+
+// Adds one face's loads; returns how many of its four corners did not fit.
+struct AddPressure {
+  Pressure pressure;
+  double time;
+  View<int* [4]> face_to_nodes;
+  View<const double*[3]> reference, displacement;
+  View<std::int64_t**> forces;
+  double inverse_quantum;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t face, std::int64_t& misfits) const {
+    Vec3 X[4], x[4], load[4];
+    for (int c = 0; c < 4; ++c) {
+      const int node = face_to_nodes(face, c);
+      X[c] = rowOf(reference, node);
+      x[c] = pressure.follower ? X[c] + rowOf(displacement, node) : X[c];
+    }
+    quadPressureLoads(pressure, time, X, x, load);
+    for (int c = 0; c < 4; ++c)
+      misfits += addCorner(face_to_nodes(face, c), inverse_quantum * load[c]) ? 0 : 1;
+  }
+  KOKKOS_INLINE_FUNCTION bool addCorner(int node, const Vec3& quanta) const {
+    for (int i = 0; i < 3; ++i)
+      if (!fitsFixedPoint(quanta[i]))
+        return false;
+    for (int i = 0; i < 3; ++i)
+      Kokkos::atomic_add(&forces(node, 3 * external_force + i), roundToFixed(quanta[i]));
+    return true;
+  }
+};
+
+} // namespace
+
+PressureLoad::PressureLoad(const exec_space& space, const Pressure& pressure,
+                           const std::vector<int>& face_to_nodes)
+    : _pressure(pressure), _face_to_nodes(copyRowsToDevice<int, 4>(
+                               space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)) {}
+
+std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
+                               const View<const double* [3]>& displacement, double time,
+                               const NodalForces& forces) const {
+  std::int64_t misfits = 0;
+  const AddPressure functor{
+      _pressure,    time,          _face_to_nodes,        mesh.reference_coordinates,
+      displacement, forces.values, forces.quantum.inverse};
+  Kokkos::parallel_reduce("mechanics::PressureLoad::add",
+                          over(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))), functor,
+                          Kokkos::Sum<std::int64_t>(misfits));
+  space.fence();
+  return misfits;
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,153 @@
+#include "mechanics/stable_time_step.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "mechanics/material_tangent.hpp"
+#include "mechanics/symmetric_eigenvalue.hpp"
+
+#include <cmath>
+
+namespace brickwall::mechanics {
+
+namespace {
+
+// Smallest dt and, of equals, the lowest global element id.
+struct Smallest {
+  double dt = HUGE_VAL;
+  global_id elem = INT64_MAX;
+  KOKKOS_INLINE_FUNCTION Smallest& operator+=(const Smallest& b) {
+    if (b.dt < dt || (b.dt == dt && b.elem < elem)) {
+      dt = b.dt;
+      elem = b.elem;
+    }
+    return *this;
+  }
+};
+
+StableTimeStep agree(MPI_Comm comm, const Smallest& local) {
+  StableTimeStep result;
+  result.dt = allReduce(comm, local.dt, MPI_MIN);
+  const global_id none = INT64_MAX;
+  const global_id elem = allReduce(comm, local.dt == result.dt ? local.elem : none, MPI_MIN);
+  result.elem = elem == none ? -1 : elem;
+  return result;
+}
+
+// The element's geometry as the bound needs it.
+struct ElementShape {
+  double b[num_modes][3]; // modes of the mean gradient
+  Mat3 gram; // G
+  bool parallelepiped;
+};
+KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem,
+                                            double (&corners)[8][3]) {
+  ElementShape shape;
+  double modes[3][num_modes];
+  gatherCorners(mesh.elem_to_nodes, mesh.reference_coordinates, elem, corners);
+  coordinateModes(corners, modes);
+  meanGradientModes(modes, hexVolume(corners).volume, shape.b);
+  shape.gram = gradientGram(shape.b);
+  double linear = 0, bent = 0;
+  for (int j = 0; j < 3; ++j)
+    for (int m = 0; m < num_modes; ++m) {
+      double& largest = m < 3 ? linear : bent;
+      largest = maxOf(largest, std::fabs(modes[j][m]));
+    }
+  shape.parallelepiped = bent <= 1e-9 * linear;
+  return shape;
+}
+
+// The bound is exact on parallelepipeds; elsewhere hourglass modes couple in (physics.md section 2).
+KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
+  return (parallelepiped ? 2.0 : 2.0 * 0.98) / std::sqrt(omega_square);
+}
+
+struct StepAtRest {
+  MeshViews mesh;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
+    double X[8][3];
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem), X);
+    const Material material = mesh.materials(mesh.elem_block(elem));
+    double gram[3][3], eigenvalues[3], normal[3][3];
+    for (int k = 0; k < 9; ++k)
+      gram[k / 3][k % 3] = shape.gram(k / 3, k % 3);
+    symmetricEigenvalues(gram, eigenvalues);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        normal[i][j] = (material.lambda() + (i == j ? 2 * material.mu() : 0.0)) *
+                       std::sqrt(eigenvalues[i] * eigenvalues[j]);
+    const double omega_square = 8 / material.density * largestEigenvalue(normal);
+    smallest += Smallest{stepOf(omega_square, shape.parallelepiped), mesh.elem_ids(elem)};
+  }
+};
+
+// lambda_max of L^T A L with G = L L^T: the tangent dP/dH on the mean gradients (9x9).
+KOKKOS_INLINE_FUNCTION double tangentEigenvalue(const double (&A)[9][9], const Mat3& gram) {
+  double L[3][3], matrix[9][9];
+  cholesky(gram, L);
+  for (int i = 0; i < 3; ++i)
+    for (int p = 0; p < 3; ++p)
+      for (int k = 0; k < 3; ++k)
+        for (int q = 0; q < 3; ++q) {
+          double sum = 0;
+          for (int j = 0; j < 3; ++j)
+            for (int l = 0; l < 3; ++l)
+              sum += L[j][p] * A[3 * i + j][3 * k + l] * L[l][q];
+          matrix[3 * i + p][3 * k + q] = sum;
+        }
+  return largestEigenvalue(matrix);
+}
+
+struct StepAtDeformation {
+  MeshViews mesh;
+  View<const double* [3]> displacement;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
+    double X[8][3], u[8][3], modes[3][num_modes], H[3][3], A[9][9];
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem), X);
+    gatherCorners(mesh.elem_to_nodes, displacement, static_cast<int>(elem), u);
+    coordinateModes(u, modes);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        H[i][j] = 0;
+        for (int m = 0; m < num_modes; ++m)
+          H[i][j] += 0.125 * modes[i][m] * shape.b[m][j];
+      }
+    const Material material = mesh.materials(mesh.elem_block(elem));
+    double dt = 0;
+    if (materialTangent(H, material, A))
+      dt = stepOf(8 / material.density * tangentEigenvalue(A, shape.gram), shape.parallelepiped);
+    smallest += Smallest{dt == dt ? dt : 0.0, mesh.elem_ids(elem)};
+  }
+};
+
+} // namespace
+
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
+  Smallest smallest;
+  Kokkos::parallel_reduce("mechanics::stableTimeStep::at_rest", over(space, mesh.num_elems),
+                          StepAtRest{viewsOf(mesh)}, Combine<Smallest>(smallest));
+  space.fence();
+  return agree(comm, smallest);
+}
+
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                              const View<const double* [3]>& displacement) {
+  Smallest smallest;
+  Kokkos::parallel_reduce("mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
+                          StepAtDeformation{viewsOf(mesh), displacement},
+                          Combine<Smallest>(smallest));
+  space.fence();
+  return agree(comm, smallest);
+}
+
+double contactStepShare(double safety, double penalty) {
+  constexpr double limit = 1.95; // s <= 1.95 (1 - chi^2), physics.md section 2
+  if (!(safety > 0 && safety <= 1))
+    throw InputError("contactStepShare: safety " + std::to_string(safety) +
+                     "; a value in (0, 1] is needed");
+  if (!(penalty >= 0 && penalty < limit))
+    throw InputError("contactStepShare: penalty " + std::to_string(penalty) +
+                     "; a value in [0, 1.95) is needed");
+  return std::min(safety, std::sqrt(1 - penalty / limit));
+}
+
+} // namespace brickwall::mechanics
