@@ -5,6 +5,9 @@
 #include "io/classic_netcdf.hpp"
 
 #include <exodusII.h>
+#include <netcdf.h>
+
+#include <dlfcn.h>
 
 #include <cerrno>
 #include <cstring>
@@ -24,10 +27,38 @@ std::string reason() {
   return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
 }
 
+// Quiet Exodus, and HDF5 without its exit handler: that one crashes when a netCDF-4 file could not be flushed to a full
+// disk, and the exit code would be lost. It must be told before HDF5 is first used; there is no handle to it when the
+// netCDF library was built without it.
+void prepareLibraries() {
+  static const bool prepared = [] {
+    using Function = int (*)();
+    if (const auto without_exit_handler =
+            reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "H5dont_atexit")))
+      without_exit_handler();
+    return true;
+  }();
+  (void)prepared;
+  ex_opts(0);
+}
+
+// ex_open writes to standard error when it fails, whatever it is told: ask netCDF first.
+void checkIsExodus(const std::string& path) {
+  int id = -1;
+  int code = nc_open(path.c_str(), NC_NOWRITE, &id);
+  if (code == NC_NOERR) {
+    float version = 0;
+    code = nc_get_att_float(id, NC_GLOBAL, "version", &version);
+    nc_close(id);
+  }
+  if (code != NC_NOERR)
+    throw InputError(path + ": is not an Exodus file, or is damaged: " + nc_strerror(code));
+}
+
 } // namespace
 
 ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_real_bytes) {
-  ex_opts(0); // no messages of Exodus' own
+  prepareLibraries();
   int computed_real_bytes = 8;
   errno = 0;
   const int id = ex_create(path.c_str(), flags, &computed_real_bytes, &stored_real_bytes);
@@ -39,7 +70,8 @@ ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_rea
 
 ExodusFile ExodusFile::open(const std::string& path) {
   checkNotTruncated(path);
-  ex_opts(0);
+  prepareLibraries();
+  checkIsExodus(path);
   int computed_real_bytes = 8, stored_real_bytes = 0;
   float version = 0;
   const int id = ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &computed_real_bytes,

@@ -7,16 +7,13 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/connected_components.hpp"
-#include "io/exodus_file.hpp"
+#include "io/exodus_slice.hpp"
 #include "io/id_slices.hpp"
 #include "io/local_numbering.hpp"
 #include "io/partition.hpp"
 #include "io/shared_nodes.hpp"
 
-#include <exodusII.h>
-
 #include <algorithm>
-#include <cctype>
 #include <tuple>
 #include <utility>
 
@@ -24,204 +21,15 @@ namespace brickwall::io {
 
 namespace {
 
-struct SetInfo {
-  std::int64_t id = 0;
-  std::string name;
-  std::int64_t num_entries = 0;
-};
-
-// What each rank reads from the file's description.
-struct Contents {
-  global_id num_nodes = 0; // in the file; elements need not use them all
-  global_id num_elems = 0;
-  std::vector<Block> blocks; // not empty ones
-  std::vector<SetInfo> side_sets, node_sets;
-};
-
-struct ElemCorners {
-  global_id elem;
-  global_id nodes[8]; // 0-based positions in the file
-};
-struct SideEntry {
-  std::int64_t set, elem, side; // 0-based
-};
-struct NodeEntry {
-  std::int64_t set, node; // 0-based
-};
 struct NodeData {
   global_id id; // among used nodes
   double x[3];
 };
 
-// This rank's slice of the file.
-struct Slice {
-  std::vector<ElemCorners> elems;
-  std::vector<double> coordinates[3]; // of the slice's nodes
-  std::vector<SideEntry> sides;
-  std::vector<NodeEntry> nodes;
-};
-
-std::string nameOrNumber(const ExodusFile& file, ex_entity_type type, std::int64_t id,
-                         const char* kind) {
-  std::string name(257, '\0');
-  file.check(ex_get_name(file.id(), type, id, name.data()), "the name of a block or set");
-  name.resize(name.find('\0'));
-  return name.empty() ? kind + ("_" + std::to_string(id)) : name;
-}
-
-std::vector<std::int64_t> idsOf(const ExodusFile& file, ex_entity_type type, std::int64_t count,
-                                const char* what) {
-  std::vector<std::int64_t> ids(static_cast<std::size_t>(count));
-  if (count > 0)
-    file.check(ex_get_ids(file.id(), type, ids.data()), what);
-  return ids;
-}
-
-bool isHex8(const ex_block& block) {
-  std::string kind = block.topology;
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return kind.rfind("HEX", 0) == 0 && block.num_nodes_per_entry == 8;
-}
-
-std::vector<Block> readBlocks(const ExodusFile& file, std::int64_t count) {
-  std::vector<Block> blocks;
-  std::string others;
-  for (const std::int64_t id : idsOf(file, EX_ELEM_BLOCK, count, "the ids of blocks")) {
-    ex_block info{};
-    info.id = id;
-    info.type = EX_ELEM_BLOCK;
-    file.check(ex_get_block_param(file.id(), &info), "block " + std::to_string(id));
-    if (info.num_entry == 0)
-      continue;
-    const std::string name = nameOrNumber(file, EX_ELEM_BLOCK, id, "block");
-    if (isHex8(info))
-      blocks.push_back({id, name, info.num_entry});
-    else
-      others += (others.empty() ? "" : ", ") + name + " is " + info.topology + " with " +
-                std::to_string(info.num_nodes_per_entry) + " nodes";
-  }
-  if (blocks.empty())
-    throw InputError(file.path() + ": has no hex8 block with elements" +
-                     (others.empty() ? "" : ": block " + others));
-  if (!others.empty())
-    throw InputError(file.path() + ": every block must be hex8, but block " + others);
-  return blocks;
-}
-
-std::vector<SetInfo> readSetInfos(const ExodusFile& file, ex_entity_type type, std::int64_t count,
-                                  const char* kind) {
-  std::vector<SetInfo> sets;
-  for (const std::int64_t id : idsOf(file, type, count, "the ids of sets")) {
-    SetInfo info{id, nameOrNumber(file, type, id, kind), 0};
-    std::int64_t num_factors = 0;
-    file.check(ex_get_set_param(file.id(), type, id, &info.num_entries, &num_factors), info.name);
-    sets.push_back(info);
-  }
-  return sets;
-}
-
-Contents readContents(const ExodusFile& file) {
-  ex_init_params sizes{};
-  file.check(ex_set_max_name_length(file.id(), 256), "names");
-  file.check(ex_get_init_ext(file.id(), &sizes), "the sizes of the mesh");
-  Contents contents;
-  contents.num_nodes = sizes.num_nodes;
-  contents.num_elems = sizes.num_elem;
-  contents.blocks = readBlocks(file, sizes.num_elem_blk);
-  if (sizes.num_dim != 3)
-    throw InputError(file.path() + ": has " + std::to_string(sizes.num_dim) +
-                     " dimensions, must have 3");
-  contents.side_sets = readSetInfos(file, EX_SIDE_SET, sizes.num_side_sets, "side_set");
-  contents.node_sets = readSetInfos(file, EX_NODE_SET, sizes.num_node_sets, "node_set");
-  return contents;
-}
-
-// The number 1 .. limit of the file as an index from 0.
-std::int64_t indexFrom(const ExodusFile& file, std::int64_t number, std::int64_t limit,
-                       const std::string& what) {
-  if (number < 1 || number > limit)
-    throw InputError(file.path() + ": " + what + " is " + std::to_string(number) +
-                     ", must be from 1 to " + std::to_string(limit));
-  return number - 1;
-}
-
-void readElems(const ExodusFile& file, const Contents& contents, global_id begin, global_id end,
-               Slice& slice) {
-  global_id first = 0; // of the block
-  for (const Block& block : contents.blocks) {
-    const global_id from = std::max(begin, first);
-    const global_id to = std::min(end, first + block.num_global_elems);
-    if (from < to) {
-      std::vector<std::int64_t> corners(8 * static_cast<std::size_t>(to - from));
-      file.check(ex_get_partial_conn(file.id(), EX_ELEM_BLOCK, block.id, from - first + 1,
-                                     to - from, corners.data(), nullptr, nullptr),
-                 "the elements of block " + block.name);
-      for (global_id elem = from; elem < to; ++elem) {
-        ElemCorners corner_list{elem, {}};
-        for (int c = 0; c < 8; ++c)
-          corner_list.nodes[c] =
-              indexFrom(file, corners[8 * static_cast<std::size_t>(elem - from) + c],
-                        contents.num_nodes, "a node of element " + std::to_string(elem + 1));
-        slice.elems.push_back(corner_list);
-      }
-    }
-    first += block.num_global_elems;
-  }
-}
-
-void readCoordinates(const ExodusFile& file, global_id begin, global_id end, Slice& slice) {
-  for (auto& component : slice.coordinates)
-    component.resize(static_cast<std::size_t>(end - begin));
-  if (begin < end)
-    file.check(ex_get_partial_coord(file.id(), begin + 1, end - begin, slice.coordinates[0].data(),
-                                    slice.coordinates[1].data(), slice.coordinates[2].data()),
-               "the coordinates");
-}
-
-// Calls store(set, entry, side) for this rank's slice of each set; `side` is 0 for node sets.
-template <class Store>
-void readSets(const ExodusFile& file, ex_entity_type type, const std::vector<SetInfo>& sets,
-              int rank, int size, const Store& store) {
-  for (std::size_t s = 0; s < sets.size(); ++s) {
-    const IdSlices slices{sets[s].num_entries, size};
-    const std::int64_t begin = slices.begin(rank), count = slices.end(rank) - begin;
-    if (count == 0)
-      continue;
-    std::vector<std::int64_t> entries(static_cast<std::size_t>(count)), sides(entries.size());
-    file.check(ex_get_partial_set(file.id(), type, sets[s].id, begin + 1, count, entries.data(),
-                                  type == EX_SIDE_SET ? sides.data() : nullptr),
-               sets[s].name);
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      store(static_cast<std::int64_t>(s), entries[i], sides[i]);
-  }
-}
-
-Slice readSlice(const ExodusFile& file, const Contents& contents, int rank, int size) {
-  Slice slice;
-  const IdSlices elems{contents.num_elems, size}, nodes{contents.num_nodes, size};
-  readElems(file, contents, elems.begin(rank), elems.end(rank), slice);
-  readCoordinates(file, nodes.begin(rank), nodes.end(rank), slice);
-  readSets(file, EX_SIDE_SET, contents.side_sets, rank, size,
-           [&](std::int64_t set, std::int64_t elem, std::int64_t side) {
-             const std::string of_set = " of side set " + contents.side_sets[set].name;
-             slice.sides.push_back(
-                 {set, indexFrom(file, elem, contents.num_elems, "an element" + of_set),
-                  indexFrom(file, side, 6, "a side" + of_set)});
-           });
-  readSets(file, EX_NODE_SET, contents.node_sets, rank, size,
-           [&](std::int64_t set, std::int64_t node, std::int64_t) {
-             slice.nodes.push_back(
-                 {set, indexFrom(file, node, contents.num_nodes,
-                                 "a node of node set " + contents.node_sets[set].name)});
-           });
-  return slice;
-}
-
 // Home of the nodes of this rank's slice: numbers those in use and answers questions about them.
 class NodeHome {
 public:
-  NodeHome(MPI_Comm comm, const Contents& contents, const Slice& slice)
+  NodeHome(MPI_Comm comm, const MeshContents& contents, const MeshSlice& slice)
       : _comm(comm), _slices{contents.num_nodes, sizeOf(comm)}, _slice(slice),
         _begin(_slices.begin(rankOf(comm))), _id_of_node(slice.coordinates[0].size(), -1) {}
 
@@ -294,7 +102,7 @@ private:
 
   MPI_Comm _comm;
   IdSlices _slices;
-  const Slice& _slice;
+  const MeshSlice& _slice;
   global_id _begin;
   std::vector<global_id> _id_of_node; // -1: no element uses it
   std::vector<std::pair<global_id, int>> _holders; // node, rank that asked last
@@ -308,7 +116,7 @@ std::vector<global_id> nodesOf(const std::vector<ElemCorners>& elems) {
 }
 
 // Rank that each element of the slice goes to.
-std::vector<int> placeElems(MPI_Comm comm, const Slice& slice, NodeHome& home) {
+std::vector<int> placeElems(MPI_Comm comm, const MeshSlice& slice, NodeHome& home) {
   const std::vector<global_id> nodes = sortedDistinct(nodesOf(slice.elems));
   const std::vector<NodeData> data = home.ask(nodes);
   std::vector<global_id> ids;
@@ -325,7 +133,7 @@ std::vector<int> placeElems(MPI_Comm comm, const Slice& slice, NodeHome& home) {
   return partitionPoints(comm, ids, centroids);
 }
 
-std::vector<ElemCorners> moveElems(MPI_Comm comm, const Slice& slice,
+std::vector<ElemCorners> moveElems(MPI_Comm comm, const MeshSlice& slice,
                                    const std::vector<int>& rank_of_elem) {
   std::vector<std::vector<ElemCorners>> to_owners(sizeOf(comm));
   for (std::size_t i = 0; i < slice.elems.size(); ++i)
@@ -336,7 +144,7 @@ std::vector<ElemCorners> moveElems(MPI_Comm comm, const Slice& slice,
   return elems;
 }
 
-void storeElems(const Contents& contents, const std::vector<ElemCorners>& elems,
+void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& elems,
                 const std::vector<global_id>& file_nodes, const std::vector<NodeData>& data,
                 MeshPart& part) {
   std::size_t block = 0;
@@ -355,7 +163,7 @@ void storeElems(const Contents& contents, const std::vector<ElemCorners>& elems,
 }
 
 // Side sets go through the element's home, which knows where it sent the element.
-void distributeSides(MPI_Comm comm, const Contents& contents, const Slice& slice,
+void distributeSides(MPI_Comm comm, const MeshContents& contents, const MeshSlice& slice,
                      const std::vector<int>& rank_of_elem, MeshPart& part) {
   const IdSlices slices{contents.num_elems, sizeOf(comm)};
   const global_id begin = slices.begin(rankOf(comm));
@@ -380,7 +188,7 @@ void distributeSides(MPI_Comm comm, const Contents& contents, const Slice& slice
   }
 }
 
-void distributeNodeSets(const Contents& contents, const Slice& slice, const NodeHome& home,
+void distributeNodeSets(const MeshContents& contents, const MeshSlice& slice, const NodeHome& home,
                         MeshPart& part) {
   std::vector<std::vector<global_id>> ids(contents.node_sets.size());
   for (const NodeEntry& entry : home.distribute(slice.nodes))
@@ -394,8 +202,8 @@ void distributeNodeSets(const Contents& contents, const Slice& slice, const Node
 
 MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   const int rank = rankOf(comm), size = sizeOf(comm);
-  Contents contents;
-  Slice slice;
+  MeshContents contents;
+  MeshSlice slice;
   together(comm, [&] {
     const ExodusFile file = ExodusFile::open(file_name);
     contents = readContents(file);

@@ -71,8 +71,8 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
       {"DEBUG_LEVEL", "0"},         {"LB_METHOD", "RCB"},
       {"LB_APPROACH", "PARTITION"}, {"NUM_GID_ENTRIES", words.c_str()},
       {"NUM_LID_ENTRIES", "0"},     {"OBJ_WEIGHT_DIM", "0"},
-      {"RETURN_LISTS", "PARTS"},    {"RCB_OUTPUT_LEVEL", "0"},
-      {"IMBALANCE_TOL", "1.01"},
+      {"RETURN_LISTS", "EXPORT"},   {"RCB_OUTPUT_LEVEL", "0"},
+      {"CHECK_GEOM", "0"},
   };
   for (const auto& setting : settings)
     checkZoltan(Zoltan_Set_Param(zoltan.get(), setting[0], setting[1]), "Zoltan_Set_Param");
@@ -89,9 +89,10 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
 
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
                                  const std::vector<double>& points) {
-  if (sizeOf(comm) == 1)
+  const std::int64_t num_points = allReduce(comm, static_cast<std::int64_t>(ids.size()), MPI_SUM);
+  if (sizeOf(comm) == 1 || num_points == 0) // RCB complains when there is nothing to divide
     return std::vector<int>(ids.size(), 0);
-  checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints");
+  together(comm, [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
   const Points mine{&ids, &points};
   const ZoltanHandle zoltan = createRcb(comm, mine);
 
@@ -104,25 +105,23 @@ std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& id
       Zoltan_LB_Partition(zoltan.get(), &changed, &gid_words, &lid_words, &num_import, &import_gids,
                           &import_lids, &import_ranks, &import_parts, &num_export, &export_gids,
                           &export_lids, &export_ranks, &export_parts);
-  // With RETURN_LISTS = PARTS the export list holds every point, in an order of Zoltan's own.
-  std::unordered_map<global_id, int> rank_of_id;
+  // Only points that leave this rank are listed, in an order of Zoltan's own. (Its list of all parts fails with
+  // ZOLTAN_FATAL on ranks without points when nothing changes.)
+  std::unordered_map<global_id, int> rank_of_leaving;
   for (int i = 0; i < num_export; ++i) {
     global_id id = 0;
     std::memcpy(&id, export_gids + static_cast<std::ptrdiff_t>(i) * id_words, sizeof id);
-    rank_of_id[id] = export_parts[i];
+    rank_of_leaving[id] = export_ranks[i];
   }
   Zoltan_LB_Free_Part(&import_gids, &import_lids, &import_ranks, &import_parts);
   Zoltan_LB_Free_Part(&export_gids, &export_lids, &export_ranks, &export_parts);
   checkZoltan(code, "Zoltan_LB_Partition");
 
-  std::vector<int> rank_of_point;
-  rank_of_point.reserve(ids.size());
-  for (const global_id id : ids) {
-    const auto found = rank_of_id.find(id);
-    if (found == rank_of_id.end())
-      throw Error(ExitCode::internal,
-                  "Zoltan_LB_Partition left out the point with id " + std::to_string(id));
-    rank_of_point.push_back(found->second);
+  std::vector<int> rank_of_point(ids.size(), rankOf(comm));
+  for (std::size_t i = 0; i < ids.size() && !rank_of_leaving.empty(); ++i) {
+    const auto leaving = rank_of_leaving.find(ids[i]);
+    if (leaving != rank_of_leaving.end())
+      rank_of_point[i] = leaving->second;
   }
   return rank_of_point;
 }
