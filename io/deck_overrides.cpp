@@ -7,6 +7,12 @@
 namespace brickwall::io {
 namespace {
 
+std::string withoutOuterBlanks(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  const std::size_t end = text.find_last_not_of(" \t");
+  return begin == std::string::npos ? "" : text.substr(begin, end + 1 - begin);
+}
+
 // "load.pressure[0].peak" and "load.pressure.0.peak" -> {"load", "pressure", "0", "peak"}; none if a name is empty.
 std::optional<std::vector<std::string>> splitPath(const std::string& path) {
   std::vector<std::string> names(1);
@@ -119,7 +125,9 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
                    DeckFaults& faults) {
   const Position here{1, 1, 1, index};
   const std::size_t equals = text.find('=');
-  const auto path = equals == std::string::npos ? std::nullopt : splitPath(text.substr(0, equals));
+  const auto path = equals == std::string::npos
+                        ? std::nullopt
+                        : splitPath(withoutOuterBlanks(text.substr(0, equals)));
   if (!path) {
     faults.add(here, "", "\"" + text + "\"", "block.key=value, such as time.safety=0.9");
     return;
@@ -151,7 +159,7 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
       return;
     }
   }
-  *node = parseLooseValue(text.substr(equals + 1), findRule(schema, *path));
+  *node = parseLooseValue(withoutOuterBlanks(text.substr(equals + 1)), findRule(schema, *path));
   setPosition(*node, index);
 }
 

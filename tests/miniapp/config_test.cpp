@@ -1,0 +1,247 @@
+// From decks to the structs of the program: the example of the contract, checks over several keys, all decks of
+// inputs/, and broken decks without end.
+#include "contact/base/error.hpp"
+#include "miniapp/config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+namespace {
+
+using namespace brickwall;
+using namespace brickwall::miniapp;
+
+const std::filesystem::path inputs = BRICKWALL_INPUTS;
+
+std::string textOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+const std::string smallest = "[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\n"
+                             "elements = [8, 4, 4]\n"
+                             "[material.brick]\ndensity = 2000.0\nyoungs_modulus = 1e9\n"
+                             "poissons_ratio = 0.2\n[time]\nend = 1.0\n";
+
+std::string faultsOf(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parseConfig(text, "a.toml", overrides);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+#define EXPECT_TOLD(message, part)                                                                 \
+  EXPECT_NE((message).find(part), std::string::npos) << "in:\n" << (message)
+
+TEST(Config, ReadsTheDefaultDeck) {
+  const Config config = parseConfig(textOf(inputs / "brick_wall.toml"), "brick_wall.toml");
+  ASSERT_TRUE(config.wall.has_value());
+  EXPECT_FALSE(config.mesh.has_value());
+  EXPECT_GE(config.wall->bricks[0], 8);
+  EXPECT_GE(config.wall->bricks[2], 10);
+  EXPECT_GE(config.wall->elements[1], 4);
+  ASSERT_NE(config.materialOf("brick"), nullptr);
+  EXPECT_EQ(config.materialOf("half_brick"), config.materialOf("brick"));
+  EXPECT_EQ(config.materialOf("stone"), nullptr);
+  EXPECT_EQ(config.materialOf("brick")->model, mechanics::MaterialModel::neo_hookean);
+  ASSERT_EQ(config.pressures.size(), 1u);
+  EXPECT_EQ(config.pressures[0].side_set, "front");
+  EXPECT_EQ(config.pressures[0].pulse.shape, PulseShape::half_sine);
+  EXPECT_TRUE(config.pressures[0].follower);
+  ASSERT_EQ(config.fixed.size(), 1u);
+  EXPECT_EQ(config.fixed[0].node_set, "base_course");
+  EXPECT_EQ(config.fixed[0].components, (std::array<bool, 3>{true, true, true}));
+}
+
+TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
+  const Config config = parseConfig(smallest, "a.toml");
+  EXPECT_EQ(config.wall->ends, Ends::flush);
+  EXPECT_EQ(config.formulation, Formulation::tlps);
+  EXPECT_TRUE(config.contact.enabled);
+  EXPECT_EQ(config.contact.self, SelfContact::automatic);
+  EXPECT_EQ(config.search.method, SearchMethod::paper);
+  EXPECT_EQ(config.time.safety, 0.8);
+  EXPECT_FALSE(config.time.steps.has_value());
+  EXPECT_EQ(config.limits.energy_error, 0.1);
+  EXPECT_FALSE(config.limits.momentum_error.has_value());
+}
+
+TEST(Config, ReadsEveryKey) {
+  const Config config = parseConfig(
+      "title = \"All\"\n[mesh]\nfile = \"sub/m.exo\"\n"
+      "[material.a]\nmodel = \"svk\"\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = -0.5\n"
+      "[material.b]\nmodel = \"linear\"\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = 0\n"
+      "[element]\nformulation = \"full\"\n"
+      "[[load.pressure]]\nside_set = \"s\"\nshape = \"friedlander\"\npeak = 5\nduration = 2\n"
+      "start = 0.5\ndecay = 3\ndistribution = \"gaussian\"\ncenter = [1, 2, 3]\nradius = 4\n"
+      "wave_speed = 340\nfollower = false\n"
+      "[gravity]\nacceleration = [0, 0, -9.81]\n"
+      "[[boundary.fixed]]\nnode_set = \"n\"\ncomponents = [\"z\", \"x\"]\n"
+      "[[boundary.velocity]]\nnode_set = \"m\"\nvelocity = [1, 0, 0]\ncomponents = [\"x\"]\n"
+      "shape = \"triangle\"\nduration = 1\n"
+      "[[initial.velocity]]\nvelocity = [0, 1, 0]\n"
+      "[[initial.velocity]]\nbody = 3\nvelocity = [0, 2, 0]\n"
+      "[[initial.velocity]]\nblock = \"a\"\nvelocity = [0, 3, 0]\n"
+      "[contact]\nenabled = false\ntolerance = 0.1\npenalty = 0.25\nself = \"always\"\n"
+      "lateral_tolerance = 0.2\n"
+      "[search]\nmethod = \"reference\"\njitter = 0.1\ndrift = 0.2\nrepetitions = 3\nwarmup = 0\n"
+      "seed = 9\n[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
+      "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
+      "precision = \"single\"\nprocessor_id = true\n"
+      "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n",
+      "/decks/a.toml");
+  EXPECT_EQ(config.title, "All");
+  EXPECT_EQ(config.mesh->file, "/decks/sub/m.exo"); // relative to the deck
+  ASSERT_EQ(config.materials.size(), 2u);
+  EXPECT_EQ(config.materials[0].block, "a");
+  EXPECT_EQ(config.materials[0].material.model, mechanics::MaterialModel::svk);
+  EXPECT_EQ(config.materials[0].material.poisson, -0.5);
+  EXPECT_EQ(config.formulation, Formulation::full);
+  const PressureConfig& load = config.pressures.at(0);
+  EXPECT_EQ(load.pulse.shape, PulseShape::friedlander);
+  EXPECT_EQ(*load.pulse.duration, 2);
+  EXPECT_EQ(load.pulse.start, 0.5);
+  EXPECT_EQ(load.pulse.decay, 3);
+  EXPECT_EQ(load.distribution, Distribution::gaussian);
+  EXPECT_EQ(load.center, (Triple{1, 2, 3}));
+  EXPECT_EQ(load.radius, 4);
+  EXPECT_EQ(load.wave_speed, 340);
+  EXPECT_FALSE(load.follower);
+  EXPECT_EQ(config.gravity, (Triple{0, 0, -9.81}));
+  EXPECT_EQ(config.fixed.at(0).components, (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(config.prescribed.at(0).pulse.shape, PulseShape::triangle);
+  ASSERT_EQ(config.initial_velocities.size(), 3u);
+  EXPECT_FALSE(config.initial_velocities[0].body.has_value());
+  EXPECT_EQ(*config.initial_velocities[1].body, 3);
+  EXPECT_EQ(*config.initial_velocities[2].block, "a");
+  EXPECT_FALSE(config.contact.enabled);
+  EXPECT_EQ(config.contact.self, SelfContact::always);
+  EXPECT_EQ(config.search.method, SearchMethod::reference);
+  EXPECT_EQ(*config.time.steps, 7);
+  EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);
+  EXPECT_EQ(config.output.precision, Precision::single);
+  EXPECT_TRUE(config.output.processor_id);
+  EXPECT_EQ(*config.limits.momentum_error, 1e-12);
+  EXPECT_EQ(*config.limits.wall_time, 60);
+  EXPECT_EQ(parseConfig(config.resolved_deck, "b.toml").resolved_deck, config.resolved_deck);
+}
+
+TEST(Config, ChecksWhatConcernsSeveralKeys) {
+  EXPECT_TOLD(faultsOf(smallest, {"wall.elements=[7,4,4]"}), "an odd number of elements");
+  EXPECT_EQ(faultsOf(smallest, {"wall.elements=[7,4,4]", "wall.ends=ragged"}), "");
+  EXPECT_EQ(faultsOf(smallest, {"wall.elements=[7,4,4]", "wall.bricks=[3,1,1]"}), "");
+  EXPECT_TOLD(faultsOf(smallest, {"mesh.file=a.exo"}), "found [mesh] beside [wall]");
+  EXPECT_TOLD(faultsOf("[time]\nend = 1\n"), "neither [wall] nor [mesh]");
+  EXPECT_TOLD(faultsOf("[time]\nend = 1\n"), "found no material");
+  EXPECT_TOLD(faultsOf(smallest, {"material.stone.density=1"}), "found the name \"stone\"");
+  const std::string load = smallest + "[[load.pressure]]\nside_set = \"front\"\npeak = 1.0\n";
+  EXPECT_TOLD(faultsOf(load), "no duration for shape \"half_sine\"");
+  EXPECT_EQ(faultsOf(load, {"load.pressure[0].shape=step"}), "");
+  EXPECT_TOLD(faultsOf(load, {"load.pressure[0].duration=0"}), "above 0");
+  EXPECT_TOLD(faultsOf(load, {"load.pressure[0].distribution=gaussian"}),
+              "a gaussian without \"center\"");
+  EXPECT_TOLD(faultsOf(load, {"load.pressure[0].radius=1"}), "beside a uniform distribution");
+  const std::string initial = smallest + "[[initial.velocity]]\nvelocity = [1, 0, 0]\n";
+  EXPECT_EQ(faultsOf(initial, {"initial.velocity[0].brick=[2,0,1]"}), ""); // half, brick, half
+  EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].brick=[2,0,0]"}), "outside of the wall");
+  EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].brick=[0,0,0]", "initial.velocity.0.body=1"}),
+              "several of block, brick and body");
+}
+
+TEST(Config, ReadsAllDecksOfTheProject) {
+  int decks = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(inputs)) {
+    if (entry.path().extension() != ".toml")
+      continue;
+    SCOPED_TRACE(entry.path().string());
+    const std::string text = textOf(entry.path());
+    EXPECT_EQ(text.compare(0, 10, "# Problem:"), 0) << "a header comment opens each deck";
+    for (const char* part : {"# Reference:", "# Units:", "# Expected:", "title = "})
+      EXPECT_TOLD(text, part);
+    const Config config = parseConfig(text, entry.path().string());
+    EXPECT_EQ(parseConfig(config.resolved_deck, "resolved.toml").resolved_deck,
+              config.resolved_deck);
+    ++decks;
+  }
+  EXPECT_GE(decks, 10);
+}
+
+TEST(Config, SaysTheSameOnEveryRank) {
+  const Config config =
+      readConfig(MPI_COMM_WORLD, (inputs / "two_bars.toml").string(), {"time.steps=3"});
+  EXPECT_EQ(*config.time.steps, 3);
+  EXPECT_THROW(readConfig(MPI_COMM_WORLD, (inputs / "two_bars.toml").string(), {"time.end=-1"}),
+               InputError);
+  EXPECT_THROW(readConfig(MPI_COMM_WORLD, "nowhere.toml", {}), InputError);
+}
+
+// Every message of a broken deck is of the form "path:LINE: ...".
+void expectLines(const std::string& message, int lines, const std::string& text) {
+  std::istringstream stream(message);
+  int told = 0;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.compare(0, 2, "  ") == 0)
+      continue; // excerpt
+    ASSERT_EQ(line.compare(0, 7, "a.toml:"), 0) << line << "\nfrom:\n" << text;
+    const int number = std::atoi(line.c_str() + 7);
+    ASSERT_GE(number, 1) << line;
+    ASSERT_LE(number, lines) << line;
+    ++told;
+  }
+  ASSERT_GT(told, 0);
+}
+
+TEST(Config, SurvivesBrokenDecks) {
+  const std::string original = textOf(inputs / "brick_wall.toml");
+  std::mt19937 random(20160701); // a fixed seed: a failure can be repeated
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  const std::string alphabet = "[]{}=\"'#.,-+_\\\n\r\t 0123456789eExnaif\xEF\xBB\x80\x01";
+  int broken = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    std::string text = original;
+    const std::size_t mutations = 1 + below(4);
+    for (std::size_t m = 0; m < mutations; ++m) {
+      const std::size_t at = below(text.size());
+      switch (below(6)) {
+      case 0:
+        text[at] = alphabet[below(alphabet.size())];
+        break;
+      case 1:
+        text.insert(at, 1, alphabet[below(alphabet.size())]);
+        break;
+      case 2:
+        text.erase(at, 1 + below(20));
+        break;
+      case 3: // a piece repeated elsewhere
+        text.insert(below(text.size()), text.substr(at, 1 + below(60)));
+        break;
+      case 4: // cut off
+        if (below(10) == 0)
+          text.resize(1 + at);
+        break;
+      default: // any byte
+        text[at] = static_cast<char>(below(256));
+      }
+    }
+    const std::string message = faultsOf(text);
+    if (message.empty())
+      continue;
+    ++broken;
+    const int lines = 1 + static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+    expectLines(message, lines, text);
+    if (HasFatalFailure())
+      return;
+  }
+  EXPECT_GT(broken, 400); // the rest fell into comments or changed a value
+}
+
+} // namespace

@@ -1,0 +1,226 @@
+// Phase times from regions, the history and the reports.
+#include "contact/base/error.hpp"
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "miniapp/history.hpp"
+#include "miniapp/phase_report.hpp"
+#include "miniapp/report.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+using namespace brickwall;
+using namespace brickwall::miniapp;
+
+void work(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+const PhaseTime& named(const std::vector<PhaseTime>& phases, const std::string& name) {
+  for (const PhaseTime& phase : phases)
+    if (phase.name == name)
+      return phase;
+  throw std::out_of_range(name);
+}
+
+void oneSearch(double seconds) {
+  const Region search("search");
+  {
+    const Region boxes("search::node boxes");
+    work(seconds);
+    const Region copies("search::host-device copies");
+    work(seconds);
+  }
+  const Region phase("anything");
+  const Region last("search::search 2");
+  work(seconds);
+}
+
+// Sleeping for s takes at least s; how much longer is the machine's affair, so upper bounds come from sums.
+TEST(PhaseRecorder, TellsTimersApart) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+  oneSearch(0.01);
+  oneSearch(0.01);
+  const auto timers = recorder.searchTimers();
+  ASSERT_EQ(timers.size(), 13u);
+  EXPECT_EQ(timers.front().name, "initialization");
+  EXPECT_EQ(timers.back().name, "other");
+  EXPECT_GE(named(timers, "node boxes").min, 0.02);
+  EXPECT_GE(named(timers, "host-device copies").min, 0.02);
+  EXPECT_GE(named(timers, "search 2").min, 0.02);
+  EXPECT_EQ(named(timers, "migration").max, 0.0);
+  EXPECT_EQ(named(timers, "node boxes").calls, 2);
+  double sum = 0;
+  for (const PhaseTime& timer : timers)
+    sum += timer.mean;
+  EXPECT_NEAR(sum, named(recorder.phases(), "search").mean, 1e-9); // own times add up
+  EXPECT_GE(recorder.seconds("search::node boxes"), 0.04); // with the region inside it
+}
+
+TEST(PhaseRecorder, ForgetsWhenReset) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+  oneSearch(0.02);
+  {
+    const Region outer("outer");
+    work(0.02);
+    recorder.reset();
+    EXPECT_EQ(recorder.calls("search"), 0);
+    EXPECT_EQ(recorder.seconds("search"), 0.0);
+  }
+  EXPECT_EQ(recorder.calls("outer"), 1);
+  EXPECT_LT(recorder.seconds("outer"), 0.02); // counts from the reset on
+}
+
+TEST(PhaseRecorder, TakesTheMedianOfTheSlowestRank) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+  recorder.watch("search", 3);
+  const int rank = rankOf(MPI_COMM_WORLD), last = sizeOf(MPI_COMM_WORLD) - 1;
+  for (const double seconds : {0.003, 0.2, 0.006}) {
+    if (rank == last) { // only the last rank searches for long
+      const Region search("search");
+      work(seconds);
+    } else {
+      const Region search("search");
+    }
+    recorder.endStep();
+  }
+  EXPECT_GE(recorder.medianPerStep("search"), 0.006);
+  EXPECT_LT(recorder.medianPerStep("search"), 0.2);
+  EXPECT_THROW(recorder.medianPerStep("unheard"), Error);
+}
+
+TEST(PhaseRecorder, AgreesOnRegionsThatFewRanksOpen) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+  const int rank = rankOf(MPI_COMM_WORLD);
+  { const Region everyone("everyone"); }
+  { const Region own("rank " + std::to_string(rank)); }
+  const auto phases = recorder.phases();
+  ASSERT_EQ(static_cast<int>(phases.size()), 1 + sizeOf(MPI_COMM_WORLD));
+  EXPECT_EQ(phases[0].name, "everyone");
+  EXPECT_EQ(named(phases, "rank 0").calls, 1);
+}
+
+TEST(PhaseRecorder, CountsWaitsApartWithPaperTiming) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::paper);
+  const bool is_late = rankOf(MPI_COMM_WORLD) == 0;
+  {
+    const Region search("search");
+    if (is_late)
+      work(0.05);
+    const Region phase("search::rank-box exchange");
+  }
+  const auto timers = recorder.searchTimers();
+  if (sizeOf(MPI_COMM_WORLD) > 1) {
+    EXPECT_GE(named(timers, "waiting").max, 0.04);
+  }
+  EXPECT_LT(named(timers, "rank-box exchange").max, 0.04);
+}
+
+int chained_calls = 0;
+TEST(PhaseRecorder, LetsEarlierToolsListen) {
+  chained_calls = 0;
+  Kokkos::Tools::Experimental::set_push_region_callback([](const char*) { ++chained_calls; });
+  {
+    PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+    const Region region("any");
+  }
+  const Region after("after the recorder");
+  EXPECT_EQ(chained_calls, 2);
+  Kokkos::Tools::Experimental::set_push_region_callback(nullptr);
+}
+
+RunReport sampleReport() {
+  RunReport report;
+  report.case_name = "sample";
+  report.elements = 100;
+  report.faces = 60;
+  report.steps = 11;
+  report.counted_steps = 10;
+  report.loop_seconds = 2;
+  report.solver_seconds = 1;
+  report.search_seconds = 0.5;
+  report.counted_searches = 10;
+  report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
+  report.search.method = "paper";
+  return report;
+}
+
+TEST(Report, NamesItsFieldsAsAgreed) {
+  RunReport report = sampleReport();
+  report.provenance = describeRun(MPI_COMM_WORLD);
+  report.max_rank_bytes = peakRankBytes(MPI_COMM_WORLD);
+  const auto json = nlohmann::json::parse(reportJson(report));
+  for (const char* name :
+       {"schema",   "case",   "version", "commit",  "compiler",         "flags",
+        "kokkos",   "host",   "cpu",     "ranks",   "threads_per_rank", "execution_space",
+        "elements", "nodes",  "faces",   "steps",   "end_time",         "loop_seconds",
+        "fom",      "phases", "search",  "balance", "memory",           "pass"})
+    EXPECT_TRUE(json.contains(name)) << name;
+  EXPECT_EQ(json["fom"]["element_steps_per_second"], 500.0);
+  EXPECT_EQ(json["fom"]["solver_element_steps_per_second"], 1000.0);
+  EXPECT_EQ(json["fom"]["face_searches_per_second"], 1200.0);
+  EXPECT_EQ(json["phases"][0]["max"], 0.5);
+  for (const char* name : {"method", "searches", "seconds_per_step", "ghost_faces",
+                           "candidate_pairs", "active_contacts"})
+    EXPECT_TRUE(json["search"].contains(name)) << name;
+  for (const char* name : {"energy_error", "momentum_error", "external_work", "peak_kinetic_energy",
+                           "peak_stored_energy"})
+    EXPECT_TRUE(json["balance"].contains(name)) << name;
+  EXPECT_GT(json["memory"]["max_rank_bytes"], 1000000);
+  EXPECT_EQ(json["ranks"], sizeOf(MPI_COMM_WORLD));
+  EXPECT_EQ(json["pass"], true);
+}
+
+TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
+  std::ostringstream out;
+  RunReport report = sampleReport();
+  printReport(out, report);
+  EXPECT_NE(out.str().find("\nFOM element_steps_per_second=500 face_searches_per_second=1200 "
+                           "loop_seconds=2\nPASS\n"),
+            std::string::npos)
+      << out.str();
+  report.failures = {"energy error 0.2 above 0.1", "momentum"};
+  printReport(out, report);
+  EXPECT_NE(out.str().find("\nFAIL: energy error 0.2 above 0.1; momentum\n"), std::string::npos);
+}
+
+TEST(Report, FindsAFullDisk) {
+  if (!std::filesystem::exists("/dev/full"))
+    GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THROW(writeReport(MPI_COMM_WORLD, "/dev/full", sampleReport()), OutputError);
+  EXPECT_THROW(HistoryWriter(MPI_COMM_WORLD, "/dev/full", {"step", "time"}), OutputError);
+  EXPECT_THROW(makeDirectory(MPI_COMM_WORLD, "/dev/full/x"), OutputError);
+  EXPECT_THROW(writeTextFile(MPI_COMM_WORLD, "/no/such/folder/x", "text"), OutputError);
+}
+
+TEST(History, KeepsEveryBit) {
+  const std::string path = "history_test_" + std::to_string(sizeOf(MPI_COMM_WORLD)) + ".csv";
+  const double time = 1.0 / 3.0;
+  {
+    HistoryWriter history(MPI_COMM_WORLD, path, {"step", "time"});
+    history.write({12345678.0, time});
+    EXPECT_THROW(history.write({1.0}), Error);
+    std::ifstream file(path); // readable while the run goes on
+    std::string header, row;
+    std::getline(file, header);
+    std::getline(file, row);
+    EXPECT_EQ(header, "step,time");
+    EXPECT_EQ(row.substr(0, 9), "12345678,");
+    EXPECT_EQ(std::stod(row.substr(9)), time);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  if (rankOf(MPI_COMM_WORLD) == 0)
+    std::filesystem::remove(path);
+  HistoryWriter none(MPI_COMM_WORLD, "", {"step"});
+  none.write({1.0});
+}
+
+} // namespace
