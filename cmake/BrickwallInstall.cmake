@@ -9,11 +9,6 @@ set(_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Brickwall)
 # Brickwall-NAME.cmake that defines the targets as brickwall::... .
 function(brickwall_install_component name)
   cmake_parse_arguments(arg "" "DIRECTORY" "TARGETS" ${ARGN})
-  foreach(target IN LISTS arg_TARGETS) # TRANSITION
-    if(NOT TARGET ${target})
-      return()
-    endif()
-  endforeach()
   install(
     TARGETS ${arg_TARGETS}
     EXPORT Brickwall-${name}
@@ -32,9 +27,7 @@ brickwall_install_component(base DIRECTORY contact/base TARGETS brickwall_base)
 brickwall_install_component(contact DIRECTORY contact TARGETS brickwall_contact)
 brickwall_install_component(mechanics DIRECTORY mechanics TARGETS brickwall_mechanics)
 brickwall_install_component(io DIRECTORY io TARGETS brickwall_io brickwall_zoltan brickwall_exodus)
-if(TARGET brickwall) # TRANSITION
 install(TARGETS brickwall RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-endif()
 
 configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/BrickwallConfig.cmake.in ${PROJECT_BINARY_DIR}/BrickwallConfig.cmake

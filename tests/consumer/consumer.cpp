@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <string>
 
 namespace {
 
@@ -13,7 +14,7 @@ using namespace brickwall;
 
 // A device View with the values that `value(row, column)` gives.
 template <class ViewType, class Value>
-ViewType fill(const char* label, int rows, Value value) {
+ViewType fill(const std::string& label, int rows, Value value) {
   ViewType view(label, rows);
   auto host = Kokkos::create_mirror_view(view);
   for (int row = 0; row < rows; ++row)
