@@ -34,13 +34,15 @@ struct BlockMesh {
   std::vector<global_id> node_ids; // host copy of mesh.node_ids
 };
 
-using Placement = std::function<Vec3(const Vec3&)>;  // moves the nodes of the regular grid
-using Partition = std::function<int(global_id)>;     // rank of an element
+using Placement = std::function<Vec3(const Vec3&)>; // moves the nodes of the regular grid
+using Partition = std::function<int(global_id)>; // rank of an element
 
 inline Material steelLike(MaterialModel model = MaterialModel::neo_hookean, double poisson = 0.3) {
   return {model, 1.0, 1.0, poisson};
 }
-inline Vec3 asIs(const Vec3& x) { return x; }
+inline Vec3 asIs(const Vec3& x) {
+  return x;
+}
 
 // A number in [-1, 1) that depends on the seed alone.
 inline double randomOf(std::uint64_t seed) {
@@ -65,7 +67,7 @@ inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,
   std::vector<Elem> elems;
   std::vector<Vec3> nodes;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const int *n = blocks[b].elements;
+    const int* n = blocks[b].elements;
     const auto first = static_cast<global_id>(nodes.size());
     const auto at = [&](int i, int j, int k) {
       return first + i + (n[0] + 1) * (j + static_cast<global_id>(n[1] + 1) * k);
@@ -79,11 +81,11 @@ inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,
     for (int k = 0; k < n[2]; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i)
-          elems.push_back({static_cast<global_id>(elems.size()),
-                           static_cast<int>(b),
-                           {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k),
-                            at(i, j, k + 1), at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1),
-                            at(i, j + 1, k + 1)}});
+          elems.push_back(
+              {static_cast<global_id>(elems.size()),
+               static_cast<int>(b),
+               {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1),
+                at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)}});
   }
   std::vector<std::set<int>> sharers(nodes.size());
   for (const Elem& e : elems)
@@ -198,7 +200,9 @@ struct Evaluation {
     return quantum * static_cast<double>(forces[12 * node + i] + forces[12 * node + 3 + i]);
   }
 };
-inline LimbScale testEnergyScale() { return LimbScale::forLargest(1e6); }
+inline LimbScale testEnergyScale() {
+  return LimbScale::forLargest(1e6);
+}
 
 inline Evaluation evaluate(const exec_space& space, MPI_Comm comm, BlockMesh& blocks,
                            const View<double* [3]>& displacement, ElementKind kind) {

@@ -29,8 +29,7 @@ void measure(const char* name, ElementKind kind, bool distorted, MaterialModel m
   const auto place = [&](const Vec3& x) {
     return distorted ? x + Vec3{0.01 * std::sin(9 * x.y), 0.01 * std::sin(7 * x.z), 0} : x;
   };
-  BlockMesh blocks =
-      makeBlocks(space, MPI_COMM_SELF, wallOf(24), {steelLike(model, 0.2)}, place);
+  BlockMesh blocks = makeBlocks(space, MPI_COMM_SELF, wallOf(24), {steelLike(model, 0.2)}, place);
   const auto u = nodalField(space, blocks.mesh, [](const Vec3& x) {
     return Vec3{1e-3 * std::sin(x.y), 2e-3 * x.x * x.z, 1e-3 * x.y * x.x};
   });
