@@ -340,6 +340,30 @@ TEST(ResultsWriter, FindsAFullDiskWhenTheMeshIsWritten) {
   }
 }
 
+TEST(ResultsWriter, WritesIdsBeyond32Bits) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  if (rankOf(MPI_COMM_WORLD) == 0) {
+    MeshPart part = generateWall(MPI_COMM_SELF, wallOf({1, 1, 1}, {2, 1, 1}));
+    const global_id shift = global_id(1) << 40;
+    for (global_id& id : part.elem_ids)
+      id += shift;
+    for (global_id& id : part.node_ids)
+      id += shift;
+    part.num_global_elems += shift;
+    part.num_global_nodes += shift;
+    writeMesh(MPI_COMM_SELF, folder / "large.exo", part, {});
+    int real_bytes = 8, stored_bytes = 0;
+    float version = 0;
+    const int id = ex_open((folder / "large.exo").c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes,
+                           &stored_bytes, &version);
+    std::vector<global_id> ids(part.elem_ids.size());
+    EXPECT_EQ(ex_get_id_map(id, EX_ELEM_MAP, ids.data()), 0);
+    EXPECT_EQ(ids.back(), part.elem_ids.back() + 1);
+    ex_close(id);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
 TEST(ResultsWriter, DemandsOneValueForEachNodeAndElement) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({1, 1, 1}, {2, 2, 2}));
