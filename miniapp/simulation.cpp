@@ -112,7 +112,7 @@ void Simulation::reportFailure() {
   std::ostringstream message;
   const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
   auto contact_sums = _contact;
-  contact::allReduce(_comm, contact_sums);
+  contact::sumOverRanks(_comm, contact_sums);
   message << "the computation broke down in step " << _clock.step + 1 << " (time "
           << _clock.time + _clock.dt_before << "): ";
   if (failure.count > 0)
@@ -140,8 +140,7 @@ void Simulation::planSteps(double longest) {
 
 void Simulation::adaptTimeStep() {
   const Region region("step::stable step");
-  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _internal_force->kind(),
-                                                _state.displacement);
+  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement);
   // A jittering step is itself unstable (shared/physics.md, finding 5): dt changes only when the elements' bound has
   // fallen below it, and then by enough to last.
   constexpr double reserve = 0.9;
@@ -169,7 +168,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _loads = pressureLoads(_space, config, scene);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
-  const auto stable = mechanics::stableTimeStep(_space, comm, mesh, kind);
+  const auto stable = mechanics::stableTimeStep(_space, comm, mesh);
   _step_share = config.contact.enabled
                     ? mechanics::contactStepShare(config.time.safety, config.contact.penalty)
                     : config.time.safety;

@@ -139,29 +139,19 @@ void SurfaceCoupling::addContactForces(const exec_space& space,
                                        const contact::ContactForces& forces,
                                        contact::GlobalSearch& search,
                                        const mechanics::NodalForces& target) {
+  if (search.statistics().num_ghosts > 0 || search.statistics().faces_sent > 0) {
+    Kokkos::deep_copy(space, _corner_forces, 0);
+    search.returnToOwners(space, forces.ghost_corners, _corner_forces);
+    contact::addFaceForces(space, surface(), _corner_forces, forces.nodes);
+  }
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
   const auto values = target.values;
   constexpr int column = 3 * mechanics::contact_force;
   Kokkos::parallel_for(
-      "coupling::addNodeForces", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::addContactForces", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           values(surface_to_node(i), column + d) += nodes(i, d);
-      });
-
-  Kokkos::deep_copy(space, _corner_forces, 0);
-  search.returnToOwners(space, forces.ghost_corners, _corner_forces);
-  const auto face_to_nodes = _face_to_nodes;
-  const auto corner_forces = _corner_forces;
-  Kokkos::parallel_for(
-      "coupling::addReturnedForces", over(space, _num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face) {
-        for (int corner = 0; corner < 4; ++corner)
-          for (int d = 0; d < 3; ++d) {
-            const std::int64_t force = corner_forces(face, 3 * corner + d);
-            if (force != 0)
-              Kokkos::atomic_add(&values(face_to_nodes(face, corner), column + d), force);
-          }
       });
 }
 
