@@ -1,6 +1,7 @@
 #include "contact/global_search.hpp"
 
 #include "contact/base/region.hpp"
+#include "contact/ghost_corner_values.hpp"
 
 #include <cmath>
 
@@ -37,6 +38,13 @@ void GlobalSearch::returnToOwners(const exec_space& space,
                                   const View<std::int64_t* [12]>& own_face_values) {
   returnGhostValues(space, _comm, _ghost_search.faces_to_send, ghost_values, _migration,
                     own_face_values);
+}
+
+void GlobalSearch::sendToGhosts(const exec_space& space, const Surface& surface,
+                                const View<const double* [3]>& node_values,
+                                const View<double* [12]>& ghost_values) {
+  sendCornerValues(space, _comm, _ghost_search.faces_to_send, surface.face_to_nodes, node_values,
+                   _migration, ghost_values);
 }
 
 SearchStatistics GlobalSearch::statistics() const {

@@ -29,6 +29,12 @@ public:
   void returnToOwners(const exec_space& space, const View<const std::int64_t* [12]>& ghost_values,
                       const View<std::int64_t* [12]>& own_face_values);
 
+  // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner, xyz), for the ghosts of
+  // the last findGhosts().
+  void sendToGhosts(const exec_space& space, const Surface& surface,
+                    const View<const double* [3]>& node_values,
+                    const View<double* [12]>& ghost_values);
+
   // Boxes of the last findGhosts(), for the local search.
   const SurfaceBoxes& boxes() const { return _boxes; }
   const GhostFaces& ghosts() const { return _migration.ghosts; }

@@ -63,6 +63,14 @@ class Results:
             return []
         return [b"".join(row).split(b"\0")[0].decode().strip() for row in self.file.variables[name][:]]
 
+    def title(self):
+        """The file's title; epu drops it, but the deck in the information records has it too."""
+        for record in self._names("info_records"):
+            key, _, value = record.partition("=")
+            if key.strip() == "title":
+                return value.split('"')[1] if value.count('"') >= 2 else value.strip()
+        return getattr(self.file, "title", "").strip()
+
     def nodal(self, name):
         return np.array(self.file.variables[f"vals_nod_var{self.nodal_names.index(name) + 1}"][self.step])
 
@@ -189,7 +197,7 @@ def draw(results, options):
     face_lines = np.clip(colours[front] * 0.86, 0, 1) if options.mesh else colours[front]
     line_colours = np.concatenate([face_lines, np.tile([0.10, 0.09, 0.09], (len(edges), 1))])
     fills = np.concatenate([colours[front], np.zeros((len(edges), 3))])
-    widths = np.concatenate([np.full(front.sum(), 0.25), np.full(len(edges), width)])
+    widths = np.concatenate([np.full(front.sum(), 0.25 if options.mesh else 0.6), np.full(len(edges), width)])
     order = np.argsort(-depths, kind="stable")
 
     figure = plt.figure(figsize=(10, 7.5), facecolor=BACKGROUND)
@@ -213,7 +221,7 @@ def draw(results, options):
     axes.set_xlim(flat[:, 0].min() - margin, flat[:, 0].max() + margin)
     axes.set_ylim(flat[:, 1].min() - margin, flat[:, 1].max() + margin)
 
-    title = options.title if options.title is not None else getattr(results.file, "title", "").strip()
+    title = options.title if options.title is not None else results.title()
     figure.text(0.04, 0.955, title, fontsize=15, weight="semibold", va="center")
     if len(results.times):
         note = f"t = {results.times[results.step]:.4g} s"
