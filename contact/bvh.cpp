@@ -121,12 +121,12 @@ void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bv
         int parent = leaf_parent(leaf);
         while (parent >= 0) {
           TreeNode& node = nodes(parent / 2);
-          node.box[parent % 2] = box;
-          Kokkos::memory_fence();
+          node.setBox(parent % 2, box);
+          orderMemory();
           if (Kokkos::atomic_fetch_add(&visits(parent / 2), 1) == 0)
             return;
-          Kokkos::memory_fence();
-          box.include(node.box[1 - parent % 2]);
+          orderMemory();
+          box.include(node.box(1 - parent % 2));
           parent = node.parent;
         }
       });
@@ -137,8 +137,8 @@ void makeSingleLeaf(const exec_space& space, const View<const Box*>& items, cons
   const auto nodes = tree.nodes;
   Kokkos::parallel_for(
       "contact::buildTree::single", over(space, 1), KOKKOS_LAMBDA(const std::int64_t) {
-        nodes(0).box[0] = FloatBox(items(0));
-        nodes(0).box[1] = FloatBox(Box());
+        nodes(0).setBox(0, FloatBox(items(0)));
+        nodes(0).setBox(1, FloatBox(Box()));
         nodes(0).child[0] = nodes(0).child[1] = ~0;
         nodes(0).parent = -1;
       });

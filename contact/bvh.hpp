@@ -31,36 +31,70 @@ KOKKOS_INLINE_FUNCTION float floatAbove(double value) {
   return static_cast<double>(nearest) < value ? nextFloat(nearest, true) : nearest;
 }
 
-// A box of floats that holds a box of doubles.
+// A box of floats that holds a box of doubles, as the six numbers -upper and lower: the box that holds two boxes has the
+// smaller of each, and two boxes a and b overlap if no a[k] is above the opposite bound of b.
 struct FloatBox {
-  float lower[3];
-  float upper[3];
+  float bound[6]; // lower x, y, z, then -upper x, y, z
 
   FloatBox() = default;
   KOKKOS_INLINE_FUNCTION explicit FloatBox(const Box& box) {
     for (int d = 0; d < 3; ++d) {
-      lower[d] = floatBelow(box.lower[d]);
-      upper[d] = floatAbove(box.upper[d]);
+      bound[d] = floatBelow(box.lower[d]);
+      bound[3 + d] = -floatAbove(box.upper[d]);
     }
   }
   KOKKOS_INLINE_FUNCTION void include(const FloatBox& b) {
-    for (int d = 0; d < 3; ++d) {
-      lower[d] = minOf(lower[d], b.lower[d]);
-      upper[d] = maxOf(upper[d], b.upper[d]);
-    }
-  }
-  // Closed; no branches, since either answer is likely.
-  KOKKOS_INLINE_FUNCTION bool overlaps(const FloatBox& b) const {
-    return (lower[0] <= b.upper[0]) & (b.lower[0] <= upper[0]) & (lower[1] <= b.upper[1]) &
-           (b.lower[1] <= upper[1]) & (lower[2] <= b.upper[2]) & (b.lower[2] <= upper[2]);
+    for (int k = 0; k < 6; ++k)
+      bound[k] = minOf(bound[k], b.bound[k]);
   }
 };
 
 // An inner node with its children's boxes: one cache line answers which way a query goes.
 struct TreeNode {
-  FloatBox box[2];
+  float bounds[12]; // FloatBox::bound [k][side] of the children
   int child[2]; // inner node, or ~item of a leaf
   int parent; // 2 * inner node + side; -1 at the root
+
+  KOKKOS_INLINE_FUNCTION void setBox(int side, const FloatBox& box) {
+    for (int k = 0; k < 6; ++k)
+      bounds[2 * k + side] = box.bound[k];
+  }
+  KOKKOS_INLINE_FUNCTION FloatBox box(int side) const {
+    FloatBox box;
+    for (int k = 0; k < 6; ++k)
+      box.bound[k] = bounds[2 * k + side];
+    return box;
+  }
+};
+
+// A query box as the limits that bounds of overlapped boxes must not exceed.
+struct FloatQuery {
+  float limit[12]; // upper x, y, z, then -lower x, y, z; each twice, one for each child
+
+  KOKKOS_INLINE_FUNCTION explicit FloatQuery(const Box& box) {
+    for (int d = 0; d < 3; ++d) {
+      limit[2 * d] = limit[2 * d + 1] = floatAbove(box.upper[d]);
+      limit[6 + 2 * d] = limit[7 + 2 * d] = -floatBelow(box.lower[d]);
+    }
+  }
+
+  // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four, since
+  // compilers make a few vector instructions of that. A difference is NaN only where a box is empty; such a pair fails
+  // the exact test at the leaf, whatever is said here.
+  KOKKOS_INLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
+    float room[12];
+    for (int i = 0; i < 12; ++i)
+      room[i] = limit[i] - node.bounds[i];
+    std::uint32_t bits[12], row[4];
+    memcpy(bits, room, sizeof bits);
+    for (int i = 0; i < 4; ++i)
+      row[i] = bits[i] | bits[4 + i] | bits[8 + i];
+    std::uint64_t half[2];
+    memcpy(half, row, sizeof half);
+    const std::uint64_t both = half[0] | half[1];
+    overlaps[0] = (both >> 31 & 1) == 0;
+    overlaps[1] = both >> 63 == 0;
+  }
 };
 
 // Deepest path: one level for each bit of a code and, among equal codes, of an index.

@@ -25,35 +25,38 @@ struct QueryOrder {
 // Results that a query keeps on the stack before it takes its rows of the buffer.
 constexpr int local_results = 32;
 
-// Walks the tree with one box, calling visit(item) for each leaf whose float box overlaps it.
+// Walks the tree with one query, calling visit(item) for each leaf whose float box overlaps the query's.
 template <class Visit>
-KOKKOS_INLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes, const FloatBox& box,
+KOKKOS_INLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes, const FloatQuery& query,
                                      const Visit& visit) {
+  const TreeNode* const first = nodes.data();
   int stack[max_tree_depth];
-  int depth = 0;
-  int node = 0;
+  int depth = 0, next = 0;
   for (;;) {
-    const TreeNode& here = nodes(node);
-    int next = -1;
-    for (int side = 0; side < 2; ++side) {
-      if (!here.box[side].overlaps(box))
-        continue;
-      const int child = here.child[side];
-      if (child < 0)
-        visit(~child);
-      else if (next < 0)
-        next = child;
-      else
-        stack[depth++] = child;
-    }
-    if (next < 0) {
+    const TreeNode& node = first[next];
+    bool overlaps[2];
+    query.test(node, overlaps);
+    for (int side = 0; side < 2; ++side)
+      if (overlaps[side] && node.child[side] < 0) {
+        visit(~node.child[side]);
+        overlaps[side] = false;
+      }
+    if (overlaps[0]) {
+      if (overlaps[1])
+        stack[depth++] = node.child[1];
+      next = node.child[0];
+    } else if (overlaps[1]) {
+      next = node.child[1];
+    } else {
       if (depth == 0)
         return;
       next = stack[--depth];
     }
-    node = next;
   }
 }
+
+// Queries need only be near those that run before and after them: 11 bits of their code per axis will do.
+constexpr int query_order_bits = 33;
 
 // Morton order of the boxes box_of(query), query < num_queries.
 template <class BoxOf>
@@ -66,10 +69,11 @@ void sortQueries(const exec_space& space, const BoxOf& box_of, int num_queries, 
   Kokkos::parallel_for(
       "contact::sortQueries::codes", over(space, num_queries),
       KOKKOS_LAMBDA(const std::int64_t query) {
-        codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid());
+        codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid()) >>
+                       (morton_bits - query_order_bits);
         values(query) = static_cast<int>(query);
       });
-  sortByKey(space, num_queries, morton_bits, order.sorted);
+  sortByKey(space, num_queries, query_order_bits, order.sorted);
 }
 
 // The paper does not sort where one set is much smaller than the other.
@@ -101,7 +105,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
     Kokkos::parallel_for(
         label, over(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
           const int query = ordered ? query_order(q) : static_cast<int>(q);
-          const FloatBox box(box_of(query));
+          const FloatQuery box(box_of(query));
           int found[local_results];
           std::int64_t num_found = 0;
           const auto keep = [&](const int item) {

@@ -10,13 +10,13 @@ namespace {
 
 using DeviceRules = PairRules<memory_space>;
 
-// The exact test of a leaf, then the rules: most boxes that overlap are kept.
+// The rules first: a node's own faces, and those of its body, are many of what it overlaps.
 struct IsCandidate {
   View<const Box*> node_boxes;
   View<const Box*> face_boxes;
   DeviceRules rules;
   KOKKOS_INLINE_FUNCTION bool operator()(int node, int face) const {
-    return node_boxes(node).overlaps(face_boxes(face)) && rules.allow(node, face);
+    return rules.allow(node, face) && node_boxes(node).overlaps(face_boxes(face));
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include <Kokkos_Core.hpp>
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <type_traits>
@@ -99,6 +100,16 @@ public:
 private:
   result_view_type _result;
 };
+
+// Between plain memory accesses and an atomic operation by which threads hand over to each other: what was written
+// before the first thread's atomic is seen after the second's. (Kokkos::memory_fence is dearer on processors.)
+KOKKOS_INLINE_FUNCTION void orderMemory() {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+  Kokkos::memory_fence();
+#else
+  std::atomic_thread_fence(std::memory_order_acq_rel);
+#endif
+}
 
 // Number of threads (or device lanes) that the default execution space runs at once.
 inline int concurrency(const exec_space& space) {

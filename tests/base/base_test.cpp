@@ -1,0 +1,312 @@
+// The parts that all libraries share: order-free sums, boxes, count-scan-fill, exchange plans, errors found together.
+#include "contact/base/box.hpp"
+#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/error.hpp"
+#include "contact/base/exchange_plan.hpp"
+#include "contact/base/fixed_point.hpp"
+#include "contact/base/mpi.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+
+namespace brickwall {
+namespace {
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+TEST(FixedPointTest, QuantumIsTheStatedPowerOfTwo) {
+  EXPECT_EQ(Quantum::forForceScale(1.0).value, 0x1p-54);
+  EXPECT_EQ(Quantum::forForceScale(1.5).value, 0x1p-53);
+  EXPECT_EQ(Quantum::forForceScale(1e6).value, 0x1p-34); // 2^20 >= 1e6
+  EXPECT_EQ(Quantum::powerOfTwo(-7).value * Quantum::powerOfTwo(-7).inverse, 1.0);
+}
+
+TEST(FixedPointTest, RoundsToNearestWithTiesToEven) {
+  EXPECT_EQ(roundToFixed(2.5), 2);
+  EXPECT_EQ(roundToFixed(3.5), 4);
+  EXPECT_EQ(roundToFixed(-2.5), -2);
+  EXPECT_EQ(roundToFixed(-1e15 - 0.25), -1000000000000000);
+}
+
+TEST(FixedPointTest, RefusesWhatDoesNotFit) {
+  EXPECT_TRUE(fitsFixedPoint(std::nextafter(fixed_point_limit, 0.0)));
+  for (const double value :
+       {fixed_point_limit, -fixed_point_limit, HUGE_VAL, -HUGE_VAL, nan_value}) {
+    EXPECT_FALSE(fitsFixedPoint(value));
+    EXPECT_EQ(roundToFixed(value), 0); // defined, and counted by the caller
+  }
+}
+
+// Terms k 2^-80 of random sign and size, |k| < 2^63: their sum is exact in 128 bits.
+std::vector<double> randomTerms(int n, __int128& exact) {
+  std::mt19937_64 random(1);
+  std::vector<double> terms;
+  exact = 0;
+  for (int i = 0; i < n; ++i) {
+    const int shift = static_cast<int>(random() % 60);
+    const double k = static_cast<double>(static_cast<std::int64_t>(random()) >> shift);
+    terms.push_back(std::ldexp(k, -80));
+    exact += static_cast<__int128>(k);
+  }
+  return terms;
+}
+
+TEST(LimbSumTest, IsTheExactSumWhateverTheOrder) {
+  __int128 exact = 0;
+  std::vector<double> terms = randomTerms(100000, exact);
+  const LimbScale scale = LimbScale::forLargest(0x1p-16); // above all terms
+  const double expected = static_cast<double>(exact) * 0x1p-80;
+  std::mt19937_64 random(2);
+  LimbSum first;
+  for (const double term : terms)
+    ASSERT_TRUE(first.add(term, scale));
+  // The value is the exact sum but for the roundings of three limbs' conversion: 2 ulp.
+  EXPECT_NEAR(first.value(scale), expected, 2 * std::fabs(expected) * 0x1p-52);
+  for (int order = 0; order < 5; ++order) {
+    std::shuffle(terms.begin(), terms.end(), random);
+    LimbSum sum;
+    for (const double term : terms)
+      sum.add(term, scale);
+    EXPECT_EQ(sum.value(scale), first.value(scale)); // the same bits
+  }
+}
+
+TEST(LimbSumTest, LargeTermsThatCancelLeaveTheSmallOnes) {
+  const LimbScale scale = LimbScale::forLargest(1e9);
+  LimbSum sum;
+  for (const double term : {1e9 - 1, 1e-6, -(1e9 - 1), 0.5, -1e8 / 3, 1e8 / 3})
+    ASSERT_TRUE(sum.add(term, scale));
+  EXPECT_EQ(sum.value(scale), 0.5 + 1e-6);
+}
+
+TEST(LimbSumTest, CountsTermsBeyondTheScaleAndNotANumber) {
+  const LimbScale scale = LimbScale::forLargest(1.0);
+  LimbSums<2> sums;
+  sums.add(0, 0.5, scale);
+  sums.add(0, 1e3, scale);
+  sums.add(1, nan_value, scale);
+  sums.add(1, -HUGE_VAL, scale);
+  EXPECT_EQ(sums.invalid, 3);
+  EXPECT_EQ(sums.sum[0].value(scale), 0.5);
+  EXPECT_EQ(sums.sum[1].value(scale), 0.0);
+}
+
+TEST(LimbSumTest, RanksAndThreadsDoNotShowInTheBits) {
+  const exec_space space;
+  const int n = 20000, rank = rankOf(comm), size = sizeOf(comm);
+  const LimbScale scale = LimbScale::forLargest(2.0);
+  // Term i is on rank i % size.
+  LimbSums<1> mine;
+  Kokkos::parallel_reduce(
+      "test::limbs", over(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i, LimbSums<1>& sum) {
+        if (i % size == rank)
+          sum.add(0, std::sin(static_cast<double>(i)) / (1 + i % 977), scale);
+      },
+      Combine<LimbSums<1>>(mine));
+  allReduce(comm, mine);
+  LimbSums<1> serial;
+  for (int i = n - 1; i >= 0; --i)
+    serial.add(0, std::sin(static_cast<double>(i)) / (1 + i % 977), scale);
+  EXPECT_EQ(mine.sum[0].value(scale), serial.sum[0].value(scale));
+  EXPECT_EQ(mine.invalid, 0);
+}
+
+TEST(BoxTest, EmptyBoxOverlapsNothingAndIsNeutralInUnions) {
+  Box box;
+  EXPECT_TRUE(box.empty());
+  Box everything;
+  everything.include(Vec3{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL});
+  everything.include(Vec3{HUGE_VAL, HUGE_VAL, HUGE_VAL});
+  EXPECT_FALSE(box.overlaps(box));
+  Box unit;
+  unit.include(Vec3{0, 0, 0});
+  unit.include(Vec3{1, 1, 1});
+  EXPECT_FALSE(box.overlaps(unit));
+  EXPECT_FALSE(unit.overlaps(box));
+  EXPECT_TRUE(everything.overlaps(unit));
+  box += unit;
+  EXPECT_EQ(box.lower[0], 0);
+  EXPECT_EQ(box.upper[2], 1);
+}
+
+TEST(BoxTest, OverlapIsClosed) {
+  Box a, b;
+  a.include(Vec3{0, 0, 0});
+  a.include(Vec3{1, 1, 1});
+  b.include(Vec3{1, 1, 1});
+  EXPECT_TRUE(a.overlaps(b)); // a corner touches a point
+  Box c;
+  c.include(Vec3{std::nextafter(1.0, 2.0), 0.5, 0.5});
+  EXPECT_FALSE(a.overlaps(c));
+  c.inflate(0x1p-52);
+  EXPECT_TRUE(c.overlaps(a));
+}
+
+// Row i holds i % 4 values. (A functor: extended lambdas may not be generic.)
+struct RowsOfAnyLength {
+  template <class Sink>
+  KOKKOS_INLINE_FUNCTION void operator()(std::int64_t i, const Sink& sink) const {
+    for (int k = 0; k < i % 4; ++k)
+      sink(static_cast<int>(10 * i + k));
+  }
+};
+
+TEST(CountScanFillTest, RowsOfAnyLengthKeepTheirOrder) {
+  const exec_space space;
+  View<std::int64_t*> offsets("offsets", 0);
+  View<int*> values("values", 0);
+  for (const int n : {0, 1, 1000}) {
+    const std::int64_t total =
+        countScanFill(space, "test::rows", n, RowsOfAnyLength(), offsets, values);
+    const auto host_offsets = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), offsets);
+    const auto host_values = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
+    std::int64_t next = 0;
+    for (int i = 0; i < n; ++i) {
+      ASSERT_EQ(host_offsets(i), next);
+      for (int k = 0; k < i % 4; ++k)
+        ASSERT_EQ(host_values(next++), 10 * i + k);
+    }
+    EXPECT_EQ(host_offsets(n), next);
+    EXPECT_EQ(total, next);
+  }
+}
+
+TEST(GrowTest, GrownViewsKeepLabelWidthAndCapacity) {
+  const exec_space space;
+  View<double* [3]> view("grown", 2);
+  growTo(space, view, 100);
+  EXPECT_EQ(view.label(), "grown");
+  EXPECT_GE(view.extent(0), 100u);
+  EXPECT_EQ(view.extent(1), 3u);
+  const auto* const data = view.data();
+  growTo(space, view, 50);
+  EXPECT_EQ(view.data(), data); // nothing shrinks, nothing is allocated again
+}
+
+// A ring: row 0 and 1 are mine; rows 2 and 3 copies of the previous rank's rows 1 and 0, row 4 of the next one's row 0.
+struct Ring {
+  int rank = rankOf(comm), size = sizeOf(comm);
+  int next = (rank + 1) % size, previous = (rank + size - 1) % size;
+  ExchangePlan plan() const {
+    std::vector<int> partners{std::min(next, previous)};
+    if (next != previous)
+      partners.push_back(std::max(next, previous));
+    std::vector<std::vector<int>> send(partners.size()), receive(partners.size());
+    for (std::size_t p = 0; p < partners.size(); ++p) {
+      // With two ranks next and previous are one partner: both sides list the forward rows first.
+      if (partners[p] == next)
+        send[p].insert(send[p].end(), {1, 0});
+      if (partners[p] == previous) {
+        send[p].push_back(0);
+        receive[p].insert(receive[p].end(), {2, 3});
+      }
+      if (partners[p] == next)
+        receive[p].push_back(4);
+    }
+    return ExchangePlan(exec_space(), comm, 99, partners, send, receive);
+  }
+};
+
+TEST(ExchangePlanTest, ForwardCopiesOwnersRowsToGhosts) {
+  const Ring ring;
+  if (ring.size == 1)
+    GTEST_SKIP() << "needs partners";
+  const exec_space space;
+  ExchangePlan plan = ring.plan();
+  EXPECT_EQ(plan.numSendRows(), 3);
+  View<double* [2]> values("values", 5);
+  const auto host = Kokkos::create_mirror_view(values);
+  for (int row = 0; row < 5; ++row)
+    for (int w = 0; w < 2; ++w)
+      host(row, w) = row < 2 ? 100 * ring.rank + 10 * row + w + 0.1 : -1;
+  Kokkos::deep_copy(values, host);
+  for (int repeat = 0; repeat < 3; ++repeat) // buffers persist
+    plan.forward(space, values);
+  space.fence();
+  Kokkos::deep_copy(host, values);
+  for (int w = 0; w < 2; ++w) {
+    EXPECT_EQ(host(2, w), 100 * ring.previous + 10 + w + 0.1);
+    EXPECT_EQ(host(3, w), 100 * ring.previous + w + 0.1);
+    EXPECT_EQ(host(4, w), 100 * ring.next + w + 0.1);
+  }
+}
+
+TEST(ExchangePlanTest, ReverseSumAddsGhostsToTheirOwner) {
+  const Ring ring;
+  if (ring.size == 1)
+    GTEST_SKIP() << "needs partners";
+  const exec_space space;
+  ExchangePlan plan = ring.plan();
+  View<std::int64_t* [1]> values("values", 5);
+  const auto host = Kokkos::create_mirror_view(values);
+  for (int row = 0; row < 5; ++row)
+    host(row, 0) = (std::int64_t(1) << 40) * (ring.rank + 1) + row;
+  Kokkos::deep_copy(values, host);
+  plan.reverseSum(space, values);
+  space.fence();
+  Kokkos::deep_copy(host, values);
+  const auto initial = [](int rank, int row) { return (std::int64_t(1) << 40) * (rank + 1) + row; };
+  // My row 0 is row 3 of the next rank and row 4 of the previous one, my row 1 is row 2 of the next.
+  EXPECT_EQ(host(0, 0), initial(ring.rank, 0) + initial(ring.next, 3) + initial(ring.previous, 4));
+  EXPECT_EQ(host(1, 0), initial(ring.rank, 1) + initial(ring.next, 2));
+  for (int row = 2; row < 5; ++row)
+    EXPECT_EQ(host(row, 0), initial(ring.rank, row)); // ghosts keep their part
+}
+
+TEST(ExchangePlanTest, APlanWithoutPartnersDoesNothing) {
+  ExchangePlan plan;
+  View<std::int64_t* [1]> values("values", 1);
+  plan.reverseSum(exec_space(), values);
+  EXPECT_EQ(plan.numReceiveRows(), 0);
+}
+
+TEST(TogetherTest, AllRanksThrowWhatTheLowestFailingRankThrew) {
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  for (int failing = 0; failing < size; ++failing) {
+    std::string message;
+    ExitCode code = ExitCode::success;
+    try {
+      together(comm, [&] {
+        if (rank >= failing && failing % 2 == 0)
+          throw InputError("rank " + std::to_string(rank) + " read a bad file");
+        if (rank >= failing)
+          throw std::runtime_error("rank " + std::to_string(rank) + " ran out of luck");
+      });
+    } catch (const Error& error) {
+      message = error.what();
+      code = error.code();
+    }
+    const std::string who = "rank " + std::to_string(failing);
+    EXPECT_EQ(message, who + (failing % 2 == 0 ? " read a bad file" : " ran out of luck"));
+    EXPECT_EQ(code, failing % 2 == 0 ? ExitCode::bad_input : ExitCode::internal);
+  }
+  EXPECT_NO_THROW(together(comm, [] {}));
+}
+
+TEST(MpiTest, ReductionsAndBroadcastsReachAllRanks) {
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  EXPECT_EQ(allReduce(comm, rank, MPI_MAX), size - 1);
+  EXPECT_EQ(allReduce(comm, 0.5, MPI_SUM), 0.5 * size);
+  EXPECT_EQ(broadcast(comm, rank == size - 1 ? "last" : "", size - 1), "last");
+  EXPECT_THROW(checkedInt(std::int64_t(1) << 31, "rows"), Error);
+  EXPECT_EQ(checkedInt((std::int64_t(1) << 31) - 1, "rows"), std::numeric_limits<int>::max());
+}
+
+TEST(MpiTest, ExchangeByRankDeliversListsOfAnyLength) {
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  std::vector<std::vector<int>> lists(size);
+  for (int q = 0; q < size; ++q)
+    lists[q].assign(static_cast<std::size_t>((rank + 2 * q) % 3), 100 * rank + q);
+  const auto received = exchangeByRank(comm, lists);
+  for (int q = 0; q < size; ++q)
+    EXPECT_EQ(received[q],
+              std::vector<int>(static_cast<std::size_t>((q + 2 * rank) % 3), 100 * q + rank));
+}
+
+} // namespace
+} // namespace brickwall
