@@ -1,5 +1,7 @@
 // Rules of contact enforcement: selection, history, stiffness, exact momentum, the same integers on any ranks.
 #include "contact/brick_scene.hpp"
+#include "contact/global_search.hpp"
+#include "contact/local_search.hpp"
 
 #include <gtest/gtest.h>
 
@@ -470,6 +472,68 @@ TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersOnAnyCutToo) {
       EXPECT_EQ(sumOf(forces[0]), (std::array<std::int64_t, 3>{0, 0, 0}));
     }
   }
+}
+
+// Search, enforcement and the way back of reactions together, against brute-force pairs on one rank. Both reach .3, but
+// the search lists other pairs than brute force does: those that are not active change no bit.
+TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  const exec_space space;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Scene scene = heap(seed);
+    SceneRun run(scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; });
+    const auto expected = alone(scene)->step();
+    const Surface& surface = run.part.surface();
+    SearchConfig tolerances;
+    tolerances.node_tolerance = tolerances.face_tolerance = 0.15;
+    tolerances.drop_same_body = true;
+    GlobalSearch search(MPI_COMM_WORLD, tolerances);
+    LocalSearch local(tolerances);
+    const GhostFaces& ghosts = search.findGhosts(space, surface);
+    const auto& pairs = local.findCandidatePairs(space, surface, ghosts, search.boxes());
+    run.enforcement.enforce(space, surface, ghosts, pairs, dt);
+    const ContactForces& forces = run.enforcement.forces();
+    const View<std::int64_t* [12]> returned("test::returned", surface.num_faces);
+    search.returnToOwners(space, forces.ghost_corners, returned);
+    addFaceForces(space, surface, returned, forces.nodes);
+
+    const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
+    std::vector<std::int64_t> sum(3 * scene.x_new.size(), 0);
+    for (std::size_t i = 0; i < run.part.nodes().size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        sum[3 * run.part.nodes()[i] + d] = nodes(i, d);
+    brickwall::allReduce(MPI_COMM_WORLD, sum.data(), static_cast<int>(sum.size()), MPI_SUM);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        ASSERT_EQ(sum[3 * i + d], expected[i][d]) << "seed " << seed << " node " << i;
+  }
+}
+
+TEST(Enforcement, GhostCornersGetTheValuesOfTheirOwnersNodes) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  const exec_space space;
+  const Scene scene = heap(5);
+  SceneRun run(scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; });
+  const Surface& surface = run.part.surface();
+  SearchConfig tolerances;
+  tolerances.node_tolerance = tolerances.face_tolerance = 0.12;
+  GlobalSearch search(MPI_COMM_WORLD, tolerances);
+  const GhostFaces& ghosts = search.findGhosts(space, surface);
+  const View<double* [3]> values("test::values", surface.num_nodes);
+  const auto host = Kokkos::create_mirror_view(values);
+  for (int node = 0; node < surface.num_nodes; ++node)
+    for (int d = 0; d < 3; ++d)
+      host(node, d) = 10.0 * run.part.nodes()[node] + d;
+  Kokkos::deep_copy(values, host);
+  const View<double* [12]> at_ghosts("test::at_ghosts", ghosts.count);
+  search.sendToGhosts(space, surface, values, at_ghosts);
+  space.fence();
+  const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), at_ghosts);
+  const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), ghosts.corner_ids);
+  for (int ghost = 0; ghost < ghosts.count; ++ghost)
+    for (int i = 0; i < 12; ++i)
+      ASSERT_EQ(found(ghost, i), 10.0 * static_cast<double>(ids(ghost, i / 3)) + i % 3);
+  EXPECT_TRUE(size == 1 || brickwall::allReduce(MPI_COMM_WORLD, ghosts.count, MPI_SUM) > 0);
 }
 
 // The stiffness of every node equals the uncut one bit for bit: area and mu of a node on a cut include other ranks' faces.

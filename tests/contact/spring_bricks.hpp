@@ -49,7 +49,7 @@ public:
     addSprings();
     if (!force_before.empty())
       for (std::size_t i = 0; i < velocity.size(); ++i)
-        exchange -= 0.25 * dt * dot(velocity[i], _force[i] - force_before[i]);
+        exchange += 0.25 * dt * dot(velocity[i], _force[i] - force_before[i]);
     std::vector<Vec3> acceleration(velocity.size());
     for (std::size_t i = 0; i < velocity.size(); ++i)
       acceleration[i] = (1 / _scene.mass[i]) * _force[i];
