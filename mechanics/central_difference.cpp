@@ -54,7 +54,8 @@ struct KickNode {
   KOKKOS_INLINE_FUNCTION Vec3 newVelocity(std::int64_t node, const Vec3& old, const Vec3& total,
                                           Vec3& reaction) const {
     const double m = mass(node);
-    Vec3 v = old + (dt / m) * total + dt * boundary.gravity;
+    const double per_mass = m > 0 ? dt / m : 0.0; // a node without elements has no mass
+    Vec3 v = old + per_mass * total + dt * boundary.gravity;
     if (boundary.any)
       for (int i = 0; i < 3; ++i) {
         const int motion = boundary.motion(node, i);

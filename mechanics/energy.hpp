@@ -67,7 +67,7 @@ struct EnergyBalance {
   double energy_error = 0; // so far: max |total_half - external work - E_0| / max (K + stored)
   double momentum_error =
       0; // so far: max |impulses - change of momentum| / max |impulse of loads|; without loads
-      // / max of the other impulses and the momentum
+  // / max of the other impulses and the momentum
   double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
   double peak_kinetic = 0, peak_stored = 0;
   std::int64_t failures = 0; // failed elements, loads or sums of the last step, over all ranks

@@ -38,10 +38,11 @@ std::int64_t countCongruent(const HexMesh& mesh, const std::vector<BodyShape>& s
 } // namespace
 
 InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                             ElementKind kind, Quantum quantum, LimbScale energy_scale)
+                             ElementKind kind, Quantum quantum, LimbScale energy_scale, int threads)
     : _kind(kind), _quantum(quantum), _energy_scale(energy_scale) {
   const std::vector<BodyShape> shapes = markCongruentBodies(space, comm, mesh);
-  const ElementChunks cut = cutIntoChunks(space, mesh, shapes, concurrency(space));
+  const ElementChunks cut =
+      cutIntoChunks(space, mesh, shapes, threads > 0 ? threads : concurrency(space));
   _groups = cut.groups;
   _num_congruent_elems = countCongruent(mesh, shapes);
   _tables.mesh = viewsOf(mesh);

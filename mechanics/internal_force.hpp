@@ -41,9 +41,10 @@ struct ElementFields {
 class InternalForce {
 public:
   // Finds congruent bodies, stores what the general elements need (about 370 B each) and cuts the bodies into chunks.
-  // `energy_scale` is the scale of the stored-energy sums. Collective.
+  // `energy_scale` is the scale of the stored-energy sums. `threads`: how many share the work (0: as many as run at
+  // once); no result depends on it. Collective.
   InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh, ElementKind kind,
-                Quantum quantum, LimbScale energy_scale);
+                Quantum quantum, LimbScale energy_scale, int threads = 0);
 
   // Adds the elements' forces at X + u to the columns material_force and hourglass_force (full integration has no
   // hourglass share). `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the range) add

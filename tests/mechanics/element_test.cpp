@@ -381,9 +381,10 @@ TEST(StableTimeStep, IsExactOnABoxAndSafeOnDistortedHexes) {
 TEST(StableTimeStep, OfACubeIsTheClosedFormAndDeformationChangesIt) {
   const exec_space space;
   for (const MaterialModel model : models) {
+    const Material material{model, 1, 1, 0.3};
     testing::BlockMesh one =
-        testing::makeBlocks(space, MPI_COMM_SELF, {testing::Block()}, {{model, 1, 1, 0.3}});
-    const double speed = std::sqrt(one.mesh.materials(0).lambda() + 2 * one.mesh.materials(0).mu());
+        testing::makeBlocks(space, MPI_COMM_SELF, {testing::Block()}, {material});
+    const double speed = std::sqrt(material.lambda() + 2 * material.mu());
     const double expected = std::sqrt(0.7 / 1.3) / speed;
     EXPECT_NEAR(stableTimeStep(space, MPI_COMM_SELF, one.mesh).dt, expected, 1e-14);
     View<double* [3]> u("u", 8);

@@ -169,6 +169,34 @@ TEST(CongruentBodies, AreFoundAloneAndAgreeWithTheGeneralPath) {
       EXPECT_NEAR(box.force(node, i), general.force(node, i), 1e-9);
 }
 
+// One body cut into chunks for many threads, with atomic additions where chunks meet.
+TEST(Threads, ChangeNoBit) {
+  const exec_space space;
+  Block block;
+  block.elements[0] = 12, block.elements[1] = 10, block.elements[2] = 9;
+  for (const bool is_distorted : {false, true}) {
+    BlockMesh blocks = makeBlocks(
+        space, world, {block, cube(3, {2, 0, 0})}, {steelLike()},
+        [&](const Vec3& x) { return is_distorted ? distorted(x) : x; }, scattered);
+    const auto u = nodalField(space, blocks.mesh, [](const Vec3& x) {
+      return Vec3{0.01 * std::sin(3 * x.y), 0.02 * x.x * x.z, 0.01 * std::cos(2 * x.x)};
+    });
+    const auto forcesFor = [&](int threads) {
+      InternalForce internal(space, world, blocks.mesh, ElementKind::one_point,
+                             Quantum::powerOfTwo(-54), testEnergyScale(), threads);
+      const NodalForces forces = zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
+      const auto result = internal.add(space, u, forces, true);
+      EXPECT_EQ(result.failure.count, 0);
+      auto words = globalWords(world, blocks, forces.values);
+      for (const LimbSum& sum : result.energy.sum)
+        words.insert(words.end(), {sum.high, sum.low, sum.tail});
+      return words;
+    };
+    EXPECT_EQ(forcesFor(1), forcesFor(4));
+    EXPECT_EQ(forcesFor(1), forcesFor(0));
+  }
+}
+
 TEST(Failure, OfOneElementIsReportedWithItsGlobalIdOnAllRanks) {
   const exec_space space;
   BlockMesh blocks = makeBlocks(space, world, {cube(3)}, {steelLike()}, asIs, scattered);
