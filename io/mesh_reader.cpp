@@ -14,6 +14,8 @@
 #include "io/shared_nodes.hpp"
 
 #include <algorithm>
+#include <new>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -205,9 +207,16 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   MeshContents contents;
   MeshSlice slice;
   together(comm, [&] {
-    const ExodusFile file = ExodusFile::open(file_name);
-    contents = readContents(file);
-    slice = readSlice(file, contents, rank, size);
+    try {
+      const ExodusFile file = ExodusFile::open(file_name);
+      contents = readContents(file);
+      slice = readSlice(file, contents, rank, size);
+    } catch (const std::bad_alloc&) {
+      throw InputError(file_name + ": does not fit into memory; damaged, or too large for " +
+                       std::to_string(size) + " ranks");
+    } catch (const std::length_error&) {
+      throw InputError(file_name + ": is damaged; it holds a negative or impossible count");
+    }
   });
 
   MeshPart part;
