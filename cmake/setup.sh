@@ -87,7 +87,10 @@ cores=$(nproc)
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
 jobs=$((fitting < cores ? fitting : cores))
 jobs=$((jobs < 1 ? 1 : jobs))
-if [[ $(ninja -C "$build" -n "$target" 2>&1) != *"no work to do"* ]]; then
-  say "building $build/ ($jobs at a time)"
+# A few steps only note the commit and link anew; they are not worth a line.
+plan=$(ninja -C "$build" -n "$target" 2>&1 || true)
+if [[ $plan != *"no work to do"* ]]; then
+  steps=$(sed -n 's#^\[[0-9]*/\([0-9]*\)\].*#\1#p' <<<"$plan" | tail -n 1)
+  [[ ${steps:-99} -le 5 && $plan != *"Re-running CMake"* ]] || say "building $build/ ($jobs at a time)"
   cmake --build "$build" --target "$target" --parallel "$jobs" >"$log" 2>&1 || fail "the build failed"
 fi
