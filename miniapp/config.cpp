@@ -130,7 +130,7 @@ PulseConfig readPulse(Deck& deck, const std::string& block) {
       choice<PulseShape>(deck, block, "shape", {"step", "half_sine", "triangle", "friedlander"});
   pulse.start = deck.real(block, "start");
   pulse.duration = optionalReal(deck, block, "duration");
-  pulse.decay = deck.real(block, "decay");
+  pulse.decay = optionalReal(deck, block, "decay").value_or(pulse.decay);
   if (deck.isGood(block, "shape") && pulse.shape != PulseShape::step &&
       !deck.has(block, "duration"))
     deck.complain(block, "shape", "no duration for shape \"" + deck.text(block, "shape") + "\"",

@@ -20,7 +20,7 @@ std::vector<KeyRule> pulseKeys(const std::string& default_shape) {
   return {word("shape", pulse_shapes, "course in time").byDefault(default_shape),
           real("start", "s", "time at which it begins").byDefault("0.0").atLeast(0),
           real("duration", "s", "how long it lasts; optional for shape = \"step\"").above(0),
-          real("decay", "", "decay of shape = \"friedlander\"").byDefault("1.0").atLeast(0)};
+          real("decay", "", "of shape = \"friedlander\" only, there 1.0 if not given").atLeast(0)};
 }
 
 BlockRule withPulse(BlockRule block, const std::string& default_shape) {
@@ -86,8 +86,7 @@ std::vector<BlockRule> loadBlocks() {
             word("distribution", {"uniform", "gaussian"}, "course in space").byDefault("uniform"),
             real("center", "m", "of the gaussian").list(3),
             real("radius", "m", "of the gaussian: peak exp(-(r/radius)^2)").above(0),
-            real("wave_speed", "m/s", "arrival is r/wave_speed later; 0: no delay")
-                .byDefault("0.0")
+            real("wave_speed", "m/s", "of the gaussian: arrival r/wave_speed later; 0: at once")
                 .atLeast(0),
             boolean("follower", "act on the current face, else on the reference face")
                 .byDefault("true")}},
