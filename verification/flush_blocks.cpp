@@ -13,8 +13,10 @@ using brickwall::verification::Case;
 
 // Two courses of running bond; the upper course moves down onto the lower one.
 TEST(FlushBlocks, PressedCoursesFeelNoForceAlongTheBedJoint) {
-  Case wall("[wall]\nbricks = [2, 1, 2]\nbrick = [2.0, 1.0, 1.0]\nelements = [8, 4, 4]\nends = \"ragged\"\n"
-            "[material.brick]\nmodel = \"neo_hookean\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
+  Case wall("[wall]\nbricks = [2, 1, 2]\nbrick = [2.0, 1.0, 1.0]\nelements = [8, 4, 4]\nends = "
+            "\"ragged\"\n"
+            "[material.brick]\nmodel = \"neo_hookean\"\ndensity = 1\nyoungs_modulus = "
+            "1\npoissons_ratio = 0\n"
             "[[initial.velocity]]\nbrick = [0, 0, 1]\nvelocity = [0, 0, -1e-3]\n"
             "[[initial.velocity]]\nbrick = [1, 0, 1]\nvelocity = [0, 0, -1e-3]\n"
             "[time]\nend = 6.0\n");
@@ -44,7 +46,8 @@ TEST(FlushBlocks, ARestingWallStaysAtRestToTheLastBit) {
   simulation.start();
   while (!simulation.done())
     simulation.step();
-  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
+  const auto u =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
   for (int node = 0; node < wall.scene.mesh.num_nodes; ++node)
     for (int d = 0; d < 3; ++d)
       ASSERT_EQ(u(node, d), 0.0);

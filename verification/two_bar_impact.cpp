@@ -15,18 +15,24 @@ using brickwall::verification::printResult;
 constexpr double v0 = 1e-3, area = 0.01;
 
 struct Impact {
-  double duration = 0;   // last time with a pressing force
+  double duration = 0; // last time with a pressing force
   double mean_force = 0; // over .5 < t < 1.5
   double final_velocity = 0, energy_error = 0, momentum_error = 0, ledger_residual = 0;
 };
 
 Impact collide(int elements) {
   const std::string n = std::to_string(elements);
-  Case bars("[wall]\nbricks = [2, 1, 1]\nbrick = [1.0, 0.1, 0.1]\nelements = [" + n + ", 1, 1]\n"
-            "[material.brick]\nmodel = \"linear\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
-            "[[initial.velocity]]\nbrick = [0, 0, 0]\nvelocity = [" + std::to_string(v0) + ", 0, 0]\n"
-            "[[initial.velocity]]\nbrick = [1, 0, 0]\nvelocity = [-" + std::to_string(v0) + ", 0, 0]\n"
-            "[contact]\npenalty = 0.5\n[time]\nend = 3.0\nsafety = 0.9\n");
+  Case bars(
+      "[wall]\nbricks = [2, 1, 1]\nbrick = [1.0, 0.1, 0.1]\nelements = [" + n +
+      ", 1, 1]\n"
+      "[material.brick]\nmodel = \"linear\"\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
+      "[[initial.velocity]]\nbrick = [0, 0, 0]\nvelocity = [" +
+      std::to_string(v0) +
+      ", 0, 0]\n"
+      "[[initial.velocity]]\nbrick = [1, 0, 0]\nvelocity = [-" +
+      std::to_string(v0) +
+      ", 0, 0]\n"
+      "[contact]\npenalty = 0.5\n[time]\nend = 3.0\nsafety = 0.9\n");
   auto& simulation = bars.simulation;
   Impact impact;
   double force_time = 0;
@@ -40,7 +46,8 @@ Impact collide(int elements) {
       impact.mean_force += force * simulation.clock().dt;
       force_time += simulation.clock().dt;
     }
-    impact.ledger_residual = std::fmax(impact.ledger_residual, simulation.balance().ledger_residual);
+    impact.ledger_residual =
+        std::fmax(impact.ledger_residual, simulation.balance().ledger_residual);
   }
   impact.mean_force /= force_time;
   impact.final_velocity = bars.momentum(0, 0); // the mass of a bar is area * 1
@@ -71,7 +78,8 @@ TEST(TwoBarImpact, ContactTimeAndForceFollowWaveTheory) {
       printResult("V2.force", impact.mean_force, exact, force_error, 1e-3);
       EXPECT_LE(force_error, 1e-3);
     }
-    printResult("V2.swap", impact.final_velocity, -v0, std::fabs(impact.final_velocity / v0 + 1), 0.02);
+    printResult("V2.swap", impact.final_velocity, -v0, std::fabs(impact.final_velocity / v0 + 1),
+                0.02);
     EXPECT_LE(std::fabs(impact.final_velocity / v0 + 1), 0.02);
     // Equal and opposite integers: the momentum of both stays zero to the rounding of the kicks.
     EXPECT_LE(impact.momentum_error, 1e-13 * v0 * area);

@@ -17,8 +17,8 @@ using brickwall::verification::printResult;
 using Field = std::vector<std::array<double, 6>>; // X, u
 
 Field gather(const Case& wall) {
-  const auto u =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), wall.simulation.state().displacement);
+  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(),
+                                                     wall.simulation.state().displacement);
   std::vector<std::vector<std::array<double, 6>>> sent(brickwall::sizeOf(MPI_COMM_WORLD));
   for (int node = 0; node < wall.scene.mesh.num_nodes; ++node)
     if (wall.scene.node_is_owned[node]) {
@@ -35,7 +35,8 @@ TEST(MirrorSymmetricWall, StaysSymmetricAndBalancesTheImpulseOfThePulse) {
   const double length = 4 * 0.2;
   Case wall("[wall]\nbricks = [4, 1, 4]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
             "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\npoissons_ratio = 0.2\n"
-            "[[load.pressure]]\nside_set = \"front\"\nshape = \"half_sine\"\npeak = 2e6\nduration = 2e-3\n"
+            "[[load.pressure]]\nside_set = \"front\"\nshape = \"half_sine\"\npeak = 2e6\nduration "
+            "= 2e-3\n"
             "[[boundary.fixed]]\nnode_set = \"base_course\"\n"
             "[time]\nend = 2.5e-3\n");
   auto& simulation = wall.simulation;
