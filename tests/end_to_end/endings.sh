@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# How runs end: exit codes, messages and what is left on disk, on 1 and 3 ranks. No run may hang: each has a time limit.
+#
+# Usage: endings.sh BRICKWALL MPIEXEC INPUTS_FOLDER
+set -euo pipefail
+brickwall=$1 mpiexec=$2 inputs=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export OMP_NUM_THREADS=1 OMPI_MCA_orte_execute_quiet=1
+failures=0
+
+# The program with files limited to 64 KiB: to it the disk is full after that.
+limited=$work/limited.sh
+printf '#!/bin/bash\nulimit -f 64\ntrap "" XFSZ\nexec "%s" "$@"\n' "$brickwall" >"$limited"
+chmod +x "$limited"
+
+program=$brickwall
+output=$work/out
+
+# expect NAME CODE PATTERN RANKS arguments...: runs $program, wants the exit code and the pattern in what it prints.
+expect() {
+  local name=$1 code=$2 pattern=$3 ranks=$4 found=0
+  shift 4
+  timeout 120 "$mpiexec" -n "$ranks" --oversubscribe "$program" "$@" -o "$output" >"$work/log" 2>&1 || found=$?
+  if [[ $found -ne $code ]]; then
+    echo "FAILED $name on $ranks ranks: exit code $found, expected $code"; tail -n 5 "$work/log"; failures=$((failures + 1))
+  elif ! grep -Eq "$pattern" "$work/log"; then
+    echo "FAILED $name on $ranks ranks: no line matches '$pattern'"; tail -n 5 "$work/log"; failures=$((failures + 1))
+  else
+    echo "ok $name on $ranks ranks"
+  fi
+}
+
+small=(--set 'wall.bricks=[2,1,2]' --set 'wall.elements=[2,1,1]')
+for ranks in 1 3; do
+  expect "a small wall passes" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 20
+  expect "an inverted element is named with place, time and step" 3 'element [0-9]+ .*at \(.*step|step .*element [0-9]+ .*at \(' \
+    $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'load.pressure[0].peak=1e13'
+  [[ -s $work/out/brick_wall.exo || -s $work/out/brick_wall.exo.3.0 ]] || { echo "FAILED: no results left"; failures=$((failures + 1)); }
+  grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
+  expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
+    --set limits.energy_error=1e-14 --steps 200
+  expect "an unknown set is named with the nearest one" 2 "front" $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
+    --set 'load.pressure[0].side_set="frnt"'
+  expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'
+  expect "a missing deck is one error" 2 'nowhere.toml' $ranks run "$work/nowhere.toml"
+  expect "one element runs" 0 '^PASS' $ranks run "$inputs/one_brick.toml" --set 'wall.elements=[1,1,1]' --steps 20
+  expect "no contact at all runs" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set contact.enabled=false --steps 20
+  expect "the search alone runs" 0 '^PASS' $ranks search "$inputs/wall_17k.toml" --set search.repetitions=2
+  expect "the reference search alone runs" 0 '^PASS' $ranks search "$inputs/brick_wall.toml" "${small[@]}" --set 'search.method="reference"'
+  output=/dev/null/x
+  expect "an output folder that cannot be made fails" 4 '/dev/null/x' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 2
+  output=$work/out program=$limited
+  expect "a full disk is found in its step" 4 'brick_wall.exo' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
+    --set 'wall.elements=[8,4,4]' --set output.interval=1e-6 --steps 200
+  program=$brickwall
+  rm -rf "$work/out"
+done
+# A mesh written and read back.
+expect "a mesh is written" 0 'elements' 1 mesh "$inputs/brick_wall.toml" "${small[@]}"
+cat >"$work/mesh.toml" <<DECK
+[mesh]
+file = "out/brick_wall.exo"
+[material.brick]
+density = 2000.0
+youngs_modulus = 20.0e9
+poissons_ratio = 0.2
+[material.half_brick]
+density = 2000.0
+youngs_modulus = 20.0e9
+poissons_ratio = 0.2
+[[load.pressure]]
+side_set = "front"
+shape = "step"
+peak = 1e5
+[time]
+end = 1e-4
+DECK
+cp "$work/out/brick_wall.exo" "$work/keep.exo"
+sed -i 's#out/brick_wall.exo#keep.exo#' "$work/mesh.toml"
+for ranks in 1 2; do expect "a mesh from a file runs" 0 '^PASS' $ranks run "$work/mesh.toml" --no-output; done
+head -c 3000 "$work/keep.exo" >"$work/cut.exo"; sed -i 's#keep.exo#cut.exo#' "$work/mesh.toml"
+for ranks in 1 2; do expect "a truncated mesh is refused" 2 'cut.exo' $ranks run "$work/mesh.toml" --no-output; done
+exit "$failures"
