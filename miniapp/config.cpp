@@ -227,6 +227,8 @@ void readMethods(const Deck& deck, Config& config) {
 
   config.contact.enabled = deck.boolean("contact", "enabled");
   config.contact.tolerance = deck.real("contact", "tolerance");
+  config.contact.scheme =
+      choice<ContactScheme>(deck, "contact", "scheme", {"energy_neutral", "penalty"});
   config.contact.penalty = deck.real("contact", "penalty");
   config.contact.lateral_tolerance = deck.real("contact", "lateral_tolerance");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});

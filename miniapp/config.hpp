@@ -95,9 +95,11 @@ struct InitialVelocityConfig {
 
 // [contact]
 enum class SelfContact { automatic, never, always };
+enum class ContactScheme { energy_neutral, penalty };
 struct ContactConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation, of the shortest skin edge
+  ContactScheme scheme = ContactScheme::energy_neutral; // contact/penalty.hpp
   double penalty = 0.5; // s of physics.md
   double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
   SelfContact self = SelfContact::automatic; // automatic: never for walls, always for Exodus meshes
@@ -119,7 +121,7 @@ struct TimeConfig {
   double end = 0; // time
   double safety = 0.8; // chi: of the stable step
   std::optional<std::int64_t> steps; // stop after so many, even before `end`
-  std::int64_t check_interval = 100; // steps between checks of the stable step
+  std::int64_t check_interval = 500; // steps between checks of the stable step
 };
 
 // [output]

@@ -128,6 +128,9 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("0.05")
             .above(0)
             .atMost(1),
+        word("scheme", {"energy_neutral", "penalty"},
+             "first and last steps of a contact weighted to make no energy, or plain penalty")
+            .byDefault("energy_neutral"),
         real("penalty", "", "stiffness s = k dt^2/m; stable to 1.95 (1 - safety^2)")
             .byDefault("0.5")
             .above(0)
@@ -168,7 +171,7 @@ std::vector<BlockRule> methodBlocks() {
         real("safety", "", "step over the stable step").byDefault("0.8").above(0).atMost(1),
         integer("steps", "end after so many steps").atLeast(1).atMost(1e15),
         integer("check_interval", "steps between checks of the stable step")
-            .byDefault("100")
+            .byDefault("500")
             .atLeast(1)
             .atMost(1e15)},
        true},

@@ -17,8 +17,8 @@ void Simulation::step() {
   moveNodes();
   findContactCandidates();
   computeForces(_clock.time);
-  enforceContact(_clock.dt_before);
   sumSharedNodes();
+  enforceContact(_clock.dt_before);
   kickVelocities(0.5 * (_clock.dt_before + _clock.dt), _clock.time + 0.5 * _clock.dt);
   bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
 }
@@ -28,8 +28,8 @@ void Simulation::start() {
     _coupling->resetCoordinates(_space, _state.displacement);
   findContactCandidates();
   computeForces(_clock.time);
-  enforceContact(_clock.dt);
   sumSharedNodes();
+  enforceContact(_clock.dt);
   kickVelocities(0.5 * _clock.dt, 0.5 * _clock.dt);
   bookEnergies(0.5 * _clock.dt);
 }
@@ -66,18 +66,32 @@ void Simulation::computeForces(double time) {
     _load_failures += load.add(_space, _scene.mesh, _state.displacement, time, _forces);
 }
 
+void Simulation::sumSharedNodes() {
+  const Region region("step::shared-node sum");
+  _shared.sum(_space, _forces.values);
+}
+
 void Simulation::enforceContact(double dt) {
   if (!_enforcement)
     return;
   const Region region("step::contact enforcement");
+  const contact::Surface surface = _coupling->surface();
+  const auto sum_forces = [&](const contact::ContactForces& forces) {
+    _coupling->sumContactForces(_space, forces, *_global_search, _shared);
+  };
+  contact::NeutralInput neutral;
+  if (_config.contact.scheme == ContactScheme::energy_neutral) {
+    neutral.acceleration = _coupling->accelerations(_space, _forces, _state.mass, _boundary);
+    neutral.sum_forces = sum_forces;
+    neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
+                                    const View<double* [12]>& ghost_values) {
+      _global_search->sendToGhosts(_space, surface, values, ghost_values);
+    };
+  }
   _contact =
-      _enforcement->enforce(_space, _coupling->surface(), _global_search->ghosts(), *_pairs, dt);
-  _coupling->addContactForces(_space, _enforcement->forces(), *_global_search, _forces);
-}
-
-void Simulation::sumSharedNodes() {
-  const Region region("step::shared-node sum");
-  _shared.sum(_space, _forces.values);
+      _enforcement->enforce(_space, surface, _global_search->ghosts(), *_pairs, dt, &neutral);
+  sum_forces(_enforcement->forces());
+  _coupling->storeContactForces(_space, _forces);
 }
 
 void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
@@ -193,6 +207,9 @@ void Simulation::setUpContact() {
   _global_search = std::make_unique<contact::GlobalSearch>(_comm, search);
   _local_search = std::make_unique<contact::LocalSearch>(search);
   contact::EnforcementConfig enforcement;
+  enforcement.scheme = _config.contact.scheme == ContactScheme::energy_neutral
+                           ? contact::Scheme::energy_neutral
+                           : contact::Scheme::penalty;
   enforcement.penalty = _config.contact.penalty;
   enforcement.reference_step = _clock.dt;
   enforcement.lateral_tolerance = _config.contact.lateral_tolerance;

@@ -1,5 +1,6 @@
 #include "miniapp/surface_coupling.hpp"
 
+#include "miniapp/acceleration.hpp"
 #include "miniapp/to_device.hpp"
 
 #include <utility>
@@ -35,7 +36,10 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
       _node_is_owned(allocate<View<unsigned char*>>(space, "coupling::node_is_owned", _num_nodes)),
       _attributes(allocate<View<double**>>(space, "coupling::face_attributes", _num_faces, 5)),
       _corner_forces(
-          allocate<View<std::int64_t* [12]>>(space, "coupling::corner_forces", _num_faces)) {
+          allocate<View<std::int64_t* [12]>>(space, "coupling::corner_forces", _num_faces)),
+      _contact_forces(allocate<View<std::int64_t**>>(space, "coupling::contact_forces",
+                                                     scene.mesh.num_nodes, 3)),
+      _accelerations(allocate<View<double* [3]>>(space, "coupling::accelerations", _num_nodes)) {
   fillNodes(space, scene, boundary);
   fillFaces(space, scene);
 }
@@ -135,24 +139,66 @@ contact::Surface SurfaceCoupling::surface() const {
   return surface;
 }
 
-void SurfaceCoupling::addContactForces(const exec_space& space,
+void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        const contact::ContactForces& forces,
                                        contact::GlobalSearch& search,
-                                       const mechanics::NodalForces& target) {
-  if (search.statistics().num_ghosts > 0 || search.statistics().faces_sent > 0) {
+                                       mechanics::SharedNodeSum& shared) {
+  const auto statistics = search.statistics();
+  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {
     Kokkos::deep_copy(space, _corner_forces, 0);
     search.returnToOwners(space, forces.ghost_corners, _corner_forces);
     contact::addFaceForces(space, surface(), _corner_forces, forces.nodes);
   }
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
-  const auto values = target.values;
-  constexpr int column = 3 * mechanics::contact_force;
+  const auto totals = _contact_forces;
+  Kokkos::deep_copy(space, totals, 0);
   Kokkos::parallel_for(
-      "coupling::addContactForces", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::toMesh", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
-          values(surface_to_node(i), column + d) += nodes(i, d);
+          totals(surface_to_node(i), d) = nodes(i, d);
       });
+  if (shared.partners().empty())
+    return;
+  shared.sum(space, totals);
+  Kokkos::parallel_for(
+      "coupling::toSurface", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          nodes(i, d) = totals(surface_to_node(i), d);
+      });
+}
+
+void SurfaceCoupling::storeContactForces(const exec_space& space,
+                                         const mechanics::NodalForces& target) const {
+  const auto totals = _contact_forces;
+  const auto values = target.values;
+  Kokkos::parallel_for(
+      "coupling::storeContactForces", over(space, static_cast<std::int64_t>(totals.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int d = 0; d < 3; ++d)
+          values(node, 3 * mechanics::contact_force + d) = totals(node, d);
+      });
+}
+
+const View<double* [3]>&
+SurfaceCoupling::accelerations(const exec_space& space, const mechanics::NodalForces& forces,
+                               const View<const double*>& mass,
+                               const mechanics::BoundaryConditions& boundary) {
+  const auto surface_to_node = _surface_to_node;
+  const auto acceleration = _accelerations;
+  const auto values = forces.values;
+  const double quantum = forces.quantum.value;
+  const Vec3 gravity = boundary.gravity();
+  const auto motion = boundary.at(0).motion;
+  const bool any = boundary.any();
+  Kokkos::parallel_for(
+      "coupling::accelerations", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = surface_to_node(i);
+        for (int d = 0; d < 3; ++d)
+          acceleration(i, d) =
+              accelerationOf(values, quantum, mass(node), gravity, any, motion, node, d);
+      });
+  return _accelerations;
 }
 
 } // namespace brickwall::miniapp

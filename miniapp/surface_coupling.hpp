@@ -25,10 +25,18 @@ public:
   contact::Surface surface() const;
   const View<const double*>& nodeMass() const { return _node_mass; } // [surface node]
 
-  // Adds this rank's contact forces, after those on ghosts have gone back to their owners, to the contact_force
-  // columns. Collective.
-  void addContactForces(const exec_space& space, const contact::ContactForces& forces,
-                        contact::GlobalSearch& search, const mechanics::NodalForces& target);
+  // Turns this rank's partial contact forces into totals, the same on every rank that has the node: those on ghosts go
+  // back to their owners, then shared nodes are summed. Collective.
+  void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
+                        contact::GlobalSearch& search, mechanics::SharedNodeSum& shared);
+  // The totals of the last sumContactForces() as contact_force columns.
+  void storeContactForces(const exec_space& space, const mechanics::NodalForces& target) const;
+
+  // Accelerations of the surface nodes by all forces in `forces` (totals) and gravity; 0 where prescribed.
+  const View<double* [3]>& accelerations(const exec_space& space,
+                                         const mechanics::NodalForces& forces,
+                                         const View<const double*>& mass,
+                                         const mechanics::BoundaryConditions& boundary);
 
   // Set-up, public only for their kernels: static data of nodes and faces.
   void fillNodes(const exec_space& space, const Scene& scene,
@@ -48,6 +56,8 @@ private:
   View<const double*> _node_mass;
   View<double**> _attributes; // [face] 4 corner masses, mu
   View<std::int64_t* [12]> _corner_forces; // [face] returned from ghosts, quanta
+  View<std::int64_t**> _contact_forces; // [mesh node][xyz] quanta
+  View<double* [3]> _accelerations; // [surface node][xyz]
 };
 
 } // namespace brickwall::miniapp
