@@ -84,7 +84,7 @@ Provenance describeRun(MPI_Comm comm) {
   run.host = broadcast(comm, hostName());
   run.cpu = broadcast(comm, cpuName());
   run.ranks = sizeOf(comm);
-  run.threads_per_rank = concurrency(host_exec_space());
+  run.threads_per_rank = host_exec_space().concurrency();
   run.execution_space = exec_space::name();
   return run;
 }
