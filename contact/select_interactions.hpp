@@ -102,36 +102,53 @@ struct SelectInteractions {
   // Moves `pair` past the body's candidates.
   KOKKOS_INLINE_FUNCTION bool findHitOnBody(int node, global_id body, bool wanted, std::int64_t end,
                                             std::int64_t& pair, Hit& hit, int& seen) const {
+    const std::int64_t begin = pair;
+    findPreviousFace(node, body, end, pair, hit, seen);
+    if (!wanted)
+      return false;
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    const int slot = previousSlot(node, body);
-    const int last = slot < 0 ? -1 : previous.row_begin(node) + slot;
-    const global_id last_face = last < 0 ? -1 : previous.interactions(last).face;
-    bool found = false, kept = false;
-    hit.previous = last;
-    hit.previous_face = -1;
-    for (; pair < end; ++pair) {
-      const int face = pairs.faces(pair);
-      if (faces.body(face) != body)
-        break;
-      const bool is_last = last >= 0 && faces.id(face) == last_face;
-      if (is_last) {
-        seen |= 1 << slot;
-        hit.previous_face = face;
-      }
-      if (!wanted || kept)
+    FacePoint point;
+    if (hit.previous_face >= 0 && touches(node, x, hit.previous_face, point)) {
+      hit.set(hit.previous_face, point);
+      return true;
+    }
+    bool found = false;
+    for (std::int64_t p = begin; p < pair; ++p) {
+      const int face = pairs.faces(p);
+      if (face == hit.previous_face || !touches(node, x, face, point))
         continue;
-      const MeanPlane& plane = planes(planeOf(face));
-      if (plane.surelyOutside(x, config.lateral_tolerance) || !isOpposed(node, plane.normal))
-        continue;
-      const FacePoint point = project(faces.quad(face), x);
-      if (!point.activeWithin(config.lateral_tolerance) || !(point.gap < 0))
-        continue;
-      kept = is_last;
-      if (kept || !found || -point.gap < hit.depth)
+      if (!found || -point.gap < hit.depth)
         hit.set(face, point);
       found = true;
     }
     return found;
+  }
+
+  // What the node touched on `body` at the last step, if that face is among the body's candidates. Moves `pair` past them.
+  KOKKOS_INLINE_FUNCTION void findPreviousFace(int node, global_id body, std::int64_t end,
+                                               std::int64_t& pair, Hit& hit, int& seen) const {
+    const int slot = previousSlot(node, body);
+    hit.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
+    hit.previous_face = -1;
+    const global_id last_face = slot < 0 ? -1 : previous.interactions(hit.previous).face;
+    for (; pair < end; ++pair) {
+      const int face = pairs.faces(pair);
+      if (faces.body(face) != body)
+        return;
+      if (slot >= 0 && faces.id(face) == last_face) {
+        seen |= 1 << slot;
+        hit.previous_face = face;
+      }
+    }
+  }
+
+  // Whether the node is inside the face, by the cheap tests first.
+  KOKKOS_INLINE_FUNCTION bool touches(int node, const Vec3& x, int face, FacePoint& point) const {
+    const MeanPlane& plane = planes(planeOf(face));
+    if (plane.surelyOutside(x, config.lateral_tolerance) || !isOpposed(node, plane.normal))
+      return false;
+    point = project(faces.quad(face), x);
+    return point.activeWithin(config.lateral_tolerance) && point.gap < 0;
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
