@@ -130,7 +130,7 @@ inline PackOf<W> maxMagnitude(const PackOf<W>& a, const PackOf<W>& b) {
   return m <= b.v ? b.v : (b.v != b.v ? b.v : m);
 }
 
-// Nearest integers, ties to even; lanes beyond the fixed-point range hold anything (their element is dropped).
+// Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (that element is dropped and reported).
 KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
   return roundToFixed(quanta);
 }
@@ -139,6 +139,9 @@ inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
   typename PackOf<W>::vector rounded;
   for (int lane = 0; lane < W; ++lane)
     rounded[lane] = __builtin_rint(quanta.v[lane]);
+  rounded = rounded < fixed_point_limit && rounded > -fixed_point_limit
+                ? rounded
+                : typename PackOf<W>::vector{};
   return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
 }
 
