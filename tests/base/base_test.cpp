@@ -97,7 +97,7 @@ TEST(LimbSumTest, CountsTermsBeyondTheScaleAndNotANumber) {
 
 // Quotients of integers: the same bits on host and device.
 KOKKOS_INLINE_FUNCTION double term(std::int64_t i) {
-  return static_cast<double>(i * 7919 % 20011 - 10000) / static_cast<double>(5000 * (1 + i % 977));
+  return static_cast<double>(i * 7919 % 20011 - 10000) / static_cast<double>(8000 * (1 + i % 977));
 }
 
 // Term i is on rank i % size. nvcc wants kernels outside of the tests' bodies.
