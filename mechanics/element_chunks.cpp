@@ -65,8 +65,10 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
   std::stable_sort(cuts.begin(), cuts.end(), [&](const Cut& a, const Cut& b) {
     return host.materials(a.block).model < host.materials(b.block).model;
   });
-  const std::vector<char> several =
-      threads > 1 ? nodesOfSeveralChunks(mesh, host, cuts) : std::vector<char>(mesh.num_nodes, 0);
+  // A device works on several chunks at once whatever `threads` says.
+  const std::vector<char> several = threads > 1 || !host_accessible
+                                        ? nodesOfSeveralChunks(mesh, host, cuts)
+                                        : std::vector<char>(mesh.num_nodes, 0);
 
   ElementChunks result;
   std::vector<ElementChunk> chunks;
