@@ -209,8 +209,9 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
                    (b.momentum - _initial_momentum);
   _largest_momentum_gap = std::max(_largest_momentum_gap, norm(gap));
   _largest_load = std::max(_largest_load, norm(b.impulse_external));
-  _largest_other = std::max(
-      {_largest_other, norm(b.momentum), norm(b.impulse_gravity), norm(b.impulse_reaction)});
+  // Without loads: the momenta of the parts, which may cancel in the sum, are at most sqrt(2 K M) (Cauchy-Schwarz).
+  _largest_other = std::max({_largest_other, std::sqrt(2 * b.kinetic * _total_mass),
+                             norm(b.impulse_gravity), norm(b.impulse_reaction)});
   const double size = _largest_load > 0 ? _largest_load : _largest_other;
   b.momentum_error = size > 0 ? _largest_momentum_gap / size : 0;
 }

@@ -65,9 +65,9 @@ struct EnergyBalance {
   Vec3 momentum, angular_momentum; // at the last half step
   Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_contact; // since the start
   double energy_error = 0; // so far: max |total_half - external work - E_0| / max (K + stored)
-  double momentum_error =
-      0; // so far: max |impulses - change of momentum| / max |impulse of loads|; without loads
-  // / max of the other impulses and the momentum
+  // So far: max |impulses - change of momentum| / max |impulse of loads|; without loads, over the largest of
+  // sqrt(2 K M) and the other impulses.
+  double momentum_error = 0;
   double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
   double peak_kinetic = 0, peak_stored = 0;
   std::int64_t failures = 0; // failed elements, loads or sums of the last step, over all ranks
