@@ -37,7 +37,9 @@ inline int sizeOf(MPI_Comm comm) {
 }
 
 // Collective. Returns when all ranks have come here.
-inline void barrier(MPI_Comm comm) { checkMpi(MPI_Barrier(comm), "MPI_Barrier"); }
+inline void barrier(MPI_Comm comm) {
+  checkMpi(MPI_Barrier(comm), "MPI_Barrier");
+}
 
 // MPI counts are int: says which size did not fit instead of wrapping.
 inline int checkedInt(std::int64_t n, const char* what) {
@@ -121,9 +123,9 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
   std::vector<std::int64_t> send_bytes(size), receive_bytes(size);
   for (int q = 0; q < size; ++q)
     send_bytes[q] = static_cast<std::int64_t>(values[q].size() * sizeof(T));
-  checkMpi(MPI_Alltoall(send_bytes.data(), 1, MPI_INT64_T, receive_bytes.data(), 1, MPI_INT64_T,
-                        comm),
-           "MPI_Alltoall");
+  checkMpi(
+      MPI_Alltoall(send_bytes.data(), 1, MPI_INT64_T, receive_bytes.data(), 1, MPI_INT64_T, comm),
+      "MPI_Alltoall");
   std::vector<std::vector<T>> received(size);
   std::vector<MPI_Request> requests;
   constexpr int tag = 71;
