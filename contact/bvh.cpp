@@ -86,7 +86,7 @@ void connectNodes(const exec_space& space, const Bvh& tree) {
   const Keys keys{tree.order.keys, tree.num_items};
   const auto items = tree.order.values;
   const auto nodes = tree.nodes;
-  const auto visits = tree.visits, leaf_parent = tree.leaf_parent;
+  const auto leaf_parent = tree.leaf_parent;
   Kokkos::parallel_for(
       "contact::buildTree::connect", over(space, tree.num_items - 1),
       KOKKOS_LAMBDA(const std::int64_t n) {
@@ -105,7 +105,7 @@ void connectNodes(const exec_space& space, const Bvh& tree) {
         }
         if (node == 0)
           nodes(0).parent = -1;
-        visits(node) = 0;
+        nodes(node).visits = 0;
       });
 }
 
@@ -113,7 +113,7 @@ void connectNodes(const exec_space& space, const Bvh& tree) {
 void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bvh& tree) {
   const auto values = tree.order.values;
   const auto nodes = tree.nodes;
-  const auto visits = tree.visits, leaf_parent = tree.leaf_parent;
+  const auto leaf_parent = tree.leaf_parent;
   Kokkos::parallel_for(
       "contact::buildTree::boxes", over(space, tree.num_items),
       KOKKOS_LAMBDA(const std::int64_t leaf) {
@@ -123,7 +123,7 @@ void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bv
           TreeNode& node = nodes(parent / 2);
           node.setBox(parent % 2, box);
           orderMemory();
-          if (Kokkos::atomic_fetch_add(&visits(parent / 2), 1) == 0)
+          if (Kokkos::atomic_fetch_add(&node.visits, 1) == 0)
             return;
           orderMemory();
           box.include(node.box(1 - parent % 2));
@@ -150,7 +150,6 @@ void buildTree(const exec_space& space, const View<const Box*>& items, int num_i
                const Box& all, Bvh& tree) {
   tree.num_items = num_items;
   growTo(space, tree.nodes, maxOf(num_items - 1, 1));
-  growTo(space, tree.visits, num_items);
   growTo(space, tree.leaf_parent, num_items);
   if (num_items == 0)
     return;

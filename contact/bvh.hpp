@@ -10,25 +10,25 @@
 
 namespace brickwall::contact {
 
-// Steps to the next float in the order of bit patterns; `value` is finite or infinite, not NaN.
-KOKKOS_INLINE_FUNCTION float nextFloat(float value, bool up) {
+// `nearest` moved to the next float away from zero if steps is 1, towards it if -1, and not if 0.
+KOKKOS_INLINE_FUNCTION float stepFloat(float nearest, std::int32_t steps) {
   std::int32_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  if ((bits & 0x7fffffff) == 0)
-    bits = up ? 1 : std::int32_t(0x80000001); // smallest magnitude of that sign
-  else
-    bits += (bits > 0) == up ? 1 : -1;
-  memcpy(&value, &bits, sizeof value);
-  return value;
+  memcpy(&bits, &nearest, sizeof bits); // magnitudes of floats are ordered as their bits are
+  bits += steps;
+  memcpy(&nearest, &bits, sizeof nearest);
+  return nearest;
 }
-// Largest float <= value, smallest float >= value.
+// Largest float <= value, smallest float >= value. No branches: half of all values round either way. (A value that
+// rounds to zero keeps its sign, so a step never passes zero.)
 KOKKOS_INLINE_FUNCTION float floatBelow(double value) {
   const float nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) > value ? nextFloat(nearest, false) : nearest;
+  const std::int32_t is_above = static_cast<double>(nearest) > value;
+  return stepFloat(nearest, value < 0 ? is_above : -is_above);
 }
 KOKKOS_INLINE_FUNCTION float floatAbove(double value) {
   const float nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) < value ? nextFloat(nearest, true) : nearest;
+  const std::int32_t is_below = static_cast<double>(nearest) < value;
+  return stepFloat(nearest, value < 0 ? -is_below : is_below);
 }
 
 // A box of floats that holds a box of doubles, as the six numbers -upper and lower: the box that holds two boxes has the
@@ -54,6 +54,7 @@ struct TreeNode {
   float bounds[12]; // FloatBox::bound [k][side] of the children
   int child[2]; // inner node, or ~item of a leaf
   int parent; // 2 * inner node + side; -1 at the root
+  int visits; // children whose box is known, while the tree is built
 
   KOKKOS_INLINE_FUNCTION void setBox(int side, const FloatBox& box) {
     for (int k = 0; k < 6; ++k)
@@ -71,7 +72,9 @@ struct TreeNode {
 struct FloatQuery {
   float limit[12]; // upper x, y, z, then -lower x, y, z; each twice, one for each child
 
-  KOKKOS_INLINE_FUNCTION explicit FloatQuery(const Box& box) {
+  // Not inlined on purpose: limits that lie in memory are loaded as vectors; limits that a compiler holds in single
+  // registers make it give up the vector instructions of test() (half as fast again with g++ 12).
+  KOKKOS_FUNCTION __attribute__((noinline)) explicit FloatQuery(const Box& box) {
     for (int d = 0; d < 3; ++d) {
       limit[2 * d] = limit[2 * d + 1] = floatAbove(box.upper[d]);
       limit[6 + 2 * d] = limit[7 + 2 * d] = -floatBelow(box.lower[d]);
@@ -81,7 +84,7 @@ struct FloatQuery {
   // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four, since
   // compilers make a few vector instructions of that. A difference is NaN only where a box is empty; such a pair fails
   // the exact test at the leaf, whatever is said here.
-  KOKKOS_INLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
+  KOKKOS_FORCEINLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
     float room[12];
     for (int i = 0; i < 12; ++i)
       room[i] = limit[i] - node.bounds[i];
@@ -89,11 +92,13 @@ struct FloatQuery {
     memcpy(bits, room, sizeof bits);
     for (int i = 0; i < 4; ++i)
       row[i] = bits[i] | bits[4 + i] | bits[8 + i];
-    std::uint64_t half[2];
+    std::uint64_t half[2]; // two rows at once
     memcpy(half, row, sizeof half);
-    const std::uint64_t both = half[0] | half[1];
-    overlaps[0] = (both >> 31 & 1) == 0;
-    overlaps[1] = both >> 63 == 0;
+    half[0] |= half[1];
+    std::uint32_t apart[2];
+    memcpy(apart, half, sizeof apart);
+    overlaps[0] = apart[0] >> 31 == 0;
+    overlaps[1] = apart[1] >> 31 == 0;
   }
 };
 
@@ -103,7 +108,6 @@ constexpr int max_tree_depth = morton_bits + 32;
 struct Bvh {
   int num_items = 0; // leaves
   View<TreeNode*> nodes{"contact::Bvh::nodes", 0}; // max(num_items - 1, 1) inner nodes, root first
-  View<int*> visits{"contact::Bvh::visits", 0}; // [inner node] children whose box is known
   View<int*> leaf_parent{"contact::Bvh::leaves", 0}; // [sorted leaf] as TreeNode::parent
   SortedKeys order; // Morton codes and items
 };

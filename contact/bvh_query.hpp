@@ -27,8 +27,8 @@ constexpr int local_results = 32;
 
 // Walks the tree with one query, calling visit(item) for each leaf whose float box overlaps the query's.
 template <class Visit>
-KOKKOS_INLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes, const FloatQuery& query,
-                                     const Visit& visit) {
+KOKKOS_FORCEINLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes,
+                                          const FloatQuery& query, const Visit& visit) {
   const TreeNode* const first = nodes.data();
   int stack[max_tree_depth];
   int depth = 0, next = 0;
@@ -81,8 +81,8 @@ inline bool worthSorting(std::int64_t num_queries, std::int64_t num_items) {
   return minOf(num_queries, num_items) * 8 >= maxOf(num_queries, num_items);
 }
 
-// For each query < num_queries the items that accept(query, item) keeps among the leaves that box_of(query) may
-// overlap. `accept` makes the exact test. Queries run in `order` if it is not null. Returns the number of rows. Fences.
+// For each query < num_queries the items that accept(query)(item) keeps among the leaves that box_of(query) may
+// overlap: the exact test is there. Queries run in `order` if it is not null. Returns the number of rows. Fences.
 template <class BoxOf, class Accept>
 std::int64_t queryTree(const exec_space& space, const std::string& label, const Bvh& tree,
                        int num_queries, const BoxOf& box_of, const Accept& accept,
@@ -106,14 +106,12 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
         label, over(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
           const int query = ordered ? query_order(q) : static_cast<int>(q);
           const FloatQuery box(box_of(query));
-          int found[local_results];
+          const auto accepts = accept(query);
+          int found[local_results + 1]; // the last one takes what there is no room for
           std::int64_t num_found = 0;
           const auto keep = [&](const int item) {
-            if (!accept(query, item))
-              return;
-            if (num_found < local_results)
-              found[num_found] = item;
-            ++num_found;
+            found[minOf(num_found, std::int64_t(local_results))] = item;
+            num_found += accepts(item) ? 1 : 0;
           };
           if (num_items > 0)
             traverse(nodes, box, keep);
@@ -130,7 +128,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
           }
           std::int64_t next = first; // a long row: found again, straight into the buffer
           traverse(nodes, box, [&](const int item) {
-            if (accept(query, item))
+            if (accepts(item))
               buffer(next++) = item;
           });
         });
@@ -144,6 +142,13 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
     growTo(space, results.items, results.num_rows);
   }
 }
+
+// The exact test of one query's box against rows of an array.
+struct OverlapsRow {
+  Box box;
+  const Box* rows;
+  KOKKOS_INLINE_FUNCTION bool operator()(int row) const { return box.overlaps(rows[row]); }
+};
 
 // Queries that are rows of an array of boxes, or of a list of them.
 struct BoxOfRow {

@@ -18,17 +18,18 @@ public:
         _ghost_bodies(accessible(View<const global_id*>(ghosts.bodies))),
         _ghost_ids(accessible(View<const global_id*>(ghosts.face_ids))) {}
 
-  // Not a face that the node belongs to and, if bodies matter, not one of its body.
+  // Not a face that the node belongs to or, if bodies matter, not one of its body (which its own faces are of).
+  // Without branches on the outcome, since either is likely.
   KOKKOS_INLINE_FUNCTION bool allow(int node, int face) const {
-    if (_drop_same_body && bodyOf(face) == _node_body(node))
-      return false;
+    if (_drop_same_body)
+      return bodyOf(face) != _node_body(node);
     if (face < _num_faces)
-      return _face_to_nodes(face, 0) != node && _face_to_nodes(face, 1) != node &&
-             _face_to_nodes(face, 2) != node && _face_to_nodes(face, 3) != node;
+      return (_face_to_nodes(face, 0) != node) & (_face_to_nodes(face, 1) != node) &
+             (_face_to_nodes(face, 2) != node) & (_face_to_nodes(face, 3) != node);
     const int ghost = face - _num_faces;
     const global_id id = _node_ids(node);
-    return _ghost_corners(ghost, 0) != id && _ghost_corners(ghost, 1) != id &&
-           _ghost_corners(ghost, 2) != id && _ghost_corners(ghost, 3) != id;
+    return (_ghost_corners(ghost, 0) != id) & (_ghost_corners(ghost, 1) != id) &
+           (_ghost_corners(ghost, 2) != id) & (_ghost_corners(ghost, 3) != id);
   }
 
   // Order of rows: body, then face id.

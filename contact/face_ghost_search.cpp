@@ -11,8 +11,8 @@ struct FaceOverlapsNode {
   View<const Box*> face_boxes;
   View<const int*> faces; // L_gfs, all partners
   View<const Box*> node_boxes;
-  KOKKOS_INLINE_FUNCTION bool operator()(int entry, int node) const {
-    return face_boxes(faces(entry)).overlaps(node_boxes(node));
+  KOKKOS_INLINE_FUNCTION OverlapsRow operator()(int entry) const {
+    return {face_boxes(faces(entry)), node_boxes.data()};
   }
 };
 

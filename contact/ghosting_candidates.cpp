@@ -18,8 +18,8 @@ void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,
 struct OverlapsRankBox {
   View<const Box*> boxes;
   View<const Box*> rank_boxes;
-  KOKKOS_INLINE_FUNCTION bool operator()(int row, int partner) const {
-    return boxes(row).overlaps(rank_boxes(partner));
+  KOKKOS_INLINE_FUNCTION OverlapsRow operator()(int row) const {
+    return {boxes(row), rank_boxes.data()};
   }
 };
 

@@ -10,13 +10,22 @@ namespace {
 
 using DeviceRules = PairRules<memory_space>;
 
-// The rules first: a node's own faces, and those of its body, are many of what it overlaps.
+// The exact test of a leaf, and the rules.
 struct IsCandidate {
   View<const Box*> node_boxes;
   View<const Box*> face_boxes;
   DeviceRules rules;
-  KOKKOS_INLINE_FUNCTION bool operator()(int node, int face) const {
-    return rules.allow(node, face) && node_boxes(node).overlaps(face_boxes(face));
+
+  struct OfNode {
+    const IsCandidate& all;
+    Box box;
+    int node;
+    KOKKOS_INLINE_FUNCTION bool operator()(int face) const {
+      return all.rules.allow(node, face) & box.overlaps(all.face_boxes(face));
+    }
+  };
+  KOKKOS_INLINE_FUNCTION OfNode operator()(int node) const {
+    return {*this, node_boxes(node), node};
   }
 };
 

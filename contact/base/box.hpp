@@ -28,9 +28,10 @@ struct Box {
       upper[d] += margin;
     }
   }
+  // Without branches: in a search either answer is likely.
   KOKKOS_INLINE_FUNCTION bool overlaps(const Box& b) const {
-    return lower[0] <= b.upper[0] && b.lower[0] <= upper[0] && lower[1] <= b.upper[1] &&
-           b.lower[1] <= upper[1] && lower[2] <= b.upper[2] && b.lower[2] <= upper[2];
+    return (lower[0] <= b.upper[0]) & (b.lower[0] <= upper[0]) & (lower[1] <= b.upper[1]) &
+           (b.lower[1] <= upper[1]) & (lower[2] <= b.upper[2]) & (b.lower[2] <= upper[2]);
   }
   KOKKOS_INLINE_FUNCTION bool empty() const { return !(lower[0] <= upper[0]); }
   KOKKOS_INLINE_FUNCTION Vec3 centroid() const {

@@ -124,8 +124,8 @@ View<Box*> onDevice(const std::vector<Box>& boxes) {
 
 struct Overlaps {
   View<const Box*> queries, items;
-  KOKKOS_INLINE_FUNCTION bool operator()(int query, int item) const {
-    return queries(query).overlaps(items(item));
+  KOKKOS_INLINE_FUNCTION OverlapsRow operator()(int query) const {
+    return {queries(query), items.data()};
   }
 };
 
