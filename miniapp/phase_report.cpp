@@ -333,7 +333,7 @@ std::vector<PhaseTime> PhaseRecorder::searchTimers() const {
   std::vector<double> own_seconds;
   std::vector<std::int64_t> own_calls;
   _state->timerSeconds(own_seconds, own_calls);
-  double rest = seconds("search");
+  double rest = seconds("search") - seconds("search::local search");
   for (std::size_t i = 0; i + 1 < own_seconds.size(); ++i)
     rest -= own_seconds[i];
   own_seconds.back() += std::max(0.0, rest); // "other"

@@ -56,7 +56,7 @@ public:
   // included.
   std::vector<PhaseTime> phases() const;
   // Collective. The 13 timers of the global search in the paper's order, by their bare names; those
-  // with nothing to time are 0; "other" is the rest of region "search". Each excludes timers nested
+  // with nothing to time are 0; "other" is the rest of region "search", the local search apart. Each excludes timers nested
   // in it, so they add up.
   std::vector<PhaseTime> searchTimers() const;
 

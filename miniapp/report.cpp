@@ -152,6 +152,7 @@ std::string reportJson(const RunReport& r) {
                      {"peak_stored_energy", r.balance.peak_stored_energy}};
   json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
   json["pass"] = r.pass();
+  json["warnings"] = r.warnings;
   json["failures"] = r.failures;
   // Bytes that are no UTF-8 (of a title, a host name) are replaced, not thrown at.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -215,6 +216,8 @@ void printReport(std::ostream& out, const RunReport& r) {
                   "kinetic %.6e, peak stored %.6e\n",
                   r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,
                   r.balance.peak_kinetic_energy, r.balance.peak_stored_energy);
+  for (const std::string& warning : r.warnings)
+    out << "warning: " << warning << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "
                 "loop_seconds=%.6g\n",
                 r.elementStepsPerSecond(), r.faceSearchesPerSecond(), r.loop_seconds);

@@ -59,6 +59,7 @@ struct RunReport {
   SearchReport search;
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
+  std::vector<std::string> warnings; // what the user should know of a run that passes
   std::vector<std::string> failures; // why the run fails; empty: PASS
 
   double elementStepsPerSecond() const; // 0 where there is nothing to divide by

@@ -55,41 +55,15 @@ void packContact(const exec_space& space, const Scene& scene,
 } // namespace
 
 std::vector<std::string> globalNames() {
-  return {"timestep",
-          "kinetic_energy",
-          "internal_energy",
-          "hourglass_energy",
-          "contact_energy",
-          "dissipated_energy",
-          "total_energy",
-          "external_work",
-          "internal_work",
-          "hourglass_work",
-          "contact_work",
-          "load_work",
-          "gravity_work",
-          "reaction_work",
-          "energy_error",
-          "momentum_error",
-          "ledger_residual",
-          "momentum_x",
-          "momentum_y",
-          "momentum_z",
-          "angular_momentum_x",
-          "angular_momentum_y",
-          "angular_momentum_z",
-          "impulse_load_x",
-          "impulse_load_y",
-          "impulse_load_z",
-          "impulse_gravity_x",
-          "impulse_gravity_y",
-          "impulse_gravity_z",
-          "impulse_reaction_x",
-          "impulse_reaction_y",
-          "impulse_reaction_z",
-          "contacts",
-          "max_penetration",
-          "searches"};
+  return {"timestep",           "kinetic_energy",     "internal_energy",    "hourglass_energy",
+          "contact_energy",     "dissipated_energy",  "total_energy",       "external_work",
+          "internal_work",      "hourglass_work",     "contact_work",       "load_work",
+          "gravity_work",       "reaction_work",      "energy_error",       "momentum_error",
+          "ledger_residual",    "momentum_x",         "momentum_y",         "momentum_z",
+          "angular_momentum_x", "angular_momentum_y", "angular_momentum_z", "impulse_load_x",
+          "impulse_load_y",     "impulse_load_z",     "impulse_gravity_x",  "impulse_gravity_y",
+          "impulse_gravity_z",  "impulse_reaction_x", "impulse_reaction_y", "impulse_reaction_z",
+          "contacts",           "lost_contacts",      "max_penetration",    "searches"};
 }
 
 std::vector<double> globalValues(const Simulation& simulation) {
@@ -116,6 +90,7 @@ std::vector<double> globalValues(const Simulation& simulation) {
                         balance.impulse_gravity, balance.impulse_reaction})
     values.insert(values.end(), {v.x, v.y, v.z});
   values.push_back(static_cast<double>(counts.active));
+  values.push_back(static_cast<double>(counts.lost));
   values.push_back(counts.max_penetration);
   values.push_back(static_cast<double>(counts.searches));
   return values;

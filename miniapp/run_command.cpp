@@ -212,6 +212,11 @@ private:
     report.balance = {balance.energy_error, balance.momentum_error, balance.external_work,
                       balance.peak_kinetic, balance.peak_stored};
     report.max_rank_bytes = peakRankBytes(_comm);
+    if (counts.lost > 0)
+      report.warnings.push_back(
+          std::to_string(counts.lost) +
+          " times a loaded contact was deeper than the search reaches and let go; a larger "
+          "contact.tolerance keeps it");
     report.failures = failures();
     return report;
   }

@@ -90,6 +90,7 @@ void Simulation::enforceContact(double dt) {
   }
   _contact =
       _enforcement->enforce(_space, surface, _global_search->ghosts(), *_pairs, dt, &neutral);
+  _lost += _contact.lost;
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _forces);
 }
@@ -224,13 +225,14 @@ ContactCounts Simulation::contactCounts() const {
   ContactCounts counts;
   if (!_coupling)
     return counts;
-  std::int64_t sums[3] = {_global_search->ghosts().count, _pairs ? _pairs->count : 0,
-                          _contact.active};
-  allReduce(_comm, sums, 3, MPI_SUM);
+  std::int64_t sums[4] = {_global_search->ghosts().count, _pairs ? _pairs->count : 0,
+                          _contact.active, _lost};
+  allReduce(_comm, sums, 4, MPI_SUM);
   counts.searches = _searches;
   counts.ghost_faces = sums[0];
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
+  counts.lost = sums[3];
   counts.max_penetration = allReduce(_comm, _contact.max_penetration, MPI_MAX);
   return counts;
 }

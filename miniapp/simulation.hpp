@@ -33,6 +33,7 @@ struct ContactCounts {
   std::int64_t ghost_faces = 0;
   std::int64_t candidate_pairs = 0;
   std::int64_t active = 0;
+  std::int64_t lost = 0; // since the start: loaded contacts deeper than the search reaches
   double max_penetration = 0; // of the square root of a face's area
 };
 
@@ -104,6 +105,7 @@ private:
   std::unique_ptr<contact::Enforcement> _enforcement;
   const contact::CandidatePairs* _pairs = nullptr;
   std::int64_t _searches = 0;
+  std::int64_t _lost = 0; // this rank's, since the start
 
   // of the step under way
   mechanics::InternalForceResult _internal;
