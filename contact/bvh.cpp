@@ -138,7 +138,7 @@ void makeSingleLeaf(const exec_space& space, const View<const Box*>& items, cons
   Kokkos::parallel_for(
       "contact::buildTree::single", over(space, 1), KOKKOS_LAMBDA(const std::int64_t) {
         nodes(0).setBox(0, FloatBox(items(0)));
-        nodes(0).setBox(1, FloatBox(Box()));
+        nodes(0).setBox(1, FloatBox());
         nodes(0).child[0] = nodes(0).child[1] = ~0;
         nodes(0).parent = -1;
       });

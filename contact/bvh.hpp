@@ -1,46 +1,33 @@
 // Bounding volume hierarchy (paper, section 5): the binary radix tree of Karras (2012) over Morton-sorted boxes, all
-// inner nodes in parallel, their boxes bottom-up. Inner bounds are floats rounded outward: no overlap is ever lost;
-// leaves are tested in double by the query.
+// inner nodes in parallel, their boxes bottom-up. Inner boxes are rounded to floats, which loses no overlap; leaves are
+// tested in double by the query.
 #pragma once
 
 #include "contact/morton.hpp"
 #include "contact/radix_sort.hpp"
 
+#include <cfloat>
 #include <cstring>
 
 namespace brickwall::contact {
 
-// `nearest` moved to the next float away from zero if steps is 1, towards it if -1, and not if 0.
-KOKKOS_INLINE_FUNCTION float stepFloat(float nearest, std::int32_t steps) {
-  std::int32_t bits;
-  memcpy(&bits, &nearest, sizeof bits); // magnitudes of floats are ordered as their bits are
-  bits += steps;
-  memcpy(&nearest, &bits, sizeof nearest);
-  return nearest;
-}
-// Largest float <= value, smallest float >= value. No branches: half of all values round either way. (A value that
-// rounds to zero keeps its sign, so a step never passes zero.)
-KOKKOS_INLINE_FUNCTION float floatBelow(double value) {
-  const float nearest = static_cast<float>(value);
-  const std::int32_t is_above = static_cast<double>(nearest) > value;
-  return stepFloat(nearest, value < 0 ? is_above : -is_above);
-}
-KOKKOS_INLINE_FUNCTION float floatAbove(double value) {
-  const float nearest = static_cast<float>(value);
-  const std::int32_t is_below = static_cast<double>(nearest) < value;
-  return stepFloat(nearest, value < 0 ? -is_below : is_below);
+// Rounding is monotone: a <= b stays so, hence boxes that overlap still do when all their bounds are rounded. Clamped,
+// so that differences of bounds are never NaN.
+KOKKOS_INLINE_FUNCTION float toFloat(double value) {
+  return static_cast<float>(minOf(maxOf(value, -double(FLT_MAX)), double(FLT_MAX)));
 }
 
-// A box of floats that holds a box of doubles, as the six numbers -upper and lower: the box that holds two boxes has the
-// smaller of each, and two boxes a and b overlap if no a[k] is above the opposite bound of b.
+// A box of doubles rounded to floats, as lower and -upper: the box that holds two boxes has the smaller of each, and a
+// query overlaps if none of them is above its opposite limit.
 struct FloatBox {
-  float bound[6]; // lower x, y, z, then -upper x, y, z
+  // lower x, y, z, then -upper x, y, z; at first a box that no query overlaps
+  float bound[6] = {HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF};
 
   FloatBox() = default;
   KOKKOS_INLINE_FUNCTION explicit FloatBox(const Box& box) {
     for (int d = 0; d < 3; ++d) {
-      bound[d] = floatBelow(box.lower[d]);
-      bound[3 + d] = -floatAbove(box.upper[d]);
+      bound[d] = toFloat(box.lower[d]);
+      bound[3 + d] = -toFloat(box.upper[d]);
     }
   }
   KOKKOS_INLINE_FUNCTION void include(const FloatBox& b) {
@@ -76,14 +63,13 @@ struct FloatQuery {
   // registers make it give up the vector instructions of test() (half as fast again with g++ 12).
   KOKKOS_FUNCTION __attribute__((noinline)) explicit FloatQuery(const Box& box) {
     for (int d = 0; d < 3; ++d) {
-      limit[2 * d] = limit[2 * d + 1] = floatAbove(box.upper[d]);
-      limit[6 + 2 * d] = limit[7 + 2 * d] = -floatBelow(box.lower[d]);
+      limit[2 * d] = limit[2 * d + 1] = toFloat(box.upper[d]);
+      limit[6 + 2 * d] = limit[7 + 2 * d] = -toFloat(box.lower[d]);
     }
   }
 
   // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four, since
-  // compilers make a few vector instructions of that. A difference is NaN only where a box is empty; such a pair fails
-  // the exact test at the leaf, whatever is said here.
+  // compilers make a few vector instructions of that. Limits are finite, so no difference is NaN.
   KOKKOS_FORCEINLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
     float room[12];
     for (int i = 0; i < 12; ++i)

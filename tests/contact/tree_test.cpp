@@ -79,30 +79,34 @@ TEST(MortonTest, PointsOutsideAndNotFiniteGetACode) {
   EXPECT_EQ(mortonCode(MortonGrid(Box()), {1, 2, 3}), 0u);
 }
 
-TEST(FloatBoxTest, RoundsOutwardAndIsNextToNearest) {
+TEST(FloatBoxTest, RoundingKeepsTheOrderOfBounds) {
   Random random(5);
-  const double special[] = {0.0,
-                            -0.0,
-                            1e-320,
-                            -1e-320,
-                            1e-46,
-                            -1e-46,
-                            1e300,
-                            -1e300,
-                            0.1,
-                            -0.1,
-                            3.4028235677973366e38,
-                            HUGE_VAL,
-                            -HUGE_VAL};
-  std::vector<double> values(std::begin(special), std::end(special));
+  std::vector<double> values{
+      0.0,    -0.0, 1e-320, -1e-320,  1e-46,     -1e-46, 1e300,
+      -1e300, 0.1,  3.5e38, HUGE_VAL, -HUGE_VAL, 1.0,    std::nextafter(1.0, 2.0)};
   for (int i = 0; i < 10000; ++i)
     values.push_back(std::ldexp(random.real(-1, 1), random.below(400) - 200));
-  for (const double x : values) {
-    const float below = floatBelow(x), above = floatAbove(x);
-    ASSERT_LE(static_cast<double>(below), x);
-    ASSERT_GE(static_cast<double>(above), x);
-    ASSERT_LE(above, std::nextafter(below, std::numeric_limits<float>::infinity())) << x;
+  std::sort(values.begin(), values.end());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(toFloat(values[i]))) << values[i];
+    ASSERT_LE(toFloat(values[i > 0 ? i - 1 : 0]), toFloat(values[i]));
   }
+}
+
+TEST(FloatBoxTest, TheBoxOfEverythingFindsASingleItemOnce) {
+  Box everything, unit;
+  everything.include(Vec3{-1e300, -1e300, -1e300});
+  everything.include(Vec3{1e300, 1e300, 1e300});
+  unit.include(Vec3{0, 0, 0});
+  TreeNode node;
+  node.setBox(0, FloatBox(unit));
+  node.setBox(1, FloatBox());
+  bool overlaps[2];
+  FloatQuery(everything).test(node, overlaps);
+  EXPECT_TRUE(overlaps[0]);
+  EXPECT_FALSE(overlaps[1]);
+  FloatQuery(Box()).test(node, overlaps);
+  EXPECT_FALSE(overlaps[0] || overlaps[1]);
 }
 
 Box randomBox(Random& random, double size) {
