@@ -134,6 +134,16 @@ def outline_edges(faces, normals):
     return key[pair], np.stack([owner[pair], owner[pair + 1]], axis=1)
 
 
+def quarter(flat, depth):
+    """Each face as four, so that near and far are told apart more finely: corners [piece][4][2], depth [piece]."""
+    both = np.concatenate([flat, depth[:, :, None]], axis=2)
+    middle = both.mean(axis=1, keepdims=True)
+    after = (both + np.roll(both, -1, axis=1)) / 2
+    before = (both + np.roll(both, 1, axis=1)) / 2
+    pieces = np.stack([both, after, np.broadcast_to(middle, both.shape), before], axis=2).reshape(-1, 4, 3)
+    return pieces[:, :, :2], pieces[:, :, 2].mean(axis=1)
+
+
 class Camera:
     """Perspective camera that looks at the middle of the points; x right, y up, depth away from the eye."""
 
@@ -190,14 +200,19 @@ def draw(results, options):
     seen = front[edge_faces].any(axis=1)
     edges, edge_faces = edges[seen], edge_faces[seen]
     extent = np.linalg.norm(points.max(axis=0) - points.min(axis=0))
-    polygons = list(flat[faces[front]]) + list(flat[edges])
-    face_depth = np.where(front, depth[faces].mean(axis=1), np.inf)
-    depths = np.concatenate([face_depth[front], face_depth[edge_faces].min(axis=1) - 1e-4 * extent])
-    width = options.outline
+    pieces, piece_depth, per_face = flat[faces[front]], depth[faces[front]].mean(axis=1), 1
+    if not options.mesh:
+        pieces, piece_depth = quarter(pieces, depth[faces[front]])
+        per_face = 4
+    nearest_piece = np.full(len(faces), np.inf)
+    nearest_piece[front] = piece_depth.reshape(-1, per_face).min(axis=1)
+    polygons = list(pieces) + list(flat[edges])
+    depths = np.concatenate([piece_depth, nearest_piece[edge_faces].min(axis=1) - 1e-4 * extent])
     face_lines = np.clip(colours[front] * 0.86, 0, 1) if options.mesh else colours[front]
+    face_lines = np.repeat(face_lines, per_face, axis=0)
     line_colours = np.concatenate([face_lines, np.tile([0.10, 0.09, 0.09], (len(edges), 1))])
-    fills = np.concatenate([colours[front], np.zeros((len(edges), 3))])
-    widths = np.concatenate([np.full(front.sum(), 0.25 if options.mesh else 0.6), np.full(len(edges), width)])
+    fills = np.concatenate([np.repeat(colours[front], per_face, axis=0), np.zeros((len(edges), 3))])
+    widths = np.concatenate([np.full(len(pieces), 0.25 if options.mesh else 0.6), np.full(len(edges), options.outline)])
     order = np.argsort(-depths, kind="stable")
 
     figure = plt.figure(figsize=(10, 7.5), facecolor=BACKGROUND)
