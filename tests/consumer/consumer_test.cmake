@@ -3,6 +3,10 @@
 set(test_dir ${PROJECT_BINARY_DIR}/tests/consumer)
 set(prefix ${test_dir}/install)
 set(environment ${BRICKWALL_TEST_ENVIRONMENT} OMP_NUM_THREADS=1)
+set(sanitize "")
+if(BRICKWALL_SANITIZE)
+  set(sanitize -fsanitize=${BRICKWALL_SANITIZE})
+endif()
 
 add_test(NAME consumer.install_base COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --prefix ${prefix}
                                             --component base)
@@ -16,7 +20,7 @@ add_test(
     -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
     -DBrickwall_DIR=${prefix}/${CMAKE_INSTALL_LIBDIR}/cmake/Brickwall -DKokkos_DIR=${Kokkos_DIR}
     -DCMAKE_DISABLE_FIND_PACKAGE_Zoltan=ON -DCMAKE_DISABLE_FIND_PACKAGE_SEACASExodus=ON
-    "-DCMAKE_EXE_LINKER_FLAGS=$<$<BOOL:${BRICKWALL_SANITIZE}>:-fsanitize=${BRICKWALL_SANITIZE}>" #
+    -DCMAKE_EXE_LINKER_FLAGS=${sanitize} #
     --test-command ${CMAKE_CTEST_COMMAND} --output-on-failure)
 set_tests_properties(consumer.install_base consumer.install_contact PROPERTIES FIXTURES_SETUP consumer_install)
 set_tests_properties(consumer.build_and_run PROPERTIES FIXTURES_REQUIRED consumer_install ENVIRONMENT "${environment}")
