@@ -124,7 +124,7 @@ else
   export OMP_PROC_BIND=${OMP_PROC_BIND:-false} OMP_PLACES=${OMP_PLACES:-cores}
 fi
 if [[ $((ranks * threads)) -gt $cores ]]; then
-  export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive} OMPI_MCA_mpi_yield_when_idle=1
+  export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive} OMPI_MCA_mpi_yield_when_idle=1 KOKKOS_DISABLE_WARNINGS=1
 fi
 if [[ -n ${BRICKWALL_MPIEXEC:-} ]]; then
   read -r -a launcher <<<"$BRICKWALL_MPIEXEC"
