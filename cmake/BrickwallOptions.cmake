@@ -25,6 +25,7 @@ if(BRICKWALL_NATIVE)
   target_compile_options(brickwall_flags INTERFACE -march=native)
 endif()
 if(BRICKWALL_SANITIZE)
-  target_compile_options(brickwall_flags INTERFACE -fsanitize=${BRICKWALL_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_options(brickwall_flags INTERFACE -fsanitize=${BRICKWALL_SANITIZE}
+                                                   -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(brickwall_flags INTERFACE -fsanitize=${BRICKWALL_SANITIZE})
 endif()
