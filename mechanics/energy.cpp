@@ -125,6 +125,8 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
   allReduce(comm, step.data(), StepSums::size(), MPI_SUM);
   _balance.failures =
       step.failures + step.kick.invalid + step.stored.invalid + step.contact.invalid;
+  if (_balance.failures > 0)
+    return;
 
   const LimbScale& scale = _scales.energy;
   double work[num_force_kinds];

@@ -83,7 +83,7 @@ public:
   // Books the kick with forces at step n: the step's one all-reduce of energies, momenta and failure count. `dt_kick`
   // is the kick's dt (half a step at the start), `dt` the step of the drift that follows it. The gauge is evaluated when
   // `internal.has_energy` in this and the previous call. `other_failures`: e.g. of loads. Afterwards
-  // balance().failures > 0 on all ranks or none. Collective.
+  // balance().failures > 0 on all ranks or none; then everything else in balance() is as before. Collective.
   void bookStep(MPI_Comm comm, double dt_kick, double dt, const InternalForceResult& internal,
                 const ContactEnergySums& contact, const KickSums& kick,
                 std::int64_t other_failures = 0);

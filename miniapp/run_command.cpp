@@ -91,8 +91,6 @@ private:
       {
         const Region region("step");
         _simulation.step();
-        if (_simulation.clock().step % _config.time.check_interval == 0)
-          _simulation.adaptTimeStep();
       }
       if (first)
         _recorder.reset();

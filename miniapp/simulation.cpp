@@ -15,6 +15,7 @@ namespace brickwall::miniapp {
 
 void Simulation::step() {
   moveNodes();
+  adaptTimeStep();
   findContactCandidates();
   computeForces(_clock.time);
   sumSharedNodes();
@@ -110,26 +111,27 @@ void Simulation::bookEnergies(double dt_kick) {
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
                    _load_failures + contact_failures);
   if (_ledger.balance().failures > 0) {
+    const Clock failed = _clock;
     stepBack(dt_kick);
-    reportFailure();
+    reportFailure(failed);
   }
 }
 
 // Undoes the kick and the drift that led to a failed element, so that the last good state can be written. Forces that
-// failed were never added, so what was added is finite.
+// failed were never added, so what was added is finite. The start has no drift and no step before it.
 void Simulation::stepBack(double dt_kick) {
   undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, _forces, _state);
   _clock.time -= _clock.dt_before;
-  --_clock.step;
+  _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
 }
 
-void Simulation::reportFailure() {
+void Simulation::reportFailure(const Clock& failed) {
   std::ostringstream message;
   const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
   auto contact_sums = _contact;
   contact::sumOverRanks(_comm, contact_sums);
-  message << "the computation broke down in step " << _clock.step + 1 << " (time "
-          << _clock.time + _clock.dt_before << "): ";
+  message << "the computation broke down in step " << failed.step << " (time " << failed.time
+          << "): ";
   if (failure.count > 0)
     message << mechanics::describe(failure);
   else if (!contact_sums.problem().empty())
@@ -137,10 +139,6 @@ void Simulation::reportFailure() {
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
   throw PhysicsError(message.str());
-}
-
-std::int64_t Simulation::plannedSteps() const {
-  return _planned_steps;
 }
 
 // Whole steps of equal length from now to the end, none longer than `longest`.
@@ -153,7 +151,10 @@ void Simulation::planSteps(double longest) {
     _planned_steps = minOf(_planned_steps, *_config.time.steps);
 }
 
+// Between drift and kick, so that the kick spans half of either step and the ledger knows the drift to come.
 void Simulation::adaptTimeStep() {
+  if (_clock.step % _config.time.check_interval != 0 || done())
+    return;
   const Region region("step::stable step");
   const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement);
   // A jittering step is itself unstable (shared/physics.md, finding 5): dt changes only when the elements' bound has

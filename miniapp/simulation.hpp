@@ -46,12 +46,10 @@ public:
   void start();
   // One step t^n -> t^{n+1}. Collective. Throws PhysicsError on all ranks; the state is then that of the step before.
   void step();
-  // Compares dt with the stable step of the deformed bodies and shortens it for good where needed. Collective.
-  void adaptTimeStep();
 
   const Clock& clock() const { return _clock; }
-  std::int64_t
-  plannedSteps() const; // steps in all until the end time (or the deck's number of steps)
+  // Steps in all until the end time (or the deck's number of steps).
+  std::int64_t plannedSteps() const { return _planned_steps; }
   bool done() const { return _clock.step >= plannedSteps(); }
 
   const mechanics::EnergyBalance& balance() const { return _ledger.balance(); }
@@ -59,10 +57,8 @@ public:
   const mechanics::NodalForces& forces() const { return _forces; }
   const mechanics::BoundaryConditions& boundary() const { return _boundary; }
   mechanics::InternalForce& internalForce() { return *_internal_force; }
-  const contact::Enforcement* enforcement() const {
-    return _enforcement.get();
-  } // null without contact
-  const SurfaceCoupling* coupling() const { return _coupling.get(); } // null without contact
+  // Null without contact.
+  const contact::Enforcement* enforcement() const { return _enforcement.get(); }
   // Counts of the last step. Collective.
   ContactCounts contactCounts() const;
   bool dropsSameBody() const { return _drops_same_body; }
@@ -70,6 +66,9 @@ public:
 
 private:
   void moveNodes();
+  // Every check_interval steps: compares dt with the stable step of the deformed bodies and shortens it for good where
+  // needed. Collective.
+  void adaptTimeStep();
   void findContactCandidates();
   void computeForces(double time);
   void enforceContact(double dt);
@@ -79,7 +78,7 @@ private:
   void stepBack(double dt_kick);
   void planSteps(double longest);
   void setUpContact();
-  [[noreturn]] void reportFailure();
+  [[noreturn]] void reportFailure(const Clock& failed);
 
   MPI_Comm _comm;
   const Config& _config;

@@ -49,6 +49,15 @@ struct Case {
         Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
     return sumOverBody(body, [&](int node) { return mass(node) * v(node, component); });
   }
+  // Of the body's centre of mass.
+  double meanDisplacement(global_id body, int component) const {
+    const auto u =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
+    const auto mass =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
+    return sumOverBody(body, [&](int node) { return mass(node) * u(node, component); }) /
+           sumOverBody(body, [&](int node) { return mass(node); });
+  }
 };
 
 inline void printResult(const char* name, double computed, double exact, double error,
