@@ -134,7 +134,7 @@ std::vector<BlockRule> methodBlocks() {
         real("penalty", "", "stiffness s = k dt^2/m; stable to 1.95 (1 - safety^2)")
             .byDefault("0.5")
             .above(0)
-            .atMost(2),
+            .below(1.95),
         real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")
             .byDefault("0.05")
             .above(0)

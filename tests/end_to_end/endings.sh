@@ -38,6 +38,8 @@ for ranks in 1 3; do
     $ranks run "$inputs/one_brick.toml" --set 'load.pressure[0].peak=1e11' --set limits.energy_error=1e9
   [[ -s $work/out/one_brick.exo || -s $work/out/one_brick.exo.3.0 ]] || { echo "FAILED: no results left"; failures=$((failures + 1)); }
   grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
+  expect "a load beyond all range stops the start" 3 'in step 0 .*a load' $ranks run "$inputs/one_brick.toml" \
+    --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
   expect "an unknown set is named with the nearest one" 2 "front" $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
