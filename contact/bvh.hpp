@@ -12,9 +12,9 @@
 namespace brickwall::contact {
 
 // Rounding is monotone: a <= b stays so, hence boxes that overlap still do when all their bounds are rounded. Clamped,
-// so that differences of bounds are never NaN.
+// so that differences of bounds are never NaN; zero is +0, so that no difference of equal bounds is -0.
 KOKKOS_INLINE_FUNCTION float toFloat(double value) {
-  return static_cast<float>(minOf(maxOf(value, -double(FLT_MAX)), double(FLT_MAX)));
+  return static_cast<float>(minOf(maxOf(value, -double(FLT_MAX)), double(FLT_MAX))) + 0.0f;
 }
 
 // A box of doubles rounded to floats, as lower and -upper: the box that holds two boxes has the smaller of each, and a
@@ -68,8 +68,8 @@ struct FloatQuery {
     }
   }
 
-  // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four, since
-  // compilers make a few vector instructions of that. Limits are finite, so no difference is NaN.
+  // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four,
+  // since compilers make a few vector instructions of that. Limits are finite, so no difference is NaN.
   KOKKOS_FORCEINLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
     float room[12];
     for (int i = 0; i < 12; ++i)

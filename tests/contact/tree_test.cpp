@@ -109,6 +109,22 @@ TEST(FloatBoxTest, TheBoxOfEverythingFindsASingleItemOnce) {
   EXPECT_FALSE(overlaps[0] || overlaps[1]);
 }
 
+TEST(FloatBoxTest, BoxesThatTouchAtEitherZeroOverlap) {
+  Box below, above; // [-1, -0] and [+0, 1] in each direction
+  for (int d = 0; d < 3; ++d) {
+    below.lower[d] = -1, below.upper[d] = -0.0;
+    above.lower[d] = 0.0, above.upper[d] = 1;
+  }
+  TreeNode node;
+  node.setBox(0, FloatBox(below));
+  node.setBox(1, FloatBox(above));
+  for (const Box& query : {below, above}) {
+    bool overlaps[2];
+    FloatQuery(query).test(node, overlaps);
+    EXPECT_TRUE(overlaps[0] && overlaps[1]);
+  }
+}
+
 Box randomBox(Random& random, double size) {
   Box box;
   const Vec3 at{random.real(0, 10), random.real(0, 10), random.real(0, 10)};
