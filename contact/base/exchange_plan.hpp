@@ -1,5 +1,5 @@
 // Pairwise messages over a fixed pattern: the plan is built once and applied to many Views. One message per partner
-// and direction; buffers persist; receives are posted first, one fence, sends, one wait.
+// and direction; buffers persist; one fence, receives are posted, sends, one wait.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -25,13 +25,14 @@ public:
     const std::int64_t num_send = send_offsets.back(), num_receive = receive_offsets.back();
     growTo(space, receive, num_receive);
     growStaging(num_send, num_receive);
+    if constexpr (!host_accessible)
+      copyRange(space, _staged_send, send, num_send);
+    // Before the receives too: the device may still be reading what the last exchange received.
+    space.fence();
     _requests.clear();
     for (std::size_t p = 0; p < partners.size(); ++p)
       post(receiveData() + receive_offsets[p], receive_offsets[p + 1] - receive_offsets[p],
            partners[p], tag, comm, false);
-    if constexpr (!host_accessible)
-      copyRange(space, _staged_send, send, num_send);
-    space.fence();
     for (std::size_t p = 0; p < partners.size(); ++p)
       post(sendData() + send_offsets[p], send_offsets[p + 1] - send_offsets[p], partners[p], tag,
            comm, true);
