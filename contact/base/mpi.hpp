@@ -3,6 +3,7 @@
 
 #include "contact/base/error.hpp"
 #include "contact/base/fixed_point.hpp"
+#include "contact/base/tags.hpp"
 
 #include <mpi.h>
 
@@ -128,7 +129,6 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
       "MPI_Alltoall");
   std::vector<std::vector<T>> received(size);
   std::vector<MPI_Request> requests;
-  constexpr int tag = 71;
   // One message may be larger than an int counts: it goes in pieces of at most 1 GiB.
   constexpr std::int64_t piece = std::int64_t(1) << 30;
   const auto forPieces = [&](std::int64_t bytes, auto&& call) {
@@ -140,14 +140,16 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
     char* data = reinterpret_cast<char*>(received[q].data());
     forPieces(receive_bytes[q], [&](std::int64_t begin, int n) {
       requests.emplace_back();
-      checkMpi(MPI_Irecv(data + begin, n, MPI_BYTE, q, tag, comm, &requests.back()), "MPI_Irecv");
+      checkMpi(MPI_Irecv(data + begin, n, MPI_BYTE, q, tags::by_rank, comm, &requests.back()),
+               "MPI_Irecv");
     });
   }
   for (int q = 0; q < size; ++q) {
     const char* data = reinterpret_cast<const char*>(values[q].data());
     forPieces(send_bytes[q], [&](std::int64_t begin, int n) {
       requests.emplace_back();
-      checkMpi(MPI_Isend(data + begin, n, MPI_BYTE, q, tag, comm, &requests.back()), "MPI_Isend");
+      checkMpi(MPI_Isend(data + begin, n, MPI_BYTE, q, tags::by_rank, comm, &requests.back()),
+               "MPI_Isend");
     });
   }
   checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
