@@ -11,9 +11,9 @@
 namespace brickwall::contact {
 
 std::string ContactSums::problem() const {
-  if (invalid > 0)
-    return std::to_string(invalid) +
-           " contact forces are not finite or beyond the fixed-point range";
+  if (invalid + stored.invalid > 0)
+    return std::to_string(invalid + stored.invalid) +
+           " contact forces or energies are not finite or beyond the fixed-point range";
   if (overflow > 0)
     return std::to_string(overflow) + " contacts of nodes that touch more than " +
            std::to_string(max_interactions) + " bodies at once";
@@ -216,8 +216,8 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
     _next.count = sums.interactions;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
       return sums;
-    growTo(space, _next.interactions,
-           sums.interactions); // nothing of the last step has changed: again
+    // Of the last step nothing has changed: again.
+    growTo(space, _next.interactions, sums.interactions);
   }
 }
 
