@@ -61,20 +61,20 @@ struct SelectInteractions {
     countLost(node, seen, sums);
     status(node) = static_cast<unsigned char>(num_hits);
     next.row_count(node) = static_cast<unsigned char>(num_hits);
-    double deepest = 0;
+    double least_gap = 0;
     if (num_hits > 0) {
       const std::int64_t begin =
           Kokkos::atomic_fetch_add(next_count.data(), static_cast<std::int64_t>(num_hits));
       next.row_begin(node) = static_cast<int>(begin);
       for (int h = 0; h < num_hits; ++h) {
         const Interaction interaction = interact(node, hits, num_hits, h);
-        deepest = maxOf(deepest, hits[h].depth);
+        least_gap = minOf(least_gap, -hits[h].depth);
         addTo(sums, interaction, hits[h]);
         if (begin + h < static_cast<std::int64_t>(next.interactions.extent(0)))
           next.interactions(begin + h) = interaction;
       }
     }
-    gap(node) = -deepest;
+    gap(node) = least_gap;
   }
 
   // One hit per opposing body. Returns their number.
@@ -124,7 +124,8 @@ struct SelectInteractions {
     return found;
   }
 
-  // What the node touched on `body` at the last step, if that face is among the body's candidates. Moves `pair` past them.
+  // What the node touched on `body` at the last step, if that face is among the body's candidates. Moves `pair` past
+  // them.
   KOKKOS_INLINE_FUNCTION void findPreviousFace(int node, global_id body, std::int64_t end,
                                                std::int64_t& pair, Hit& hit, int& seen) const {
     const int slot = previousSlot(node, body);
@@ -195,8 +196,8 @@ struct SelectInteractions {
     const Tributary part = tributary(node, planes(planeOf(hit.face)).normal);
     const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
     const double scale = config.penalty / (config.reference_step * config.reference_step);
-    const double by_area =
-        part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass); // eps A_i / scale
+    // eps A_i / scale
+    const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
     return scale * (by_area * inverse_mass < 1 ? by_area : 1.0 / inverse_mass);
   }
 
