@@ -8,8 +8,8 @@
 namespace brickwall::contact {
 
 struct SurfaceBoxes {
-  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes",
-                        0}; // B_n [node]; the empty box where not owned
+  // B_n [node]; the empty box where not owned
+  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes", 0};
   View<Box*> face_boxes{"contact::SurfaceBoxes::faces", 0}; // B_f [face]
   Box node_box; // Bbar_n
   Box face_box; // Bbar_f

@@ -19,8 +19,7 @@ struct Interaction {
   double stiffness = 0; // k, force/length: of the birth, lowered where the cap falls below it
   double stored = 0; // U, energy: work done on this contact since its birth
   double force = 0; // F, force: along the normal, as applied at the last step
-  double closing =
-      0; // d-, length: closing motion during the step that led to the last contact force
+  double closing = 0; // d-, length: closing motion of the step that led to the last force
   Vec3 normal; // of that step
   double weight[4] = {0, 0, 0, 0}; // N_j of that step
 

@@ -17,8 +17,8 @@ GlobalSearch::GlobalSearch(MPI_Comm comm, const SearchConfig& config)
 
 const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const Surface& surface) {
   const Region region("findGhosts");
-  const PartnerLists &nodes_to_send = _candidates.nodes_to_send, // L_gns, Q_snd
-      &faces_to_test = _candidates.faces_to_test; // L_gfs, Q_rcv
+  const PartnerLists& nodes_to_send = _candidates.nodes_to_send; // L_gns, Q_snd
+  const PartnerLists& faces_to_test = _candidates.faces_to_test; // L_gfs, Q_rcv
   constructBoxes(space, surface, _config, _boxes);
   waitForOthers(space);
   exchangeRankBoxes(_comm, surface, _boxes, _rank_boxes);

@@ -1,5 +1,6 @@
 // Contact global search (paper, Fig. 4): which off-rank faces may this rank's owned nodes touch in this step, and
-// copies of them. Face f of rank r goes to rank q != r if and only if the box of f overlaps the box of a node that q owns.
+// copies of them. Face f of rank r goes to rank q != r if and only if the box of f overlaps the box of a node that q
+// owns.
 #pragma once
 
 #include "contact/construct_boxes.hpp"

@@ -26,7 +26,7 @@ struct HostSurface {
         node_ids(copyToHost(s.node_ids)), face_ids(copyToHost(s.face_ids)),
         owned(copyToHost(s.node_is_owned)), attributes(copyToHost(s.face_attributes)) {}
 
-  // Calls visit(corner node, share) for each distinct corner of a face.
+  // Calls visit(corner node) for each distinct corner of a face.
   template <class Visit>
   void forCorners(int face, const Visit& visit) const {
     for (int j = 0; j < 4; ++j) {
@@ -128,8 +128,8 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
   // Own faces around own nodes; for nodes of others, the records to send and the faces each partner asks for.
   std::vector<std::vector<Adjacent>> around(host.num_nodes);
   std::vector<std::vector<RemoteCorner>> records(size);
-  std::vector<std::map<int, int>> index_of_face(
-      size); // own face to its index in the message to rank q
+  // [rank] own face to its index in the message to that rank
+  std::vector<std::map<int, int>> index_of_face(size);
   std::vector<double> surface_mass, corner_share;
   for (int face = 0; face < host.num_faces; ++face) {
     surface_mass.push_back(host.surfaceMass(face));
@@ -167,8 +167,8 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
     send_rows.push_back(sent);
     std::vector<int> rows;
     for (const RemoteCorner& corner : received[q]) {
-      if (corner.index ==
-          static_cast<int>(rows.size())) { // indices first appear in ascending order
+      // Indices first appear in ascending order.
+      if (corner.index == static_cast<int>(rows.size())) {
         rows.push_back(_num_remote++);
         surface_mass.push_back(corner.surface_mass);
         corner_share.push_back(corner.corner_share);

@@ -16,8 +16,8 @@ struct NodeFaceLists {
   View<int*> offsets; // [num_nodes + 1]
   View<int*> rows; // [offsets(num_nodes)]
   View<double*> surface_mass; // mu = rho h_n/2, mass/area [num_faces + num_remote]
-  View<double*>
-      corner_share; // part of the face's area that is a corner's: 1/4, 1/3 on triangles [same]
+  // Part of the face's area that is a corner's: 1/4, 1/3 on triangles [num_faces + num_remote].
+  View<double*> corner_share;
 };
 
 class NodeFaces {

@@ -41,8 +41,8 @@ struct ContactSums {
   LimbSums<1> stored; // sum of k p^n p^{n+1}/2: the contact term of the half-step energy gauge
   std::int64_t interactions = 0; // nodes in touch with a body, with or without a force
   std::int64_t active = 0; // interactions with a force
-  std::int64_t lost =
-      0; // loaded interactions whose face is no longer a candidate: deeper than the search reaches
+  // Loaded interactions whose face is no longer a candidate: deeper than the search reaches.
+  std::int64_t lost = 0;
   std::int64_t overflow = 0; // interactions beyond max_interactions of a node
   std::int64_t invalid = 0; // forces that are not finite or too large for the quantum
   double max_penetration = 0; // largest penetration / sqrt(face area)
@@ -65,8 +65,7 @@ void sumOverRanks(MPI_Comm comm, ContactSums& sums);
 
 // What the energy-neutral scheme needs of the host code besides.
 struct NeutralInput {
-  // Acceleration by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface
-  // node][xyz].
+  // Acceleration by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz].
   View<const double* [3]> acceleration;
   // Collective. Turns partial sums into totals at every copy of a node: returnToOwners, then the
   // shared-node sum.
@@ -95,12 +94,10 @@ public:
 
   // Of the last enforce().
   const ContactForces& forces() const { return _forces; }
-  const View<unsigned char*>& status() const {
-    return _status;
-  } // [surface node] interactions of the node; 0 if not owned
-  const View<double*>& gap() const {
-    return _gap;
-  } // [surface node] least gap, length: minus the deepest penetration, or 0
+  // [surface node] interactions of the node; 0 if not owned.
+  const View<unsigned char*>& status() const { return _status; }
+  // [surface node] least gap, length: minus the deepest penetration, or 0.
+  const View<double*>& gap() const { return _gap; }
 
   // For restart files.
   const ContactHistory& history() const { return _history; }

@@ -18,8 +18,8 @@ struct FacePoint {
   double weight[4] = {0, 0, 0, 0}; // N_j, sum 1; slightly negative beyond an edge
   Vec3 normal; // outward unit normal there
   double gap = 0; // g = (point - x_c) . normal, length; negative inside the body
-  double excess =
-      HUGE_VAL; // how far outside the face, in half-lengths: max(|xi|, |eta|) - 1; <= 0 inside
+  // How far outside the face, in half-lengths: max(|xi|, |eta|) - 1; <= 0 inside.
+  double excess = HUGE_VAL;
   bool valid = false; // false: no projection near this face, or a degenerate face
 
   KOKKOS_INLINE_FUNCTION bool activeWithin(double lateral_tolerance) const {
@@ -31,8 +31,7 @@ namespace projection {
 
 constexpr int max_iterations = 20;
 constexpr double far_outside = 3.0; // iterates beyond this parameter belong to another face
-constexpr double last_step =
-    1e-8; // steps halve their digits each time: the next one would be < 1e-15
+constexpr double last_step = 1e-8; // steps double their digits: the next one would be < 1e-15
 constexpr double least_determinant = 0.01; // of A C: below it the curvature term is dropped
 
 // a / length, by division: an axis-parallel vector then becomes exactly a unit vector.
@@ -94,8 +93,8 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
     Vec3 normal;
     if (!barycentric(q[j], q[next], centre, lambda, normal))
       continue;
-    const double inside =
-        minOf(lambda[0], lambda[1]); // the outer edge, lambda[2] = 0, may be overshot
+    // The outer edge, lambda[2] = 0, may be overshot.
+    const double inside = minOf(lambda[0], lambda[1]);
     if (inside <= best)
       continue;
     best = inside;

@@ -14,12 +14,12 @@ struct RankBoxes {
   int size = 1;
   std::vector<Box> node_boxes; // [rank] Bbar_n
   std::vector<Box> face_boxes; // [rank] Bbar_f
-  int num_attributes =
-      0; // values per face that ghosts carry along, the same on all ranks that have faces
+  // Values per face that ghosts carry along, the same on all ranks that have faces.
+  int num_attributes = 0;
 
 private:
   friend void exchangeRankBoxes(MPI_Comm, const Surface&, const SurfaceBoxes&, RankBoxes&);
-  std::vector<std::int64_t> _words; // [rank][words_per_rank] as gathered
+  std::vector<std::int64_t> _words; // [rank][word] as gathered
 };
 
 // Collective. Throws PhysicsError on all ranks if any has a coordinate that is not finite (the smallest node id, the

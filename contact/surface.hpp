@@ -12,33 +12,29 @@ struct Surface {
   int num_faces = 0;
   View<const double* [3]> coordinates_old; // x^n     [node][xyz], length
   View<const double* [3]> coordinates_new; // x^{n+1} [node][xyz], length
-  View<const int* [4]>
-      face_to_nodes; // [face][corner], outward normal by the right-hand rule; a triangle
-  // repeats a corner
+  // [face][corner], outward normal by the right-hand rule; a triangle repeats a corner
+  View<const int* [4]> face_to_nodes;
   View<const global_id*> node_ids; // [node]
   View<const global_id*> face_ids; // [face]
   View<const unsigned char*> node_is_owned; // [node]
   View<const global_id*> node_body; // [node] bodies share no node
   View<const global_id*> face_body; // [face]
-  View<const double**>
-      face_attributes; // [face][any number] host data that ghosts carry along; may be empty
+  // [face][any number] host data that ghosts carry along; may be empty
+  View<const double**> face_attributes;
 };
 
 // Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then face id.
 // Rows [0, count) are valid; the Views may be longer (they persist and grow).
 struct GhostFaces {
+  using CornerIds = View<global_id* [4]>; // [ghost][corner]
+  using CornerCoordinates = View<double* [12]>; // [ghost][3 * corner + xyz], length
+
   int count = 0;
   View<global_id*> face_ids{"contact::GhostFaces::face_ids", 0}; // [ghost]
   View<global_id*> bodies{"contact::GhostFaces::bodies", 0}; // [ghost]
-  View<global_id* [4]> corner_ids {
-    "contact::GhostFaces::corner_ids", 0
-  }; // [ghost][corner] global node ids
-  View<double* [12]> coordinates_old {
-    "contact::GhostFaces::coordinates_old", 0
-  }; // [ghost][3 * corner + xyz]
-  View<double* [12]> coordinates_new {
-    "contact::GhostFaces::coordinates_new", 0
-  }; // [ghost][3 * corner + xyz]
+  CornerIds corner_ids{"contact::GhostFaces::corner_ids", 0}; // global node ids
+  CornerCoordinates coordinates_old{"contact::GhostFaces::coordinates_old", 0}; // x^n
+  CornerCoordinates coordinates_new{"contact::GhostFaces::coordinates_new", 0}; // x^{n+1}
   View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
 };
 
