@@ -2,7 +2,7 @@
 // search promises: invariants of the partners, the way back, errors found together, no allocation in a steady step.
 #include "contact/global_search.hpp"
 #include "contact/local_search.hpp"
-#include "search_cases.hpp"
+#include "search_oracle.hpp"
 
 #include <gtest/gtest.h>
 
@@ -152,8 +152,8 @@ TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
   }
 }
 
-TEST(SearchTest,
-     LongRowsOfCoincidentFacesAreComplete) { // longer than what a query keeps on its stack
+// Rows longer than what a query keeps on its stack.
+TEST(SearchTest, LongRowsOfCoincidentFacesAreComplete) {
   SurfaceCase c;
   c.kind = "coincident";
   Random random(1);
