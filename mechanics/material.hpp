@@ -3,6 +3,7 @@
 // strains come from H without cancellation: physics.md section 1).
 #pragma once
 
+#include "contact/base/portable_math.hpp"
 #include "mechanics/hex_mesh.hpp"
 #include "mechanics/pack.hpp"
 
@@ -27,7 +28,7 @@ inline PackOf<W> logSeries(const PackOf<W>& s, const PackOf<W>& t) {
 }
 KOKKOS_INLINE_FUNCTION double logOnePlus(double d) {
   if (!(std::fabs(d) <= 0.125))
-    return std::log1p(d);
+    return portableLog1p(d);
   const double s = d / (2.0 + d);
   return logSeries(s, s * s);
 }
@@ -37,7 +38,7 @@ inline PackOf<W> logOnePlus(const PackOf<W>& d) {
   PackOf<W> result = logSeries(s, s * s);
   for (int lane = 0; lane < W; ++lane)
     if (!(std::fabs(d.v[lane]) <= 0.125))
-      result.v[lane] = std::log1p(d.v[lane]);
+      result.v[lane] = portableLog1p(d.v[lane]);
   return result;
 }
 

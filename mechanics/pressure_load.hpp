@@ -24,7 +24,7 @@ struct Pressure {
     if (!gaussian)
       return peak * shape(time - start);
     const double r = norm(X - centre), s = r / radius;
-    return peak * shape(time - start - r / speed) * std::exp(-0.5 * s * s);
+    return peak * shape(time - start - r / speed) * portableExp(-0.5 * s * s);
   }
 };
 

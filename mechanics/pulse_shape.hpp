@@ -1,7 +1,7 @@
 // Time shapes of loads and prescribed motions, as factors of the peak value; zero before the start.
 #pragma once
 
-#include "contact/base/backend.hpp"
+#include "contact/base/portable_math.hpp"
 
 #include <cmath>
 
@@ -31,11 +31,11 @@ struct PulseShape {
     const double s = t / duration; // 0 for an endless step
     switch (kind) {
     case PulseKind::half_sine:
-      return std::sin(3.14159265358979323846 * s);
+      return portableSinPi(s);
     case PulseKind::triangle:
       return s < rise ? s / rise : (rise < 1 ? (1 - s) / (1 - rise) : 1);
     case PulseKind::friedlander:
-      return (1 - s) * std::exp(-decay * s);
+      return (1 - s) * portableExp(-decay * s);
     default:
       return 1;
     }
