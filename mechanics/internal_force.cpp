@@ -1,6 +1,7 @@
 #include "mechanics/internal_force.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "mechanics/element_fields_kernel.hpp"
 #include "mechanics/host_mesh.hpp"
 #include "mechanics/internal_force_kernel.hpp"
 

@@ -32,8 +32,8 @@ struct InternalForceResult {
 
 // Element output fields; rows [0, num_elems) are valid.
 struct ElementFields {
-  View<double* [6]>
-      stress; // Cauchy [elem][xx yy zz xy yz zx], pressure unit; mean over the integration points
+  // Cauchy, mean over the integration points [elem][xx yy zz xy yz zx], pressure unit
+  View<double* [6]> stress;
   View<double*> pressure; // -tr(stress)/3
   View<double*> energy_density; // stored energy (hourglass included) per reference volume
 };

@@ -11,8 +11,7 @@ constexpr int hex8_sides[6][4] = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6},
 
 struct Skin {
   int num_faces = 0; // of elements here, in the order of local element, then side
-  int num_nodes =
-      0; // surface nodes, also those whose exterior faces all lie on other ranks that share the node
+  int num_nodes = 0; // on the surface, if only by faces of other ranks that share the node
 
   View<int*> face_to_elem; // [face] local element
   View<int*> face_to_side; // [face] 0..5
