@@ -46,8 +46,6 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.blocks[part.elem_block[elem]].name == *entry.block;
   } else if (entry.brick) {
-    if (!config.wall)
-      throw InputError("initial.velocity: 'brick' needs a [wall]; expected 'block' or 'body'");
     const io::WallLayout layout(toWallConfig(*config.wall));
     for (std::size_t elem = 0; elem < chosen.size(); ++elem) {
       const auto place = layout.brickPlace(part.elem_body[elem]);
@@ -55,6 +53,9 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
                      place.course == (*entry.brick)[2];
     }
   } else if (entry.body) {
+    if (*entry.body >= part.num_global_bodies)
+      throw InputError("initial.velocity: the mesh has no body " + std::to_string(*entry.body) +
+                       "; it has " + std::to_string(part.num_global_bodies) + ", from 0");
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.elem_body[elem] == *entry.body;
   }

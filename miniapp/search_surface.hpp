@@ -22,18 +22,14 @@ public:
   contact::Surface surface() const;
 
 private:
-  int _num_nodes = 0, _num_faces = 0;
+  contact::Surface _surface; // all but the coordinates
   double _drift = 0;
   std::uint64_t _seed = 1;
   std::vector<global_id> _bricks; // bricks of this rank's nodes, ascending
   View<int*> _node_brick; // [node] index into _bricks
   View<double* [3]> _motion; // [brick of this rank][xyz], length
   View<double* [3]>::HostMirror _motion_host;
-  View<double*[3]> _old, _new;
-  View<int* [4]> _face_to_nodes;
-  View<global_id*> _node_ids, _face_ids, _node_body, _face_body;
-  View<unsigned char*> _node_is_owned;
-  View<double**> _attributes;
+  View<double*[3]> _old, _new; // coordinates [node][xyz]
 };
 
 } // namespace brickwall::miniapp
