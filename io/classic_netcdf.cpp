@@ -54,8 +54,8 @@ private:
 };
 
 std::int64_t typeBytes(int type) {
-  constexpr int bytes[12] = {0, 1, 1, 2, 4, 4,
-                             8, 1, 2, 4, 8, 8}; // byte, char, short, int, float, ...
+  // byte, char, short, int, float, double and the unsigned and 64-bit ones of CDF-5, from 1
+  constexpr int bytes[12] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
   return type >= 1 && type <= 11 ? bytes[type] : 1;
 }
 

@@ -67,8 +67,8 @@ struct BlockRule {
   BlockKind kind = BlockKind::single;
   std::string help; // one line
   std::vector<KeyRule> keys;
-  bool required =
-      false; // of a `single` block: must be given. Required keys count in given blocks only.
+  // Of a `single` block: must be given. Required keys count in given blocks only.
+  bool required = false;
 };
 
 using Schema = std::vector<BlockRule>;

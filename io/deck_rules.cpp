@@ -165,8 +165,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
     std::vector<std::size_t> row(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j)
       row[j] = j;
-    const std::size_t length =
-        std::min<std::size_t>(name.size(), 100); // longer names are near nothing
+    // Longer names are near nothing.
+    const std::size_t length = std::min<std::size_t>(name.size(), 100);
     for (std::size_t i = 0; i < length; ++i) {
       std::size_t diagonal = row[0];
       row[0] = i + 1;

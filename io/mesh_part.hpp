@@ -21,15 +21,13 @@ struct Block {
 struct SideSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int>
-      elems; // local element of each side, in the order of global element id, then side
+  std::vector<int> elems; // local element of each side; in the order of global id, then side
   std::vector<int> sides; // 0-based Exodus side of that element (hex8: 0..5)
 };
 struct NodeSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int>
-      nodes; // local nodes, in the order of global node id; a shared node is listed on every sharer
+  std::vector<int> nodes; // local, in the order of global id; a shared node stands on every sharer
 };
 
 // Nodes that this rank shares with one other rank, in the order of global node id: both ranks list

@@ -21,8 +21,7 @@ struct ResultsConfig {
   std::string title; // up to 80 characters
   std::string program = "brickwall";
   std::string version; // for the QA record
-  std::string
-      information; // the resolved deck; lines over 80 characters are cut into several records
+  std::string information; // the resolved deck; lines over 80 characters are cut into records
   std::vector<std::string> nodal_names; // e.g. displacement_x, displacement_y, displacement_z
   std::vector<std::string> element_names; // e.g. stress_xx
   std::vector<std::string> global_names; // e.g. kinetic_energy

@@ -1,10 +1,8 @@
-// The brick wall as pure functions from global ids to geometry, so that no rank ever holds the
-// whole mesh.
+// The brick wall as pure functions from global ids to geometry, so that no rank ever holds the whole mesh.
 //
-//   course 2   | brick | brick | brick |        axes: x along, y across (wythes), z up (courses)
-//   course 1   |  | brick | brick |  |          flush ends: odd courses begin and end with a half
-//   brick course 0   | brick | brick | brick |        ragged ends: odd courses are whole bricks,
-//   shifted half a brick
+//   course 2   | brick | brick | brick |   axes: x along, y across (wythes), z up (courses)
+//   course 1   |   | brick | brick |   |   flush ends: odd courses begin and end with a half brick
+//   course 0   | brick | brick | brick |   ragged ends: odd courses are whole bricks, shifted by half a brick
 //
 // Ids are 0-based: whole bricks first (course by course, wythe by wythe, along x), then half
 // bricks; elements and nodes brick by brick, i fastest, then j, then k. Each brick has nodes of its
@@ -35,8 +33,7 @@ struct WallConfig {
 
 // Disorder of the surface that `search` makes, so that no two coordinates of neighbouring bricks agree.
 struct WallJitter {
-  double amplitude =
-      0.0; // each node moves by up to this part of the element's edge along each axis, either way
+  double amplitude = 0.0; // of the element's edge, along each axis, either way
   std::uint64_t seed = 1;
 };
 

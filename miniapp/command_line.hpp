@@ -11,8 +11,7 @@ namespace brickwall::miniapp {
 enum class Command { run, check, mesh, search };
 enum class Timing {
   normal, // no synchronisation that the algorithm does not need
-  paper // fences and barriers at the begin of each phase of the search: waits are told apart from
-  // work
+  paper // fences and barriers at the begin of each phase of the search: waits are told apart from work
 };
 
 struct Options {

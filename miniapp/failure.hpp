@@ -7,9 +7,10 @@
 
 namespace brickwall::miniapp {
 
-// To be called by every rank that has caught `error`; `comm` serves nothing else. When all ranks come within `patience` seconds, the failure is
-// agreed: rank 0 prints its message, and every rank returns the same exit code (the largest). Else this rank failed
-// alone while others go on or wait for it: it prints its message with its rank and aborts all of them with the code.
+// To be called by every rank that has caught `error`; `comm` serves nothing else. When all ranks come within `patience`
+// seconds, the failure is agreed: rank 0 prints its message, and every rank returns the same exit code (the largest).
+// Else this rank failed alone while others go on or wait for it: it prints its message with its rank and aborts all of
+// them with the code.
 int reportFailure(MPI_Comm comm, const std::exception& error, double patience = 10);
 
 } // namespace brickwall::miniapp

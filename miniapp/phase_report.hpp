@@ -55,9 +55,9 @@ public:
   // Collective. All regions in the order of first opening, by name, "search" and the 13 timers
   // included.
   std::vector<PhaseTime> phases() const;
-  // Collective. The 13 timers of the global search in the paper's order, by their bare names; those
-  // with nothing to time are 0; "other" is the rest of region "search", the local search apart. Each excludes timers nested
-  // in it, so they add up.
+  // Collective. The 13 timers of the global search in the paper's order, by their bare names; those with nothing to time
+  // are 0; "other" is the rest of region "search", the local search apart. Each excludes timers nested in it, so they
+  // add up.
   std::vector<PhaseTime> searchTimers() const;
 
   struct State; // for the callbacks

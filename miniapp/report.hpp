@@ -30,10 +30,9 @@ std::string versionText();
 struct SearchReport {
   std::string method; // "paper", "reference", with "_" and more as the app likes
   std::int64_t searches = 0;
-  double seconds_per_step =
-      0; // median of a steady step, slowest rank: PhaseRecorder::medianPerStep("search")
-  std::int64_t ghost_faces = 0, candidate_pairs = 0,
-               active_contacts = 0; // of the last step, all ranks
+  double seconds_per_step = 0; // PhaseRecorder::medianPerStep("search")
+  // Of the last step, all ranks.
+  std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;
   bool drops_same_body = false; // pairs of a node and a face of its own body are dropped
 };
 

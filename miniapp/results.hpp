@@ -36,8 +36,7 @@ private:
   io::ResultsWriter _writer;
   std::vector<std::vector<double>> _nodal, _element;
   mechanics::ElementFields _fields;
-  View<std::int64_t**>
-      _contact_words; // [node] status, bits of the gap: forwarded from owners to sharers
+  View<std::int64_t**> _contact_words; // [node] status, bits of the gap; from owners to sharers
 };
 
 } // namespace brickwall::miniapp
