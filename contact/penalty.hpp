@@ -99,10 +99,8 @@ public:
   // [surface node] least gap, length: minus the deepest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
 
-  // For restart files.
+  // The interactions, for the next call.
   const ContactHistory& history() const { return _history; }
-  void setHistory(const ContactHistory& history) { _history = history; }
-  void setReferenceStep(double dt_ref) { _config.reference_step = dt_ref; }
 
 private:
   void updatePlanes(const exec_space& space, const FaceAccess& faces);

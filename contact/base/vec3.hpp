@@ -50,11 +50,6 @@ struct Mat3 {
 
   KOKKOS_INLINE_FUNCTION double operator()(int i, int j) const { return a[i][j]; }
   KOKKOS_INLINE_FUNCTION double& operator()(int i, int j) { return a[i][j]; }
-  KOKKOS_INLINE_FUNCTION static Mat3 identity() {
-    Mat3 m;
-    m(0, 0) = m(1, 1) = m(2, 2) = 1;
-    return m;
-  }
 };
 
 KOKKOS_INLINE_FUNCTION Mat3 operator+(const Mat3& p, const Mat3& q) {
