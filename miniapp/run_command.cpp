@@ -6,6 +6,7 @@
 #include "miniapp/phase_report.hpp"
 #include "miniapp/report.hpp"
 #include "miniapp/results.hpp"
+#include "miniapp/search_choice.hpp"
 #include "miniapp/simulation.hpp"
 
 #include <chrono>
@@ -199,7 +200,7 @@ private:
     report.phases = _recorder.phases();
     report.search_timers = _recorder.searchTimers();
     const ContactCounts counts = _simulation.contactCounts();
-    report.search.method = _config.search.method == SearchMethod::paper ? "paper" : "reference";
+    report.search.method = nameOf(_config.search.method);
     report.search.searches = counts.searches;
     report.search.seconds_per_step = _recorder.medianPerStep("search");
     report.search.ghost_faces = counts.ghost_faces;

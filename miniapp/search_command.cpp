@@ -8,6 +8,7 @@
 #include "miniapp/phase_report.hpp"
 #include "miniapp/report.hpp"
 #include "miniapp/scene.hpp"
+#include "miniapp/search_choice.hpp"
 #include "miniapp/search_surface.hpp"
 
 #include <algorithm>
@@ -24,16 +25,6 @@ double shortestEdge(const WallConfig& wall) {
   return shortest;
 }
 
-contact::SearchConfig searchConfig(const Config& config, double edge, Timing timing) {
-  contact::SearchConfig search;
-  search.method = config.search.method == SearchMethod::paper ? contact::SearchMethod::paper
-                                                              : contact::SearchMethod::reference;
-  search.node_tolerance = search.face_tolerance = config.contact.tolerance * edge;
-  search.drop_same_body = false;
-  search.synchronise_phases = timing == Timing::paper;
-  return search;
-}
-
 } // namespace
 
 int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
@@ -45,7 +36,7 @@ int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
   const auto part = io::generateWallSurface(comm, toWallConfig(*config.wall),
                                             io::WallJitter{config.search.jitter, seed});
   SearchSurface moving(space, part, rankOf(comm), config.search.drift * edge, seed);
-  const contact::SearchConfig search = searchConfig(config, edge, options.timing);
+  const contact::SearchConfig search = searchConfig(config, edge, false);
   contact::GlobalSearch global_search(comm, search);
   contact::LocalSearch local_search(search);
 
@@ -81,7 +72,7 @@ int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
   report.counted_searches = config.search.repetitions;
   report.phases = recorder.phases();
   report.search_timers = recorder.searchTimers();
-  report.search.method = config.search.method == SearchMethod::paper ? "paper" : "reference";
+  report.search.method = nameOf(config.search.method);
   report.search.searches = steps;
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.search.ghost_faces = allReduce(comm, std::int64_t(global_search.ghosts().count), MPI_SUM);

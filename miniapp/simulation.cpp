@@ -6,6 +6,7 @@
 #include "mechanics/lumped_mass.hpp"
 #include "mechanics/stable_time_step.hpp"
 #include "miniapp/loads.hpp"
+#include "miniapp/search_choice.hpp"
 #include "miniapp/undo_step.hpp"
 
 #include <cmath>
@@ -25,8 +26,6 @@ void Simulation::step() {
 }
 
 void Simulation::start() {
-  if (_coupling)
-    _coupling->resetCoordinates(_space, _state.displacement);
   findContactCandidates();
   computeForces(_clock.time);
   sumSharedNodes();
@@ -200,12 +199,7 @@ void Simulation::setUpContact() {
   _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
   _drops_same_body = _config.contact.self == SelfContact::never ||
                      (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
-  contact::SearchConfig search;
-  search.method = _config.search.method == SearchMethod::paper ? contact::SearchMethod::paper
-                                                               : contact::SearchMethod::reference;
-  search.node_tolerance = search.face_tolerance = _config.contact.tolerance * _scene.shortest_edge;
-  search.drop_same_body = _drops_same_body;
-  search.synchronise_phases = false;
+  const auto search = searchConfig(_config, _scene.shortest_edge, _drops_same_body);
   _global_search = std::make_unique<contact::GlobalSearch>(_comm, search);
   _local_search = std::make_unique<contact::LocalSearch>(search);
   contact::EnforcementConfig enforcement;

@@ -1,0 +1,24 @@
+// What the deck says about the search, as the contact library takes it and as reports name it.
+#pragma once
+
+#include "contact/search_config.hpp"
+#include "miniapp/config.hpp"
+
+namespace brickwall::miniapp {
+
+// Boxes of nodes and faces are inflated by contact.tolerance of `edge`, length.
+inline contact::SearchConfig searchConfig(const Config& config, double edge, bool drop_same_body) {
+  contact::SearchConfig search;
+  search.method = config.search.method == SearchMethod::paper ? contact::SearchMethod::paper
+                                                              : contact::SearchMethod::reference;
+  search.node_tolerance = search.face_tolerance = config.contact.tolerance * edge;
+  search.drop_same_body = drop_same_body;
+  search.synchronise_phases = false; // with --timing paper the recorder of phase times does that
+  return search;
+}
+
+inline const char* nameOf(SearchMethod method) {
+  return method == SearchMethod::paper ? "paper" : "reference";
+}
+
+} // namespace brickwall::miniapp
