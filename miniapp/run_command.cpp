@@ -27,7 +27,7 @@ public:
     if (_interval <= 0)
       return _always;
     // A step that ends a rounding error before the multiple counts as at it.
-    const auto tick = static_cast<std::int64_t>(std::floor(time / _interval * (1 + 1e-12) + 1e-9));
+    const double tick = std::floor(time / _interval * (1 + 1e-12) + 1e-9);
     if (tick <= _last)
       return false;
     _last = tick;
@@ -37,7 +37,7 @@ public:
 private:
   double _interval;
   bool _always;
-  std::int64_t _last = 0;
+  double _last = 0; // a whole number
 };
 
 // Wall clock since the run began, the same on all ranks when asked together.

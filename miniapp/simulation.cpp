@@ -110,26 +110,31 @@ void Simulation::bookEnergies(double dt_kick) {
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
                    _load_failures + contact_failures);
   if (_ledger.balance().failures > 0) {
-    const Clock failed = _clock;
+    const std::string failure = describeFailure();
     stepBack(dt_kick);
-    reportFailure(failed);
+    throw PhysicsError(failure);
   }
 }
 
-// Undoes the kick and the drift that led to a failed element, so that the last good state can be written. Forces that
-// failed were never added, so what was added is finite. The start has no drift and no step before it.
+// Undoes the kick and the drift that led to a failed element, so that the last good state can be written, with its
+// forces; only those of contact stay as they are. Forces that failed were never added, so what was added is finite. The
+// start has no drift and no step before it.
 void Simulation::stepBack(double dt_kick) {
   undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, _forces, _state);
   _clock.time -= _clock.dt_before;
   _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
+  computeForces(_clock.time);
+  sumSharedNodes();
+  if (_coupling)
+    _coupling->storeContactForces(_space, _forces);
 }
 
-void Simulation::reportFailure(const Clock& failed) {
+std::string Simulation::describeFailure() {
   std::ostringstream message;
   const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
   auto contact_sums = _contact;
   contact::sumOverRanks(_comm, contact_sums);
-  message << "the computation broke down in step " << failed.step << " (time " << failed.time
+  message << "the computation broke down in step " << _clock.step << " (time " << _clock.time
           << "): ";
   if (failure.count > 0)
     message << mechanics::describe(failure);
@@ -137,15 +142,16 @@ void Simulation::reportFailure(const Clock& failed) {
     message << contact_sums.problem();
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
-  throw PhysicsError(message.str());
+  return message.str();
 }
 
 // Whole steps of equal length from now to the end, none longer than `longest`.
 void Simulation::planSteps(double longest) {
   const double left = _config.time.end - _clock.time;
-  const auto steps = static_cast<std::int64_t>(std::ceil(left / longest * (1 - 1e-12)));
-  _clock.dt = left / static_cast<double>(maxOf<std::int64_t>(steps, 1));
-  _planned_steps = _clock.step + steps;
+  constexpr double most = 1e15; // of a deck's time.steps too
+  const double steps = maxOf(std::ceil(left / longest * (1 - 1e-12)), 1.0);
+  _clock.dt = left / steps;
+  _planned_steps = _clock.step + static_cast<std::int64_t>(minOf(steps, most));
   if (_config.time.steps)
     _planned_steps = minOf(_planned_steps, *_config.time.steps);
 }

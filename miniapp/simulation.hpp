@@ -15,6 +15,7 @@
 #include <mpi.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace brickwall::miniapp {
@@ -78,7 +79,7 @@ private:
   void stepBack(double dt_kick);
   void planSteps(double longest);
   void setUpContact();
-  [[noreturn]] void reportFailure(const Clock& failed);
+  std::string describeFailure();
 
   MPI_Comm _comm;
   const Config& _config;
