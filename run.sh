@@ -144,14 +144,14 @@ hold_summary() {
     esac
   done
 }
-code_file=$(mktemp)
-trap 'rm -f "$code_file"' EXIT
+# A kill of this script ends the launcher too, and the launcher its ranks.
+trap 'kill -TERM "$!" 2>/dev/null; exit 143' TERM
+code=0
 hold_summary < <(
-  code=0
-  "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"} || code=$?
-  echo "$code" >"$code_file"
+  exec "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}
 )
-code=$(<"$code_file")
+wait "$!" || code=$?
+trap - TERM
 # mpiexec was told to be quiet, so this is the only word about a crash.
 [[ $code -lt 128 ]] || echo "run.sh: $program ended by signal $((code - 128))" >&2
 
