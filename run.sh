@@ -146,7 +146,9 @@ hold_summary() {
 }
 # A kill of this script ends the launcher too, and the launcher its ranks.
 trap 'kill -TERM "$!" 2>/dev/null; exit 143' TERM
+trap 'rm -f "${started:-}"' EXIT
 code=0
+started=$(mktemp) # what is older is not of this run
 hold_summary < <(
   exec "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}
 )
@@ -188,7 +190,7 @@ draw() {
   fi
 }
 if [[ $writes == yes && $code != 2 ]] && [[ $command == run || $command == mesh ]]; then
-  if [[ $ranks -eq 1 && -e $joined ]] || [[ -e $first ]]; then
+  if [[ $ranks -eq 1 && $joined -nt $started ]] || [[ $ranks -gt 1 && $first -nt $started ]]; then
     if join_rank_files; then
       [[ $picture == yes && $command == run ]] && draw
     else
