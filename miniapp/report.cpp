@@ -178,6 +178,14 @@ void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report
   writeTextFile(comm, path, reportJson(report));
 }
 
+void removeFile(MPI_Comm comm, const std::string& path) {
+  together(comm, [&] {
+    std::error_code error;
+    if (rankOf(comm) == 0 && !std::filesystem::remove(path, error) && error)
+      throw OutputError(path + ": can not remove the file of an earlier run: " + error.message());
+  });
+}
+
 void makeDirectory(MPI_Comm comm, const std::string& path) {
   together(comm, [&] {
     if (rankOf(comm) != 0)

@@ -78,6 +78,8 @@ void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report
 // Collective: rank 0 writes any text to a file, checked to the last byte; for the resolved deck
 // too.
 void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text);
+// Collective: rank 0 removes the file if it is there; throws OutputError on every rank when that fails.
+void removeFile(MPI_Comm comm, const std::string& path);
 // Collective: rank 0 makes the folder and those above it; throws OutputError when that fails.
 void makeDirectory(MPI_Comm comm, const std::string& path);
 

@@ -114,6 +114,7 @@ private:
 
   void openOutput() {
     makeDirectory(_comm, _options.output_directory);
+    removeFile(_comm, path("report.json")); // a run that is cut short must not leave another's
     const std::string base = path(_options.caseName());
     writeTextFile(_comm, base + ".resolved.toml", _config.resolved_deck);
     std::vector<std::string> columns = {"step", "time"};

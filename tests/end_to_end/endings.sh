@@ -55,6 +55,7 @@ for ranks in 1 3; do
   output=$work/out program=$limited
   expect "a full disk is found in its step" 4 'brick_wall.exo' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set 'wall.elements=[8,4,4]' --set output.interval=1e-6 --steps 200
+  [[ ! -e $work/out/report.json ]] || { echo "FAILED: a report of an earlier run is left"; failures=$((failures + 1)); }
   program=$brickwall
   rm -rf "$work/out"
 done
