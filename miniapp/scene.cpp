@@ -70,7 +70,12 @@ double shortestSkinEdge(const exec_space& space, MPI_Comm comm, const mechanics:
         }
       },
       Kokkos::Min<double>(shortest));
-  return allReduce(comm, shortest, MPI_MIN);
+  shortest = allReduce(comm, shortest, MPI_MIN);
+  if (!(shortest > 0))
+    throw InputError(
+        "the mesh has an exterior face with an edge of length zero; expected hexahedra "
+        "with eight corners apart");
+  return shortest;
 }
 
 template <class Set>
