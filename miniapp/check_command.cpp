@@ -19,7 +19,10 @@ Config smallestLikeScene(const Config& config) {
   if (small.wall) {
     auto& bricks = small.wall->bricks;
     bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
-    small.initial_velocities.clear();
+    auto& velocities = small.initial_velocities; // bricks and bodies of the large wall
+    velocities.erase(std::remove_if(velocities.begin(), velocities.end(),
+                                    [](const auto& entry) { return entry.brick || entry.body; }),
+                     velocities.end());
   }
   return small;
 }

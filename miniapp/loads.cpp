@@ -38,11 +38,6 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
   const auto& part = scene.part;
   std::vector<unsigned char> chosen(part.elem_ids.size(), 1);
   if (entry.block) {
-    bool known = false;
-    for (const auto& block : part.blocks)
-      known = known || block.name == *entry.block;
-    if (!known)
-      throw InputError("initial.velocity: the mesh has no element block '" + *entry.block + "'");
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.blocks[part.elem_block[elem]].name == *entry.block;
   } else if (entry.brick) {

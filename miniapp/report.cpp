@@ -213,12 +213,13 @@ void printReport(std::ostream& out, const RunReport& r) {
   out << "\nsearch: " << r.search.method
       << (r.search.drops_same_body ? ", pairs within one body dropped"
                                    : ", pairs within one body kept")
-      << format(", %lld searches, %.3e s each; last step: %lld ghost faces, %lld candidate pairs, "
-                "%lld active contacts\n",
-                static_cast<long long>(r.search.searches), r.search.seconds_per_step,
-                static_cast<long long>(r.search.ghost_faces),
-                static_cast<long long>(r.search.candidate_pairs),
-                static_cast<long long>(r.search.active_contacts));
+      << format(
+             ", %lld searches, median %.3e s; last step: %lld ghost faces, %lld candidate pairs, "
+             "%lld active contacts\n",
+             static_cast<long long>(r.search.searches), r.search.seconds_per_step,
+             static_cast<long long>(r.search.ghost_faces),
+             static_cast<long long>(r.search.candidate_pairs),
+             static_cast<long long>(r.search.active_contacts));
   if (r.command == "run")
     out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
                   "kinetic %.6e, peak stored %.6e\n",

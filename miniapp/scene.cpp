@@ -16,13 +16,8 @@ namespace {
 std::vector<mechanics::Material> materialsOf(const Config& config,
                                              const std::vector<io::Block>& blocks) {
   std::vector<mechanics::Material> materials;
-  for (const auto& block : blocks) {
-    const auto* material = config.materialOf(block.name);
-    if (!material)
-      throw InputError(config.deck_path + ": element block '" + block.name +
-                       "' has no material; expected a table [material." + block.name + "]");
-    materials.push_back(*material);
-  }
+  for (const auto& block : blocks)
+    materials.push_back(*config.materialOf(block.name));
   return materials;
 }
 
@@ -91,8 +86,39 @@ const Set& findByName(const std::vector<Set>& sets, const std::string& name,
   }
   const std::string nearest = io::nearestName(name, names);
   throw InputError("the mesh has no " + kind + " '" + name + "'" +
-                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") +
-                   " It has: " + (known.empty() ? "none" : known));
+                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + " (it has " +
+                   (known.empty() ? "none" : known) + ")");
+}
+
+// All names in the deck that the mesh lacks, in one error.
+void checkNames(const Config& config, const io::MeshPart& part) {
+  std::string faults;
+  const auto look = [&](const std::string& where, const auto& find) {
+    try {
+      find();
+    } catch (const InputError& error) {
+      faults +=
+          (faults.empty() ? "" : "\n") + config.deck_path + ": " + where + ": " + error.what();
+    }
+  };
+  for (const auto& block : part.blocks)
+    look("[material]", [&] {
+      if (!config.materialOf(block.name))
+        throw InputError("element block '" + block.name + "' has no material; expected a table " +
+                         "[material." + block.name + "]");
+    });
+  for (const auto& load : config.pressures)
+    look("[[load.pressure]]", [&] { sideSetOf(part, load.side_set); });
+  for (const auto& fixed : config.fixed)
+    look("[[boundary.fixed]]", [&] { nodeSetOf(part, fixed.node_set); });
+  for (const auto& moving : config.prescribed)
+    look("[[boundary.velocity]]", [&] { nodeSetOf(part, moving.node_set); });
+  for (const auto& initial : config.initial_velocities)
+    if (initial.block)
+      look("[[initial.velocity]]",
+           [&] { findByName(part.blocks, *initial.block, "element block"); });
+  if (!faults.empty())
+    throw InputError(faults);
 }
 
 } // namespace
@@ -115,6 +141,7 @@ io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config) {
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   Scene scene;
   scene.part = makeMeshPart(comm, config);
+  checkNames(config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
   scene.node_is_owned.reserve(scene.part.node_owner.size());
   for (const int owner : scene.part.node_owner)

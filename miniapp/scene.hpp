@@ -27,7 +27,8 @@ struct Scene {
 };
 
 // Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws
-// InputError (on all ranks) for a block without material, a mesh that cannot be read, or a bad element.
+// InputError (on all ranks) with all names of sets and blocks that the mesh lacks and all blocks without material; also
+// for a mesh that cannot be read and for a bad element.
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
 
 // The mesh alone, still on the host. Collective.
