@@ -59,6 +59,8 @@ struct ContactSums {
   }
   // What a run must not go on with, in words; empty if nothing.
   std::string problem() const;
+  // Of these, those that make the step's forces wrong; lost contacts are not among them, a run may go on with a warning.
+  std::int64_t failures() const { return overflow + invalid + stored.invalid; }
 };
 // Collective.
 void sumOverRanks(MPI_Comm comm, ContactSums& sums);

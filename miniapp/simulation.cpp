@@ -105,10 +105,8 @@ void Simulation::bookEnergies(double dt_kick) {
   const Region region("step::ledger");
   mechanics::ContactEnergySums contact_energy;
   contact_energy.sum[mechanics::contact_stored_half] = _contact.stored.sum[0];
-  const std::int64_t contact_failures =
-      _contact.overflow + _contact.invalid + _contact.stored.invalid;
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
-                   _load_failures + contact_failures);
+                   _load_failures + _contact.failures());
   if (_ledger.balance().failures > 0) {
     const std::string failure = describeFailure();
     stepBack(dt_kick);
@@ -138,7 +136,7 @@ std::string Simulation::describeFailure() {
           << "): ";
   if (failure.count > 0)
     message << mechanics::describe(failure);
-  else if (!contact_sums.problem().empty())
+  else if (contact_sums.failures() > 0)
     message << contact_sums.problem();
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
