@@ -2,6 +2,7 @@
 
 #include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
+#include "contact/candidate_rows.hpp"
 #include "contact/candidate_rules.hpp"
 #include "contact/reference_search.hpp"
 
@@ -96,12 +97,10 @@ KOKKOS_INLINE_FUNCTION void sortRow(int* row, std::int64_t n, const Before& befo
 
 // The rows of the result buffer, in the order of nodes, become compressed rows.
 void compressRows(const exec_space& space, int num_nodes, const QueryResults& results,
-                  CandidatePairs& pairs) {
-  growTo(space, pairs.offsets, num_nodes + 1);
+                  const View<std::int64_t*>& offsets, CandidatePairs& pairs) {
   growTo(space, pairs.faces, results.num_rows);
   const auto begin = results.begin, count = results.count;
   const auto items = results.items;
-  const auto offsets = pairs.offsets;
   const auto faces = pairs.faces;
   Kokkos::parallel_scan(
       "contact::localSearch::offsets", over(space, num_nodes + 1),
@@ -117,17 +116,14 @@ void compressRows(const exec_space& space, int num_nodes, const QueryResults& re
         for (std::int64_t i = 0; i < n; ++i)
           faces(first + i) = items(begin(node) + i);
       });
-  pairs.count = results.num_rows;
 }
 
-void sortRows(const exec_space& space, int num_nodes, const DeviceRules& rules,
-              const CandidatePairs& pairs) {
-  const auto offsets = pairs.offsets;
+void sortRows(const exec_space& space, const DeviceRules& rules, const CandidatePairs& pairs) {
   const auto faces = pairs.faces;
   Kokkos::parallel_for(
-      "contact::localSearch::sort_rows", over(space, num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t node) {
-        const std::int64_t first = offsets(node), n = offsets(node + 1) - first;
+      "contact::localSearch::sort_rows", over(space, pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) {
+        const std::int64_t first = pairs.begin(row), n = pairs.end(row) - first;
         if (n > 1)
           sortRow(&faces(first), n, [&](const int a, const int b) { return rules.before(a, b); });
       });
@@ -153,8 +149,9 @@ const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
   const DeviceRules rules(surface, ghosts, _config.drop_same_body);
   if (_config.method == SearchMethod::reference) {
     referencePairs(space, surface, ghosts, boxes.node_boxes, face_boxes, _config.drop_same_body,
-                   _pairs);
+                   _offsets, _pairs);
   } else {
+    growTo(space, _offsets, surface.num_nodes + 1);
     buildTree(space, face_boxes, num_faces, all, _tree);
     const BoxOfRow box_of{boxes.node_boxes};
     const bool sorted = worthSorting(surface.num_nodes, num_faces);
@@ -163,9 +160,10 @@ const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
     queryTree(space, "contact::localSearch::query", _tree, surface.num_nodes, box_of,
               IsCandidate{boxes.node_boxes, face_boxes, rules}, sorted ? &_order : nullptr,
               _results);
-    compressRows(space, surface.num_nodes, _results, _pairs);
+    compressRows(space, surface.num_nodes, _results, _offsets, _pairs);
   }
-  sortRows(space, surface.num_nodes, rules, _pairs);
+  layOutRowsByNode(space, surface.num_nodes, _offsets, _pairs);
+  sortRows(space, rules, _pairs);
   return _pairs;
 }
 

@@ -26,6 +26,7 @@ private:
   Bvh _tree;
   QueryOrder _order;
   QueryResults _results;
+  View<std::int64_t*> _offsets{"contact::LocalSearch::offsets", 0}; // [node + 1]
   CandidatePairs _pairs;
 };
 

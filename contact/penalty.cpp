@@ -211,8 +211,8 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
                                     _status,
                                     _gap};
     ContactSums sums;
-    Kokkos::parallel_reduce("contact::selectInteractions", over(space, faces.surface.num_nodes),
-                            select, Combine<ContactSums>(sums));
+    Kokkos::parallel_reduce("contact::selectInteractions", over(space, pairs.num_rows), select,
+                            Combine<ContactSums>(sums));
     _next.count = sums.interactions;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
       return sums;

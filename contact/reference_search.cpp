@@ -49,7 +49,7 @@ std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>
 
 void referencePairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                     const View<const Box*>& node_boxes, const View<const Box*>& face_boxes,
-                    bool drop_same_body, CandidatePairs& pairs) {
+                    bool drop_same_body, View<std::int64_t*>& row_offsets, CandidatePairs& pairs) {
   const auto nodes = onHost(node_boxes), faces = onHost(face_boxes);
   const auto owned = onHost(surface.node_is_owned);
   const PairRules<Kokkos::HostSpace> rules(surface, ghosts, drop_same_body);
@@ -62,9 +62,8 @@ void referencePairs(const exec_space& space, const Surface& surface, const Ghost
         found.push_back(face);
     offsets.push_back(static_cast<std::int64_t>(found.size()));
   }
-  copyToDevice(space, offsets, pairs.offsets);
+  copyToDevice(space, offsets, row_offsets);
   copyToDevice(space, found, pairs.faces);
-  pairs.count = offsets.back();
 }
 
 } // namespace brickwall::contact

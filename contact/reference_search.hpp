@@ -21,9 +21,10 @@ std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>
                                  const PartnerLists& faces_to_test, const RemoteNodeBoxes& remote,
                                  PartnerLists& faces_to_send);
 
-// Local search: face boxes are own faces, then ghosts. Fills offsets and faces of `pairs`, rows unsorted.
+// Local search: face boxes are own faces, then ghosts. Sets `row_offsets` [node + 1] and pairs.faces, rows
+// unsorted.
 void referencePairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                     const View<const Box*>& node_boxes, const View<const Box*>& face_boxes,
-                    bool drop_same_body, CandidatePairs& pairs);
+                    bool drop_same_body, View<std::int64_t*>& row_offsets, CandidatePairs& pairs);
 
 } // namespace brickwall::contact

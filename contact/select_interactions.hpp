@@ -7,7 +7,7 @@
 
 namespace brickwall::contact {
 
-// One thread per surface node: projects the node onto its candidates, chooses one face of each opposing body and writes
+// One thread per row of candidates, which is one per surface node: projects the node onto its candidates, chooses one face of each opposing body and writes
 // the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
 struct SelectInteractions {
   using value_type = ContactSums;
@@ -53,11 +53,11 @@ struct SelectInteractions {
     double surface_mass = 0; // mass/area
   };
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, ContactSums& sums) const {
-    const int node = static_cast<int>(i);
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, ContactSums& sums) const {
+    const int node = pairs.node(row);
     Hit hits[max_interactions];
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
-    const int num_hits = findHits(node, hits, seen, sums);
+    const int num_hits = findHits(row, node, hits, seen, sums);
     countLost(node, seen, sums);
     status(node) = static_cast<unsigned char>(num_hits);
     next.row_count(node) = static_cast<unsigned char>(num_hits);
@@ -78,12 +78,12 @@ struct SelectInteractions {
   }
 
   // One hit per opposing body. Returns their number.
-  KOKKOS_INLINE_FUNCTION int findHits(int node, Hit (&hits)[max_interactions], int& seen,
-                                      ContactSums& sums) const {
-    const std::int64_t end = pairs.offsets(node + 1);
+  KOKKOS_INLINE_FUNCTION int findHits(std::int64_t row, int node, Hit (&hits)[max_interactions],
+                                      int& seen, ContactSums& sums) const {
+    const std::int64_t end = pairs.end(row);
     const global_id own_body = faces.surface.node_body(node);
     int num_hits = 0;
-    for (std::int64_t pair = pairs.offsets(node); pair < end;) {
+    for (std::int64_t pair = pairs.begin(row); pair < end;) {
       const global_id body = faces.body(pairs.faces(pair));
       Hit hit;
       const bool wanted = body != own_body || config.self_contact;

@@ -38,13 +38,30 @@ struct GhostFaces {
   View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
 };
 
-// Candidate pairs by node, compressed rows: faces(offsets(node)) .. faces(offsets(node + 1) - 1). A face index below
-// num_faces is an own face, else ghost face index - num_faces. Rows of nodes not owned here are empty. Each row is
-// in the order of (body, face id), without repeats. The Views may be longer (they persist and grow).
+// Candidate pairs in rows, one row for each surface node, in the order of the search's own choosing: row r lists the faces
+// that node(r) may touch, faces(begin(r)) .. faces(end(r) - 1). A face index below num_faces is an own face, else ghost face
+// index - num_faces. Rows of nodes not owned here are empty. Each row is in the order of (body, face id), without repeats.
+// Rows come in blocks; between blocks `faces` may have entries that belong to no row. The Views persist and grow.
 struct CandidatePairs {
-  std::int64_t count = 0;
-  View<std::int64_t*> offsets{"contact::CandidatePairs::offsets", 0}; // [num_nodes + 1]
-  View<int*> faces{"contact::CandidatePairs::faces", 0}; // [count]
+  static constexpr int rows_per_block = cluster_size;
+
+  std::int64_t count = 0; // pairs in all rows
+  int num_rows = 0; // number of surface nodes
+  View<int*> row_nodes{"contact::CandidatePairs::row_nodes", 0}; // [row] surface node
+  View<std::int64_t*> block_begin{"contact::CandidatePairs::block_begin", 0}; // [block] into faces
+  // [block][rows_per_block + 1] where the block's rows begin, and its last row ends, from block_begin
+  View<int*> row_begin{"contact::CandidatePairs::row_begin", 0};
+  View<int*> faces{"contact::CandidatePairs::faces", 0};
+
+  KOKKOS_INLINE_FUNCTION int node(std::int64_t row) const { return row_nodes(row); }
+  KOKKOS_INLINE_FUNCTION std::int64_t begin(std::int64_t row) const { return at(row, 0); }
+  KOKKOS_INLINE_FUNCTION std::int64_t end(std::int64_t row) const { return at(row, 1); }
+
+private:
+  KOKKOS_INLINE_FUNCTION std::int64_t at(std::int64_t row, int next) const {
+    const std::int64_t block = row / rows_per_block;
+    return block_begin(block) + row_begin(row + block + next);
+  }
 };
 
 } // namespace brickwall::contact

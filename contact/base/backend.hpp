@@ -42,6 +42,9 @@ constexpr bool host_accessible =
 // Elements that one thread takes at once in SIMD lanes (mechanics/pack.hpp); 1 on a device, whose lanes are threads.
 constexpr int simd_width = std::is_same<exec_space, host_exec_space>::value ? 8 : 1;
 
+// Nodes that the contact search takes at once: the lanes of a SIMD register; 1 on a device, whose lanes are threads.
+constexpr int cluster_size = std::is_same<exec_space, host_exec_space>::value ? 16 : 1;
+
 // One launch policy over [0, n) on the given space instance.
 inline range_policy over(const exec_space& space, std::int64_t n) {
   return range_policy(space, 0, n);

@@ -2,6 +2,7 @@
 // can be made by brute force and compared with one rank's answer. Not a model of how the program does it.
 #pragma once
 
+#include "contact/candidate_rows.hpp"
 #include "contact/penalty.hpp"
 
 #include <algorithm>
@@ -319,11 +320,11 @@ private:
           listed.push_back(f);
       offsets.push_back(static_cast<std::int64_t>(listed.size()));
     }
-    _pairs.count = offsets.back();
-    _pairs.offsets = View<std::int64_t*>("test::offsets", offsets.size());
+    View<std::int64_t*> row_offsets("test::offsets", offsets.size());
     _pairs.faces = View<int*>("test::faces", listed.size());
-    fill(_pairs.offsets, [&](auto& v, int i) { v(i) = offsets[i]; });
+    fill(row_offsets, [&](auto& v, int i) { v(i) = offsets[i]; });
     fill(_pairs.faces, [&](auto& v, int i) { v(i) = listed[i]; });
+    layOutRowsByNode(exec_space(), static_cast<int>(_nodes.size()), row_offsets, _pairs);
   }
 
   MPI_Comm _comm;

@@ -33,6 +33,27 @@ auto onHost(const ViewType& view) {
   return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
 }
 
+// The rows of candidates on the host.
+class HostRows {
+public:
+  explicit HostRows(const CandidatePairs& pairs)
+      : _nodes(onHost(pairs.row_nodes)), _blocks(onHost(pairs.block_begin)),
+        _rows(onHost(pairs.row_begin)), _faces(onHost(pairs.faces)) {}
+  int node(int row) const { return _nodes(row); }
+  std::vector<int> faces(int row) const {
+    const int block = row / CandidatePairs::rows_per_block;
+    std::vector<int> faces;
+    for (int i = _rows(row + block); i < _rows(row + block + 1); ++i)
+      faces.push_back(_faces(_blocks(block) + i));
+    return faces;
+  }
+
+private:
+  View<int*>::HostMirror _nodes;
+  View<std::int64_t*>::HostMirror _blocks;
+  View<int*>::HostMirror _rows, _faces;
+};
+
 // Stops at the first difference, which makes a readable message.
 ::testing::AssertionResult ghostsAre(const SurfaceCase& c, const std::vector<int>& expected,
                                      const GhostFaces& ghosts) {
@@ -64,30 +85,35 @@ auto onHost(const ViewType& view) {
 
 ::testing::AssertionResult pairsAre(const SurfaceCase& c, const LocalSurface& local,
                                     const Expected& expected, const CandidatePairs& pairs) {
-  const auto offsets = onHost(pairs.offsets);
-  const auto faces = onHost(pairs.faces);
-  std::int64_t next = 0;
-  for (std::size_t n = 0; n < local.nodes.size(); ++n) {
-    if (offsets(n) != next)
-      return ::testing::AssertionFailure() << "row " << n << " starts at " << offsets(n);
+  std::vector<bool> seen(local.nodes.size(), false);
+  std::int64_t count = 0;
+  const HostRows rows(pairs);
+  if (pairs.num_rows != static_cast<int>(local.nodes.size()))
+    return ::testing::AssertionFailure() << pairs.num_rows << " rows";
+  for (int r = 0; r < pairs.num_rows; ++r) {
+    const int n = rows.node(r);
+    if (n < 0 || n >= pairs.num_rows || seen[n])
+      return ::testing::AssertionFailure() << "row " << r << " is of node " << n;
+    seen[n] = true;
     const auto& row = expected.pairs[n];
-    const std::int64_t length = offsets(n + 1) - offsets(n);
-    if (length != static_cast<std::int64_t>(row.size()))
+    const std::vector<int> listed = rows.faces(r);
+    count += static_cast<std::int64_t>(listed.size());
+    if (listed.size() != row.size())
       return ::testing::AssertionFailure() << "node " << c.nodes[local.nodes[n]].id << " has "
-                                           << length << " faces, expected " << row.size();
-    for (const int face : row) {
-      const int index = faces(next++);
+                                           << listed.size() << " faces, expected " << row.size();
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int index = listed[i];
       const int found = index < local.surface.num_faces
                             ? local.faces[index]
                             : expected.ghosts[index - local.surface.num_faces];
-      if (found != face)
+      if (found != row[i])
         return ::testing::AssertionFailure()
                << "node " << c.nodes[local.nodes[n]].id << " has face " << c.faces[found].id
-               << ", expected " << c.faces[face].id;
+               << ", expected " << c.faces[row[i]].id;
     }
   }
-  if (pairs.count != next)
-    return ::testing::AssertionFailure() << "count is " << pairs.count << ", rows hold " << next;
+  if (pairs.count != count)
+    return ::testing::AssertionFailure() << "count is " << pairs.count << ", rows hold " << count;
   return ::testing::AssertionSuccess();
 }
 
