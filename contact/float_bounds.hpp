@@ -1,0 +1,45 @@
+// Boxes in single precision for the cluster search. They decide nothing wrongly: rounding is monotone, a <= b implies
+// fl(a) <= fl(b) and fl(a) < fl(b) implies a < b. So `<=` on floats never loses a pair of closed double boxes, `<` is never
+// wrong, and only pairs that are equal in a float are left to the double boxes.
+#pragma once
+
+#include "contact/base/box.hpp"
+
+#include <cfloat>
+
+namespace brickwall::contact {
+
+// Nearest float; doubles beyond the range become the largest, so that infinity can stand for "no box".
+KOKKOS_INLINE_FUNCTION float toFloat(double x) {
+  return static_cast<float>(minOf(maxOf(x, -double(FLT_MAX)), double(FLT_MAX)));
+}
+
+// A box as six numbers of which the union is the minimum: lower xyz, then minus upper xyz. The default is the empty box.
+struct FloatBounds {
+  float side[6] = {HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF};
+
+  KOKKOS_INLINE_FUNCTION void include(const FloatBounds& b) {
+    for (int s = 0; s < 6; ++s)
+      side[s] = minOf(side[s], b.side[s]);
+  }
+  KOKKOS_INLINE_FUNCTION static FloatBounds of(const Box& box, const Vec3& origin) {
+    FloatBounds bounds;
+    if (!box.empty())
+      for (int d = 0; d < 3; ++d) {
+        bounds.side[d] = toFloat(box.lower[d] - origin[d]);
+        bounds.side[3 + d] = -toFloat(box.upper[d] - origin[d]);
+      }
+    return bounds;
+  }
+  // What the sides of another box must not exceed if it is to overlap this one: upper xyz, minus lower xyz.
+  KOKKOS_INLINE_FUNCTION FloatBounds reach() const {
+    FloatBounds reach;
+    for (int d = 0; d < 3; ++d) {
+      reach.side[d] = -side[3 + d];
+      reach.side[3 + d] = -side[d];
+    }
+    return reach;
+  }
+};
+
+} // namespace brickwall::contact
