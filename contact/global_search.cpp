@@ -20,14 +20,11 @@ const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const Surfac
   const PartnerLists& nodes_to_send = _candidates.nodes_to_send; // L_gns, Q_snd
   const PartnerLists& faces_to_test = _candidates.faces_to_test; // L_gfs, Q_rcv
   constructBoxes(space, surface, _config, _boxes);
-  waitForOthers(space);
   exchangeRankBoxes(_comm, surface, _boxes, _rank_boxes);
   findPartnersAndCandidates(space, surface, _boxes, _rank_boxes, _config.method, _candidates);
-  waitForOthers(space);
   exchangeNodeBoxes(space, _comm, _boxes, nodes_to_send, faces_to_test.ranks, _remote_nodes);
   searchLocalFacesAgainstRemoteNodes(space, surface, _boxes, faces_to_test, _remote_nodes,
                                      _config.method, _ghost_search);
-  waitForOthers(space);
   migrateFaces(space, _comm, surface, _ghost_search.faces_to_send, nodes_to_send.ranks,
                _rank_boxes.num_attributes, _migration);
   return _migration.ghosts;
@@ -56,14 +53,6 @@ SearchStatistics GlobalSearch::statistics() const {
   counts.faces_sent = _ghost_search.faces_to_send.size();
   counts.num_ghosts = _migration.ghosts.count;
   return counts;
-}
-
-void GlobalSearch::waitForOthers(const exec_space& space) const {
-  if (!_config.synchronise_phases)
-    return;
-  const Region timer("search::waiting");
-  space.fence();
-  barrier(_comm);
 }
 
 } // namespace brickwall::contact

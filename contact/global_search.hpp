@@ -43,8 +43,6 @@ public:
   const SearchConfig& config() const { return _config; }
 
 private:
-  void waitForOthers(const exec_space& space) const;
-
   MPI_Comm _comm;
   SearchConfig _config;
   SurfaceBoxes _boxes; // phase 1

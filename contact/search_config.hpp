@@ -14,8 +14,6 @@ struct SearchConfig {
   double node_tolerance = 0; // inflation of node boxes, length, >= 0
   double face_tolerance = 0; // inflation of face boxes, length, >= 0
   bool drop_same_body = false; // candidate pairs of a node and a face of one body are not listed
-  // Fence and barrier between phases, in the region "search::waiting".
-  bool synchronise_phases = false;
 };
 
 // Counts of the last call on this rank.

@@ -13,7 +13,6 @@ inline contact::SearchConfig searchConfig(const Config& config, double edge, boo
                                                               : contact::SearchMethod::reference;
   search.node_tolerance = search.face_tolerance = config.contact.tolerance * edge;
   search.drop_same_body = drop_same_body;
-  search.synchronise_phases = false; // with --timing paper the recorder of phase times does that
   return search;
 }
 

@@ -309,15 +309,6 @@ TEST(SearchTest, ToleranceMustBeAFiniteLength) {
   EXPECT_THROW(GlobalSearch(comm, config), InputError);
 }
 
-TEST(SearchTest, PhasesMayBeSynchronisedWithTheSameResult) {
-  const SurfaceCase c = makeCase(20, sizeOf(comm));
-  SearchConfig config = configOf(c, SearchMethod::paper);
-  config.synchronise_phases = true;
-  GlobalSearch global(comm, config);
-  LocalSearch local(config);
-  EXPECT_TRUE(checkStep(c, global, local));
-}
-
 std::atomic<int> num_allocations{0};
 
 TEST(SearchTest, ASteadyStepAllocatesNothing) {
