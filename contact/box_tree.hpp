@@ -47,11 +47,11 @@ KOKKOS_INLINE_FUNCTION void storeLane(float* block, int lane, const FloatBounds&
 class BoxForest {
 public:
   // Lays out trees of these numbers of items; allocates only when it must grow. Contents are undefined until level 0 is
-  // filled (see fillLeaves) and refitUpperLevels() was called.
+  // filled and refitUpperLevels() was called.
   void shape(const exec_space& space, const std::vector<std::int64_t>& num_items);
 
-  // Unions of level 0, which must be filled, up to the tops.
-  void refitUpperLevels(const exec_space& space);
+  // Boxes of the levels from `first_level` up to the tops; the levels below must be filled.
+  void refitUpperLevels(const exec_space& space, int first_level = 1);
 
   int numTrees() const { return static_cast<int>(_trees.size()); }
   const BoxTree& tree(int t) const {

@@ -41,14 +41,16 @@ KOKKOS_INLINE_FUNCTION std::uint64_t spreadBits(std::uint64_t v) {
   return v;
 }
 
-// Points outside the grid's box get the nearest cell, points that are not finite cell 0 or the last.
+// Points outside the grid's box get the nearest cell, coordinates that are not finite cell 0 or the last.
+KOKKOS_INLINE_FUNCTION std::uint32_t cellOf(const MortonGrid& grid, const Vec3& point, int d) {
+  const double cell = (point[d] - grid.lower[d]) * grid.cells_per_length;
+  return static_cast<std::uint32_t>(cell > 0 ? minOf(cell, 2097151.0) : 0.0); // NaN: 0
+}
+
 KOKKOS_INLINE_FUNCTION morton_code mortonCode(const MortonGrid& grid, const Vec3& point) {
   morton_code code = 0;
-  for (int d = 0; d < 3; ++d) {
-    const double cell = (point[d] - grid.lower[d]) * grid.cells_per_length;
-    const double clamped = cell > 0 ? minOf(cell, 2097151.0) : 0.0; // NaN: 0
-    code |= spreadBits(static_cast<std::uint64_t>(clamped)) << (2 - d);
-  }
+  for (int d = 0; d < 3; ++d)
+    code |= spreadBits(cellOf(grid, point, d)) << (2 - d);
   return code;
 }
 

@@ -1,0 +1,216 @@
+#include "contact/surface_clusters.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/construct_boxes.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+constexpr int sides = 6;
+
+KOKKOS_INLINE_FUNCTION bool isFinite(const Vec3& x) {
+  return std::fabs(x.x) <= DBL_MAX && std::fabs(x.y) <= DBL_MAX && std::fabs(x.z) <= DBL_MAX;
+}
+
+KOKKOS_INLINE_FUNCTION void storeSides(float* to, const FloatBounds& bounds) {
+  for (int s = 0; s < sides; ++s)
+    to[s] = bounds.side[s];
+}
+
+// One cluster of nodes: their bounds, those of the cluster, and the sums. Rows of coordinates are read in kept order.
+struct RefitCluster {
+  View<const double*[3]> x_old, x_new;
+  View<const int*> node_order;
+  View<const unsigned*> owned;
+  View<const global_id*> ids;
+  View<float*> corner_bounds, node_bounds, cluster_bounds;
+  Vec3 origin;
+  double node_tolerance, face_tolerance;
+  std::int64_t num_nodes;
+  bool same_bounds;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster,
+                                         SurfaceClusters::Sums& all) const {
+    const std::int64_t first = cluster * cluster_size;
+    const std::int64_t end = minOf<std::int64_t>(first + cluster_size, num_nodes);
+    const unsigned is_owned = owned(cluster);
+    FloatBounds of_cluster;
+    for (std::int64_t position = first; position < end; ++position) {
+      const int node = node_order(position);
+      const Vec3 a = rowOf(x_old, node), b = rowOf(x_new, node);
+      Box swept;
+      if (isFinite(a) && isFinite(b)) {
+        swept.include(a);
+        swept.include(b);
+      } else {
+        ++all.num_invalid;
+        all.first_invalid = minOf(all.first_invalid, ids(node));
+      }
+      all.face_box.include(swept);
+      const FloatBounds corner = inflated(swept, face_tolerance);
+      storeSides(&corner_bounds(position * sides), corner);
+      const FloatBounds query = same_bounds ? corner : inflated(swept, node_tolerance);
+      if (!same_bounds)
+        storeSides(&node_bounds(position * sides), query);
+      if (is_owned & (1u << (position - first))) {
+        all.node_box.include(swept);
+        of_cluster.include(query);
+      }
+    }
+    storeSides(&cluster_bounds(cluster * sides), of_cluster);
+  }
+  KOKKOS_INLINE_FUNCTION FloatBounds inflated(Box box, double tolerance) const {
+    box.inflate(tolerance); // an empty box stays empty
+    return FloatBounds::of(box, origin);
+  }
+};
+
+// One block of faces: their boxes, and their union as an item of the next level. A face's box is the union of its corners'
+// since rounding is monotone. Returns the sum of the block's extents.
+struct RefitBlock {
+  BoxTree tree;
+  View<const int*> corners;
+  View<const float*> corner_bounds;
+
+  KOKKOS_INLINE_FUNCTION double operator()(std::int64_t block) const {
+    const int* const corner = &corners(block * 4 * block_size);
+    float* const boxes = tree.block(0, block);
+    float all[8];
+    for (int s = 0; s < 8; ++s)
+      all[s] = HUGE_VALF;
+    const int used = minOf<int>(block_size, tree.num_items - static_cast<int>(block) * block_size);
+    for (int lane = 0; lane < used; ++lane) {
+      float box[8]; // eight, not six: one SIMD register; the last two are the next node's
+      const float* from = &corner_bounds(std::int64_t(corner[lane]) * sides);
+      for (int s = 0; s < 8; ++s)
+        box[s] = from[s];
+      float hole = box[0]; // infinite for a node that is not finite
+      for (int k = 1; k < 4; ++k) {
+        from = &corner_bounds(std::int64_t(corner[k * block_size + lane]) * sides);
+        hole = maxOf(hole, from[0]);
+        for (int s = 0; s < 8; ++s)
+          box[s] = from[s] < box[s] ? from[s] : box[s];
+      }
+      if (hole == HUGE_VALF)
+        for (int s = 0; s < 8; ++s)
+          box[s] = HUGE_VALF;
+      for (int s = 0; s < 8; ++s)
+        all[s] = box[s] < all[s] ? box[s] : all[s];
+      for (int s = 0; s < sides; ++s)
+        boxes[s * block_size + lane] = box[s];
+    }
+    for (int lane = used; lane < block_size; ++lane)
+      storeLane(boxes, lane, FloatBounds());
+    if (tree.num_levels > 1) {
+      float* const parent = tree.block(1, block / block_size);
+      for (int s = 0; s < sides; ++s)
+        parent[s * block_size + block % block_size] = all[s];
+    }
+    double extent = 0;
+    for (int d = 0; d < 3; ++d)
+      extent -= double(all[d]) + double(all[3 + d]);
+    return extent > 0 ? extent : 0;
+  }
+};
+
+// Sum of the blocks' extents; one block counts at most `most`, so that a huge face among small ones does not hide them.
+double refitFaces(const exec_space& space, const RefitBlock& refit, double most) {
+  const BoxTree tree = refit.tree;
+  if (tree.num_levels == 0)
+    return 0;
+  const std::int64_t num_blocks = tree.numBlocks(0);
+  if (tree.num_levels > 1) // lanes behind the last block
+    Kokkos::parallel_for(
+        "contact::SurfaceClusters::empty_lanes", over(space, block_size),
+        KOKKOS_LAMBDA(const std::int64_t lane) {
+          const std::int64_t parent = tree.numBlocks(1) - 1;
+          if (parent * block_size + lane >= num_blocks)
+            storeLane(tree.block(1, parent), static_cast<int>(lane), FloatBounds());
+        });
+  double extent = 0;
+  Kokkos::parallel_reduce(
+      "contact::SurfaceClusters::faces", over(space, num_blocks),
+      KOKKOS_LAMBDA(const std::int64_t block, double& sum) { sum += minOf(refit(block), most); },
+      extent);
+  space.fence();
+  return extent;
+}
+
+} // namespace
+
+bool SurfaceClusters::isNew(const Surface& surface) const {
+  return surface.num_nodes != _surface.num_nodes || surface.num_faces != _surface.num_faces ||
+         surface.face_to_nodes.data() != _surface.face_to_nodes.data() ||
+         surface.node_is_owned.data() != _surface.node_is_owned.data() ||
+         surface.node_ids.data() != _surface.node_ids.data() ||
+         surface.face_ids.data() != _surface.face_ids.data() ||
+         surface.face_body.data() != _surface.face_body.data();
+}
+
+void SurfaceClusters::order(const exec_space& space, const Surface& surface,
+                            const SearchConfig& config) {
+  const Region timer("search::initialization");
+  // What the sort needs and what the boxes need is never there at once.
+  _order = ClusterOrder();
+  _corner_bounds = _node_bounds = _cluster_bounds = View<float*>();
+  _forest = BoxForest();
+  _order = orderSurface(space, surface);
+  const auto bounds = [&](const char* label, std::int64_t rows) {
+    return allocate<View<float*>>(space, label, rows * sides + 2);
+  };
+  _same_bounds = config.node_tolerance == config.face_tolerance;
+  _corner_bounds = bounds("contact::SurfaceClusters::corner_bounds", surface.num_nodes);
+  if (!_same_bounds)
+    _node_bounds = bounds("contact::SurfaceClusters::node_bounds", surface.num_nodes);
+  _cluster_bounds = bounds("contact::SurfaceClusters::cluster_bounds", _order.num_clusters);
+  _forest.shape(space, {surface.num_faces});
+  _surface = surface;
+  _surface.coordinates_old = _surface.coordinates_new = View<const double* [3]>();
+  _is_ordered = true;
+  ++_num_orderings;
+}
+
+void SurfaceClusters::update(const exec_space& space, const Surface& surface,
+                             const SearchConfig& config) {
+  const Region region("constructBoxes");
+  // Bricks that part stretch the blocks that span them, and queries cost the more; a quarter more is worth a sort.
+  constexpr double worn_out = 1.25;
+  const bool fresh = !_is_ordered || isNew(surface) || _extent > worn_out * _extent_when_ordered;
+  if (fresh)
+    order(space, surface, config);
+  {
+    const Region timer("search::node boxes");
+    _sums = Sums();
+    Kokkos::parallel_reduce("contact::SurfaceClusters::nodes", over(space, _order.num_clusters),
+                            RefitCluster{surface.coordinates_old, surface.coordinates_new,
+                                         _order.node_order, _order.owned, surface.node_ids,
+                                         _corner_bounds, _node_bounds, _cluster_bounds,
+                                         _order.origin, config.node_tolerance,
+                                         config.face_tolerance, surface.num_nodes, _same_bounds},
+                            Combine<Sums>(_sums));
+    space.fence();
+    _sums.node_box.inflate(config.node_tolerance);
+    _sums.face_box.inflate(config.face_tolerance);
+    if (surface.num_faces == 0)
+      _sums.face_box = Box();
+  }
+  const Region timer("search::face boxes");
+  const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};
+  double most = fresh ? HUGE_VAL : _most_extent;
+  _extent = refitFaces(space, refit, most);
+  if (fresh) { // the measure to come: without outliers, which hide the rest
+    constexpr double outlier = 16; // times the mean extent of a block
+    const double num_blocks = maxOf(surface.num_faces / block_size, 1);
+    double last = HUGE_VAL;
+    while (_extent < 0.5 * last) {
+      last = _extent;
+      most = outlier * _extent / num_blocks;
+      _extent = refitFaces(space, refit, most);
+    }
+    _most_extent = most;
+    _extent_when_ordered = _extent;
+  }
+  _forest.refitUpperLevels(space, 2);
+}
+
+} // namespace brickwall::contact
