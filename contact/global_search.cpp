@@ -44,6 +44,20 @@ void GlobalSearch::sendToGhosts(const exec_space& space, const Surface& surface,
                    _migration, ghost_values);
 }
 
+std::vector<SentFace> GlobalSearch::sentFaces(const exec_space& space,
+                                              const Surface& surface) const {
+  const PartnerLists& lists = _ghost_search.faces_to_send;
+  const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), surface.face_ids);
+  std::vector<int> rows;
+  copyToHost(space, lists.rows, lists.size(), rows);
+  std::vector<SentFace> sent;
+  sent.reserve(rows.size());
+  for (std::size_t p = 0; p < lists.ranks.size(); ++p)
+    for (std::int64_t i = lists.offsets[p]; i < lists.offsets[p + 1]; ++i)
+      sent.push_back({ids(rows[static_cast<std::size_t>(i)]), lists.ranks[p]});
+  return sent;
+}
+
 SearchStatistics GlobalSearch::statistics() const {
   SearchStatistics counts;
   counts.num_partners = _migration.messages.numPartners();

@@ -14,7 +14,15 @@
 
 #include <mpi.h>
 
+#include <vector>
+
 namespace brickwall::contact {
+
+// A face of this rank of which another rank has a ghost.
+struct SentFace {
+  global_id face = 0;
+  int destination = 0; // rank
+};
 
 class GlobalSearch {
 public:
@@ -35,6 +43,10 @@ public:
   void sendToGhosts(const exec_space& space, const Surface& surface,
                     const View<const double* [3]>& node_values,
                     const View<double* [12]>& ghost_values);
+
+  // The faces that the last findGhosts() sent, by destination, within one in the order in which its ghosts lie there;
+  // `surface` as it was given then. Copies to the host.
+  std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const;
 
   // Boxes of the last findGhosts(), for the local search.
   const SurfaceBoxes& boxes() const { return _boxes; }

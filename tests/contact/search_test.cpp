@@ -217,6 +217,27 @@ TEST(SearchTest, SendersAndReceiversAgreeOnPartners) {
     }
 }
 
+TEST(SearchTest, SentFacesAreTheGhostsOfTheirDestinations) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    for (const SearchMethod method : both_methods) {
+      const SurfaceCase c = makeCase(seed, size);
+      const LocalSurface local = localSurface(c, rank);
+      GlobalSearch global(comm, configOf(c, method));
+      const GhostFaces& ghosts = global.findGhosts(space, local.surface);
+      std::vector<std::vector<global_id>> sent(size);
+      for (const SentFace& face : global.sentFaces(space, local.surface))
+        sent[face.destination].push_back(face.face);
+      std::vector<global_id> expected;
+      for (const auto& from : exchangeByRank(comm, sent))
+        expected.insert(expected.end(), from.begin(), from.end());
+      const auto ids = onHost(ghosts.face_ids);
+      EXPECT_EQ(std::vector<global_id>(ids.data(), ids.data() + ghosts.count), expected)
+          << c.name() << ", " << nameOf(method);
+    }
+}
+
 std::int64_t reactionOf(global_id face, int rank, int i) {
   return (face * 7919 + rank * 104729 + i * 31) * (i % 2 == 0 ? 1000003 : -1000033);
 }
