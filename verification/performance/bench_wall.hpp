@@ -1,0 +1,31 @@
+// The wall W(n) of the search benchmarks (shared figures, inputs/wall_*.toml): 15 bricks x 29 courses in running bond,
+// each brick 2 x 1 x 1 with 2n x n x n elements, 4350 n^2 faces, jittered and drifting as the decks say.
+#pragma once
+
+#include "contact/search_config.hpp"
+#include "io/mesh_part.hpp"
+#include "miniapp/search_surface.hpp"
+#include "verification/performance/peers.hpp"
+
+#include <mpi.h>
+
+namespace brickwall::peers {
+
+// Collective. This rank's part of the surface of W(n).
+io::SurfacePart wallSurface(MPI_Comm comm, int n);
+
+// Nodes and faces of the part in random order, ids and connectivity following.
+void shuffle(io::SurfacePart& part, std::uint64_t seed);
+
+// The surface as it drifts in `brickwall search`.
+miniapp::SearchSurface movingWall(const exec_space& space, MPI_Comm comm, int n,
+                                  const io::SurfacePart& part);
+
+// Both tolerances are 5 % of an element's edge.
+contact::SearchConfig wallSearch(int n, contact::SearchMethod method);
+
+// The boxes that the search makes of the surface, on the host: of owned nodes and of all faces.
+SearchBoxes searchBoxes(const exec_space& space, const contact::Surface& surface,
+                        const contact::SearchConfig& config);
+
+} // namespace brickwall::peers
