@@ -50,6 +50,13 @@ inline range_policy over(const exec_space& space, std::int64_t n) {
   return range_policy(space, 0, n);
 }
 
+// The same where iterations differ in work: threads take `chunk` of them at a time.
+using dynamic_policy = Kokkos::RangePolicy<exec_space, Kokkos::Schedule<Kokkos::Dynamic>,
+                                           Kokkos::IndexType<std::int64_t>>;
+inline dynamic_policy overInChunks(const exec_space& space, std::int64_t n, int chunk) {
+  return dynamic_policy(space, 0, n, Kokkos::ChunkSize(chunk));
+}
+
 // A View whose entries are not initialised; `extents` as of Kokkos::View.
 template <class ViewType, class... Extents>
 ViewType allocate(const exec_space& space, const std::string& label, Extents... extents) {
