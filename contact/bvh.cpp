@@ -117,7 +117,7 @@ void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bv
   Kokkos::parallel_for(
       "contact::buildTree::boxes", over(space, tree.num_items),
       KOKKOS_LAMBDA(const std::int64_t leaf) {
-        FloatBox box(items(values(leaf)));
+        FloatBounds box = FloatBounds::of(items(values(leaf)));
         int parent = leaf_parent(leaf);
         while (parent >= 0) {
           TreeNode& node = nodes(parent / 2);
@@ -137,8 +137,8 @@ void makeSingleLeaf(const exec_space& space, const View<const Box*>& items, cons
   const auto nodes = tree.nodes;
   Kokkos::parallel_for(
       "contact::buildTree::single", over(space, 1), KOKKOS_LAMBDA(const std::int64_t) {
-        nodes(0).setBox(0, FloatBox(items(0)));
-        nodes(0).setBox(1, FloatBox());
+        nodes(0).setBox(0, FloatBounds::of(items(0)));
+        nodes(0).setBox(1, FloatBounds());
         nodes(0).child[0] = nodes(0).child[1] = ~0;
         nodes(0).parent = -1;
       });

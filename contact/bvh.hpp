@@ -3,54 +3,29 @@
 // tested in double by the query.
 #pragma once
 
+#include "contact/float_bounds.hpp"
 #include "contact/morton.hpp"
 #include "contact/radix_sort.hpp"
 
-#include <cfloat>
 #include <cstring>
 
 namespace brickwall::contact {
 
-// Rounding is monotone: a <= b stays so, hence boxes that overlap still do when all their bounds are rounded. Clamped,
-// so that differences of bounds are never NaN; zero is +0, so that no difference of equal bounds is -0.
-KOKKOS_INLINE_FUNCTION float toFloat(double value) {
-  return static_cast<float>(minOf(maxOf(value, -double(FLT_MAX)), double(FLT_MAX))) + 0.0f;
-}
-
-// A box of doubles rounded to floats, as lower and -upper: the box that holds two boxes has the smaller of each, and a
-// query overlaps if none of them is above its opposite limit.
-struct FloatBox {
-  // lower x, y, z, then -upper x, y, z; at first a box that no query overlaps
-  float bound[6] = {HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF};
-
-  FloatBox() = default;
-  KOKKOS_INLINE_FUNCTION explicit FloatBox(const Box& box) {
-    for (int d = 0; d < 3; ++d) {
-      bound[d] = toFloat(box.lower[d]);
-      bound[3 + d] = -toFloat(box.upper[d]);
-    }
-  }
-  KOKKOS_INLINE_FUNCTION void include(const FloatBox& b) {
-    for (int k = 0; k < 6; ++k)
-      bound[k] = minOf(bound[k], b.bound[k]);
-  }
-};
-
 // An inner node with its children's boxes: one cache line answers which way a query goes.
 struct TreeNode {
-  float bounds[12]; // FloatBox::bound [k][side] of the children
+  float bounds[12]; // FloatBounds::side [k][side] of the children
   int child[2]; // inner node, or ~item of a leaf
   int parent; // 2 * inner node + side; -1 at the root
   int visits; // children whose box is known, while the tree is built
 
-  KOKKOS_INLINE_FUNCTION void setBox(int side, const FloatBox& box) {
+  KOKKOS_INLINE_FUNCTION void setBox(int side, const FloatBounds& box) {
     for (int k = 0; k < 6; ++k)
-      bounds[2 * k + side] = box.bound[k];
+      bounds[2 * k + side] = box.side[k];
   }
-  KOKKOS_INLINE_FUNCTION FloatBox box(int side) const {
-    FloatBox box;
+  KOKKOS_INLINE_FUNCTION FloatBounds box(int side) const {
+    FloatBounds box;
     for (int k = 0; k < 6; ++k)
-      box.bound[k] = bounds[2 * k + side];
+      box.side[k] = bounds[2 * k + side];
     return box;
   }
 };

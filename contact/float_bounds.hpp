@@ -9,9 +9,10 @@
 
 namespace brickwall::contact {
 
-// Nearest float; doubles beyond the range become the largest, so that infinity can stand for "no box".
+// Nearest float. Doubles beyond the range become the largest, so that infinity can stand for "no box" and differences are
+// never NaN; zero is +0, so that no difference of equal bounds is -0.
 KOKKOS_INLINE_FUNCTION float toFloat(double x) {
-  return static_cast<float>(minOf(maxOf(x, -double(FLT_MAX)), double(FLT_MAX)));
+  return static_cast<float>(minOf(maxOf(x, -double(FLT_MAX)), double(FLT_MAX))) + 0.0f;
 }
 
 // A box as six numbers of which the union is the minimum: lower xyz, then minus upper xyz. The default is the empty box.
@@ -22,7 +23,7 @@ struct FloatBounds {
     for (int s = 0; s < 6; ++s)
       side[s] = minOf(side[s], b.side[s]);
   }
-  KOKKOS_INLINE_FUNCTION static FloatBounds of(const Box& box, const Vec3& origin) {
+  KOKKOS_INLINE_FUNCTION static FloatBounds of(const Box& box, const Vec3& origin = {}) {
     FloatBounds bounds;
     if (!box.empty())
       for (int d = 0; d < 3; ++d) {

@@ -79,7 +79,7 @@ TEST(MortonTest, PointsOutsideAndNotFiniteGetACode) {
   EXPECT_EQ(mortonCode(MortonGrid(Box()), {1, 2, 3}), 0u);
 }
 
-TEST(FloatBoxTest, RoundingKeepsTheOrderOfBounds) {
+TEST(FloatBoundsTest, RoundingKeepsTheOrderOfBounds) {
   Random random(5);
   std::vector<double> values{
       0.0,    -0.0, 1e-320, -1e-320,  1e-46,     -1e-46, 1e300,
@@ -93,14 +93,14 @@ TEST(FloatBoxTest, RoundingKeepsTheOrderOfBounds) {
   }
 }
 
-TEST(FloatBoxTest, TheBoxOfEverythingFindsASingleItemOnce) {
+TEST(FloatBoundsTest, TheBoxOfEverythingFindsASingleItemOnce) {
   Box everything, unit;
   everything.include(Vec3{-1e300, -1e300, -1e300});
   everything.include(Vec3{1e300, 1e300, 1e300});
   unit.include(Vec3{0, 0, 0});
   TreeNode node;
-  node.setBox(0, FloatBox(unit));
-  node.setBox(1, FloatBox());
+  node.setBox(0, FloatBounds::of(unit));
+  node.setBox(1, FloatBounds());
   bool overlaps[2];
   FloatQuery(everything).test(node, overlaps);
   EXPECT_TRUE(overlaps[0]);
@@ -109,15 +109,15 @@ TEST(FloatBoxTest, TheBoxOfEverythingFindsASingleItemOnce) {
   EXPECT_FALSE(overlaps[0] || overlaps[1]);
 }
 
-TEST(FloatBoxTest, BoxesThatTouchAtEitherZeroOverlap) {
+TEST(FloatBoundsTest, BoxesThatTouchAtEitherZeroOverlap) {
   Box below, above; // [-1, -0] and [+0, 1] in each direction
   for (int d = 0; d < 3; ++d) {
     below.lower[d] = -1, below.upper[d] = -0.0;
     above.lower[d] = 0.0, above.upper[d] = 1;
   }
   TreeNode node;
-  node.setBox(0, FloatBox(below));
-  node.setBox(1, FloatBox(above));
+  node.setBox(0, FloatBounds::of(below));
+  node.setBox(1, FloatBounds::of(above));
   for (const Box& query : {below, above}) {
     bool overlaps[2];
     FloatQuery(query).test(node, overlaps);
