@@ -163,7 +163,9 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("2")
             .atLeast(0)
             .atMost(1e9),
-        integer("seed", "of jitter and drift").byDefault("1").atLeast(0)}},
+        integer("seed", "of jitter, drift and shuffle").byDefault("1").atLeast(0),
+        boolean("shuffle", "local nodes and faces in random order (brickwall search)")
+            .byDefault("false")}},
       {"time",
        BlockKind::single,
        "steps in time",

@@ -2,6 +2,7 @@
 #include "io_test_support.hpp"
 
 #include "io/hashed_random.hpp"
+#include "io/shuffle_surface.hpp"
 #include "io/wall_generator.hpp"
 
 #include <cmath>
@@ -311,6 +312,48 @@ TEST(WallSurface, JitterStaysInItsBoundsAndDoesNotDependOnRanks) {
   }
   if (!part.node_ids.empty()) {
     EXPECT_GT(largest, 0.009);
+  }
+}
+
+// What a surface says of each face, whatever its local order: body, and id, place, owner and body of each corner.
+using FaceFacts = std::vector<std::array<double, 6>>;
+std::map<global_id, FaceFacts> factsByFace(const SurfacePart& part) {
+  std::map<global_id, FaceFacts> facts;
+  for (std::size_t f = 0; f < part.face_ids.size(); ++f) {
+    FaceFacts& face = facts[part.face_ids[f]];
+    face.push_back({static_cast<double>(part.face_body[f])});
+    for (int c = 0; c < 4; ++c) {
+      const auto node = static_cast<std::size_t>(part.face_nodes[4 * f + c]);
+      face.push_back({static_cast<double>(part.node_ids[node]), part.coordinates[3 * node],
+                      part.coordinates[3 * node + 1], part.coordinates[3 * node + 2],
+                      static_cast<double>(part.node_owner[node]),
+                      static_cast<double>(part.node_body[node])});
+    }
+  }
+  return facts;
+}
+
+TEST(WallSurface, ShufflingChangesTheLocalOrderAndNothingElse) {
+  const SurfacePart part = generateWallSurface(
+      MPI_COMM_WORLD, wallOf({4, 1, 5}, {4, 2, 2}, WallEnds::ragged), WallJitter{0.01, 42});
+  SurfacePart shuffled = part, again = part, other = part;
+  shuffleSurface(5, shuffled);
+  shuffleSurface(5, again);
+  shuffleSurface(6, other);
+  EXPECT_EQ(factsByFace(shuffled), factsByFace(part));
+  EXPECT_EQ(shuffled.face_ids, again.face_ids);
+  EXPECT_EQ(shuffled.node_ids, again.node_ids);
+  if (part.face_ids.size() > 50) { // fewer may by chance keep their order
+    EXPECT_NE(shuffled.face_ids, part.face_ids);
+    EXPECT_NE(shuffled.node_ids, part.node_ids);
+    EXPECT_NE(shuffled.face_ids, other.face_ids);
+    // In a random order about half of the neighbours ascend: 5 standard errors of sqrt(n / 12).
+    const auto& ids = shuffled.face_ids;
+    double ascents = 0;
+    for (std::size_t f = 1; f < ids.size(); ++f)
+      ascents += ids[f] > ids[f - 1];
+    const auto n = static_cast<double>(ids.size());
+    EXPECT_NEAR(ascents, n / 2, 5 * std::sqrt(n / 12) + 1);
   }
 }
 
