@@ -10,7 +10,7 @@ usage() {
   run       (default) runs the deck: Exodus results joined to one file, picture, history.csv, report.json
   check     reads the deck and says what the scene will model; runs nothing
   mesh      writes the Exodus mesh only
-  search    runs the contact search alone on the wall's surface
+  search    runs the contact search alone on the wall's surface: search.json
 
   DECK                default inputs/brick_wall.toml
   -n, --ranks N       MPI ranks (default 1)

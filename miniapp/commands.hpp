@@ -15,7 +15,7 @@ int runSimulation(MPI_Comm comm, const Config& config, const Options& options);
 int checkScene(MPI_Comm comm, const Config& config, const Options& options);
 // `mesh`: writes the Exodus mesh.
 int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options);
-// `search`: global and local search alone on the wall's surface, repeated; report as of `run`.
+// `search`: global and local search alone on the wall's surface, repeated; search.json and its table.
 int runSearch(MPI_Comm comm, const Config& config, const Options& options);
 
 } // namespace brickwall::miniapp

@@ -5,6 +5,8 @@
 #pragma once
 
 #include "miniapp/command_line.hpp"
+#include "miniapp/region_tree.hpp"
+#include "miniapp/step_samples.hpp"
 
 #include <mpi.h>
 
@@ -19,6 +21,12 @@ struct PhaseTime {
   std::string name;
   std::int64_t calls = 0; // largest of all ranks
   double min = 0, mean = 0, max = 0; // seconds
+};
+
+// A phase's seconds and CPU seconds per step over all ranks.
+struct PhaseSteps {
+  std::string name;
+  StepStatistics seconds, cpu_seconds;
 };
 
 // Accumulates calls and seconds per region on this rank. At most one recorder exists at a time; it
@@ -46,11 +54,21 @@ public:
   // Keeps one sample per step of the region's seconds; `expected_steps` are reserved. Same on all
   // ranks.
   void watch(const std::string& region, std::int64_t expected_steps);
-  // Ends a step: takes the samples of all watched regions.
+  // The same of the CPU seconds that all threads of this process spend in these regions, less those in
+  // "search::waiting". Once, with no region open.
+  void watchCpu(const std::vector<std::string>& regions, std::int64_t expected_steps);
+  // The same of the own seconds of each of the 13 timers; their CPU seconds are counted with Timing::paper only, after
+  // watchCpu().
+  void watchSearchTimers(std::int64_t expected_steps);
+  // Ends a step: takes the samples of all that is watched.
   void endStep();
-  // Collective. Median over the steps of the slowest rank's seconds in a watched region; 0 without
-  // samples.
-  double medianPerStep(const std::string& region) const;
+
+  // Collective. Of a watched region.
+  StepStatistics secondsPerStep(const std::string& region) const;
+  StepStatistics busyCpuPerStep(const std::string& region) const;
+  double medianPerStep(const std::string& region) const { return secondsPerStep(region).median; }
+  // Collective. The 13 timers in the paper's order, by their bare names; empty when they are not watched.
+  std::vector<PhaseSteps> searchTimersPerStep() const;
 
   // Collective. All regions in the order of first opening, by name, "search" and the 13 timers
   // included.
@@ -65,8 +83,5 @@ public:
 private:
   State* _state;
 };
-
-// Names of the 13 timers, in the paper's order.
-const std::vector<std::string>& searchTimerNames();
 
 } // namespace brickwall::miniapp

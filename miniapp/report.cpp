@@ -5,8 +5,8 @@
 #include "contact/base/mpi.hpp"
 #include "miniapp/build_info.hpp"
 #include "miniapp/git_commit.hpp"
-
-#include <nlohmann/json.hpp>
+#include "miniapp/process_memory.hpp"
+#include "miniapp/report_parts.hpp"
 
 #include <cerrno>
 #include <cstdio>
@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <fstream>
 #include <ostream>
-#include <sys/resource.h>
 #include <unistd.h>
 
 namespace brickwall::miniapp {
@@ -39,37 +38,13 @@ std::string kokkosVersion() {
          "." + std::to_string(KOKKOS_VERSION % 100);
 }
 
-nlohmann::ordered_json toJson(const PhaseTime& phase) {
-  return {{"name", phase.name},
-          {"calls", phase.calls},
-          {"min", phase.min},
-          {"mean", phase.mean},
-          {"max", phase.max}};
-}
-
-nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
-  auto list = nlohmann::ordered_json::array();
-  for (const PhaseTime& phase : phases)
-    list.push_back(toJson(phase));
-  return list;
-}
-
-double ratio(double amount, double seconds) {
-  return seconds > 0 ? amount / seconds : 0;
-}
-
-template <class... Values>
-std::string format(const char* how, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof(line), how, values...);
-  return line;
-}
-
-void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases) {
-  out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
-  for (const PhaseTime& phase : phases)
-    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phase.name.c_str(),
-                  static_cast<long long>(phase.calls), phase.min, phase.mean, phase.max);
+// The first line: "Open MPI v4.1.4, package: ..." up to the comma.
+std::string mpiVersion() {
+  char text[MPI_MAX_LIBRARY_VERSION_STRING] = "";
+  int length = 0;
+  checkMpi(MPI_Get_library_version(text, &length), "MPI_Get_library_version");
+  const std::string version(text, static_cast<std::size_t>(length));
+  return version.substr(0, version.find_first_of(",\n"));
 }
 
 } // namespace
@@ -81,6 +56,7 @@ Provenance describeRun(MPI_Comm comm) {
   run.compiler = build_info::compiler;
   run.flags = build_info::flags;
   run.kokkos = kokkosVersion();
+  run.mpi = mpiVersion();
   run.host = broadcast(comm, hostName());
   run.cpu = broadcast(comm, cpuName());
   run.ranks = sizeOf(comm);
@@ -106,9 +82,7 @@ double RunReport::faceSearchesPerSecond() const {
 }
 
 std::int64_t peakRankBytes(MPI_Comm comm) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return allReduce(comm, static_cast<std::int64_t>(usage.ru_maxrss) * 1024, MPI_MAX);
+  return allReduce(comm, peakResidentBytes(), MPI_MAX);
 }
 
 std::string reportJson(const RunReport& r) {
@@ -116,17 +90,8 @@ std::string reportJson(const RunReport& r) {
   json["schema"] = "brickwall-report-1";
   json["case"] = r.case_name;
   json["title"] = r.title;
-  json["command"] = r.command;
-  json["version"] = r.provenance.version;
-  json["commit"] = r.provenance.commit;
-  json["compiler"] = r.provenance.compiler;
-  json["flags"] = r.provenance.flags;
-  json["kokkos"] = r.provenance.kokkos;
-  json["host"] = r.provenance.host;
-  json["cpu"] = r.provenance.cpu;
-  json["ranks"] = r.provenance.ranks;
-  json["threads_per_rank"] = r.provenance.threads_per_rank;
-  json["execution_space"] = r.provenance.execution_space;
+  json["command"] = "run";
+  addProvenance(json, r.provenance);
   json["elements"] = r.elements;
   json["nodes"] = r.nodes;
   json["faces"] = r.faces;
@@ -154,8 +119,7 @@ std::string reportJson(const RunReport& r) {
   json["pass"] = r.pass();
   json["warnings"] = r.warnings;
   json["failures"] = r.failures;
-  // Bytes that are no UTF-8 (of a title, a host name) are replaced, not thrown at.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return jsonText(json);
 }
 
 void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text) {
@@ -199,14 +163,11 @@ void makeDirectory(MPI_Comm comm, const std::string& path) {
 }
 
 void printReport(std::ostream& out, const RunReport& r) {
-  out << format("\n%s: %lld elements, %lld nodes, %lld faces, %lld steps to %.6g s\n",
-                r.case_name.c_str(), static_cast<long long>(r.elements),
-                static_cast<long long>(r.nodes), static_cast<long long>(r.faces),
-                static_cast<long long>(r.steps), r.end_time);
-  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n\n",
-                r.provenance.ranks, r.provenance.threads_per_rank,
-                r.provenance.execution_space.c_str(), r.provenance.kokkos.c_str(),
-                static_cast<double>(r.max_rank_bytes) / 1e6);
+  printHeading(out, r.case_name,
+               format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s",
+                      static_cast<long long>(r.elements), static_cast<long long>(r.nodes),
+                      static_cast<long long>(r.faces), static_cast<long long>(r.steps), r.end_time),
+               r.provenance, r.max_rank_bytes);
   printTable(out, "phase", r.phases);
   out << "\n";
   printTable(out, "global search (own time)", r.search_timers);
@@ -220,11 +181,10 @@ void printReport(std::ostream& out, const RunReport& r) {
              static_cast<long long>(r.search.ghost_faces),
              static_cast<long long>(r.search.candidate_pairs),
              static_cast<long long>(r.search.active_contacts));
-  if (r.command == "run")
-    out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
-                  "kinetic %.6e, peak stored %.6e\n",
-                  r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,
-                  r.balance.peak_kinetic_energy, r.balance.peak_stored_energy);
+  out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
+                "kinetic %.6e, peak stored %.6e\n",
+                r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,
+                r.balance.peak_kinetic_energy, r.balance.peak_stored_energy);
   for (const std::string& warning : r.warnings)
     out << "warning: " << warning << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "

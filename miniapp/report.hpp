@@ -16,6 +16,7 @@ namespace brickwall::miniapp {
 // How the program was built and where it runs.
 struct Provenance {
   std::string version, commit, compiler, flags, kokkos; // of the build
+  std::string mpi; // the library in use
   std::string host, cpu; // of rank 0
   int ranks = 1;
   int threads_per_rank = 1;
@@ -43,7 +44,6 @@ struct BalanceReport {
 
 struct RunReport {
   std::string case_name, title;
-  std::string command = "run"; // or "search"
   Provenance provenance;
   std::int64_t elements = 0, nodes = 0, faces = 0; // all ranks
   std::int64_t steps = 0;

@@ -3,12 +3,14 @@
 #include "contact/base/region.hpp"
 #include "contact/global_search.hpp"
 #include "contact/local_search.hpp"
+#include "io/shuffle_surface.hpp"
 #include "io/wall_generator.hpp"
 #include "miniapp/commands.hpp"
 #include "miniapp/phase_report.hpp"
-#include "miniapp/report.hpp"
+#include "miniapp/process_memory.hpp"
 #include "miniapp/scene.hpp"
 #include "miniapp/search_choice.hpp"
+#include "miniapp/search_report.hpp"
 #include "miniapp/search_surface.hpp"
 
 #include <algorithm>
@@ -25,66 +27,139 @@ double shortestEdge(const WallConfig& wall) {
   return shortest;
 }
 
+class SearchRun {
+public:
+  SearchRun(MPI_Comm comm, const Config& config, const Options& options)
+      : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
+        _edge(shortestEdge(*config.wall)), _moving(makeSurface()),
+        _global_search(comm, searchConfig(config, _edge, false)),
+        _local_search(_global_search.config()) {}
+
+  int execute() {
+    const std::string file = _options.output_directory + "/search.json";
+    if (_options.write_output) {
+      makeDirectory(_comm, _options.output_directory);
+      removeFile(_comm, file); // a run that is cut short must not leave another's
+    }
+    watchPhases();
+    const MemoryAbove memory;
+    searchRepeatedly();
+    const SearchOnlyReport report = makeReport(memory);
+    if (_options.write_output)
+      writeTextFile(_comm, file, searchReportJson(report));
+    if (rankOf(_comm) == 0)
+      printSearchReport(std::cout, report);
+    return 0;
+  }
+
+private:
+  // The host's copy of the surface ends here: it is no part of what the search needs.
+  SearchSurface makeSurface() {
+    const SearchConfig& search = _config.search;
+    const auto seed = static_cast<std::uint64_t>(search.seed);
+    auto part = io::generateWallSurface(_comm, toWallConfig(*_config.wall),
+                                        io::WallJitter{search.jitter, seed});
+    if (search.shuffle)
+      io::shuffleSurface(seed, part);
+    _num_nodes = part.num_global_nodes;
+    _num_faces = part.num_global_faces;
+    return SearchSurface(_space, part, rankOf(_comm), search.drift * _edge, seed);
+  }
+
+  void watchPhases() {
+    const std::int64_t searches = _config.search.repetitions;
+    for (const char* region : {whole, global, local})
+      _recorder.watch(region, searches);
+    _recorder.watchCpu({whole, global, local}, searches);
+    _recorder.watchSearchTimers(searches);
+  }
+
+  void searchRepeatedly() {
+    const std::int64_t steps = _config.search.warmup + _config.search.repetitions;
+    for (std::int64_t step = 0; step < steps; ++step) {
+      if (step == _config.search.warmup)
+        _recorder.reset();
+      _moving.move(_space, step);
+      _space.fence();
+      barrier(_comm); // the ranks' different times to get here are not the search's
+      searchOnce();
+      if (step == 0)
+        _first_seconds = allReduce(_comm, _recorder.seconds(whole), MPI_MAX);
+      if (step >= _config.search.warmup)
+        _recorder.endStep();
+    }
+  }
+
+  void searchOnce() {
+    const Region region(whole);
+    const contact::Surface surface = _moving.surface();
+    const auto& ghosts = _global_search.findGhosts(_space, surface);
+    _local_search.findCandidatePairs(_space, surface, ghosts, _global_search.boxes());
+  }
+
+  SearchOnlyReport makeReport(const MemoryAbove& memory) const {
+    SearchOnlyReport report;
+    report.case_name = _options.caseName();
+    report.title = _config.title;
+    report.provenance = describeRun(_comm);
+    report.nodes = _num_nodes;
+    report.faces = _num_faces;
+    report.method = nameOf(_config.search.method);
+    report.timing = _options.timing;
+    report.shuffled = _config.search.shuffle;
+    report.jitter = _config.search.jitter;
+    report.drift = _config.search.drift;
+    report.seed = _config.search.seed;
+    report.warmup = _config.search.warmup;
+    report.repetitions = _config.search.repetitions;
+    report.first_seconds = _first_seconds;
+    report.seconds = {_recorder.secondsPerStep(whole), _recorder.secondsPerStep(global),
+                      _recorder.secondsPerStep(local)};
+    report.cpu_seconds = {_recorder.busyCpuPerStep(whole), _recorder.busyCpuPerStep(global),
+                          _recorder.busyCpuPerStep(local)};
+    report.timers = _recorder.searchTimersPerStep();
+    report.phases = _recorder.phases();
+    addCounts(report);
+    report.peak = overRanks(_comm, memory.peakBytes());
+    report.inputs = overRanks(_comm, memory.baselineBytes());
+    report.search = overRanks(_comm, memory.bytes());
+    return report;
+  }
+
+  void addCounts(SearchOnlyReport& report) const {
+    const contact::SearchStatistics counts = _global_search.statistics();
+    const auto sum = [&](std::int64_t count) { return allReduce(_comm, count, MPI_SUM); };
+    report.ghost_faces = sum(counts.num_ghosts);
+    report.candidate_pairs = sum(_local_search.pairs().count);
+    report.node_boxes_sent = sum(counts.node_boxes_sent);
+    report.faces_tested = sum(counts.candidate_faces);
+    report.overlapping_pairs = sum(counts.overlapping_pairs);
+    report.most_partners = allReduce(_comm, std::int64_t(counts.num_partners), MPI_MAX);
+  }
+
+  static constexpr const char* whole = "search";
+  static constexpr const char* global = "findGhosts";
+  static constexpr const char* local = "search::local search";
+
+  MPI_Comm _comm;
+  const Config& _config;
+  const Options& _options;
+  exec_space _space;
+  PhaseRecorder _recorder;
+  double _edge = 0; // the shortest, length
+  std::int64_t _num_nodes = 0, _num_faces = 0; // all ranks
+  SearchSurface _moving;
+  contact::GlobalSearch _global_search;
+  contact::LocalSearch _local_search;
+  double _first_seconds = 0;
+};
+
 } // namespace
 
 int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
   if (!config.wall)
     throw InputError(config.deck_path + ": 'brickwall search' needs a [wall]");
-  const exec_space space;
-  const double edge = shortestEdge(*config.wall);
-  const auto seed = static_cast<std::uint64_t>(config.search.seed);
-  const auto part = io::generateWallSurface(comm, toWallConfig(*config.wall),
-                                            io::WallJitter{config.search.jitter, seed});
-  SearchSurface moving(space, part, rankOf(comm), config.search.drift * edge, seed);
-  const contact::SearchConfig search = searchConfig(config, edge, false);
-  contact::GlobalSearch global_search(comm, search);
-  contact::LocalSearch local_search(search);
-
-  PhaseRecorder recorder(comm, options.timing);
-  recorder.watch("search", config.search.repetitions);
-  const std::int64_t steps = config.search.warmup + config.search.repetitions;
-  for (std::int64_t step = 0; step < steps; ++step) {
-    if (step == config.search.warmup)
-      recorder.reset();
-    moving.move(space, step);
-    space.fence();
-    {
-      const Region region("search");
-      const contact::Surface surface = moving.surface();
-      const auto& ghosts = global_search.findGhosts(space, surface);
-      local_search.findCandidatePairs(space, surface, ghosts, global_search.boxes());
-    }
-    if (step >= config.search.warmup)
-      recorder.endStep();
-  }
-
-  RunReport report;
-  report.command = "search";
-  report.case_name = options.caseName();
-  report.title = config.title;
-  report.provenance = describeRun(comm);
-  report.nodes = part.num_global_nodes;
-  report.faces = part.num_global_faces;
-  report.steps = steps;
-  report.counted_steps = config.search.repetitions;
-  report.search_seconds = allReduce(comm, recorder.seconds("search"), MPI_MAX);
-  report.loop_seconds = report.search_seconds;
-  report.counted_searches = config.search.repetitions;
-  report.phases = recorder.phases();
-  report.search_timers = recorder.searchTimers();
-  report.search.method = nameOf(config.search.method);
-  report.search.searches = steps;
-  report.search.seconds_per_step = recorder.medianPerStep("search");
-  report.search.ghost_faces = allReduce(comm, std::int64_t(global_search.ghosts().count), MPI_SUM);
-  report.search.candidate_pairs = allReduce(comm, local_search.pairs().count, MPI_SUM);
-  report.max_rank_bytes = peakRankBytes(comm);
-  if (options.write_output) {
-    makeDirectory(comm, options.output_directory);
-    writeReport(comm, options.output_directory + "/report.json", report);
-  }
-  if (rankOf(comm) == 0)
-    printReport(std::cout, report);
-  return 0;
+  return SearchRun(comm, config, options).execute();
 }
 
 } // namespace brickwall::miniapp

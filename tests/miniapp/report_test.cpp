@@ -4,16 +4,21 @@
 #include "contact/base/region.hpp"
 #include "miniapp/history.hpp"
 #include "miniapp/phase_report.hpp"
+#include "miniapp/process_memory.hpp"
 #include "miniapp/report.hpp"
+#include "miniapp/search_report.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 namespace {
 
@@ -124,6 +129,109 @@ TEST(PhaseRecorder, CountsWaitsApartWithPaperTiming) {
   EXPECT_LT(named(timers, "rank-box exchange").max, 0.04);
 }
 
+// Work that burns this thread's CPU time, where sleeping does not.
+void burn(double seconds) {
+  timespec begin{}, end{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
+  double spent = 0;
+  while (spent < seconds) {
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+    spent = static_cast<double>(end.tv_sec - begin.tv_sec) +
+            1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
+  }
+}
+
+TEST(PhaseRecorder, CountsCpuTimeWithoutWaits) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::paper);
+  recorder.watch("search", 2);
+  recorder.watchCpu({"search", "search::local search"}, 2);
+  recorder.watchSearchTimers(2);
+  recorder.reset();
+  for (int step = 0; step < 2; ++step) {
+    {
+      const Region search("search");
+      { const Region early("search::node boxes"); }
+      if (rankOf(MPI_COMM_WORLD) == 0)
+        burn(0.05); // the others wait, some MPIs by spinning
+      {
+        const Region phase("search::search 2");
+        burn(0.01);
+        work(0.02);
+      }
+      const Region waiting("search::waiting"); // of the library itself
+      burn(0.03);
+    }
+    recorder.endStep();
+  }
+  const StepStatistics wall = recorder.secondsPerStep("search");
+  const StepStatistics cpu = recorder.busyCpuPerStep("search");
+  EXPECT_GE(wall.min, 0.05 + 0.01 + 0.02 + 0.03);
+  EXPECT_GE(cpu.min, 0.06); // of rank 0
+  EXPECT_LT(cpu.min, 0.08); // neither sleep nor waits
+  EXPECT_LE(cpu.min, cpu.median);
+  EXPECT_LE(cpu.median, cpu.max);
+  const int ranks = sizeOf(MPI_COMM_WORLD);
+  // Rank 0 has 60 ms of work, the others 10 ms.
+  EXPECT_NEAR(cpu.imbalance, 0.06 * ranks / (0.06 + 0.01 * (ranks - 1)), 0.25);
+  EXPECT_EQ(recorder.busyCpuPerStep("search::local search").max, 0.0);
+  const auto timers = recorder.searchTimersPerStep();
+  ASSERT_EQ(timers.size(), 13u);
+  EXPECT_EQ(timers[9].name, "search 2");
+  EXPECT_GE(timers[9].cpu_seconds.min, 0.01);
+  EXPECT_LT(timers[9].cpu_seconds.min, 0.02);
+  EXPECT_GE(timers[9].seconds.min, 0.03);
+  EXPECT_THROW(recorder.busyCpuPerStep("findGhosts"), Error);
+}
+
+TEST(PhaseRecorder, TakesSearchesInsideTheLocalSearchForItsOwn) {
+  PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
+  {
+    const Region search("search");
+    const Region local("search::local search");
+    const Region copies("search::host-device copies");
+    work(0.01);
+  }
+  for (const PhaseTime& timer : recorder.searchTimers())
+    EXPECT_LT(timer.max, 0.01) << timer.name;
+}
+
+TEST(StepSamples, GiveStatisticsOverStepsAndRanks) {
+  const int rank = rankOf(MPI_COMM_WORLD), ranks = sizeOf(MPI_COMM_WORLD);
+  StepSamples samples(4, 7.0);
+  // Steps of 1, 5, 2 and 4 on the slowest rank, the last; a rank r has (r + 1) / ranks of it.
+  double total = 7;
+  for (const double step : {1.0, 5.0, 2.0, 4.0}) {
+    total += step * (rank + 1) / ranks;
+    samples.endStep(total);
+  }
+  const StepStatistics statistics = samples.statistics(MPI_COMM_WORLD);
+  EXPECT_NEAR(statistics.min, 1, 1e-12);
+  EXPECT_NEAR(statistics.median, 3, 1e-12); // between the two in the middle
+  EXPECT_NEAR(statistics.max, 5, 1e-12);
+  const double mean_share = 0.5 * (ranks + 1) / ranks;
+  EXPECT_NEAR(statistics.mean, 3 * mean_share, 1e-12);
+  EXPECT_NEAR(statistics.imbalance, 1 / mean_share, 1e-12);
+  samples.reset();
+  EXPECT_EQ(samples.statistics(MPI_COMM_WORLD).max, 0.0);
+}
+
+TEST(MemoryAbove, SeesWhatWasNeededForATimeAndNotWhatWasBefore) {
+  constexpr std::size_t megabyte = 1 << 20;
+  const auto use = [&](std::size_t megabytes) {
+    std::vector<char> bytes(megabytes * megabyte);
+    for (std::size_t i = 0; i < bytes.size(); i += 512)
+      bytes[i] = static_cast<char>(i);
+    return std::count(bytes.begin(), bytes.end(), 1);
+  };
+  EXPECT_GE(use(200), 0); // a larger set-up, gone before
+  const MemoryAbove memory;
+  EXPECT_GE(use(64), 0);
+  EXPECT_GE(memory.bytes(), static_cast<std::int64_t>(60 * megabyte));
+  EXPECT_LE(memory.bytes(), static_cast<std::int64_t>(80 * megabyte));
+  EXPECT_GE(memory.peakBytes(), static_cast<std::int64_t>(200 * megabyte));
+  EXPECT_GT(memory.baselineBytes(), 0);
+}
+
 int chained_calls = 0;
 TEST(PhaseRecorder, LetsEarlierToolsListen) {
   chained_calls = 0;
@@ -177,6 +285,46 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   EXPECT_GT(json["memory"]["max_rank_bytes"], 1000000);
   EXPECT_EQ(json["ranks"], sizeOf(MPI_COMM_WORLD));
   EXPECT_EQ(json["pass"], true);
+}
+
+TEST(SearchReport, NamesItsFieldsAsAgreed) {
+  SearchOnlyReport report;
+  report.provenance = describeRun(MPI_COMM_WORLD);
+  report.faces = 300;
+  report.method = "paper";
+  report.timing = Timing::paper;
+  report.seconds.whole.median = 0.25;
+  report.cpu_seconds.global.mean = 0.125;
+  report.timers = {{"search 2", {0.1, 0.2, 0.3, 0.15, 1.5}, {0.01, 0.02, 0.03, 0.015, 1.25}}};
+  report.search = overRanks(MPI_COMM_WORLD, 10);
+  const auto json = nlohmann::json::parse(searchReportJson(report));
+  for (const char* name : {"schema",      "case",
+                           "version",     "commit",
+                           "mpi",         "host",
+                           "ranks",       "threads_per_rank",
+                           "nodes",       "shuffled",
+                           "jitter",      "drift",
+                           "seed",        "warmup",
+                           "repetitions", "fom",
+                           "seconds",     "phases",
+                           "counts",      "memory",
+                           "pass",        "first_search_seconds"})
+    EXPECT_TRUE(json.contains(name)) << name;
+  EXPECT_FALSE(json.contains("balance")); // of `run`
+  EXPECT_EQ(json["fom"]["face_searches_per_second"], 1200.0);
+  EXPECT_EQ(json["timing"], "paper");
+  EXPECT_EQ(json["cpu_seconds"]["global_search"]["mean"], 0.125);
+  EXPECT_EQ(json["timers"][0]["name"], "search 2");
+  EXPECT_EQ(json["timers"][0]["imbalance"], 1.5);
+  EXPECT_EQ(json["timers"][0]["cpu_seconds"]["median"], 0.02);
+  EXPECT_EQ(json["memory"]["search"]["max_rank_bytes"], 10);
+  EXPECT_EQ(json["memory"]["search"]["sum_bytes"], 10 * sizeOf(MPI_COMM_WORLD));
+  std::ostringstream out;
+  printSearchReport(out, report);
+  EXPECT_NE(out.str().find("\nFOM face_searches_per_second=1200 seconds_per_search=0.25\nPASS\n"),
+            std::string::npos)
+      << out.str();
+  EXPECT_EQ(out.str().find("element"), std::string::npos) << "nothing that only `run` has";
 }
 
 TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
