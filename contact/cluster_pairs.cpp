@@ -21,7 +21,8 @@ struct Hits {
   int face[most_hits];
   unsigned lanes[most_hits];
   int count = 0; // may exceed most_hits
-  std::int64_t length[cluster_size] = {}; // of each node's row
+  bool by_index = true; // the order of (body, face id) is that of the indices
+  int length[cluster_size] = {}; // of each node's row
 
   KOKKOS_INLINE_FUNCTION void add(int candidate, unsigned of_lanes) {
     if (count < most_hits) {
@@ -30,7 +31,7 @@ struct Hits {
     }
     ++count;
     for (int lane = 0; lane < cluster_size; ++lane)
-      length[lane] += of_lanes >> lane & 1u;
+      length[lane] += static_cast<int>(of_lanes >> lane & 1u);
   }
 };
 
@@ -91,7 +92,11 @@ struct FindRows {
     if (owned != 0) {
       NodeCluster nodes;
       nodes.load(&node_bounds(cluster * cluster_size * 6), owned);
-      const auto keep = [&](int face, unsigned lanes) { hits.add(face, lanes); };
+      hits.by_index = test.order.face_rank.extent(0) == 0;
+      const auto keep = [&](int face, unsigned lanes) {
+        hits.add(face, lanes);
+        hits.by_index &= face < test.surface.num_faces;
+      };
       walkFaces(nodes, static_cast<int>(cluster), sums, keep);
       walkGhosts(nodes, static_cast<int>(cluster), sums, keep);
     }
@@ -113,24 +118,24 @@ struct FindRows {
   KOKKOS_INLINE_FUNCTION void walkFaces(const NodeCluster& nodes, int cluster, PairCounts& sums,
                                         const Keep& keep) const {
     const int first = cluster * cluster_size;
-    walkTree(face_tree, nodes.reach, [&](const int block) {
+    walkTree(face_tree, nodes.all, [&](const int block) {
       const float* const boxes = face_tree.block(0, block);
-      unsigned lanes = lanesWithin<block_size>(boxes, nodes.reach);
+      unsigned lanes = boxesWithin(boxes, nodes.all);
       ++sums.blocks;
       if (lanes == 0)
         return;
-      unsigned own[block_size];
-      ownNodes(&test.order.corners(std::int64_t(block) * 4 * block_size), first, own);
+      unsigned own[block_size]; // nodes of the cluster that are corners of the faces
+      bitsOfNumbers(&test.order.corners(std::int64_t(block) * 4 * block_size), first, own);
       for (; lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
-        float most[6];
-        reachOfLane(boxes, lane, most);
-        const unsigned near = lanesWithin<cluster_size>(nodes.sides, most) & ~own[lane];
+        const float* const box = boxes + lane;
+        const unsigned near =
+            lanesReaching<cluster_size>(nodes.lanes, box, block_size) & ~own[lane];
         if (near == 0)
           continue;
         const int face = test.order.face_order(block * block_size + lane);
-        const unsigned hit = decide(nodes, near, most, first, face);
+        const unsigned hit = decide(nodes, near, box, first, face);
         if (hit != 0)
           keep(face, hit);
       }
@@ -140,39 +145,25 @@ struct FindRows {
   template <class Keep>
   KOKKOS_INLINE_FUNCTION void walkGhosts(const NodeCluster& nodes, int cluster, PairCounts& sums,
                                          const Keep& keep) const {
-    walkTree(ghost_tree, nodes.reach, [&](const int block) {
+    walkTree(ghost_tree, nodes.all, [&](const int block) {
       const float* const boxes = ghost_tree.block(0, block);
       ++sums.blocks;
-      for (unsigned lanes = lanesWithin<block_size>(boxes, nodes.reach); lanes != 0;
-           lanes &= lanes - 1) {
+      for (unsigned lanes = boxesWithin(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
-        float most[6];
-        reachOfLane(boxes, lane, most);
-        const unsigned near = lanesWithin<cluster_size>(nodes.sides, most);
+        const float* const box = boxes + lane;
+        const unsigned near = lanesReaching<cluster_size>(nodes.lanes, box, block_size);
         const int face = test.surface.num_faces + block * block_size + lane;
-        const unsigned hit = decide(nodes, near, most, cluster * cluster_size, face);
+        const unsigned hit = decide(nodes, near, box, cluster * cluster_size, face);
         if (hit != 0)
           keep(face, hit);
       }
     });
   }
 
-  // [lane of the block] the cluster's nodes that are corners of the face.
-  KOKKOS_INLINE_FUNCTION static void ownNodes(const int* corners, int first,
-                                              unsigned (&own)[block_size]) {
-    for (int lane = 0; lane < block_size; ++lane)
-      own[lane] = 0;
-    for (int corner = 0; corner < 4; ++corner)
-      for (int lane = 0; lane < block_size; ++lane) {
-        const auto at = static_cast<unsigned>(corners[corner * block_size + lane] - first);
-        own[lane] |= at < unsigned(cluster_size) ? 1u << at : 0u;
-      }
-  }
-
-  // Of the lanes whose float boxes are within `most` of the face: those that really overlap and that the rules allow.
-  KOKKOS_INLINE_FUNCTION unsigned decide(const NodeCluster& nodes, unsigned near,
-                                         const float (&most)[6], int first, int face) const {
+  // Of the lanes that reach the face's box in floats: those that really overlap and that the rules allow.
+  KOKKOS_INLINE_FUNCTION unsigned decide(const NodeCluster& nodes, unsigned near, const float* box,
+                                         int first, int face) const {
     if (test.drop_same_body || face >= test.surface.num_faces)
       for (unsigned lanes = near; lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
@@ -181,7 +172,7 @@ struct FindRows {
       }
     if (near == 0)
       return 0;
-    unsigned unsure = near & ~lanesWithin<cluster_size, true>(nodes.sides, most);
+    unsigned unsure = near & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
     for (; unsure != 0; unsure &= unsure - 1) {
       const int lane = lowestBit(unsure);
       if (!test.overlap(test.order.node_order(first + lane), face))
@@ -209,9 +200,15 @@ struct FindRows {
       walkFaces(nodes, cluster, again, write);
       walkGhosts(nodes, cluster, again, write);
     }
+    if (hits.by_index)
+      sortRows(begin, rows, [](const int a, const int b) { return a < b; });
+    else
+      sortRows(begin, rows, [&](const int a, const int b) { return test.before(a, b); });
+  }
+  template <class Before>
+  KOKKOS_INLINE_FUNCTION static void sortRows(const int* begin, int* rows, const Before& before) {
     for (int lane = 0; lane < cluster_size; ++lane)
-      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane],
-              [&](const int a, const int b) { return test.before(a, b); });
+      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane], before);
   }
 };
 

@@ -6,32 +6,28 @@
 
 namespace brickwall::contact {
 
-// Boxes of a cluster's nodes, side by side, and what their union reaches. Lanes without a node hold the empty box.
+// What the boxes of a cluster's nodes reach: a box overlaps one of them if none of its sides (FloatBounds) exceeds the
+// node's reach, upper xyz, then minus lower xyz. Lanes without a node reach nothing.
 struct NodeCluster {
-  float sides[6 * cluster_size]; // [side][lane]
-  float reach[6]; // FloatBounds::reach() of the union
+  float lanes[6 * cluster_size]; // [side][lane]
+  float all[6]; // the most of all lanes
 
   // From `bounds` [node position][6]; only lanes of `wanted` take part.
   KOKKOS_INLINE_FUNCTION void load(const float* bounds, unsigned wanted) {
-    FloatBounds all;
+    for (int s = 0; s < 6; ++s)
+      all[s] = -HUGE_VALF;
     for (int lane = 0; lane < cluster_size; ++lane)
       for (int s = 0; s < 6; ++s) {
-        const float side = wanted >> lane & 1u ? bounds[lane * 6 + s] : HUGE_VALF;
-        sides[s * cluster_size + lane] = side;
-        all.side[s] = minOf(all.side[s], side);
+        const float reach = wanted >> lane & 1u ? -bounds[lane * 6 + (s + 3) % 6] : -HUGE_VALF;
+        lanes[s * cluster_size + lane] = reach;
+        all[s] = maxOf(all[s], reach);
       }
-    const FloatBounds of_union = all.reach();
-    for (int s = 0; s < 6; ++s)
-      reach[s] = of_union.side[s];
   }
 };
 
-// What a box must be within to overlap the box of lane `lane` of a block.
-KOKKOS_INLINE_FUNCTION void reachOfLane(const float* block, int lane, float (&reach)[6]) {
-  for (int d = 0; d < 3; ++d) {
-    reach[d] = -block[(3 + d) * block_size + lane];
-    reach[3 + d] = -block[d * block_size + lane];
-  }
+KOKKOS_INLINE_FUNCTION void prefetchBlock(const float* block) {
+  for (int line = 0; line < block_floats; line += 16)
+    prefetch(block + line);
 }
 
 // Calls visit(block) for each block of level 0 whose box is within `reach`, in ascending order. Depth first; per level one
@@ -48,8 +44,14 @@ KOKKOS_INLINE_FUNCTION void walkTree(const BoxTree& tree, const float (&reach)[6
   const int top = level;
   int block[most_levels];
   unsigned lanes[most_levels];
-  block[top] = 0;
-  lanes[top] = lanesWithin<block_size>(tree.block(top, 0), reach);
+  const auto enter = [&](int child) {
+    block[level] = child;
+    lanes[level] = boxesWithin(tree.block(level, child), reach);
+    if (level == 1)
+      for (unsigned wanted = lanes[1]; wanted != 0; wanted &= wanted - 1)
+        prefetchBlock(tree.block(0, std::int64_t(child) * block_size + lowestBit(wanted)));
+  };
+  enter(0);
   while (true) {
     while (lanes[level] == 0)
       if (++level > top)
@@ -60,8 +62,7 @@ KOKKOS_INLINE_FUNCTION void walkTree(const BoxTree& tree, const float (&reach)[6
       visit(child);
     } else {
       --level;
-      block[level] = child;
-      lanes[level] = lanesWithin<block_size>(tree.block(level, child), reach);
+      enter(child);
     }
   }
 }

@@ -8,16 +8,8 @@ namespace {
 
 constexpr int sides = 6;
 
-KOKKOS_INLINE_FUNCTION bool isFinite(const Vec3& x) {
-  return std::fabs(x.x) <= DBL_MAX && std::fabs(x.y) <= DBL_MAX && std::fabs(x.z) <= DBL_MAX;
-}
-
-KOKKOS_INLINE_FUNCTION void storeSides(float* to, const FloatBounds& bounds) {
-  for (int s = 0; s < sides; ++s)
-    to[s] = bounds.side[s];
-}
-
-// One cluster of nodes: their bounds, those of the cluster, and the sums. Rows of coordinates are read in kept order.
+// One cluster of nodes: their bounds, those of the cluster, and the sums. Lane by lane, so that the arithmetic takes SIMD
+// registers; rows of coordinates are read in kept order.
 struct RefitCluster {
   View<const double*[3]> x_old, x_new;
   View<const int*> node_order;
@@ -29,41 +21,106 @@ struct RefitCluster {
   std::int64_t num_nodes;
   bool same_bounds;
 
+  // The range of each lane's node over the step; the empty range where there is none.
+  struct Swept {
+    double lower[3][cluster_size], upper[3][cluster_size];
+  };
+
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster,
                                          SurfaceClusters::Sums& all) const {
     const std::int64_t first = cluster * cluster_size;
-    const std::int64_t end = minOf<std::int64_t>(first + cluster_size, num_nodes);
-    const unsigned is_owned = owned(cluster);
-    FloatBounds of_cluster;
-    for (std::int64_t position = first; position < end; ++position) {
-      const int node = node_order(position);
-      const Vec3 a = rowOf(x_old, node), b = rowOf(x_new, node);
-      Box swept;
-      if (isFinite(a) && isFinite(b)) {
-        swept.include(a);
-        swept.include(b);
-      } else {
-        ++all.num_invalid;
-        all.first_invalid = minOf(all.first_invalid, ids(node));
-      }
-      all.face_box.include(swept);
-      const FloatBounds corner = inflated(swept, face_tolerance);
-      storeSides(&corner_bounds(position * sides), corner);
-      const FloatBounds query = same_bounds ? corner : inflated(swept, node_tolerance);
-      if (!same_bounds)
-        storeSides(&node_bounds(position * sides), query);
-      if (is_owned & (1u << (position - first))) {
-        all.node_box.include(swept);
-        of_cluster.include(query);
-      }
+    const int used = static_cast<int>(minOf<std::int64_t>(cluster_size, num_nodes - first));
+    prefetchNodes(first + 4 * cluster_size); // the host's order is not ours: the memory must be asked early
+    Swept swept;
+    for (int lane = 0; lane < cluster_size; ++lane)
+      readNode(lane < used ? node_order(first + lane) : -1, lane, swept, all);
+    FloatBounds owned_bounds, bounds;
+    storeBounds(swept, face_tolerance, used, owned(cluster), &corner_bounds(first * sides), bounds,
+                owned_bounds);
+    all.corners.include(bounds);
+    if (!same_bounds) {
+      owned_bounds = FloatBounds();
+      storeBounds(swept, node_tolerance, used, owned(cluster), &node_bounds(first * sides), bounds,
+                  owned_bounds);
     }
-    storeSides(&cluster_bounds(cluster * sides), of_cluster);
+    all.owned_nodes.include(owned_bounds);
+    for (int s = 0; s < sides; ++s)
+      cluster_bounds(cluster * sides + s) = owned_bounds.side[s];
   }
-  KOKKOS_INLINE_FUNCTION FloatBounds inflated(Box box, double tolerance) const {
-    box.inflate(tolerance); // an empty box stays empty
-    return FloatBounds::of(box, origin);
+
+  KOKKOS_INLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
+    if (first + cluster_size > num_nodes)
+      return;
+    for (int lane = 0; lane < cluster_size; ++lane) {
+      const int node = node_order(first + lane);
+      prefetch(&x_old(node, 0));
+      prefetch(&x_new(node, 0));
+    }
+  }
+  KOKKOS_INLINE_FUNCTION void readNode(int node, int lane, Swept& swept,
+                                       SurfaceClusters::Sums& all) const {
+    for (int d = 0; d < 3; ++d) {
+      swept.lower[d][lane] = HUGE_VAL;
+      swept.upper[d][lane] = -HUGE_VAL;
+    }
+    if (node < 0)
+      return;
+    double not_finite = 0; // or 0 times infinity or NaN
+    for (int d = 0; d < 3; ++d)
+      not_finite += 0 * x_old(node, d) + 0 * x_new(node, d);
+    if (not_finite != 0) {
+      ++all.num_invalid;
+      all.first_invalid = minOf(all.first_invalid, ids(node));
+      return;
+    }
+    for (int d = 0; d < 3; ++d) {
+      swept.lower[d][lane] = minOf(x_old(node, d), x_new(node, d));
+      swept.upper[d][lane] = maxOf(x_old(node, d), x_new(node, d));
+    }
+  }
+
+  // Inflated, as floats, to rows of `rows`; their union, and that of the lanes in `wanted`.
+  KOKKOS_INLINE_FUNCTION void storeBounds(const Swept& swept, double tolerance, int used,
+                                          unsigned wanted, float* rows, FloatBounds& all,
+                                          FloatBounds& of_wanted) const {
+    float side[sides][cluster_size];
+    for (int d = 0; d < 3; ++d)
+      for (int lane = 0; lane < cluster_size; ++lane) {
+        const double lower = swept.lower[d][lane] - tolerance - origin[d];
+        const double upper = swept.upper[d][lane] + tolerance - origin[d];
+        side[d][lane] = lower < HUGE_VAL ? toFloat(lower) : HUGE_VALF;
+        side[3 + d][lane] = upper > -HUGE_VAL ? -toFloat(upper) : HUGE_VALF;
+      }
+    for (int lane = 0; lane < used; ++lane)
+      for (int s = 0; s < sides; ++s) {
+        rows[lane * sides + s] = side[s][lane];
+        all.side[s] = minOf(all.side[s], side[s][lane]);
+        of_wanted.side[s] =
+            minOf(of_wanted.side[s], wanted >> lane & 1u ? side[s][lane] : HUGE_VALF);
+      }
   }
 };
+
+// A box that holds all boxes of doubles that were rounded to these bounds.
+Box boxAround(const FloatBounds& bounds, const Vec3& origin) {
+  constexpr double ulp = 0x1p-23; // of a float, and more than twice its rounding error
+  Box box;
+  if (bounds.side[0] == HUGE_VALF)
+    return box;
+  for (int d = 0; d < 3; ++d) {
+    const double lower = bounds.side[d], upper = -double(bounds.side[3 + d]);
+    box.lower[d] = lower - ulp * (std::fabs(lower) + std::fabs(origin[d])) + origin[d];
+    box.upper[d] = upper + ulp * (std::fabs(upper) + std::fabs(origin[d])) + origin[d];
+    if (-lower >= double(FLT_MAX)) // beyond the range of floats
+      box.lower[d] = -HUGE_VAL;
+    if (upper >= double(FLT_MAX))
+      box.upper[d] = HUGE_VAL;
+    // denormals
+    box.lower[d] -= FLT_MIN;
+    box.upper[d] += FLT_MIN;
+  }
+  return box;
+}
 
 // One block of faces: their boxes, and their union as an item of the next level. A face's box is the union of its corners'
 // since rounding is monotone. Returns the sum of the block's extents.
@@ -189,10 +246,8 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
                                          config.face_tolerance, surface.num_nodes, _same_bounds},
                             Combine<Sums>(_sums));
     space.fence();
-    _sums.node_box.inflate(config.node_tolerance);
-    _sums.face_box.inflate(config.face_tolerance);
-    if (surface.num_faces == 0)
-      _sums.face_box = Box();
+    _node_box = boxAround(_sums.owned_nodes, _order.origin);
+    _face_box = surface.num_faces > 0 ? boxAround(_sums.corners, _order.origin) : Box();
   }
   const Region timer("search::face boxes");
   const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};

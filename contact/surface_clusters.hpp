@@ -27,22 +27,23 @@ public:
   } // [cluster][6], owned nodes only
   const BoxTree& faceTree() const { return _forest.tree(0); } // items are faces, by position
 
-  const Box& nodeBox() const { return _sums.node_box; } // Bbar_n, node_tolerance included
-  // Holds Bbar_f: the box of all nodes, if there are faces, face_tolerance included.
-  const Box& faceBox() const { return _sums.face_box; }
+  // Boxes that hold Bbar_n and Bbar_f, tolerances included, a rounding of a float larger; the second that of all nodes, if
+  // there are faces.
+  const Box& nodeBox() const { return _node_box; }
+  const Box& faceBox() const { return _face_box; }
   std::int64_t numInvalid() const { return _sums.num_invalid; } // nodes that are not finite
   global_id firstInvalid() const { return _sums.first_invalid; } // smallest global id of those
   std::int64_t numOrderings() const { return _num_orderings; }
 
   // What is reduced over the nodes in every step. Public for the kernels only.
   struct Sums {
-    Box node_box, face_box;
+    FloatBounds owned_nodes, corners; // with node_tolerance, with face_tolerance
     std::int64_t num_invalid = 0;
     global_id first_invalid = INT64_MAX;
 
     KOKKOS_INLINE_FUNCTION Sums& operator+=(const Sums& b) {
-      node_box += b.node_box;
-      face_box += b.face_box;
+      owned_nodes.include(b.owned_nodes);
+      corners.include(b.corners);
       num_invalid += b.num_invalid;
       first_invalid = minOf(first_invalid, b.first_invalid);
       return *this;
@@ -61,6 +62,7 @@ private:
   View<float*> _node_bounds{"contact::SurfaceClusters::node_bounds", 0};
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
   Sums _sums;
+  Box _node_box, _face_box;
   // Summed extents of the blocks of faces, length; one block counts at most _most_extent.
   double _extent = 0, _extent_when_ordered = 0, _most_extent = 0;
   std::int64_t _num_orderings = 0;

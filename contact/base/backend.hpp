@@ -121,6 +121,15 @@ KOKKOS_INLINE_FUNCTION void orderMemory() {
 #endif
 }
 
+// Asks the processor for data that will be read soon; on a device other threads hide the wait.
+KOKKOS_INLINE_FUNCTION void prefetch(const void* address) {
+#if defined(__GNUC__) && !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
+  __builtin_prefetch(address);
+#else
+  (void)address;
+#endif
+}
+
 // Number of threads (or device lanes) that the default execution space runs at once.
 inline int concurrency(const exec_space& space) {
 #if defined(KOKKOS_VERSION) && KOKKOS_VERSION >= 30700

@@ -14,33 +14,28 @@
 
 namespace brickwall {
 
-// Bit l: sides[s][l] <= most[s] for all six sides (with Strict: <). `sides` is [6][Width], unaligned.
+// Bit l: box[s * stride] <= reach[s][l] for all six sides (with Strict: <). `reach` is [6][Width], unaligned: one box
+// against what many boxes reach.
 template <int Width, bool Strict = false>
-KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&most)[6]) {
+KOKKOS_INLINE_FUNCTION unsigned lanesReaching(const float* reach, const float* box, int stride) {
 #if defined(BRICKWALL_LANES_AVX512)
-  constexpr int predicate = Strict ? _CMP_LT_OQ : _CMP_LE_OQ;
+  constexpr int predicate = Strict ? _CMP_GT_OQ : _CMP_GE_OQ;
   if constexpr (Width == 16) {
     __mmask16 lanes = 0xffff;
     for (int s = 0; s < 6; ++s)
-      lanes = _mm512_mask_cmp_ps_mask(lanes, _mm512_loadu_ps(sides + s * 16),
-                                      _mm512_set1_ps(most[s]), predicate);
-    return lanes;
-  } else if constexpr (Width == 8) {
-    __mmask8 lanes = 0xff;
-    for (int s = 0; s < 6; ++s)
-      lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * 8),
-                                      _mm256_set1_ps(most[s]), predicate);
+      lanes = _mm512_mask_cmp_ps_mask(lanes, _mm512_loadu_ps(reach + s * 16),
+                                      _mm512_set1_ps(box[s * stride]), predicate);
     return lanes;
   }
 #elif defined(BRICKWALL_LANES_AVX2)
-  constexpr int predicate = Strict ? _CMP_LT_OQ : _CMP_LE_OQ;
+  constexpr int predicate = Strict ? _CMP_GT_OQ : _CMP_GE_OQ;
   if constexpr (Width % 8 == 0) {
     unsigned lanes = 0;
     for (int part = 0; part < Width; part += 8) {
-      __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides + part), _mm256_set1_ps(most[0]), predicate);
+      __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(reach + part), _mm256_set1_ps(box[0]), predicate);
       for (int s = 1; s < 6; ++s)
-        all = _mm256_and_ps(all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * Width + part),
-                                               _mm256_set1_ps(most[s]), predicate));
+        all = _mm256_and_ps(all, _mm256_cmp_ps(_mm256_loadu_ps(reach + s * Width + part),
+                                               _mm256_set1_ps(box[s * stride]), predicate));
       lanes |= static_cast<unsigned>(_mm256_movemask_ps(all)) << part;
     }
     return lanes;
@@ -50,10 +45,58 @@ KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&mo
   for (int l = 0; l < Width; ++l) {
     bool within = true;
     for (int s = 0; s < 6; ++s)
-      within &= Strict ? sides[s * Width + l] < most[s] : sides[s * Width + l] <= most[s];
+      within &=
+          Strict ? box[s * stride] < reach[s * Width + l] : box[s * stride] <= reach[s * Width + l];
     lanes |= static_cast<unsigned>(within) << l;
   }
   return lanes;
+}
+
+// Bit l: sides[s][l] <= reach[s] for all six sides. `sides` is [6][8], unaligned: eight boxes against what one reaches.
+KOKKOS_INLINE_FUNCTION unsigned boxesWithin(const float* sides, const float (&reach)[6]) {
+#if defined(BRICKWALL_LANES_AVX512)
+  __mmask8 lanes = 0xff;
+  for (int s = 0; s < 6; ++s)
+    lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]),
+                                    _CMP_LE_OQ);
+  return lanes;
+#elif defined(BRICKWALL_LANES_AVX2)
+  __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides), _mm256_set1_ps(reach[0]), _CMP_LE_OQ);
+  for (int s = 1; s < 6; ++s)
+    all = _mm256_and_ps(
+        all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]), _CMP_LE_OQ));
+  return static_cast<unsigned>(_mm256_movemask_ps(all));
+#else
+  unsigned lanes = 0;
+  for (int l = 0; l < 8; ++l) {
+    bool within = true;
+    for (int s = 0; s < 6; ++s)
+      within &= sides[s * 8 + l] <= reach[s];
+    lanes |= static_cast<unsigned>(within) << l;
+  }
+  return lanes;
+#endif
+}
+
+// bits[l]: for each of four numbers numbers[k][l], bit numbers[k][l] - first, if that is in [0, 32).
+KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigned (&bits)[8]) {
+#if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
+  const __m256i one = _mm256_set1_epi32(1), base = _mm256_set1_epi32(first);
+  __m256i all = _mm256_setzero_si256();
+  for (int k = 0; k < 4; ++k) { // a shift by 32 or more, as unsigned, gives 0
+    const __m256i number = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers + 8 * k));
+    all = _mm256_or_si256(all, _mm256_sllv_epi32(one, _mm256_sub_epi32(number, base)));
+  }
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(bits), all);
+#else
+  for (int l = 0; l < 8; ++l) {
+    bits[l] = 0;
+    for (int k = 0; k < 4; ++k) {
+      const auto at = static_cast<unsigned>(numbers[8 * k + l] - first);
+      bits[l] |= at < 32u ? 1u << at : 0u;
+    }
+  }
+#endif
 }
 
 // Number of the lowest bit that is set; bits != 0.
