@@ -1,6 +1,7 @@
 // One way to read a candidate face, whether it is this rank's own or a ghost: both give the same bits.
 #pragma once
 
+#include "contact/construct_boxes.hpp"
 #include "contact/projection.hpp"
 #include "contact/surface.hpp"
 
@@ -40,6 +41,18 @@ struct FaceAccess {
     for (int j = 0; j < 4; ++j)
       q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
     return q;
+  }
+  // Whether the swept boxes of node and face overlap at these tolerances, as the searches decide it: the same bits.
+  KOKKOS_INLINE_FUNCTION bool boxesOverlap(int node, int face, double node_tolerance,
+                                           double face_tolerance) const {
+    Box box;
+    for (int j = 0; j < 4; ++j) {
+      box.include(corner(face, j, surface.coordinates_old, ghosts.coordinates_old));
+      box.include(corner(face, j, surface.coordinates_new, ghosts.coordinates_new));
+    }
+    box.inflate(face_tolerance);
+    return box.overlaps(nodeBox(rowOf(surface.coordinates_old, node),
+                                rowOf(surface.coordinates_new, node), node_tolerance));
   }
   // x^{n+1} - x^n of a corner, length.
   KOKKOS_INLINE_FUNCTION Vec3 cornerMotion(int face, int j) const {

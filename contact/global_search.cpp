@@ -44,6 +44,10 @@ void GlobalSearch::sendToGhosts(const exec_space& space, const Surface& surface,
                    _migration, ghost_values);
 }
 
+void GlobalSearch::refreshGhosts(const exec_space& space, const Surface& surface) {
+  sendCoordinates(space, _comm, _ghost_search.faces_to_send, surface, _migration);
+}
+
 std::vector<SentFace> GlobalSearch::sentFaces(const exec_space& space,
                                               const Surface& surface) const {
   const PartnerLists& lists = _ghost_search.faces_to_send;

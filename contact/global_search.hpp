@@ -44,6 +44,10 @@ public:
                     const View<const double* [3]>& node_values,
                     const View<double* [12]>& ghost_values);
 
+  // Collective among partners. Gives ghosts() the present coordinates, x^n and x^{n+1}, of their owners' surfaces, which are
+  // otherwise as in the last findGhosts().
+  void refreshGhosts(const exec_space& space, const Surface& surface);
+
   // The faces that the last findGhosts() sent, by destination, within one in the order in which its ghosts lie there;
   // `surface` as it was given then. Copies to the host.
   std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const;

@@ -19,6 +19,8 @@ public:
                                            const GhostFaces& ghosts, const SurfaceBoxes& boxes);
 
   const CandidatePairs& pairs() const { return _pairs; }
+  // What pairs() tell their users from now on.
+  void setStepTest(const StepTest& test) { _pairs.step_test = test; }
 
 private:
   SearchConfig _config;

@@ -136,7 +136,7 @@ struct SelectInteractions {
       const int face = pairs.faces(pair);
       if (faces.body(face) != body)
         return;
-      if (slot >= 0 && faces.id(face) == last_face) {
+      if (slot >= 0 && faces.id(face) == last_face && isOfThisStep(node, face)) {
         seen |= 1 << slot;
         hit.previous_face = face;
       }
@@ -149,7 +149,15 @@ struct SelectInteractions {
     if (plane.surelyOutside(x, config.lateral_tolerance) || !isOpposed(node, plane.normal))
       return false;
     point = project(faces.quad(face), x);
-    return point.activeWithin(config.lateral_tolerance) && point.gap < 0;
+    return point.activeWithin(config.lateral_tolerance) && point.gap < 0 &&
+           isOfThisStep(node, face);
+  }
+  // Whether a search in this step would list the pair. Asked last and so of few pairs: with it the contacts do not depend
+  // on the margin.
+  KOKKOS_INLINE_FUNCTION bool isOfThisStep(int node, int face) const {
+    const StepTest& test = pairs.step_test;
+    return !test.is_needed ||
+           faces.boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {

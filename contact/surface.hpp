@@ -38,6 +38,13 @@ struct GhostFaces {
   View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
 };
 
+// Pairs found with a margin (candidate_search.hpp) are more than those of a step: the latter are the pairs whose boxes of the
+// step, inflated by these tolerances, overlap (FaceAccess::boxesOverlap). Who must not depend on the margin tests for that.
+struct StepTest {
+  bool is_needed = false;
+  double node_tolerance = 0, face_tolerance = 0; // length
+};
+
 // Candidate pairs in rows, one row for each surface node, in the order of the search's own choosing: row r lists the faces
 // that node(r) may touch, faces(begin(r)) .. faces(end(r) - 1). A face index below num_faces is an own face, else ghost face
 // index - num_faces. Rows of nodes not owned here are empty. Each row is in the order of (body, face id), without repeats.
@@ -52,6 +59,7 @@ struct CandidatePairs {
   // [block][rows_per_block + 1] where the block's rows begin, and its last row ends, from block_begin
   View<int*> row_begin{"contact::CandidatePairs::row_begin", 0};
   View<int*> faces{"contact::CandidatePairs::faces", 0};
+  StepTest step_test;
 
   KOKKOS_INLINE_FUNCTION int node(std::int64_t row) const { return row_nodes(row); }
   KOKKOS_INLINE_FUNCTION std::int64_t begin(std::int64_t row) const { return at(row, 0); }

@@ -11,6 +11,7 @@ constexpr int ghost_reactions = 23; // contact: forces on ghost faces back to th
 constexpr int node_box_counts = 24; // contact: sizes of phase 4's messages
 constexpr int face_counts = 25; // contact: sizes of phase 6's messages
 constexpr int corner_values = 26; // contact: nodal values to the corners of ghost faces
+constexpr int ghost_coordinates = 27; // contact: coordinates of ghost faces that are kept
 constexpr int by_rank = 71; // base: exchangeByRank
 
 } // namespace brickwall::tags

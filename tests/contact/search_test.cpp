@@ -2,6 +2,7 @@
 // search promises: invariants of the partners, the way back, errors found together, no allocation in a steady step.
 #include "contact/global_search.hpp"
 #include "contact/local_search.hpp"
+#include "host_rows.hpp"
 #include "search_oracle.hpp"
 
 #include <gtest/gtest.h>
@@ -27,32 +28,6 @@ SearchConfig configOf(const SurfaceCase& c, SearchMethod method) {
 const char* nameOf(SearchMethod method) {
   return method == SearchMethod::paper ? "paper" : "reference";
 }
-
-template <class ViewType>
-auto onHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
-// The rows of candidates on the host.
-class HostRows {
-public:
-  explicit HostRows(const CandidatePairs& pairs)
-      : _nodes(onHost(pairs.row_nodes)), _blocks(onHost(pairs.block_begin)),
-        _rows(onHost(pairs.row_begin)), _faces(onHost(pairs.faces)) {}
-  int node(int row) const { return _nodes(row); }
-  std::vector<int> faces(int row) const {
-    const int block = row / CandidatePairs::rows_per_block;
-    std::vector<int> faces;
-    for (int i = _rows(row + block); i < _rows(row + block + 1); ++i)
-      faces.push_back(_faces(_blocks(block) + i));
-    return faces;
-  }
-
-private:
-  View<int*>::HostMirror _nodes;
-  View<std::int64_t*>::HostMirror _blocks;
-  View<int*>::HostMirror _rows, _faces;
-};
 
 // Stops at the first difference, which makes a readable message.
 ::testing::AssertionResult ghostsAre(const SurfaceCase& c, const std::vector<int>& expected,

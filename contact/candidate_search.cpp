@@ -1,0 +1,115 @@
+// Why kept lists are complete. The boxes of a search at step m are inflated by T = t + margin/2, t the tolerance. Let no
+// coordinate of x^{n-1} and x^n be further than D <= T - t from that of x^m. Then the swept box of a node at step m, inflated
+// by T, holds that of step n, inflated by t: its lower bound is min(x^{m-1}, x^m) - T <= x^m - D - t <= min(x^{n-1}, x^n) - t,
+// and so for the upper bounds, for faces (hulls of their corners) and for the copies of faces on other ranks. Boxes that
+// overlap in step n have overlapped in step m: the pair is listed. This holds bit for bit, since rounding is monotone: only T
+// and D themselves must be right, so D is measured against the difference of the T and t used, less a few units in the last
+// place for the rounding of T - t and of D.
+#include "contact/candidate_search.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "contact/base/vec3.hpp"
+
+#include <cfloat>
+#include <cmath>
+
+namespace brickwall::contact {
+namespace {
+
+SearchConfig withMargin(SearchConfig config, double margin) {
+  for (const double length : {config.node_tolerance, config.face_tolerance, margin})
+    if (!(length >= 0) || !std::isfinite(length))
+      throw InputError("CandidateSearch: tolerance or margin is " + std::to_string(length) +
+                       ", needs a finite length >= 0");
+  config.node_tolerance += 0.5 * margin;
+  config.face_tolerance += 0.5 * margin;
+  return config;
+}
+
+// |to - from| along the axis where it is largest; infinity if `to` is not finite.
+KOKKOS_INLINE_FUNCTION double motionBetween(const Vec3& from, const Vec3& to) {
+  double largest = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double moved = std::fabs(to[d] - from[d]);
+    largest = maxOf(largest, moved <= DBL_MAX ? moved : HUGE_VAL); // also of NaN
+  }
+  return largest;
+}
+
+// Of this rank's nodes, in both configurations of the step.
+double largestMotion(const exec_space& space, const View<const double* [3]>& searched_at,
+                     const Surface& surface) {
+  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  double largest = 0;
+  Kokkos::parallel_reduce(
+      "contact::largestMotion", over(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node, double& all) {
+        const Vec3 from = rowOf(searched_at, node);
+        all = maxOf(all, maxOf(motionBetween(from, rowOf(x_old, node)),
+                               motionBetween(from, rowOf(x_new, node))));
+      },
+      Kokkos::Max<double>(largest));
+  space.fence();
+  return maxOf(largest, 0.0); // of no nodes it is below
+}
+
+void copyCoordinates(const exec_space& space, const Surface& surface,
+                     const View<double* [3]>& copy) {
+  const auto x_new = surface.coordinates_new;
+  Kokkos::parallel_for(
+      "contact::copyCoordinates", over(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int d = 0; d < 3; ++d)
+          copy(node, d) = x_new(node, d);
+      });
+}
+
+} // namespace
+
+CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
+    : _comm(comm), _margin(margin), _global(comm, withMargin(config, margin)),
+      _local(withMargin(config, margin)) {
+  if (margin == 0)
+    return;
+  const SearchConfig& wide = _global.config();
+  _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
+                                                  wide.face_tolerance - config.face_tolerance);
+  _local.setStepTest({true, config.node_tolerance, config.face_tolerance});
+}
+
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
+  ++_updates;
+  if (mayKeepLists(space, surface))
+    _global.refreshGhosts(space, surface);
+  else
+    search(space, surface);
+  return _local.pairs();
+}
+
+// A coordinate that is not finite makes all ranks search, and so tell.
+bool CandidateSearch::mayKeepLists(const exec_space& space, const Surface& surface) const {
+  if (_margin == 0)
+    return false;
+  const Region region("measureMotion");
+  const bool same_surface =
+      _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
+  const double motion = same_surface ? largestMotion(space, _searched_at, surface) : HUGE_VAL;
+  return allReduce(_comm, motion, MPI_MAX) <= _allowed_motion;
+}
+
+void CandidateSearch::search(const exec_space& space, const Surface& surface) {
+  _has_lists = false; // in case of a throw
+  const GhostFaces& ghosts = _global.findGhosts(space, surface);
+  _local.findCandidatePairs(space, surface, ghosts, _global.boxes());
+  if (_margin > 0) {
+    growTo(space, _searched_at, surface.num_nodes);
+    copyCoordinates(space, surface, _searched_at);
+  }
+  _num_nodes = surface.num_nodes;
+  _num_faces = surface.num_faces;
+  _has_lists = true;
+  ++_searches;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,62 @@
+// What a host code calls: global and local search together, with lists that may be kept over several steps by the
+// search-margin theorem of shared/physics.md, section 4. Lists kept this way miss no pair of any step.
+#pragma once
+
+#include "contact/global_search.hpp"
+#include "contact/local_search.hpp"
+
+namespace brickwall::contact {
+
+class CandidateSearch {
+public:
+  // `comm` must outlive the search. `margin` (length, the same on all ranks): ghosts and pairs are searched with boxes
+  // larger by it and kept until nodes have moved half of it; 0 searches in every step. Throws InputError for a tolerance
+  // or a margin that is negative or not finite.
+  CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
+
+  // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin the pairs are those of
+  // a search in this step and more, which CandidatePairs::step_test tells apart; the order of rows is that of the last
+  // search. Ghosts have this step's coordinates, all else as of the last search. A step without a search reads the
+  // coordinates once, reduces one number over ranks and sends one message per partner. Between calls only coordinates may
+  // change, in any way, unless forget() is called. Throws PhysicsError on all ranks together, naming node and rank, when a
+  // coordinate is not finite.
+  const CandidatePairs& update(const exec_space& space, const Surface& surface);
+
+  // The next update() searches on all ranks, whatever the motion: the surface is another. On one rank or more.
+  void forget() { _has_lists = false; }
+
+  const GhostFaces& ghosts() const { return _global.ghosts(); }
+  const CandidatePairs& pairs() const { return _local.pairs(); }
+
+  // Collective; as GlobalSearch, for the ghosts of the last update().
+  void returnToOwners(const exec_space& space, const View<const std::int64_t* [12]>& ghost_values,
+                      const View<std::int64_t* [12]>& own_face_values) {
+    _global.returnToOwners(space, ghost_values, own_face_values);
+  }
+  void sendToGhosts(const exec_space& space, const Surface& surface,
+                    const View<const double* [3]>& node_values,
+                    const View<double* [12]>& ghost_values) {
+    _global.sendToGhosts(space, surface, node_values, ghost_values);
+  }
+
+  SearchStatistics statistics() const { return _global.statistics(); } // of the last search
+  std::int64_t updates() const { return _updates; } // since the start
+  std::int64_t searches() const { return _searches; } // of these, with a search
+  double margin() const { return _margin; }
+
+private:
+  bool mayKeepLists(const exec_space& space, const Surface& surface) const;
+  void search(const exec_space& space, const Surface& surface);
+
+  MPI_Comm _comm;
+  double _margin;
+  double _allowed_motion = 0; // of a node since the last search, along an axis
+  GlobalSearch _global;
+  LocalSearch _local;
+  bool _has_lists = false;
+  int _num_nodes = 0, _num_faces = 0; // of the last search
+  View<double* [3]> _searched_at { "contact::CandidateSearch::searched_at", 0 }; // x^m [node][xyz]
+  std::int64_t _updates = 0, _searches = 0;
+};
+
+} // namespace brickwall::contact
