@@ -120,7 +120,7 @@ struct FindRows {
     const int first = cluster * cluster_size;
     walkTree(face_tree, nodes.all, [&](const int block) {
       const float* const boxes = face_tree.block(0, block);
-      unsigned lanes = boxesWithin(boxes, nodes.all);
+      unsigned lanes = lanesWithin<block_size>(boxes, nodes.all);
       ++sums.blocks;
       if (lanes == 0)
         return;
@@ -148,7 +148,7 @@ struct FindRows {
     walkTree(ghost_tree, nodes.all, [&](const int block) {
       const float* const boxes = ghost_tree.block(0, block);
       ++sums.blocks;
-      for (unsigned lanes = boxesWithin(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      for (unsigned lanes = lanesWithin<block_size>(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
         const float* const box = boxes + lane;

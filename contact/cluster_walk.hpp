@@ -46,7 +46,7 @@ KOKKOS_INLINE_FUNCTION void walkTree(const BoxTree& tree, const float (&reach)[6
   unsigned lanes[most_levels];
   const auto enter = [&](int child) {
     block[level] = child;
-    lanes[level] = boxesWithin(tree.block(level, child), reach);
+    lanes[level] = lanesWithin<block_size>(tree.block(level, child), reach);
     if (level == 1)
       for (unsigned wanted = lanes[1]; wanted != 0; wanted &= wanted - 1)
         prefetchBlock(tree.block(0, std::int64_t(child) * block_size + lowestBit(wanted)));

@@ -61,13 +61,7 @@ void constructFaceBoxes(const exec_space& space, const Surface& surface, double 
   Kokkos::parallel_reduce(
       "contact::constructBoxes::faces", over(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face, Box& all) {
-        Box box;
-        for (int corner = 0; corner < 4; ++corner) {
-          const int node = face_to_nodes(face, corner);
-          box.include(rowOf(x_old, node));
-          box.include(rowOf(x_new, node));
-        }
-        box.inflate(tolerance);
+        const Box box = faceBox(x_old, x_new, face_to_nodes, face, tolerance);
         face_boxes(face) = box;
         all.include(box);
       },

@@ -26,6 +26,21 @@ KOKKOS_INLINE_FUNCTION Box nodeBox(const Vec3& x_old, const Vec3& x_new, double 
   return box;
 }
 
+// Box of a face over the step. The one place of this arithmetic: every method's face boxes are the same bits.
+KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
+                                   const View<const double* [3]>& x_new,
+                                   const View<const int* [4]>& face_to_nodes, std::int64_t face,
+                                   double tolerance) {
+  Box box;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int node = face_to_nodes(face, corner);
+    box.include(rowOf(x_old, node));
+    box.include(rowOf(x_new, node));
+  }
+  box.inflate(tolerance);
+  return box;
+}
+
 // Fills `boxes` from the surface. Invalid coordinates are counted, not thrown: the ranks decide in phase 2.
 void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes);

@@ -83,14 +83,20 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
 
 void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
-                  int num_attributes, FaceMigration& migration) {
+                  int num_attributes, SearchMethod method, FaceMigration& migration) {
   const Region region("migrateFaces");
   const Region timer("search::migration");
   auto& messages = migration.messages;
-  messages.agreeOnSizes(comm, tags::face_counts, faces_to_send.ranks, faces_to_send.offsets,
-                        senders);
+  const int width = attributes + num_attributes;
   packFaces(space, surface, faces_to_send, num_attributes, messages.buffers);
-  messages.exchange(space, comm, tags::face_migration, attributes + num_attributes);
+  if (method == SearchMethod::cluster) {
+    messages.exchangeOfAnySize(space, comm, tags::face_migration, width, faces_to_send.ranks,
+                               faces_to_send.offsets, senders);
+  } else {
+    messages.agreeOnSizes(comm, tags::face_counts, faces_to_send.ranks, faces_to_send.offsets,
+                          senders);
+    messages.exchange(space, comm, tags::face_migration, width);
+  }
   growGhosts(space, messages.receiveOffsets().back(), num_attributes, migration.ghosts);
   unpackFaces(space, num_attributes, messages.buffers, migration.ghosts);
 }

@@ -5,6 +5,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/message_exchange.hpp"
 #include "contact/partner_lists.hpp"
+#include "contact/search_config.hpp"
 #include "contact/surface.hpp"
 
 namespace brickwall::contact {
@@ -14,10 +15,12 @@ struct FaceMigration {
   PartnerMessages messages;
 };
 
-// Collective among partners. Sends the listed faces and receives the ghosts of this rank from `senders` (Q_snd).
+// Collective among partners. Sends the listed faces and receives the ghosts of this rank from `senders` (Q_snd): one
+// message per partner and direction, of 30 words a face and its attributes. `paper` and `reference` tell their sizes in
+// a message before.
 void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
-                  int num_attributes, FaceMigration& migration);
+                  int num_attributes, SearchMethod method, FaceMigration& migration);
 
 // Collective among partners. own_face_values(face, :) += ghost_values(ghost, :) of all ghosts of the face. `faces_sent`
 // as of the last migration.

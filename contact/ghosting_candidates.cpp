@@ -6,15 +6,6 @@
 namespace brickwall::contact {
 namespace {
 
-// Ranks other than this one whose box meets `own`.
-void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,
-                  std::vector<int>& ranks) {
-  ranks.clear();
-  for (int q = 0; q < static_cast<int>(boxes.size()); ++q)
-    if (q != this_rank && own.overlaps(boxes[q]))
-      ranks.push_back(q);
-}
-
 struct OverlapsRankBox {
   View<const Box*> boxes;
   View<const Box*> rank_boxes;

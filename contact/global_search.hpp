@@ -3,6 +3,8 @@
 // owns.
 #pragma once
 
+#include "contact/block_ghost_search.hpp"
+#include "contact/cluster_candidates.hpp"
 #include "contact/construct_boxes.hpp"
 #include "contact/face_ghost_search.hpp"
 #include "contact/face_migration.hpp"
@@ -11,6 +13,7 @@
 #include "contact/rank_boxes.hpp"
 #include "contact/search_config.hpp"
 #include "contact/surface.hpp"
+#include "contact/surface_clusters.hpp"
 
 #include <mpi.h>
 
@@ -29,7 +32,7 @@ public:
   // `comm` must outlive the search. Throws InputError for a negative or non-finite tolerance.
   GlobalSearch(MPI_Comm comm, const SearchConfig& config);
 
-  // Collective. The ghost faces of this step, in the order of (owner rank, face id); valid until the next call.
+  // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the next call.
   // Throws PhysicsError on all ranks together, naming node and rank, when a coordinate is not finite.
   const GhostFaces& findGhosts(const exec_space& space, const Surface& surface);
 
@@ -49,24 +52,40 @@ public:
   void refreshGhosts(const exec_space& space, const Surface& surface);
 
   // The faces that the last findGhosts() sent, by destination, within one in the order in which its ghosts lie there;
-  // `surface` as it was given then. Copies to the host.
+  // `surface` as it was given then. Not collective; copies what was sent to the host.
   std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const;
 
-  // Boxes of the last findGhosts(), for the local search.
+  // Boxes of the last findGhosts(), for the local search of methods `paper` and `reference`.
   const SurfaceBoxes& boxes() const { return _boxes; }
+  // The surface in order and its boxes of the last findGhosts(), of method `cluster`.
+  const SurfaceClusters& clusters() const { return _clusters; }
+  SurfaceClusters& clusters() { return _clusters; }
   const GhostFaces& ghosts() const { return _migration.ghosts; }
   SearchStatistics statistics() const; // of the last findGhosts(), this rank's
   const SearchConfig& config() const { return _config; }
 
 private:
+  void findByClusters(const exec_space& space, const Surface& surface);
+  void findByBoxes(const exec_space& space, const Surface& surface);
+  const PartnerLists& facesToSend() const { // L_ges
+    return _config.method == SearchMethod::cluster ? _block_search.faces_to_send
+                                                   : _ghost_search.faces_to_send;
+  }
+
   MPI_Comm _comm;
   SearchConfig _config;
-  SurfaceBoxes _boxes; // phase 1
   RankBoxes _rank_boxes; // phase 2
+  FaceMigration _migration; // phase 6
+  // `cluster`
+  SurfaceClusters _clusters; // phase 1
+  ClusterCandidates _cluster_candidates; // phase 3
+  PartnerMessages _node_boxes; // phase 4
+  BlockGhostSearch _block_search; // phase 5
+  // `paper` and `reference`
+  SurfaceBoxes _boxes; // phase 1
   GhostingCandidates _candidates; // phase 3
   RemoteNodeBoxes _remote_nodes; // phase 4
   FaceGhostSearch _ghost_search; // phase 5
-  FaceMigration _migration; // phase 6
 };
 
 } // namespace brickwall::contact

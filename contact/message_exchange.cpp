@@ -8,9 +8,7 @@ const std::vector<std::int64_t>&
 PartnerMessages::agreeOnSizes(MPI_Comm comm, int tag, const std::vector<int>& receivers,
                               const std::vector<std::int64_t>& send_offsets,
                               const std::vector<int>& senders) {
-  _receivers = receivers;
-  _senders = senders;
-  _send_offsets = send_offsets;
+  setPartners(receivers, send_offsets, senders);
   _counts.resize(receivers.size() + senders.size());
   _requests.clear();
   std::int64_t* const expected = _counts.data() + receivers.size();
@@ -30,7 +28,20 @@ PartnerMessages::agreeOnSizes(MPI_Comm comm, int tag, const std::vector<int>& re
   _receive_offsets.assign(1, 0);
   for (std::size_t p = 0; p < senders.size(); ++p)
     _receive_offsets.push_back(_receive_offsets.back() + expected[p]);
-  mergePartners();
+  return _receive_offsets;
+}
+
+const std::vector<std::int64_t>& PartnerMessages::exchangeOfAnySize(
+    const exec_space& space, MPI_Comm comm, int tag, int width, const std::vector<int>& receivers,
+    const std::vector<std::int64_t>& send_offsets, const std::vector<int>& senders) {
+  setPartners(receivers, send_offsets, senders);
+  _send_words.assign(1, 0);
+  for (std::size_t p = 0; p < receivers.size(); ++p)
+    _send_words.push_back(send_offsets[p + 1] * width);
+  buffers.exchangeOfAnySize(space, comm, tag, receivers, _send_words, senders, _receive_words);
+  _receive_offsets.resize(_receive_words.size());
+  for (std::size_t p = 0; p < _receive_words.size(); ++p)
+    _receive_offsets[p] = _receive_words[p] / width;
   return _receive_offsets;
 }
 
@@ -46,7 +57,15 @@ void PartnerMessages::exchangeBack(const exec_space& space, MPI_Comm comm, int t
   buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
 }
 
-void PartnerMessages::mergePartners() {
+// The merged list lasts as long as the partners do.
+void PartnerMessages::setPartners(const std::vector<int>& receivers,
+                                  const std::vector<std::int64_t>& send_offsets,
+                                  const std::vector<int>& senders) {
+  _send_offsets = send_offsets;
+  if (receivers == _receivers && senders == _senders)
+    return;
+  _receivers = receivers;
+  _senders = senders;
   _partners.clear();
   std::set_union(_receivers.begin(), _receivers.end(), _senders.begin(), _senders.end(),
                  std::back_inserter(_partners));

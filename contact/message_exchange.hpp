@@ -1,4 +1,5 @@
-// Pairwise messages whose sizes and partners change every step: the receivers are told the sizes first.
+// Pairwise messages whose sizes and partners change every step: the receivers are told the sizes first, or find them
+// out when the messages come.
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
@@ -17,6 +18,14 @@ public:
                                                 const std::vector<std::int64_t>& send_offsets,
                                                 const std::vector<int>& senders);
 
+  // Collective among partners. agreeOnSizes() and exchange() in one message per partner and direction: its size comes with
+  // it. buffers.send holds send_offsets.back() rows of `width` words. Returns the offsets of the rows received.
+  const std::vector<std::int64_t>& exchangeOfAnySize(const exec_space& space, MPI_Comm comm,
+                                                     int tag, int width,
+                                                     const std::vector<int>& receivers,
+                                                     const std::vector<std::int64_t>& send_offsets,
+                                                     const std::vector<int>& senders);
+
   // Collective among partners. Sends buffers.send and fills buffers.receive, of `width` words a row, sizes as agreed
   // last; grow and fill buffers.send first.
   void exchange(const exec_space& space, MPI_Comm comm, int tag, int width);
@@ -30,7 +39,8 @@ public:
   MessageBuffers buffers;
 
 private:
-  void mergePartners();
+  void setPartners(const std::vector<int>& receivers, const std::vector<std::int64_t>& send_offsets,
+                   const std::vector<int>& senders);
   void spread(const std::vector<int>& ranks, const std::vector<std::int64_t>& offsets, int width,
               std::vector<std::int64_t>& words) const;
 

@@ -8,6 +8,13 @@ namespace {
 
 constexpr int box_words = 6;
 
+KOKKOS_INLINE_FUNCTION void packBox(const Box& box, std::int64_t* words) {
+  for (int d = 0; d < 3; ++d) {
+    words[d] = toWord(box.lower[d]);
+    words[3 + d] = toWord(box.upper[d]);
+  }
+}
+
 void packBoxes(const exec_space& space, const View<const Box*>& boxes, const PartnerLists& lists,
                MessageBuffers& buffers) {
   growTo(space, buffers.send, lists.size() * box_words);
@@ -15,12 +22,20 @@ void packBoxes(const exec_space& space, const View<const Box*>& boxes, const Par
   const View<const int*> rows = lists.rows;
   Kokkos::parallel_for(
       "contact::exchangeNodeBoxes::pack", over(space, lists.size()),
+      KOKKOS_LAMBDA(const std::int64_t i) { packBox(boxes(rows(i)), &words(i * box_words)); });
+}
+
+void packBoxes(const exec_space& space, const Surface& surface, double tolerance,
+               const PartnerLists& lists, MessageBuffers& buffers) {
+  growTo(space, buffers.send, lists.size() * box_words);
+  const auto words = buffers.send;
+  const View<const int*> nodes = lists.rows;
+  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  Kokkos::parallel_for(
+      "contact::exchangeNodeBoxes::packNodes", over(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        const Box& box = boxes(rows(i));
-        for (int d = 0; d < 3; ++d) {
-          words(i * box_words + d) = toWord(box.lower[d]);
-          words(i * box_words + 3 + d) = toWord(box.upper[d]);
-        }
+        const int node = nodes(i);
+        packBox(nodeBox(rowOf(x_old, node), rowOf(x_new, node), tolerance), &words(i * box_words));
       });
 }
 
@@ -30,17 +45,13 @@ void unpackBoxes(const exec_space& space, RemoteNodeBoxes& remote) {
   copyToDevice(space, remote.offsets, remote.device_offsets);
   const View<const std::int64_t*> offsets = remote.device_offsets;
   const auto num_senders = static_cast<int>(remote.ranks.size());
-  const auto words = remote.messages.buffers.receive;
+  const View<const std::int64_t*> words = remote.messages.buffers.receive;
   const auto boxes = remote.boxes;
   const auto senders = remote.senders;
   Kokkos::parallel_reduce(
       "contact::exchangeNodeBoxes::unpack", over(space, remote.size()),
       KOKKOS_LAMBDA(const std::int64_t i, Box& all) {
-        Box box;
-        for (int d = 0; d < 3; ++d) {
-          fromWord(words(i * box_words + d), box.lower[d]);
-          fromWord(words(i * box_words + 3 + d), box.upper[d]);
-        }
+        const Box box = receivedNodeBox(words, i);
         boxes(i) = box;
         senders(i) = partnerOf(offsets, num_senders, i);
         all.include(box);
@@ -65,6 +76,17 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
 
   checkedInt(remote.size(), "node boxes received");
   unpackBoxes(space, remote);
+}
+
+void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                       double node_tolerance, const PartnerLists& nodes_to_send,
+                       const std::vector<int>& senders, PartnerMessages& messages) {
+  const Region region("exchangeNodeBoxes");
+  const Region timer("search::node-box exchange");
+  packBoxes(space, surface, node_tolerance, nodes_to_send, messages.buffers);
+  messages.exchangeOfAnySize(space, comm, tags::node_boxes, box_words, nodes_to_send.ranks,
+                             nodes_to_send.offsets, senders);
+  checkedInt(messages.receiveOffsets().back(), "node boxes received");
 }
 
 } // namespace brickwall::contact

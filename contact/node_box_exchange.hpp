@@ -25,4 +25,19 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
                        const PartnerLists& nodes_to_send, const std::vector<int>& senders,
                        RemoteNodeBoxes& remote);
 
+// The same for the cluster search: boxes of the listed nodes, in their order, one message per partner. Read what came by
+// receivedNodeBox(messages.buffers.receive, i), i in messages.receiveOffsets().
+void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                       double node_tolerance, const PartnerLists& nodes_to_send,
+                       const std::vector<int>& senders, PartnerMessages& messages);
+
+KOKKOS_INLINE_FUNCTION Box receivedNodeBox(const View<const std::int64_t*>& words, std::int64_t i) {
+  Box box;
+  for (int d = 0; d < 3; ++d) {
+    fromWord(words(i * 6 + d), box.lower[d]);
+    fromWord(words(i * 6 + 3 + d), box.upper[d]);
+  }
+  return box;
+}
+
 } // namespace brickwall::contact

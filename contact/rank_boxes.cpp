@@ -60,23 +60,23 @@ int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
 
 } // namespace
 
-void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceBoxes& boxes,
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes& own,
                        RankBoxes& all) {
   const Region region("exchangeRankBoxes");
   const Region timer("search::rank-box exchange");
   all.rank = rankOf(comm);
   all.size = sizeOf(comm);
-  std::int64_t own[num_words];
-  packBox(boxes.node_box, own + node_box);
-  packBox(boxes.face_box, own + face_box);
-  own[num_invalid] = boxes.num_invalid;
-  own[first_invalid] = boxes.first_invalid;
-  own[attributes] = surface.num_faces > 0
-                        ? static_cast<std::int64_t>(surface.face_attributes.extent(1))
-                        : no_faces;
+  std::int64_t told[num_words];
+  packBox(own.node_box, told + node_box);
+  packBox(own.face_box, told + face_box);
+  told[num_invalid] = own.num_invalid;
+  told[first_invalid] = own.first_invalid;
+  told[attributes] = surface.num_faces > 0
+                         ? static_cast<std::int64_t>(surface.face_attributes.extent(1))
+                         : no_faces;
   all._words.resize(static_cast<std::size_t>(all.size) * num_words);
   checkMpi(
-      MPI_Allgather(own, num_words, MPI_INT64_T, all._words.data(), num_words, MPI_INT64_T, comm),
+      MPI_Allgather(told, num_words, MPI_INT64_T, all._words.data(), num_words, MPI_INT64_T, comm),
       "MPI_Allgather");
   throwIfNotFinite(all._words, all.size);
   all.num_attributes = agreedAttributes(all._words, all.size);
@@ -87,6 +87,28 @@ void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceBoxes
     all.node_boxes[q] = unpackBox(of_rank + node_box);
     all.face_boxes[q] = unpackBox(of_rank + face_box);
   }
+}
+
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceBoxes& boxes,
+                       RankBoxes& all) {
+  exchangeRankBoxes(
+      comm, surface,
+      OwnRankBoxes{boxes.node_box, boxes.face_box, boxes.num_invalid, boxes.first_invalid}, all);
+}
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceClusters& clusters,
+                       RankBoxes& all) {
+  exchangeRankBoxes(comm, surface,
+                    OwnRankBoxes{clusters.nodeBox(), clusters.faceBox(), clusters.numInvalid(),
+                                 clusters.firstInvalid()},
+                    all);
+}
+
+void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,
+                  std::vector<int>& ranks) {
+  ranks.clear();
+  for (int q = 0; q < static_cast<int>(boxes.size()); ++q)
+    if (q != this_rank && own.overlaps(boxes[q]))
+      ranks.push_back(q);
 }
 
 } // namespace brickwall::contact

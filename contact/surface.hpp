@@ -23,7 +23,8 @@ struct Surface {
   View<const double**> face_attributes;
 };
 
-// Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then face id.
+// Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then of face id (methods
+// `paper` and `reference`) or as the owner keeps its faces (`cluster`: an order that lasts until the owner sorts anew).
 // Rows [0, count) are valid; the Views may be longer (they persist and grow).
 struct GhostFaces {
   using CornerIds = View<global_id* [4]>; // [ghost][corner]

@@ -22,7 +22,8 @@ inline std::int64_t scanCounts(const exec_space& space, const std::string& label
   return total;
 }
 
-// Calls emit(i, sink) for each i in [0, n), twice: the first time sink(value) only counts, the second time it stores.
+// Calls emit(i, sink) for each i in [0, n), twice: the first time sink(value) only counts, the second time it stores (and
+// those i that emitted nothing are not asked again).
 // On return offsets[0, n] are the exclusive offsets and values[offsets(i), offsets(i+1)) what i emitted, in order.
 // Both Views are grown, never shrunk. Returns the total.
 template <class T, class Emit>
@@ -42,7 +43,8 @@ std::int64_t countScanFill(const exec_space& space, const std::string& label, st
   Kokkos::parallel_for(
       label + "::fill", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         std::int64_t next = counts(i);
-        emit(i, [&](const T& value) { filled(next++) = value; });
+        if (counts(i + 1) > next)
+          emit(i, [&](const T& value) { filled(next++) = value; });
       });
   return total;
 }

@@ -42,6 +42,52 @@ public:
       copyRange(space, receive, _staged_receive, num_receive);
   }
 
+  // The same with sizes that the receivers do not know. Sends to each of `receivers`, also nothing; `receive_offsets`
+  // [sender + 1] are found from what comes from each of `senders`.
+  void exchangeOfAnySize(const exec_space& space, MPI_Comm comm, int tag,
+                         const std::vector<int>& receivers,
+                         const std::vector<std::int64_t>& send_offsets,
+                         const std::vector<int>& senders,
+                         std::vector<std::int64_t>& receive_offsets) {
+    growStaging(send_offsets.back(), 0);
+    if constexpr (!host_accessible)
+      copyRange(space, _staged_send, send, send_offsets.back());
+    space.fence(); // `receive` may still be read, too
+    _requests.clear();
+    for (std::size_t p = 0; p < receivers.size(); ++p) {
+      _requests.emplace_back();
+      checkMpi(MPI_Isend(sendData() + send_offsets[p],
+                         checkedInt(send_offsets[p + 1] - send_offsets[p], "message"), MPI_INT64_T,
+                         receivers[p], tag, comm, &_requests.back()),
+               "MPI_Isend");
+    }
+    // All sizes first, so that the buffer grows before anything lies in it.
+    _messages.resize(senders.size());
+    receive_offsets.assign(1, 0);
+    for (std::size_t p = 0; p < senders.size(); ++p) {
+      MPI_Status status;
+      int words = 0;
+      checkMpi(MPI_Mprobe(senders[p], tag, comm, &_messages[p], &status), "MPI_Mprobe");
+      checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
+      receive_offsets.push_back(receive_offsets.back() + words);
+    }
+    const std::int64_t num_receive = receive_offsets.back();
+    growTo(space, receive, num_receive);
+    growStaging(0, num_receive);
+    space.fence(); // a View that grew is freed before MPI writes
+    for (std::size_t p = 0; p < senders.size(); ++p) {
+      _requests.emplace_back();
+      checkMpi(MPI_Imrecv(receiveData() + receive_offsets[p],
+                          static_cast<int>(receive_offsets[p + 1] - receive_offsets[p]),
+                          MPI_INT64_T, &_messages[p], &_requests.back()),
+               "MPI_Imrecv");
+    }
+    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
+             "MPI_Waitall");
+    if constexpr (!host_accessible)
+      copyRange(space, receive, _staged_receive, num_receive);
+  }
+
   View<std::int64_t*> send{"base::MessageBuffers::send", 0};
   View<std::int64_t*> receive{"base::MessageBuffers::receive", 0};
 
@@ -81,6 +127,7 @@ private:
 
   staging_view _staged_send, _staged_receive;
   std::vector<MPI_Request> _requests;
+  std::vector<MPI_Message> _messages;
 };
 
 // Bits of a double as a message word and back.

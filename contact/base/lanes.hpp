@@ -52,30 +52,38 @@ KOKKOS_INLINE_FUNCTION unsigned lanesReaching(const float* reach, const float* b
   return lanes;
 }
 
-// Bit l: sides[s][l] <= reach[s] for all six sides. `sides` is [6][8], unaligned: eight boxes against what one reaches.
-KOKKOS_INLINE_FUNCTION unsigned boxesWithin(const float* sides, const float (&reach)[6]) {
+// Bit l: sides[s][l] <= reach[s] for all six sides (with Strict: <). `sides` is [6][Width], unaligned: many boxes against
+// what one reaches.
+template <int Width, bool Strict = false>
+KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&reach)[6]) {
+#if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
+  constexpr int predicate = Strict ? _CMP_LT_OQ : _CMP_LE_OQ;
+#endif
 #if defined(BRICKWALL_LANES_AVX512)
-  __mmask8 lanes = 0xff;
-  for (int s = 0; s < 6; ++s)
-    lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]),
-                                    _CMP_LE_OQ);
-  return lanes;
+  if constexpr (Width == 8) {
+    __mmask8 lanes = 0xff;
+    for (int s = 0; s < 6; ++s)
+      lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * 8),
+                                      _mm256_set1_ps(reach[s]), predicate);
+    return lanes;
+  }
 #elif defined(BRICKWALL_LANES_AVX2)
-  __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides), _mm256_set1_ps(reach[0]), _CMP_LE_OQ);
-  for (int s = 1; s < 6; ++s)
-    all = _mm256_and_ps(
-        all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]), _CMP_LE_OQ));
-  return static_cast<unsigned>(_mm256_movemask_ps(all));
-#else
+  if constexpr (Width == 8) {
+    __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides), _mm256_set1_ps(reach[0]), predicate);
+    for (int s = 1; s < 6; ++s)
+      all = _mm256_and_ps(
+          all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]), predicate));
+    return static_cast<unsigned>(_mm256_movemask_ps(all));
+  }
+#endif
   unsigned lanes = 0;
-  for (int l = 0; l < 8; ++l) {
+  for (int l = 0; l < Width; ++l) {
     bool within = true;
     for (int s = 0; s < 6; ++s)
-      within &= sides[s * 8 + l] <= reach[s];
+      within &= Strict ? sides[s * Width + l] < reach[s] : sides[s * Width + l] <= reach[s];
     lanes |= static_cast<unsigned>(within) << l;
   }
   return lanes;
-#endif
 }
 
 // bits[l]: for each of four numbers numbers[k][l], bit numbers[k][l] - first, if that is in [0, 32).
