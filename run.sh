@@ -6,6 +6,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 usage() {
   cat <<'TEXT'
 ./run.sh [run|check|mesh|search] [DECK] [-n RANKS] [-t THREADS] [-o DIR] [further options]
+./run.sh --study NAME [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
 
   run       (default) runs the deck: Exodus results joined to one file, picture, history.csv, report.json
   check     reads the deck and says what the scene will model; runs nothing
@@ -16,11 +17,15 @@ usage() {
   -n, --ranks N       MPI ranks (default 1)
   -t, --threads N     threads of each rank (default: the physical cores, divided by the ranks)
   -o, --output DIR    output folder (default out/<deck name>/)
-  -h, --help          this text
+  -h, --help          this text (behind --study NAME: that of the study)
   --preset NAME       preset of CMakePresets.json to build and run (default "default")
   --program FILE      run this program as it is; no set-up, no build
   --no-picture        draw nothing
   --                  everything behind it goes to the program as it is
+
+Studies are many runs; they leave tables and plots in their folder (default out/study_NAME/):
+  --study paper       the search over sizes, methods, ranks and threads: the paper's Figs. 8 to 11
+                      (--sizes 2,8 --repetitions 5 --methods paper,cluster and more; verification/performance/README.md)
 
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
@@ -44,7 +49,7 @@ die() {
 
 command=run
 deck=
-ranks=1
+ranks=
 threads=
 output=
 preset=default
@@ -52,14 +57,25 @@ program=
 picture=yes
 writes=yes
 program_options=()
+study=
+wants_help=no
 
+# The driver of a study. More studies: more lines here.
+study_driver() {
+  case $1 in
+    paper) echo "$root/verification/performance/paper_study.py" ;;
+    *) die "no study \"$1\"; there is: paper" ;;
+  esac
+}
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
 value_of() { [[ $# -ge 2 ]] || die "$1 needs a value"; }
 
 case ${1:-} in run | check | mesh | search) command=$1; shift ;; esac
 while [[ $# -gt 0 ]]; do
   case $1 in
-    -h | --help) usage; exit 0 ;;
+    -h | --help) wants_help=yes; shift ;;
+    --study) value_of "$@"; study=$2; driver=$(study_driver "$2"); shift 2 ;;
+    --study=*) study=${1#*=}; driver=$(study_driver "$study"); shift ;;
     -n | --ranks) value_of "$@"; ranks=$2; shift 2 ;;
     -t | --threads) value_of "$@"; threads=$2; shift 2 ;;
     -o | --output) value_of "$@"; output=$2; shift 2 ;;
@@ -85,11 +101,16 @@ while [[ $# -gt 0 ]]; do
       ;;
   esac
 done
-positive -n "$ranks"
-deck=${deck:-$root/inputs/brick_wall.toml}
-name=$(basename "$deck")
-name=${name%.*}
-output=${output:-out/$name}
+if [[ $wants_help == yes ]]; then
+  [[ -z $study ]] || exec /usr/bin/python3 "$driver" --help
+  usage
+  exit 0
+fi
+if [[ -n $study ]]; then
+  [[ -z $deck ]] || die "a study has decks of its own, found $deck"
+else
+  positive -n "${ranks:=1}"
+fi
 
 if [[ -z $program ]]; then
   "$root/cmake/setup.sh" --preset "$preset" --target brickwall
@@ -99,6 +120,17 @@ if [[ -z $program ]]; then
 else
   build=$(cd "$(dirname "$program")/.." && pwd)
 fi
+if [[ -n $study ]]; then
+  study_options=(--run-sh "$root/run.sh" --program "$(realpath "$program")")
+  [[ -z $ranks ]] || study_options+=(-n "$ranks")
+  [[ -z $threads ]] || study_options+=(-t "$threads")
+  [[ -z $output ]] || study_options+=(-o "$output")
+  exec /usr/bin/python3 "$driver" "${study_options[@]}" ${program_options[@]+"${program_options[@]}"}
+fi
+deck=${deck:-$root/inputs/brick_wall.toml}
+name=$(basename "$deck")
+name=${name%.*}
+output=${output:-out/$name}
 cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true; }
 
 # Threads: this process' share of the physical cores.

@@ -239,6 +239,7 @@ void readMethods(const Deck& deck, Config& config) {
   config.search.repetitions = deck.integer("search", "repetitions");
   config.search.warmup = deck.integer("search", "warmup");
   config.search.seed = deck.integer("search", "seed");
+  config.search.local = deck.boolean("search", "local");
   config.search.shuffle = deck.boolean("search", "shuffle");
 
   config.time.end = deck.real("time", "end");

@@ -114,6 +114,7 @@ struct SearchConfig {
   std::int64_t repetitions = 10; // counted searches, `brickwall search` only
   std::int64_t warmup = 2; // searches before them that are not counted
   std::int64_t seed = 1;
+  bool local = true; // the local search too, `brickwall search` only
   bool shuffle = false; // local nodes and faces in no useful order, `brickwall search` only
 };
 

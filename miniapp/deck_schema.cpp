@@ -164,6 +164,8 @@ std::vector<BlockRule> methodBlocks() {
             .atLeast(0)
             .atMost(1e9),
         integer("seed", "of jitter, drift and shuffle").byDefault("1").atLeast(0),
+        boolean("local", "the local search too, or the global one alone (brickwall search)")
+            .byDefault("true"),
         boolean("shuffle", "local nodes and faces in random order (brickwall search)")
             .byDefault("false")}},
       {"time",

@@ -94,7 +94,8 @@ private:
     const Region region(whole);
     const contact::Surface surface = _moving.surface();
     const auto& ghosts = _global_search.findGhosts(_space, surface);
-    _local_search.findCandidatePairs(_space, surface, ghosts, _global_search.boxes());
+    if (_config.search.local)
+      _local_search.findCandidatePairs(_space, surface, ghosts, _global_search.boxes());
   }
 
   SearchOnlyReport makeReport(const MemoryAbove& memory) const {
@@ -106,6 +107,7 @@ private:
     report.faces = _num_faces;
     report.method = nameOf(_config.search.method);
     report.timing = _options.timing;
+    report.with_local_search = _config.search.local;
     report.shuffled = _config.search.shuffle;
     report.jitter = _config.search.jitter;
     report.drift = _config.search.drift;

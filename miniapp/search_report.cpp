@@ -76,6 +76,7 @@ std::string searchReportJson(const SearchOnlyReport& r) {
   json["faces"] = r.faces;
   json["method"] = r.method;
   json["timing"] = nameOf(r.timing);
+  json["local_search"] = r.with_local_search;
   json["shuffled"] = r.shuffled;
   json["jitter"] = r.jitter;
   json["drift"] = r.drift;

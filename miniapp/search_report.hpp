@@ -33,6 +33,7 @@ struct SearchOnlyReport {
   std::int64_t nodes = 0, faces = 0; // of all ranks
   std::string method;
   Timing timing = Timing::normal;
+  bool with_local_search = true; // else its figures are 0
   bool shuffled = false; // local node and face order was permuted
   double jitter = 0, drift = 0; // of an edge
   std::int64_t seed = 0, warmup = 0, repetitions = 0;

@@ -70,6 +70,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.contact.self, SelfContact::automatic);
   EXPECT_EQ(config.search.method, SearchMethod::paper);
   EXPECT_FALSE(config.search.shuffle);
+  EXPECT_TRUE(config.search.local);
   EXPECT_EQ(config.time.safety, 0.8);
   EXPECT_FALSE(config.time.steps.has_value());
   EXPECT_EQ(config.limits.energy_error, 0.1);
@@ -95,7 +96,8 @@ TEST(Config, ReadsEveryKey) {
       "[contact]\nenabled = false\ntolerance = 0.1\npenalty = 0.25\nself = \"always\"\n"
       "lateral_tolerance = 0.2\n"
       "[search]\nmethod = \"reference\"\njitter = 0.1\ndrift = 0.2\nrepetitions = 3\nwarmup = 0\n"
-      "seed = 9\nshuffle = true\n[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
+      "seed = 9\nshuffle = true\nlocal = false\n[time]\nend = 1\nsafety = 0.5\nsteps = "
+      "7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
       "precision = \"single\"\nprocessor_id = true\n"
       "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n",
@@ -129,6 +131,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.search.method, SearchMethod::reference);
   EXPECT_EQ(config.search.seed, 9);
   EXPECT_TRUE(config.search.shuffle);
+  EXPECT_FALSE(config.search.local);
   EXPECT_EQ(*config.time.steps, 7);
   EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::single);

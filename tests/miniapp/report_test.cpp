@@ -298,17 +298,29 @@ TEST(SearchReport, NamesItsFieldsAsAgreed) {
   report.timers = {{"search 2", {0.1, 0.2, 0.3, 0.15, 1.5}, {0.01, 0.02, 0.03, 0.015, 1.25}}};
   report.search = overRanks(MPI_COMM_WORLD, 10);
   const auto json = nlohmann::json::parse(searchReportJson(report));
-  for (const char* name : {"schema",      "case",
-                           "version",     "commit",
-                           "mpi",         "host",
-                           "ranks",       "threads_per_rank",
-                           "nodes",       "shuffled",
-                           "jitter",      "drift",
-                           "seed",        "warmup",
-                           "repetitions", "fom",
-                           "seconds",     "phases",
-                           "counts",      "memory",
-                           "pass",        "first_search_seconds"})
+  for (const char* name : {"schema",
+                           "case",
+                           "version",
+                           "commit",
+                           "mpi",
+                           "host",
+                           "ranks",
+                           "threads_per_rank",
+                           "nodes",
+                           "shuffled",
+                           "jitter",
+                           "drift",
+                           "seed",
+                           "warmup",
+                           "repetitions",
+                           "fom",
+                           "seconds",
+                           "phases",
+                           "counts",
+                           "memory",
+                           "pass",
+                           "local_search",
+                           "first_search_seconds"})
     EXPECT_TRUE(json.contains(name)) << name;
   EXPECT_FALSE(json.contains("balance")); // of `run`
   EXPECT_EQ(json["fom"]["face_searches_per_second"], 1200.0);

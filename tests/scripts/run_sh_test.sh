@@ -41,4 +41,15 @@ expect 0 check "$inputs/one_brick.toml" -o checked
 expect 2 run "$inputs/one_brick.toml" --set wall.brics=1
 expect 2 run no_such_deck.toml
 expect 2 run -n none
+
+# Studies: an unknown one is refused with those that there are, decks are not for them, each has a help of its own.
+expect 2 --study papers
+grep -q 'no study "papers"; there is: paper' log || fail "an unknown study is not refused by name"
+expect 2 --study
+expect 2 --study paper "$inputs/one_brick.toml"
+expect 2 --study paper --sizes none -o study
+expect 0 --study paper -h
+grep -q -- '--sizes' log || fail "a study has no help"
+expect 0 search "$inputs/wall_17k.toml" -o search_only --set search.repetitions=1
+[[ -s search_only/search.json && ! -e search_only/report.json ]] || fail "a search does not write its own report"
 echo "run.sh keeps its promises"
