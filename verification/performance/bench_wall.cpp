@@ -4,33 +4,11 @@
 #include "contact/construct_boxes.hpp"
 #include "io/wall_generator.hpp"
 
-#include <algorithm>
-#include <numeric>
-#include <random>
-
 namespace brickwall::peers {
 namespace {
 
 constexpr double jitter = 0.01, drift = 0.01, tolerance = 0.05; // of an element's edge
 constexpr std::uint64_t seed = 1;
-
-// rows[i] := rows[order[i]], `width` entries a row
-template <class T>
-void permute(const std::vector<int>& order, int width, std::vector<T>& rows) {
-  std::vector<T> permuted;
-  permuted.reserve(rows.size());
-  for (const int row : order)
-    for (int w = 0; w < width; ++w)
-      permuted.push_back(rows[static_cast<std::size_t>(row) * width + w]);
-  rows.swap(permuted);
-}
-
-std::vector<int> randomOrder(std::size_t n, std::mt19937_64& random) {
-  std::vector<int> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  std::shuffle(order.begin(), order.end(), random);
-  return order;
-}
 
 template <class T>
 auto onHost(const View<T>& view) {
@@ -48,27 +26,15 @@ io::SurfacePart wallSurface(MPI_Comm comm, int n) {
   return io::generateWallSurface(comm, wall, io::WallJitter{jitter, seed});
 }
 
-void shuffle(io::SurfacePart& part, std::uint64_t shuffle_seed) {
-  std::mt19937_64 random(shuffle_seed);
-  const auto nodes = randomOrder(part.node_ids.size(), random);
-  const auto faces = randomOrder(part.face_ids.size(), random);
-  permute(nodes, 1, part.node_ids);
-  permute(nodes, 3, part.coordinates);
-  permute(nodes, 1, part.node_owner);
-  permute(nodes, 1, part.node_body);
-  permute(faces, 1, part.face_ids);
-  permute(faces, 4, part.face_nodes);
-  permute(faces, 1, part.face_body);
-  std::vector<int> new_node(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    new_node[nodes[i]] = static_cast<int>(i);
-  for (int& node : part.face_nodes)
-    node = new_node[node];
-}
-
 miniapp::SearchSurface movingWall(const exec_space& space, MPI_Comm comm, int n,
                                   const io::SurfacePart& part) {
   return miniapp::SearchSurface(space, part, rankOf(comm), drift / n, seed);
+}
+
+const std::map<std::string, contact::SearchMethod>& searchMethods() {
+  static const std::map<std::string, contact::SearchMethod> methods = {
+      {"paper", contact::SearchMethod::paper}, {"reference", contact::SearchMethod::reference}};
+  return methods;
 }
 
 contact::SearchConfig wallSearch(int n, contact::SearchMethod method) {

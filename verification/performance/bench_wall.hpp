@@ -9,17 +9,20 @@
 
 #include <mpi.h>
 
+#include <map>
+#include <string>
+
 namespace brickwall::peers {
 
 // Collective. This rank's part of the surface of W(n).
 io::SurfacePart wallSurface(MPI_Comm comm, int n);
 
-// Nodes and faces of the part in random order, ids and connectivity following.
-void shuffle(io::SurfacePart& part, std::uint64_t seed);
-
 // The surface as it drifts in `brickwall search`.
 miniapp::SearchSurface movingWall(const exec_space& space, MPI_Comm comm, int n,
                                   const io::SurfacePart& part);
+
+// Our methods by the names that command lines take.
+const std::map<std::string, contact::SearchMethod>& searchMethods();
 
 // Both tolerances are 5 % of an element's edge.
 contact::SearchConfig wallSearch(int n, contact::SearchMethod method);

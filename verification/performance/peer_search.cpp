@@ -1,6 +1,7 @@
 // Our contact search and its peers on the same boxes of the wall W(n), in one process, turn by turn, pair sets compared.
 // Prints medians, ratios and, of our steady step, the distance to the memory bandwidth of the same run. PEERS.md says
 // what is counted.
+#include "io/shuffle_surface.hpp"
 #include "verification/performance/bench_wall.hpp"
 #include "verification/performance/own_search.hpp"
 #include "verification/performance/timings.hpp"
@@ -12,7 +13,6 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
-#include <map>
 
 namespace {
 
@@ -33,9 +33,6 @@ struct Options {
   std::string only; // part of the name of the peers to run
   std::string json;
 };
-
-const std::map<std::string, contact::SearchMethod> methods = {
-    {"paper", contact::SearchMethod::paper}, {"reference", contact::SearchMethod::reference}};
 
 struct Line {
   std::string name;
@@ -74,7 +71,7 @@ Contest startContest(const std::string& title, const Options& options,
                      const std::vector<Runner>& peers) {
   Contest contest;
   contest.title = title;
-  for (const auto& [name, method] : methods)
+  for (const auto& [name, method] : searchMethods())
     if (method == options.method)
       contest.lines.push_back({"Brickwall " + name, true, {}, false, {}});
   for (const Runner& runner : peers)
@@ -132,7 +129,7 @@ Contest runSteadySteps(MPI_Comm comm, const Options& options, const io::SurfaceP
 // The first search of objects just made, on nodes and faces in random order.
 Contest runFirstSteps(MPI_Comm comm, const Options& options, io::SurfacePart part) {
   const exec_space space;
-  shuffle(part, 2);
+  io::shuffleSurface(2, part);
   auto wall = movingWall(space, comm, options.n, part);
   auto peers = runners(comm, options);
   Contest contest = startContest("first step, shuffled input", options, peers);
@@ -247,7 +244,7 @@ int main(int argc, char** argv) {
   CLI::App app("Times the contact search beside its peers on the wall W(n)");
   app.add_option("-n,--size", options.n, "n of W(n), 4350 n^2 faces")->check(CLI::PositiveNumber);
   app.add_option("--method", options.method, "our method")
-      ->transform(CLI::CheckedTransformer(methods));
+      ->transform(CLI::CheckedTransformer(searchMethods()));
   app.add_option("--repetitions", options.repetitions)->check(CLI::PositiveNumber);
   app.add_option("--warmup", options.warmup, "steady steps not counted")
       ->check(CLI::NonNegativeNumber);
