@@ -148,7 +148,8 @@ struct FindRows {
     walkTree(ghost_tree, nodes.all, [&](const int block) {
       const float* const boxes = ghost_tree.block(0, block);
       ++sums.blocks;
-      for (unsigned lanes = lanesWithin<block_size>(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      for (unsigned lanes = lanesWithin<block_size>(boxes, nodes.all); lanes != 0;
+           lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
         const float* const box = boxes + lane;
