@@ -100,8 +100,8 @@ bool CandidateSearch::mayKeepLists(const exec_space& space, const Surface& surfa
 
 void CandidateSearch::search(const exec_space& space, const Surface& surface) {
   _has_lists = false; // in case of a throw
-  const GhostFaces& ghosts = _global.findGhosts(space, surface);
-  _local.findCandidatePairs(space, surface, ghosts, _global.boxes());
+  _global.findGhosts(space, surface);
+  _local.findCandidatePairs(space, surface, _global);
   if (_margin > 0) {
     growTo(space, _searched_at, surface.num_nodes);
     copyCoordinates(space, surface, _searched_at);

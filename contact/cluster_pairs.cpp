@@ -118,14 +118,14 @@ struct FindRows {
   KOKKOS_INLINE_FUNCTION void walkFaces(const NodeCluster& nodes, int cluster, PairCounts& sums,
                                         const Keep& keep) const {
     const int first = cluster * cluster_size;
-    walkTree(face_tree, nodes.all, [&](const int block) {
+    walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
       const float* const boxes = face_tree.block(0, block);
-      unsigned lanes = lanesWithin<block_size>(boxes, nodes.all);
+      unsigned lanes = lanesOverlapping(boxes, nodes.all);
       ++sums.blocks;
       if (lanes == 0)
         return;
       unsigned own[block_size]; // nodes of the cluster that are corners of the faces
-      bitsOfNumbers(&test.order.corners(std::int64_t(block) * 4 * block_size), first, own);
+      bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
       for (; lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
@@ -145,16 +145,15 @@ struct FindRows {
   template <class Keep>
   KOKKOS_INLINE_FUNCTION void walkGhosts(const NodeCluster& nodes, int cluster, PairCounts& sums,
                                          const Keep& keep) const {
-    walkTree(ghost_tree, nodes.all, [&](const int block) {
+    walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
       const float* const boxes = ghost_tree.block(0, block);
       ++sums.blocks;
-      for (unsigned lanes = lanesWithin<block_size>(boxes, nodes.all); lanes != 0;
-           lanes &= lanes - 1) {
+      for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
         const int lane = lowestBit(lanes);
         ++sums.faces;
         const float* const box = boxes + lane;
         const unsigned near = lanesReaching<cluster_size>(nodes.lanes, box, block_size);
-        const int face = test.surface.num_faces + block * block_size + lane;
+        const int face = test.surface.num_faces + static_cast<int>(block) * block_size + lane;
         const unsigned hit = decide(nodes, near, box, cluster * cluster_size, face);
         if (hit != 0)
           keep(face, hit);

@@ -95,10 +95,18 @@ void sortRows(const exec_space& space, const DeviceRules& rules, const Candidate
 
 const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
                                                       const Surface& surface,
-                                                      const GhostFaces& ghosts,
-                                                      const SurfaceBoxes& boxes) {
+                                                      const GlobalSearch& global) {
   const Region region("findCandidatePairs");
   const Region timer("search::local search");
+  if (_config.method == SearchMethod::cluster)
+    _clusters.find(space, surface, global.ghosts(), global.clusters(), _config, _pairs);
+  else
+    findByBoxes(space, surface, global.ghosts(), global.boxes());
+  return _pairs;
+}
+
+void LocalSearch::findByBoxes(const exec_space& space, const Surface& surface,
+                              const GhostFaces& ghosts, const SurfaceBoxes& boxes) {
   View<const Box*> face_boxes = boxes.face_boxes;
   Box all = boxes.face_box;
   const int num_faces = surface.num_faces + ghosts.count;
@@ -126,7 +134,6 @@ const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
   }
   layOutRowsByNode(space, surface.num_nodes, _offsets, _pairs);
   sortRows(space, rules, _pairs);
-  return _pairs;
 }
 
 } // namespace brickwall::contact

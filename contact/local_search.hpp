@@ -2,9 +2,8 @@
 #pragma once
 
 #include "contact/bvh_query.hpp"
-#include "contact/construct_boxes.hpp"
-#include "contact/search_config.hpp"
-#include "contact/surface.hpp"
+#include "contact/cluster_pairs.hpp"
+#include "contact/global_search.hpp"
 
 namespace brickwall::contact {
 
@@ -13,23 +12,30 @@ public:
   explicit LocalSearch(const SearchConfig& config) : _config(config) {}
 
   // The candidate pairs of this step; valid until the next call. A node's own faces (those that list its global id
-  // as a corner) are never listed; with drop_same_body neither are faces of the node's body. `boxes` are those that the
-  // global search made of `surface`, `ghosts` what it found. Not collective.
+  // as a corner) are never listed; with drop_same_body neither are faces of the node's body. `global` has found the
+  // ghosts of this step with the same configuration; its boxes and, for `cluster`, its order are used. Not collective.
   const CandidatePairs& findCandidatePairs(const exec_space& space, const Surface& surface,
-                                           const GhostFaces& ghosts, const SurfaceBoxes& boxes);
+                                           const GlobalSearch& global);
 
   const CandidatePairs& pairs() const { return _pairs; }
   // What pairs() tell their users from now on.
   void setStepTest(const StepTest& test) { _pairs.step_test = test; }
+  // Work of the last search; 0 but for `cluster`.
+  const PairCounts& counts() const { return _clusters.counts(); }
 
 private:
+  void findByBoxes(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+                   const SurfaceBoxes& boxes);
+
   SearchConfig _config;
+  CandidatePairs _pairs;
+  ClusterPairs _clusters; // `cluster`
+  // `paper` and `reference`
   View<Box*> _face_boxes; // [own faces, then ghosts], when there are ghosts
   Bvh _tree;
   QueryOrder _order;
   QueryResults _results;
   View<std::int64_t*> _offsets{"contact::LocalSearch::offsets", 0}; // [node + 1]
-  CandidatePairs _pairs;
 };
 
 } // namespace brickwall::contact

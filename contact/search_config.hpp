@@ -12,7 +12,7 @@ namespace brickwall::contact {
 enum class SearchMethod { cluster, paper, reference };
 
 struct SearchConfig {
-  SearchMethod method = SearchMethod::paper;
+  SearchMethod method = SearchMethod::cluster;
   double node_tolerance = 0; // inflation of node boxes, length, >= 0
   double face_tolerance = 0; // inflation of face boxes, length, >= 0
   bool drop_same_body = false; // candidate pairs of a node and a face of one body are not listed

@@ -30,7 +30,8 @@ struct RefitCluster {
                                          SurfaceClusters::Sums& all) const {
     const std::int64_t first = cluster * cluster_size;
     const int used = static_cast<int>(minOf<std::int64_t>(cluster_size, num_nodes - first));
-    prefetchNodes(first + 4 * cluster_size); // the host's order is not ours: the memory must be asked early
+    prefetchNodes(first +
+                  4 * cluster_size); // the host's order is not ours: the memory must be asked early
     Swept swept;
     for (int lane = 0; lane < cluster_size; ++lane)
       readNode(lane < used ? node_order(first + lane) : -1, lane, swept, all);

@@ -14,6 +14,12 @@ KOKKOS_INLINE_FUNCTION unsigned lanesOverlapping(const float* block, const Float
   return lanesWithin<block_size, Strict>(block, reach.side);
 }
 
+KOKKOS_INLINE_FUNCTION void prefetchBlock(const float* block) {
+  constexpr int line = 16; // floats of a cache line
+  for (int i = 0; i < block_floats; i += line)
+    prefetch(block + i);
+}
+
 KOKKOS_INLINE_FUNCTION FloatBounds boundsOfLane(const float* block, int lane) {
   FloatBounds bounds;
   for (int s = 0; s < 6; ++s)
@@ -36,8 +42,14 @@ KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int6
   std::int64_t block[most_levels]; // on the way down
   unsigned lanes[most_levels]; // still to be looked at there
   int level = first;
-  block[level] = start;
-  lanes[level] = lanesOverlapping(tree.block(level, start), reach);
+  const auto enter = [&](std::int64_t child) {
+    block[level] = child;
+    lanes[level] = lanesOverlapping(tree.block(level, child), reach);
+    if (level == last && last > 0) // what visit() will read
+      for (unsigned wanted = lanes[level]; wanted != 0; wanted &= wanted - 1)
+        prefetchBlock(tree.block(last - 1, child * block_size + lowestBit(wanted)));
+  };
+  enter(start);
   while (true) {
     if (lanes[level] == 0) {
       if (++level > first)
@@ -51,8 +63,7 @@ KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int6
         return;
     } else {
       --level;
-      block[level] = box;
-      lanes[level] = lanesOverlapping(tree.block(level, box), reach);
+      enter(box);
     }
   }
 }

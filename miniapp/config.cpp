@@ -233,7 +233,8 @@ void readMethods(const Deck& deck, Config& config) {
   config.contact.lateral_tolerance = deck.real("contact", "lateral_tolerance");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});
 
-  config.search.method = choice<SearchMethod>(deck, "search", "method", {"paper", "reference"});
+  config.search.method =
+      choice<SearchMethod>(deck, "search", "method", {"cluster", "paper", "reference"});
   config.search.jitter = deck.real("search", "jitter");
   config.search.drift = deck.real("search", "drift");
   config.search.repetitions = deck.integer("search", "repetitions");

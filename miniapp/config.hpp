@@ -2,6 +2,7 @@
 // the program. Units are SI, or any consistent set that the deck says.
 #pragma once
 
+#include "contact/search_config.hpp"
 #include "io/deck.hpp"
 #include "mechanics/hex_mesh.hpp"
 
@@ -106,9 +107,9 @@ struct ContactConfig {
 };
 
 // [search]
-enum class SearchMethod { paper, reference };
+using contact::SearchMethod;
 struct SearchConfig {
-  SearchMethod method = SearchMethod::paper;
+  SearchMethod method = SearchMethod::cluster;
   double jitter = 0.01; // of an edge, `brickwall search` only
   double drift = 0.01; // of an edge a step, `brickwall search` only
   std::int64_t repetitions = 10; // counted searches, `brickwall search` only

@@ -145,8 +145,9 @@ std::vector<BlockRule> methodBlocks() {
       {"search",
        BlockKind::single,
        "the global search",
-       {word("method", {"paper", "reference"}, "the paper's scheme, or the plain serial loop")
-            .byDefault("paper"),
+       {word("method", {"cluster", "paper", "reference"},
+             "orders kept and refitted; the paper's scheme; the plain serial loop")
+            .byDefault("cluster"),
         real("jitter", "", "of the nodes, of an edge (brickwall search)")
             .byDefault("0.01")
             .atLeast(0)

@@ -9,15 +9,22 @@ namespace brickwall::miniapp {
 // Boxes of nodes and faces are inflated by contact.tolerance of `edge`, length.
 inline contact::SearchConfig searchConfig(const Config& config, double edge, bool drop_same_body) {
   contact::SearchConfig search;
-  search.method = config.search.method == SearchMethod::paper ? contact::SearchMethod::paper
-                                                              : contact::SearchMethod::reference;
+  search.method = config.search.method;
   search.node_tolerance = search.face_tolerance = config.contact.tolerance * edge;
   search.drop_same_body = drop_same_body;
   return search;
 }
 
 inline const char* nameOf(SearchMethod method) {
-  return method == SearchMethod::paper ? "paper" : "reference";
+  switch (method) {
+  case SearchMethod::cluster:
+    return "cluster";
+  case SearchMethod::paper:
+    return "paper";
+  case SearchMethod::reference:
+    return "reference";
+  }
+  return "";
 }
 
 } // namespace brickwall::miniapp

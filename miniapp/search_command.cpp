@@ -93,9 +93,9 @@ private:
   void searchOnce() {
     const Region region(whole);
     const contact::Surface surface = _moving.surface();
-    const auto& ghosts = _global_search.findGhosts(_space, surface);
+    _global_search.findGhosts(_space, surface);
     if (_config.search.local)
-      _local_search.findCandidatePairs(_space, surface, ghosts, _global_search.boxes());
+      _local_search.findCandidatePairs(_space, surface, _global_search);
   }
 
   SearchOnlyReport makeReport(const MemoryAbove& memory) const {

@@ -49,8 +49,8 @@ void Simulation::findContactCandidates() {
     return;
   const Region region("search");
   const contact::Surface surface = _coupling->surface();
-  const contact::GhostFaces& ghosts = _global_search->findGhosts(_space, surface);
-  _pairs = &_local_search->findCandidatePairs(_space, surface, ghosts, _global_search->boxes());
+  _global_search->findGhosts(_space, surface);
+  _pairs = &_local_search->findCandidatePairs(_space, surface, *_global_search);
   ++_searches;
 }
 

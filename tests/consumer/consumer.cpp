@@ -57,8 +57,8 @@ std::int64_t countPairs() {
   contact::GlobalSearch global_search(MPI_COMM_SELF, config);
   contact::LocalSearch local_search(config);
   const contact::Surface surface = twoSquares(0.01);
-  const contact::GhostFaces& ghosts = global_search.findGhosts(space, surface);
-  return local_search.findCandidatePairs(space, surface, ghosts, global_search.boxes()).count;
+  global_search.findGhosts(space, surface);
+  return local_search.findCandidatePairs(space, surface, global_search).count;
 }
 
 } // namespace

@@ -117,7 +117,7 @@ TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
     GlobalSearch search(MPI_COMM_WORLD, tolerances);
     LocalSearch local(tolerances);
     const GhostFaces& ghosts = search.findGhosts(space, surface);
-    const auto& pairs = local.findCandidatePairs(space, surface, ghosts, search.boxes());
+    const auto& pairs = local.findCandidatePairs(space, surface, search);
     run.enforcement.enforce(space, surface, ghosts, pairs, dt);
     const ContactForces& forces = run.enforcement.forces();
     const View<std::int64_t* [12]> returned("test::returned", surface.num_faces);

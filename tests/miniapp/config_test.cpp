@@ -68,7 +68,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.formulation, Formulation::tlps);
   EXPECT_TRUE(config.contact.enabled);
   EXPECT_EQ(config.contact.self, SelfContact::automatic);
-  EXPECT_EQ(config.search.method, SearchMethod::paper);
+  EXPECT_EQ(config.search.method, SearchMethod::cluster);
   EXPECT_FALSE(config.search.shuffle);
   EXPECT_TRUE(config.search.local);
   EXPECT_EQ(config.time.safety, 0.8);

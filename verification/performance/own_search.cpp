@@ -25,8 +25,8 @@ void addCorners(const global_id (&corners)[4], global_id face, const IsOwned& is
 } // namespace
 
 void OwnSearch::search(const exec_space& space, const contact::Surface& surface) {
-  const auto& ghosts = _global.findGhosts(space, surface);
-  _local.findCandidatePairs(space, surface, ghosts, _global.boxes());
+  _global.findGhosts(space, surface);
+  _local.findCandidatePairs(space, surface, _global);
   space.fence();
 }
 
