@@ -63,7 +63,9 @@ enum class BlockKind {
 };
 
 struct BlockRule {
-  std::string name; // dotted, without <name> or brackets: "wall", "material", "load.pressure"
+  // Dotted, without <name> or brackets: "wall", "material", "load.pressure". Below a `single` block, such as "search" and
+  // "search.reuse", it is a table inside that one: reuse = { ... } there, or [search.reuse].
+  std::string name;
   BlockKind kind = BlockKind::single;
   std::string help; // one line
   std::vector<KeyRule> keys;

@@ -123,14 +123,31 @@ private:
   }
 
   void visitKeys(const TomlNode& table, const BlockRule& block, const std::string& header) {
-    for (const auto& [name, node] : table.members)
-      if (!findKey(&block, name))
+    for (const auto& [name, node] : table.members) {
+      if (findKey(&block, name))
+        continue;
+      const BlockRule* inner =
+          block.kind == BlockKind::single ? findBlock(_schema, joined(block.name, name)) : nullptr;
+      if (inner)
+        visitBlock(node, *inner);
+      else
         unknownKey(node, block, header, name);
+    }
+  }
+
+  // What may stand in a block: its keys, then the tables inside it.
+  std::vector<std::string> namesIn(const BlockRule& block) const {
+    std::vector<std::string> names = keyNames(&block);
+    const std::string begin = block.name + ".";
+    for (const BlockRule& inner : _schema)
+      if (block.kind == BlockKind::single && inner.name.compare(0, begin.size(), begin) == 0)
+        names.push_back(inner.name.substr(begin.size()));
+    return names;
   }
 
   void unknownKey(const TomlNode& node, const BlockRule& block, const std::string& header,
                   const std::string& name) {
-    const std::vector<std::string> known = keyNames(&block);
+    const std::vector<std::string> known = namesIn(block);
     std::string expected = "one of " + listed(known);
     for (const BlockRule& other : _schema)
       if (&other != &block && findKey(&other, name)) {

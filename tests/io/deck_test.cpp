@@ -268,6 +268,36 @@ TEST(Deck, ResolvesToItself) {
   EXPECT_EQ(again.text("", "title"), deck.text("", "title"));
 }
 
+TEST(Deck, ReadsTablesInsideABlock) {
+  const Schema nested = {{"search",
+                          BlockKind::single,
+                          "a search",
+                          {word("method", {"plain", "fast"}, "how").byDefault("plain")}},
+                         {"search.reuse",
+                          BlockKind::single,
+                          "of its lists",
+                          {real("margin", "m", "length").byDefault("0.0").atLeast(0)}}};
+  const auto read = [&](const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return Deck::parse(text, "a.toml", overrides, nested);
+  };
+  for (const std::string text :
+       {"[search]\nreuse = { margin = 0.25 }\n", "[search.reuse]\nmargin = 0.25\n",
+        "[search]\nmethod = \"fast\"\nreuse.margin = 0.25\n"}) {
+    const Deck deck = read(text);
+    EXPECT_EQ(deck.message(), "") << text;
+    EXPECT_EQ(deck.real("search.reuse", "margin"), 0.25) << text;
+    EXPECT_EQ(read(deck.resolved()).resolved(), deck.resolved());
+  }
+  EXPECT_EQ(read("[search]\n").real("search.reuse", "margin"), 0.0);
+  for (const std::string set : {"search.reuse.margin=0.5", "search.reuse={margin=0.5}"})
+    EXPECT_EQ(read("[search]\nreuse = { margin = 0.25 }\n", {set}).real("search.reuse", "margin"),
+              0.5);
+  EXPECT_TOLD(read("[search]\nreuse = { margn = 1 }\n").message(), "unknown key \"margn\"");
+  EXPECT_TOLD(read("[search]\nreuse = 0.25\n").message(), "one table [search.reuse]");
+  EXPECT_TOLD(read("[search]\nreuze = { margin = 1 }\n").message(), "one of method, reuse");
+  EXPECT_TOLD(read("[search]\nreuse = { margin = -1 }\n").message(), "at least 0");
+}
+
 TEST(Deck, JoinsTheFaultsOfItsUser) {
   Deck deck = parse(good + "[time]\nend = -1.0\nsteps = 0\n");
   deck.complain("time", "end", "an end in the past", "one above 0");
