@@ -79,12 +79,22 @@ CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, doub
 }
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
+  if (!_has_pairs)
+    forget();
+  updateGhosts(space, surface);
+  if (!_has_pairs)
+    _local.findCandidatePairs(space, surface, _global);
+  _has_pairs = true;
+  return _local.pairs();
+}
+
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface) {
   ++_updates;
   if (mayKeepLists(space, surface))
     _global.refreshGhosts(space, surface);
   else
-    search(space, surface);
-  return _local.pairs();
+    findGhosts(space, surface);
+  return _global.ghosts();
 }
 
 // A coordinate that is not finite makes all ranks search, and so tell.
@@ -98,10 +108,9 @@ bool CandidateSearch::mayKeepLists(const exec_space& space, const Surface& surfa
   return allReduce(_comm, motion, MPI_MAX) <= _allowed_motion;
 }
 
-void CandidateSearch::search(const exec_space& space, const Surface& surface) {
-  _has_lists = false; // in case of a throw
+void CandidateSearch::findGhosts(const exec_space& space, const Surface& surface) {
+  _has_lists = _has_pairs = false; // in case of a throw
   _global.findGhosts(space, surface);
-  _local.findCandidatePairs(space, surface, _global);
   if (_margin > 0) {
     growTo(space, _searched_at, surface.num_nodes);
     copyCoordinates(space, surface, _searched_at);

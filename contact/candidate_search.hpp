@@ -22,6 +22,9 @@ public:
   // coordinate is not finite.
   const CandidatePairs& update(const exec_space& space, const Surface& surface);
 
+  // Collective. The same without pairs, for hosts that need no more than the ghosts.
+  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface);
+
   // The next update() searches on all ranks, whatever the motion: the surface is another. On one rank or more.
   void forget() { _has_lists = false; }
 
@@ -46,14 +49,14 @@ public:
 
 private:
   bool mayKeepLists(const exec_space& space, const Surface& surface) const;
-  void search(const exec_space& space, const Surface& surface);
+  void findGhosts(const exec_space& space, const Surface& surface);
 
   MPI_Comm _comm;
   double _margin;
   double _allowed_motion = 0; // of a node since the last search, along an axis
   GlobalSearch _global;
   LocalSearch _local;
-  bool _has_lists = false;
+  bool _has_lists = false, _has_pairs = false; // of the last search
   int _num_nodes = 0, _num_faces = 0; // of the last search
   View<double* [3]> _searched_at { "contact::CandidateSearch::searched_at", 0 }; // x^m [node][xyz]
   std::int64_t _updates = 0, _searches = 0;

@@ -4,6 +4,7 @@
 #include "miniapp/commands.hpp"
 #include "miniapp/memory_estimate.hpp"
 #include "miniapp/scene.hpp"
+#include "miniapp/search_choice.hpp"
 #include "miniapp/simulation.hpp"
 
 #include <algorithm>
@@ -89,6 +90,11 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
                                            : "bodies may touch themselves");
   else
     std::printf("  contact           off: nothing is searched\n");
+  if (config.contact.enabled && config.search.margin > 0)
+    std::printf("  search            %s, kept until a node has moved %g along an axis\n",
+                nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);
+  else if (config.contact.enabled)
+    std::printf("  search            %s, in every step\n", nameOf(config.search.method));
   std::printf("  time step         %g\n", simulation.clock().dt);
   std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
               config.time.end);

@@ -235,6 +235,7 @@ void readMethods(const Deck& deck, Config& config) {
 
   config.search.method =
       choice<SearchMethod>(deck, "search", "method", {"cluster", "paper", "reference"});
+  config.search.margin = deck.real("search.reuse", "margin");
   config.search.jitter = deck.real("search", "jitter");
   config.search.drift = deck.real("search", "drift");
   config.search.repetitions = deck.integer("search", "repetitions");

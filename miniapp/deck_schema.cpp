@@ -169,6 +169,15 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("true"),
         boolean("shuffle", "local nodes and faces in random order (brickwall search)")
             .byDefault("false")}},
+      {"search.reuse",
+       BlockKind::single,
+       "lists of candidates kept over several steps; the contact forces are the same bit for bit",
+       {real("margin", "",
+             "of the shortest edge: boxes larger by it, a search when nodes have moved half of it; "
+             "0: in every step")
+            .byDefault("0.0")
+            .atLeast(0)
+            .atMost(10)}},
       {"time",
        BlockKind::single,
        "steps in time",

@@ -103,7 +103,9 @@ std::string reportJson(const RunReport& r) {
                  {"face_searches_per_second", r.faceSearchesPerSecond()}};
   json["phases"] = toJson(r.phases);
   json["search"] = {{"method", r.search.method},
+                    {"margin", r.search.margin},
                     {"searches", r.search.searches},
+                    {"steps_per_search", r.search.steps_per_search},
                     {"seconds_per_step", r.search.seconds_per_step},
                     {"ghost_faces", r.search.ghost_faces},
                     {"candidate_pairs", r.search.candidate_pairs},
@@ -174,13 +176,13 @@ void printReport(std::ostream& out, const RunReport& r) {
   out << "\nsearch: " << r.search.method
       << (r.search.drops_same_body ? ", pairs within one body dropped"
                                    : ", pairs within one body kept")
-      << format(
-             ", %lld searches, median %.3e s; last step: %lld ghost faces, %lld candidate pairs, "
-             "%lld active contacts\n",
-             static_cast<long long>(r.search.searches), r.search.seconds_per_step,
-             static_cast<long long>(r.search.ghost_faces),
-             static_cast<long long>(r.search.candidate_pairs),
-             static_cast<long long>(r.search.active_contacts));
+      << format(", %lld searches, one in %.3g steps, median %.3e s a step; last step: %lld ghost "
+                "faces, %lld candidate pairs, "
+                "%lld active contacts\n",
+                static_cast<long long>(r.search.searches), r.search.steps_per_search,
+                r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
+                static_cast<long long>(r.search.candidate_pairs),
+                static_cast<long long>(r.search.active_contacts));
   out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
                 "kinetic %.6e, peak stored %.6e\n",
                 r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,

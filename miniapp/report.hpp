@@ -30,7 +30,9 @@ std::string versionText();
 
 struct SearchReport {
   std::string method; // "paper", "reference", with "_" and more as the app likes
+  double margin = 0; // search.reuse.margin
   std::int64_t searches = 0;
+  double steps_per_search = 0; // updates of the lists, the start's included, over searches
   double seconds_per_step = 0; // PhaseRecorder::medianPerStep("search")
   // Of the last step, all ranks.
   std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;

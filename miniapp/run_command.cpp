@@ -197,12 +197,18 @@ private:
     report.search_seconds = slowest(_recorder.seconds("search"));
     report.solver_seconds = slowest(_recorder.seconds("step") - _recorder.seconds("search") -
                                     _recorder.seconds("step::contact enforcement"));
-    report.counted_searches = _recorder.calls("search");
+    report.counted_searches =
+        _recorder.calls("findGhosts"); // steps that keep their lists have none
     report.phases = _recorder.phases();
     report.search_timers = _recorder.searchTimers();
     const ContactCounts counts = _simulation.contactCounts();
     report.search.method = nameOf(_config.search.method);
+    report.search.margin = _config.search.margin;
     report.search.searches = counts.searches;
+    report.search.steps_per_search =
+        counts.searches == 0
+            ? 0
+            : static_cast<double>(counts.updates) / static_cast<double>(counts.searches);
     report.search.seconds_per_step = _recorder.medianPerStep("search");
     report.search.ghost_faces = counts.ghost_faces;
     report.search.candidate_pairs = counts.candidate_pairs;

@@ -1,8 +1,7 @@
 // `brickwall search`: the global and local search alone on the wall's moving surface, repeated.
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "contact/global_search.hpp"
-#include "contact/local_search.hpp"
+#include "contact/candidate_search.hpp"
 #include "io/shuffle_surface.hpp"
 #include "io/wall_generator.hpp"
 #include "miniapp/commands.hpp"
@@ -32,8 +31,7 @@ public:
   SearchRun(MPI_Comm comm, const Config& config, const Options& options)
       : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
         _edge(shortestEdge(*config.wall)), _moving(makeSurface()),
-        _global_search(comm, searchConfig(config, _edge, false)),
-        _local_search(_global_search.config()) {}
+        _search(comm, searchConfig(config, _edge, false), config.search.margin * _edge) {}
 
   int execute() {
     const std::string file = _options.output_directory + "/search.json";
@@ -77,8 +75,10 @@ private:
   void searchRepeatedly() {
     const std::int64_t steps = _config.search.warmup + _config.search.repetitions;
     for (std::int64_t step = 0; step < steps; ++step) {
-      if (step == _config.search.warmup)
+      if (step == _config.search.warmup) {
         _recorder.reset();
+        _searches_before = _search.searches();
+      }
       _moving.move(_space, step);
       _space.fence();
       barrier(_comm); // the ranks' different times to get here are not the search's
@@ -92,10 +92,10 @@ private:
 
   void searchOnce() {
     const Region region(whole);
-    const contact::Surface surface = _moving.surface();
-    _global_search.findGhosts(_space, surface);
     if (_config.search.local)
-      _local_search.findCandidatePairs(_space, surface, _global_search);
+      _search.update(_space, _moving.surface());
+    else
+      _search.updateGhosts(_space, _moving.surface());
   }
 
   SearchOnlyReport makeReport(const MemoryAbove& memory) const {
@@ -114,6 +114,8 @@ private:
     report.seed = _config.search.seed;
     report.warmup = _config.search.warmup;
     report.repetitions = _config.search.repetitions;
+    report.margin = _config.search.margin;
+    report.searches = _search.searches() - _searches_before;
     report.first_seconds = _first_seconds;
     report.seconds = {_recorder.secondsPerStep(whole), _recorder.secondsPerStep(global),
                       _recorder.secondsPerStep(local)};
@@ -129,10 +131,10 @@ private:
   }
 
   void addCounts(SearchOnlyReport& report) const {
-    const contact::SearchStatistics counts = _global_search.statistics();
+    const contact::SearchStatistics counts = _search.statistics();
     const auto sum = [&](std::int64_t count) { return allReduce(_comm, count, MPI_SUM); };
     report.ghost_faces = sum(counts.num_ghosts);
-    report.candidate_pairs = sum(_local_search.pairs().count);
+    report.candidate_pairs = sum(_search.pairs().count);
     report.node_boxes_sent = sum(counts.node_boxes_sent);
     report.faces_tested = sum(counts.candidate_faces);
     report.overlapping_pairs = sum(counts.overlapping_pairs);
@@ -151,8 +153,8 @@ private:
   double _edge = 0; // the shortest, length
   std::int64_t _num_nodes = 0, _num_faces = 0; // all ranks
   SearchSurface _moving;
-  contact::GlobalSearch _global_search;
-  contact::LocalSearch _local_search;
+  contact::CandidateSearch _search;
+  std::int64_t _searches_before = 0; // those not counted
   double _first_seconds = 0;
 };
 

@@ -20,7 +20,7 @@ struct RankBytes {
 // Collective.
 RankBytes overRanks(MPI_Comm comm, std::int64_t bytes);
 
-// Seconds per search, over the counted searches.
+// Seconds per repetition, over the counted ones; those that kept their lists (search.reuse) are among them.
 struct SearchTimes {
   StepStatistics whole; // boxes to pair list
   StepStatistics global; // findGhosts: the paper's six phases, migration included
@@ -37,6 +37,8 @@ struct SearchOnlyReport {
   bool shuffled = false; // local node and face order was permuted
   double jitter = 0, drift = 0; // of an edge
   std::int64_t seed = 0, warmup = 0, repetitions = 0;
+  double margin = 0; // search.reuse.margin
+  std::int64_t searches = 0; // among the repetitions; the others kept the lists
 
   double first_seconds = 0; // of the very first search, slowest rank: it allocates and sorts
   SearchTimes seconds;

@@ -48,10 +48,7 @@ void Simulation::findContactCandidates() {
   if (!_coupling)
     return;
   const Region region("search");
-  const contact::Surface surface = _coupling->surface();
-  _global_search->findGhosts(_space, surface);
-  _pairs = &_local_search->findCandidatePairs(_space, surface, *_global_search);
-  ++_searches;
+  _search->update(_space, _coupling->surface());
 }
 
 void Simulation::computeForces(double time) {
@@ -77,7 +74,7 @@ void Simulation::enforceContact(double dt) {
   const Region region("step::contact enforcement");
   const contact::Surface surface = _coupling->surface();
   const auto sum_forces = [&](const contact::ContactForces& forces) {
-    _coupling->sumContactForces(_space, forces, *_global_search, _shared);
+    _coupling->sumContactForces(_space, forces, *_search, _shared);
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == ContactScheme::energy_neutral) {
@@ -85,11 +82,11 @@ void Simulation::enforceContact(double dt) {
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
-      _global_search->sendToGhosts(_space, surface, values, ghost_values);
+      _search->sendToGhosts(_space, surface, values, ghost_values);
     };
   }
   _contact =
-      _enforcement->enforce(_space, surface, _global_search->ghosts(), *_pairs, dt, &neutral);
+      _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(), dt, &neutral);
   _lost += _contact.lost;
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _forces);
@@ -203,9 +200,9 @@ void Simulation::setUpContact() {
   _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
   _drops_same_body = _config.contact.self == SelfContact::never ||
                      (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
-  const auto search = searchConfig(_config, _scene.shortest_edge, _drops_same_body);
-  _global_search = std::make_unique<contact::GlobalSearch>(_comm, search);
-  _local_search = std::make_unique<contact::LocalSearch>(search);
+  _search = std::make_unique<contact::CandidateSearch>(
+      _comm, searchConfig(_config, _scene.shortest_edge, _drops_same_body),
+      _config.search.margin * _scene.shortest_edge);
   contact::EnforcementConfig enforcement;
   enforcement.scheme = _config.contact.scheme == ContactScheme::energy_neutral
                            ? contact::Scheme::energy_neutral
@@ -224,10 +221,10 @@ ContactCounts Simulation::contactCounts() const {
   ContactCounts counts;
   if (!_coupling)
     return counts;
-  std::int64_t sums[4] = {_global_search->ghosts().count, _pairs ? _pairs->count : 0,
-                          _contact.active, _lost};
+  std::int64_t sums[4] = {_search->ghosts().count, _search->pairs().count, _contact.active, _lost};
   allReduce(_comm, sums, 4, MPI_SUM);
-  counts.searches = _searches;
+  counts.searches = _search->searches();
+  counts.updates = _search->updates();
   counts.ghost_faces = sums[0];
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];

@@ -1,8 +1,7 @@
 // The coupled simulation: explicit time steps of bricks that search for contact and push each other.
 #pragma once
 
-#include "contact/global_search.hpp"
-#include "contact/local_search.hpp"
+#include "contact/candidate_search.hpp"
 #include "contact/penalty.hpp"
 #include "mechanics/boundary_conditions.hpp"
 #include "mechanics/energy.hpp"
@@ -31,6 +30,8 @@ struct Clock {
 // Counts of the last step over all ranks.
 struct ContactCounts {
   std::int64_t searches = 0; // since the start
+  std::int64_t updates =
+      0; // since the start: steps that searched or kept the lists of the last search
   std::int64_t ghost_faces = 0;
   std::int64_t candidate_pairs = 0;
   std::int64_t active = 0;
@@ -99,12 +100,9 @@ private:
   mechanics::EnergyLedger _ledger;
 
   bool _drops_same_body = true;
-  std::unique_ptr<SurfaceCoupling> _coupling; // these four are null without contact
-  std::unique_ptr<contact::GlobalSearch> _global_search;
-  std::unique_ptr<contact::LocalSearch> _local_search;
+  std::unique_ptr<SurfaceCoupling> _coupling; // these three are null without contact
+  std::unique_ptr<contact::CandidateSearch> _search;
   std::unique_ptr<contact::Enforcement> _enforcement;
-  const contact::CandidatePairs* _pairs = nullptr;
-  std::int64_t _searches = 0;
   std::int64_t _lost = 0; // this rank's, since the start
 
   // of the step under way

@@ -141,7 +141,7 @@ contact::Surface SurfaceCoupling::surface() const {
 
 void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        const contact::ContactForces& forces,
-                                       contact::GlobalSearch& search,
+                                       contact::CandidateSearch& search,
                                        mechanics::SharedNodeSum& shared) {
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {

@@ -1,7 +1,7 @@
 // Joins the volume mesh and the contact surface: coordinates and masses go to the surface, contact forces come back.
 #pragma once
 
-#include "contact/global_search.hpp"
+#include "contact/candidate_search.hpp"
 #include "contact/penalty.hpp"
 #include "contact/surface.hpp"
 #include "mechanics/boundary_conditions.hpp"
@@ -28,7 +28,7 @@ public:
   // Turns this rank's partial contact forces into totals, the same on every rank that has the node: those on ghosts go
   // back to their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
-                        contact::GlobalSearch& search, mechanics::SharedNodeSum& shared);
+                        contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
   // The totals of the last sumContactForces() as contact_force columns.
   void storeContactForces(const exec_space& space, const mechanics::NodalForces& target) const;
 

@@ -2,8 +2,7 @@
 // very end of the margin; errors found together; no allocation in a step that keeps its lists.
 #include "contact/candidate_search.hpp"
 #include "contact/face_access.hpp"
-#include "host_rows.hpp"
-#include "search_oracle.hpp"
+#include "search_checks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,16 +14,6 @@ namespace brickwall::contact::test {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr SearchMethod all_methods[] = {SearchMethod::paper, SearchMethod::reference};
-
-SearchConfig configOf(const SurfaceCase& c, SearchMethod method) {
-  SearchConfig config;
-  config.method = method;
-  config.node_tolerance = c.node_tolerance;
-  config.face_tolerance = c.face_tolerance;
-  config.drop_same_body = c.drop_same_body;
-  return config;
-}
 
 // x^n := x^{n+1}, then every body moves by up to `speed` along each axis and every node shakes a little.
 void advance(SurfaceCase& c, Random& random, double speed) {
@@ -96,10 +85,6 @@ View<int*> stepTests(const Surface& surface, const GhostFaces& ghosts,
   return ::testing::AssertionSuccess();
 }
 
-bool okOnAllRanks(bool ok) {
-  return allReduce(comm, ok ? 1 : 0, MPI_MIN) == 1;
-}
-
 // Runs the case and compares each step; returns the number of searches, or -1 after a difference.
 std::int64_t runCase(SurfaceCase c, SearchMethod method, double margin, double speed, int steps) {
   const exec_space space;
@@ -110,7 +95,7 @@ std::int64_t runCase(SurfaceCase c, SearchMethod method, double margin, double s
     search.update(space, local.surface);
     const auto complete = stepIsComplete(c, local, search);
     EXPECT_TRUE(complete) << c.name() << ", step " << step << ", rank " << rankOf(comm);
-    if (!okOnAllRanks(complete))
+    if (!okOnAllRanks(comm, complete))
       return -1;
     advance(c, random, speed);
   }
@@ -149,7 +134,7 @@ TEST(CandidateSearch, FastMotionSearchesInEveryStep) {
 
 TEST(CandidateSearch, WithoutAMarginEveryStepSearches) {
   for (std::uint64_t seed = 0; seed < num_kinds; ++seed)
-    ASSERT_EQ(runCase(makeCase(seed, sizeOf(comm)), SearchMethod::paper, 0, 1e-6, 4), 4);
+    ASSERT_EQ(runCase(makeCase(seed, sizeOf(comm)), SearchMethod::cluster, 0, 1e-6, 4), 4);
 }
 
 // One body rushes through the others while these stand almost still.
@@ -163,7 +148,7 @@ TEST(CandidateSearch, AFastBrickIsNotMissed) {
         const LocalSurface local = localSurface(c, rankOf(comm));
         search.update(space, local.surface);
         const auto complete = stepIsComplete(c, local, search);
-        ASSERT_TRUE(okOnAllRanks(complete))
+        ASSERT_TRUE(okOnAllRanks(comm, complete))
             << c.name() << ", step " << step << ": " << complete.message();
         for (CaseNode& node : c.nodes) {
           node.x_old = node.x_new;
@@ -180,7 +165,7 @@ TEST(CandidateSearch, BothConfigurationsMayJump) {
   const exec_space space;
   Random random(5);
   SurfaceCase c = makeCase(0, sizeOf(comm));
-  CandidateSearch search(comm, configOf(c, SearchMethod::paper), margin);
+  CandidateSearch search(comm, configOf(c, SearchMethod::cluster), margin);
   const SurfaceCase start = c;
   for (int step = 0; step < 20; ++step) {
     const double jump = step % 5 == 4 ? 3 * margin : 0.2 * margin;
@@ -191,7 +176,7 @@ TEST(CandidateSearch, BothConfigurationsMayJump) {
       }
     const LocalSurface local = localSurface(c, rankOf(comm));
     search.update(space, local.surface);
-    ASSERT_TRUE(okOnAllRanks(stepIsComplete(c, local, search))) << "step " << step;
+    ASSERT_TRUE(okOnAllRanks(comm, stepIsComplete(c, local, search))) << "step " << step;
   }
   EXPECT_LT(search.searches(), 20);
 }
@@ -226,7 +211,7 @@ TEST(CandidateSearch, RoundingAtTheEndOfTheMarginLosesNoPair) {
     }
     c.faces[0].rank = rankOf(comm);
 
-    CandidateSearch search(MPI_COMM_SELF, configOf(c, SearchMethod::paper), wide);
+    CandidateSearch search(MPI_COMM_SELF, configOf(c, SearchMethod::cluster), wide);
     search.update(space, localSurface(c, rankOf(comm)).surface);
     for (CaseNode& node : c.nodes)
       node.x_new[0] = node.body == 0 ? node_end : face_end;
@@ -238,12 +223,30 @@ TEST(CandidateSearch, RoundingAtTheEndOfTheMarginLosesNoPair) {
   EXPECT_GT(kept_and_touching, 300);
 }
 
+TEST(CandidateSearch, PairsAreNotMissingAfterStepsForGhostsAlone) {
+  const exec_space space;
+  SurfaceCase c = makeCase(0, sizeOf(comm));
+  Random random(1);
+  CandidateSearch search(comm, configOf(c, SearchMethod::cluster), margin);
+  for (const bool with_pairs : {false, false, true, false, true}) {
+    advance(c, random, 0.05 * margin);
+    const LocalSurface local = localSurface(c, rankOf(comm));
+    if (with_pairs) {
+      search.update(space, local.surface);
+      EXPECT_TRUE(okOnAllRanks(comm, stepIsComplete(c, local, search)));
+    } else {
+      search.updateGhosts(space, local.surface);
+    }
+  }
+  EXPECT_EQ(search.searches(), 2); // the first of all, and the first with pairs
+}
+
 // What rests is not charged for its distance from the origin.
 TEST(CandidateSearch, RestingNodesFarAwayCostNoSearch) {
   const exec_space space;
   const SurfaceCase c = makeCase(8, sizeOf(comm)); // coordinates of 1e300
   const LocalSurface local = localSurface(c, rankOf(comm));
-  CandidateSearch search(comm, configOf(c, SearchMethod::paper), 1e-6);
+  CandidateSearch search(comm, configOf(c, SearchMethod::cluster), 1e-6);
   for (int step = 0; step < 5; ++step)
     search.update(space, local.surface);
   EXPECT_EQ(search.searches(), 1);
@@ -257,7 +260,7 @@ TEST(CandidateSearch, AllRanksThrowTheSameMessageForACoordinateThatIsNotFinite) 
   const exec_space space;
   const SurfaceCase c = makeCase(10, sizeOf(comm));
   const LocalSurface good = localSurface(c, rankOf(comm));
-  CandidateSearch search(comm, configOf(c, SearchMethod::paper), margin);
+  CandidateSearch search(comm, configOf(c, SearchMethod::cluster), margin);
   std::int64_t searches = 0;
   for (std::size_t n = 0; n < c.nodes.size(); n += 17)
     for (const double bad :

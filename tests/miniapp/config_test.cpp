@@ -71,6 +71,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.search.method, SearchMethod::cluster);
   EXPECT_FALSE(config.search.shuffle);
   EXPECT_TRUE(config.search.local);
+  EXPECT_EQ(config.search.margin, 0); // performance decks search in every step
   EXPECT_EQ(config.time.safety, 0.8);
   EXPECT_FALSE(config.time.steps.has_value());
   EXPECT_EQ(config.limits.energy_error, 0.1);
@@ -95,9 +96,9 @@ TEST(Config, ReadsEveryKey) {
       "[[initial.velocity]]\nblock = \"a\"\nvelocity = [0, 3, 0]\n"
       "[contact]\nenabled = false\ntolerance = 0.1\npenalty = 0.25\nself = \"always\"\n"
       "lateral_tolerance = 0.2\n"
-      "[search]\nmethod = \"reference\"\njitter = 0.1\ndrift = 0.2\nrepetitions = 3\nwarmup = 0\n"
-      "seed = 9\nshuffle = true\nlocal = false\n[time]\nend = 1\nsafety = 0.5\nsteps = "
-      "7\ncheck_interval = 11\n"
+      "[search]\nmethod = \"reference\"\nreuse = { margin = 0.25 }\njitter = 0.1\n"
+      "drift = 0.2\nrepetitions = 3\nwarmup = 0\nseed = 9\nshuffle = true\nlocal = false\n"
+      "[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
       "precision = \"single\"\nprocessor_id = true\n"
       "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n",
@@ -132,6 +133,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.search.seed, 9);
   EXPECT_TRUE(config.search.shuffle);
   EXPECT_FALSE(config.search.local);
+  EXPECT_EQ(config.search.margin, 0.25);
   EXPECT_EQ(*config.time.steps, 7);
   EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::single);

@@ -276,8 +276,8 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   EXPECT_EQ(json["fom"]["solver_element_steps_per_second"], 1000.0);
   EXPECT_EQ(json["fom"]["face_searches_per_second"], 1200.0);
   EXPECT_EQ(json["phases"][0]["max"], 0.5);
-  for (const char* name : {"method", "searches", "seconds_per_step", "ghost_faces",
-                           "candidate_pairs", "active_contacts"})
+  for (const char* name : {"method", "margin", "searches", "steps_per_search", "seconds_per_step",
+                           "ghost_faces", "candidate_pairs", "active_contacts"})
     EXPECT_TRUE(json["search"].contains(name)) << name;
   for (const char* name : {"energy_error", "momentum_error", "external_work", "peak_kinetic_energy",
                            "peak_stored_energy"})
