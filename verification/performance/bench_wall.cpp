@@ -33,7 +33,9 @@ miniapp::SearchSurface movingWall(const exec_space& space, MPI_Comm comm, int n,
 
 const std::map<std::string, contact::SearchMethod>& searchMethods() {
   static const std::map<std::string, contact::SearchMethod> methods = {
-      {"paper", contact::SearchMethod::paper}, {"reference", contact::SearchMethod::reference}};
+      {"cluster", contact::SearchMethod::cluster},
+      {"paper", contact::SearchMethod::paper},
+      {"reference", contact::SearchMethod::reference}};
   return methods;
 }
 

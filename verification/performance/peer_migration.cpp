@@ -148,7 +148,7 @@ bool compareMigrations(MPI_Comm comm, int n, contact::SearchMethod method, int r
 
 int main(int argc, char** argv) {
   int n = 8, repetitions = 11;
-  contact::SearchMethod method = contact::SearchMethod::paper;
+  contact::SearchMethod method = contact::SearchMethod::cluster;
   CLI::App app("Times the migration of ghost faces beside Zoltan's on the wall W(n)");
   app.add_option("-n,--size", n, "n of W(n), 4350 n^2 faces")->check(CLI::PositiveNumber);
   app.add_option("--method", method, "our method")

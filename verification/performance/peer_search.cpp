@@ -24,7 +24,7 @@ constexpr double bytes_per_face = 165;
 
 struct Options {
   int n = 8;
-  contact::SearchMethod method = contact::SearchMethod::paper;
+  contact::SearchMethod method = contact::SearchMethod::cluster;
   int repetitions = 5;
   int warmup = 2;
   int triad_mebibytes = 256;
