@@ -25,8 +25,12 @@ public:
   // Collective. The same without pairs, for hosts that need no more than the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface);
 
-  // The next update() searches on all ranks, whatever the motion: the surface is another. On one rank or more.
-  void forget() { _has_lists = false; }
+  // The next update() searches on all ranks, whatever the motion, and makes the order of the surface anew: something besides
+  // its coordinates has changed. On one rank or more.
+  void forget() {
+    _has_lists = false;
+    _global.clusters().orderAgain();
+  }
 
   const GhostFaces& ghosts() const { return _global.ghosts(); }
   const CandidatePairs& pairs() const { return _local.pairs(); }
@@ -40,6 +44,11 @@ public:
                     const View<const double* [3]>& node_values,
                     const View<double* [12]>& ghost_values) {
     _global.sendToGhosts(space, surface, node_values, ghost_values);
+  }
+
+  // The faces of this rank that the last search sent as ghosts, with their destinations. Not collective; host copies.
+  std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const {
+    return _global.sentFaces(space, surface);
   }
 
   SearchStatistics statistics() const { return _global.statistics(); } // of the last search

@@ -8,6 +8,15 @@ if(BRICKWALL_SANITIZE)
   set(sanitize -fsanitize=${BRICKWALL_SANITIZE})
 endif()
 
+# The program of the page: what stands between its fences.
+file(READ ${PROJECT_SOURCE_DIR}/contact/README.md page)
+string(REGEX MATCH "```cpp\n(.*)\n```" program "${page}")
+if(NOT CMAKE_MATCH_1)
+  message(FATAL_ERROR "contact/README.md has no program between ```cpp and ```")
+endif()
+file(CONFIGURE OUTPUT ${test_dir}/consumer.cpp CONTENT "${CMAKE_MATCH_1}\n" @ONLY)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/contact/README.md)
+
 add_test(NAME consumer.install_base COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --prefix ${prefix}
                                             --component base)
 add_test(NAME consumer.install_contact COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --prefix ${prefix}
@@ -19,6 +28,7 @@ add_test(
     --build-generator ${CMAKE_GENERATOR} --build-options
     -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
     -DBrickwall_DIR=${prefix}/${CMAKE_INSTALL_LIBDIR}/cmake/Brickwall -DKokkos_DIR=${Kokkos_DIR}
+    -DCONSUMER_SOURCE=${test_dir}/consumer.cpp
     -DCMAKE_DISABLE_FIND_PACKAGE_Zoltan=ON -DCMAKE_DISABLE_FIND_PACKAGE_SEACASExodus=ON
     -DCMAKE_EXE_LINKER_FLAGS=${sanitize} #
     --test-command ${CMAKE_CTEST_COMMAND} --output-on-failure)

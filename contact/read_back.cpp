@@ -1,0 +1,30 @@
+#include "contact/read_back.hpp"
+
+namespace brickwall::contact {
+
+std::vector<IdPair> candidateIds(const exec_space& space, const Surface& surface,
+                                 const GhostFaces& ghosts, const CandidatePairs& pairs) {
+  const auto onHost = [](const auto& view) {
+    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+  };
+  space.fence();
+  const auto row_nodes = onHost(pairs.row_nodes), row_begin = onHost(pairs.row_begin);
+  const auto faces = onHost(pairs.faces);
+  const auto block_begin = onHost(pairs.block_begin);
+  const auto node_ids = onHost(surface.node_ids), face_ids = onHost(surface.face_ids);
+  const auto ghost_ids = onHost(ghosts.face_ids);
+  std::vector<IdPair> ids;
+  ids.reserve(static_cast<std::size_t>(pairs.count));
+  for (int row = 0; row < pairs.num_rows; ++row) {
+    const int block = row / CandidatePairs::rows_per_block;
+    for (int i = row_begin(row + block); i < row_begin(row + block + 1); ++i) {
+      const int face = faces(block_begin(block) + i);
+      ids.push_back({node_ids(row_nodes(row)), face < surface.num_faces
+                                                   ? face_ids(face)
+                                                   : ghost_ids(face - surface.num_faces)});
+    }
+  }
+  return ids;
+}
+
+} // namespace brickwall::contact
