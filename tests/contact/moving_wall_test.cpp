@@ -21,9 +21,9 @@ SurfaceCase makeWall(std::uint64_t seed) {
   Random random(seed);
   c.kind = "moving wall";
   c.seed = seed;
-  addWall(c, random, 2);
-  moveNodes(c, random, 0.005, 0);
-  c.node_tolerance = c.face_tolerance = 0.025;
+  addWall(c, random, 4);
+  moveNodes(c, random, 0.0025, 0);
+  c.node_tolerance = c.face_tolerance = 0.0125;
   distribute(c, random, sizeOf(comm));
   return c;
 }
