@@ -80,7 +80,7 @@ CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, doub
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
   if (!_has_pairs)
-    forget();
+    _has_lists = false;
   updateGhosts(space, surface);
   if (!_has_pairs)
     _local.findCandidatePairs(space, surface, _global);

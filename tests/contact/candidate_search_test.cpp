@@ -256,6 +256,30 @@ TEST(CandidateSearch, RestingNodesFarAwayCostNoSearch) {
   EXPECT_EQ(search.searches(), 2);
 }
 
+// Corners of faces change in place, which no look at sizes and Views can tell.
+TEST(CandidateSearch, AForgottenSurfaceIsSeenAnew) {
+  const exec_space space;
+  SurfaceCase c = makeCase(0, sizeOf(comm));
+  LocalSurface local = localSurface(c, rankOf(comm));
+  const View<int* [4]> corners("test::corners", local.faces.size());
+  Kokkos::deep_copy(corners, local.surface.face_to_nodes);
+  local.surface.face_to_nodes = corners;
+  for (const SearchMethod method : all_methods) {
+    CandidateSearch search(comm, configOf(c, method), margin);
+    search.update(space, local.surface);
+    for (CaseFace& face : c.faces) // each becomes what the last of its rank and body was
+      for (const CaseFace& other : c.faces)
+        if (other.rank == face.rank && other.body == face.body)
+          face.corners = other.corners;
+    Kokkos::deep_copy(corners, localSurface(c, rankOf(comm)).surface.face_to_nodes);
+    search.forget();
+    search.update(space, local.surface);
+    EXPECT_TRUE(okOnAllRanks(comm, stepIsComplete(c, local, search)));
+    c = makeCase(0, sizeOf(comm));
+    Kokkos::deep_copy(corners, localSurface(c, rankOf(comm)).surface.face_to_nodes);
+  }
+}
+
 TEST(CandidateSearch, AllRanksThrowTheSameMessageForACoordinateThatIsNotFinite) {
   const exec_space space;
   const SurfaceCase c = makeCase(10, sizeOf(comm));
