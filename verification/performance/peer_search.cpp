@@ -64,6 +64,8 @@ std::vector<Runner> runners(MPI_Comm comm, const Options& options) {
     if ((sizeOf(comm) == 1 || kind.on_several_ranks) &&
         kind.name.find(options.only) != std::string::npos)
       all.push_back({kind.name, kind.make()});
+  if (all.empty())
+    throw InputError("no peer of that name runs on " + std::to_string(sizeOf(comm)) + " rank(s)");
   return all;
 }
 
@@ -83,8 +85,6 @@ Contest startContest(const std::string& title, const Options& options,
 void runPeers(const exec_space& space, MPI_Comm comm, const contact::Surface& surface,
               const OwnSearch& ours, bool compares, const std::vector<Runner>& peers,
               Contest& contest) {
-  if (peers.empty())
-    return;
   const SearchBoxes boxes = searchBoxes(space, surface, ours.global().config());
   std::vector<IdPair> wanted;
   if (compares) {
