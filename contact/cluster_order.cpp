@@ -3,6 +3,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/hilbert.hpp"
 #include "contact/radix_sort.hpp"
+#include "contact/row_order.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -28,6 +29,18 @@ SortedKeys scratchFor(const exec_space& space, std::int64_t n) {
   return scratch;
 }
 
+// Sorts every run of Width entries: the host's own order is kept where it costs nothing, which makes its memory easier to
+// read, and rows of candidates easier to sort.
+template <int Width>
+void sortWithin(const exec_space& space, const View<int*>& order, std::int64_t n) {
+  Kokkos::parallel_for(
+      "contact::ClusterOrder::sortWithin", over(space, (n + Width - 1) / Width),
+      KOKKOS_LAMBDA(const std::int64_t run) {
+        sortRow(&order(run * Width), minOf<std::int64_t>(Width, n - run * Width),
+                [](const int a, const int b) { return a < b; });
+      });
+}
+
 // face_order: along the curve.
 void orderFaces(const exec_space& space, const Surface& surface, ClusterOrder& order) {
   const std::int64_t n = surface.num_faces;
@@ -51,8 +64,9 @@ void orderFaces(const exec_space& space, const Surface& surface, ClusterOrder& o
         values(face) = static_cast<int>(face);
       });
   sortByKey(space, n, morton_bits, sorted);
-  space.fence();
   order.face_order = sorted.values;
+  sortWithin<block_size>(space, order.face_order, n);
+  space.fence();
 }
 
 // [node] position of the node: by the first face, in order, that has it as a corner; nodes of no face come last.

@@ -14,24 +14,39 @@ using DeviceRules = PairRules<memory_space>;
 
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
 constexpr int to_be_repeated = -1; // in the first of them, which else is 0
-constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a walk; more take another walk
+constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
+// Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
+constexpr int group_size = cluster_size > 1 ? 8 : 1;
+constexpr int most_near = cluster_size > 1 ? 512 : block_size;
 
-// Faces that some nodes of a cluster may touch.
+// Faces whose boxes some nodes of a cluster reach. An item is an own face's position, or num_faces + the ghost's number.
 struct Hits {
-  int face[most_hits];
-  unsigned lanes[most_hits];
-  int count = 0; // may exceed most_hits
-  bool by_index = true; // the order of (body, face id) is that of the indices
-  int length[cluster_size] = {}; // of each node's row
+  int item[most_hits + block_size];
+  unsigned lanes[most_hits + block_size]; // the nodes
+  int count = 0;
+  bool are_own = true; // no ghosts among them
+};
 
-  KOKKOS_INLINE_FUNCTION void add(int candidate, unsigned of_lanes) {
-    if (count < most_hits) {
-      face[count] = candidate;
-      lanes[count] = of_lanes;
+// Blocks of faces near a group of clusters, with their boxes in blocks of eight again.
+struct BlockList {
+  float boxes[most_near / block_size * block_floats];
+  int block[most_near];
+  int count = 0; // more than most_near: the list is not complete
+
+  KOKKOS_INLINE_FUNCTION void add(const BoxTree& tree, std::int64_t near) {
+    if (count < most_near) {
+      const float* const from = tree.block(1, near / block_size) + near % block_size;
+      float* const to = boxes + count / block_size * block_floats + count % block_size;
+      for (int s = 0; s < 6; ++s)
+        to[s * block_size] = from[s * block_size];
+      block[count] = static_cast<int>(near);
     }
     ++count;
-    for (int lane = 0; lane < cluster_size; ++lane)
-      length[lane] += static_cast<int>(of_lanes >> lane & 1u);
+  }
+  // Empties the lanes behind the last.
+  KOKKOS_INLINE_FUNCTION void finish() {
+    for (int i = count; i < most_near && i % block_size != 0; ++i)
+      storeLane(boxes + i / block_size * block_floats, i % block_size, FloatBounds());
   }
 };
 
@@ -73,92 +88,163 @@ struct PairTest {
   }
 };
 
-// The search of one cluster.
+// The search of one group of clusters.
 struct FindRows {
   PairTest test;
-  View<const float*> node_bounds;
+  View<const float*> node_bounds, cluster_bounds;
   BoxTree face_tree, ghost_tree;
   View<const int*> room;
   View<const std::int64_t*> block_begin;
   View<int*> row_begin, faces;
+  int num_clusters;
   bool repeat; // only clusters whose place has changed
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster, PairCounts& sums) const {
-    int* const begin = &row_begin(cluster * row_width);
-    if (repeat && begin[0] != to_be_repeated)
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t group, PairCounts& sums) const {
+    const int first = static_cast<int>(group) * group_size;
+    const int end = minOf(first + group_size, num_clusters);
+    FloatBounds all;
+    for (int cluster = first; cluster < end; ++cluster)
+      if (isWanted(cluster))
+        for (int s = 0; s < 6; ++s)
+          all.side[s] = minOf(all.side[s], cluster_bounds(std::int64_t(cluster) * 6 + s));
+    BlockList near_faces, near_ghosts;
+    collect(face_tree, all.reach(), near_faces);
+    collect(ghost_tree, all.reach(), near_ghosts);
+    for (int cluster = first; cluster < end; ++cluster)
+      if (isWanted(cluster))
+        findRows(cluster, near_faces, near_ghosts, sums);
+  }
+
+  KOKKOS_INLINE_FUNCTION bool isWanted(int cluster) const {
+    return !repeat || row_begin(std::int64_t(cluster) * row_width) == to_be_repeated;
+  }
+
+  KOKKOS_INLINE_FUNCTION static void collect(const BoxTree& tree, const FloatBounds& reach,
+                                             BlockList& list) {
+    if (group_size == 1 || tree.num_levels < 2)
       return;
+    walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
+      list.add(tree, block);
+      return list.count <= most_near;
+    });
+    list.finish();
+  }
+
+  // visit(block) for the blocks of a tree that the cluster meets, ascending; `list` holds those that its group meets.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
+                                                 const BlockList& list, const Visit& visit) {
+    if (group_size == 1 || tree.num_levels < 2 || list.count > most_near) {
+      walkBlocks(tree, reach, visit);
+      return;
+    }
+    for (int begin = 0; begin < list.count; begin += block_size)
+      for (unsigned lanes = lanesOverlapping(list.boxes + begin / block_size * block_floats, reach);
+           lanes != 0; lanes &= lanes - 1)
+        visit(std::int64_t(list.block[begin + lowestBit(lanes)]));
+  }
+
+  KOKKOS_INLINE_FUNCTION void findRows(int cluster, const BlockList& near_faces,
+                                       const BlockList& near_ghosts, PairCounts& sums) const {
+    int* const begin = &row_begin(std::int64_t(cluster) * row_width);
     const unsigned owned = test.order.owned(cluster);
-    Hits hits;
-    if (owned != 0) {
-      NodeCluster nodes;
-      nodes.load(&node_bounds(cluster * cluster_size * 6), owned);
-      hits.by_index = test.order.face_rank.extent(0) == 0;
-      const auto keep = [&](int face, unsigned lanes) {
-        hits.add(face, lanes);
-        hits.by_index &= face < test.surface.num_faces;
-      };
-      walkFaces(nodes, static_cast<int>(cluster), sums, keep);
-      walkGhosts(nodes, static_cast<int>(cluster), sums, keep);
+    if (owned == 0) {
+      for (int lane = 0; lane <= cluster_size; ++lane)
+        begin[lane] = 0;
+      return;
     }
-    std::int64_t length = 0;
-    for (int lane = 0; lane < cluster_size; ++lane) {
-      begin[lane] = static_cast<int>(length);
-      length += hits.length[lane];
-    }
-    begin[cluster_size] = static_cast<int>(length);
-    sums.pairs += length;
-    if (length > room(cluster))
-      ++sums.crowded;
-    else if (length > 0)
-      writeRows(hits, begin, &faces(block_begin(cluster)), static_cast<int>(cluster), owned);
-  }
-
-  // keep(face, lanes) for the own faces that nodes of these lanes may touch.
-  template <class Keep>
-  KOKKOS_INLINE_FUNCTION void walkFaces(const NodeCluster& nodes, int cluster, PairCounts& sums,
-                                        const Keep& keep) const {
     const int first = cluster * cluster_size;
-    walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
-      const float* const boxes = face_tree.block(0, block);
-      unsigned lanes = lanesOverlapping(boxes, nodes.all);
-      ++sums.blocks;
-      if (lanes == 0)
-        return;
-      unsigned own[block_size]; // nodes of the cluster that are corners of the faces
-      bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
-      for (; lanes != 0; lanes &= lanes - 1) {
-        const int lane = lowestBit(lanes);
-        ++sums.faces;
-        const float* const box = boxes + lane;
-        const unsigned near =
-            lanesReaching<cluster_size>(nodes.lanes, box, block_size) & ~own[lane];
-        if (near == 0)
-          continue;
-        const int face = test.order.face_order(block * block_size + lane);
-        const unsigned hit = decide(nodes, near, box, first, face);
-        if (hit != 0)
-          keep(face, hit);
-      }
-    });
+    NodeCluster nodes;
+    nodes.load(&node_bounds(std::int64_t(first) * 6), &cluster_bounds(std::int64_t(cluster) * 6),
+               owned);
+    Hits hits;
+    visitBlocks(face_tree, nodes.all, near_faces,
+                [&](const std::int64_t block) { meetOwnFaces(nodes, first, block, hits, sums); });
+    visitBlocks(ghost_tree, nodes.all, near_ghosts,
+                [&](const std::int64_t block) { meetGhosts(nodes, block, hits, sums); });
+    int length[cluster_size] = {};
+    const auto count = [&](int, unsigned lanes) {
+      for (int lane = 0; lane < cluster_size; ++lane)
+        length[lane] += static_cast<int>(lanes >> lane & 1u);
+    };
+    const bool is_long = hits.count > most_hits;
+    if (is_long)
+      forAllPairs(nodes, first, count);
+    else
+      settle(nodes, first, hits, count);
+    std::int64_t total = 0;
+    for (int lane = 0; lane < cluster_size; ++lane) {
+      begin[lane] = static_cast<int>(total);
+      total += length[lane];
+    }
+    begin[cluster_size] = static_cast<int>(total);
+    sums.pairs += total;
+    int* const rows = faces.data() + block_begin(cluster);
+    if (total > room(cluster))
+      ++sums.crowded;
+    else if (is_long)
+      writeLongRows(nodes, first, begin, rows);
+    else if (total > 0)
+      writeRows(hits, begin, rows);
   }
 
-  template <class Keep>
-  KOKKOS_INLINE_FUNCTION void walkGhosts(const NodeCluster& nodes, int cluster, PairCounts& sums,
-                                         const Keep& keep) const {
-    walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
-      const float* const boxes = ghost_tree.block(0, block);
-      ++sums.blocks;
-      for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
-        const int lane = lowestBit(lanes);
-        ++sums.faces;
-        const float* const box = boxes + lane;
-        const unsigned near = lanesReaching<cluster_size>(nodes.lanes, box, block_size);
-        const int face = test.surface.num_faces + static_cast<int>(block) * block_size + lane;
-        const unsigned hit = decide(nodes, near, box, cluster * cluster_size, face);
-        if (hit != 0)
-          keep(face, hit);
-      }
-    });
+  // Appends without branching: whether a face is near is as good as random.
+  KOKKOS_INLINE_FUNCTION static void append(Hits& hits, int item, unsigned near) {
+    hits.item[hits.count] = item;
+    hits.lanes[hits.count] = near;
+    hits.count += near != 0;
+  }
+
+  KOKKOS_INLINE_FUNCTION void meetOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
+                                           Hits& hits, PairCounts& sums) const {
+    ++sums.blocks;
+    if (hits.count > most_hits)
+      return;
+    const float* const boxes = face_tree.block(0, block);
+    unsigned own[block_size]; // nodes of the cluster that are corners of the faces
+    bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
+    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowestBit(lanes);
+      ++sums.faces;
+      append(hits, static_cast<int>(block) * block_size + lane,
+             lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size) & ~own[lane]);
+    }
+  }
+
+  KOKKOS_INLINE_FUNCTION void meetGhosts(const NodeCluster& nodes, std::int64_t block, Hits& hits,
+                                         PairCounts& sums) const {
+    ++sums.blocks;
+    if (hits.count > most_hits)
+      return;
+    const float* const boxes = ghost_tree.block(0, block);
+    hits.are_own = false;
+    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowestBit(lanes);
+      ++sums.faces;
+      append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane,
+             lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size));
+    }
+  }
+
+  // Of what floats leave open: items become faces, lanes those that may touch them. count(face, lanes) for each.
+  template <class Count>
+  KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits,
+                                     const Count& count) const {
+    int kept = 0;
+    for (int i = 0; i < hits.count; ++i) {
+      const int item = hits.item[i];
+      const bool is_own = item < test.surface.num_faces;
+      const int at = is_own ? item : item - test.surface.num_faces;
+      const float* const box =
+          (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
+      const int face = is_own ? test.order.face_order(item) : item;
+      const unsigned lanes = decide(nodes, hits.lanes[i], box, first, face);
+      hits.item[kept] = face;
+      hits.lanes[kept] = lanes;
+      kept += lanes != 0;
+      count(face, lanes);
+    }
+    hits.count = kept;
   }
 
   // Of the lanes that reach the face's box in floats: those that really overlap and that the rules allow.
@@ -170,8 +256,6 @@ struct FindRows {
         if (!test.rules.allow(test.order.node_order(first + lane), face))
           near &= ~(1u << lane);
       }
-    if (near == 0)
-      return 0;
     unsigned unsure = near & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
     for (; unsure != 0; unsure &= unsure - 1) {
       const int lane = lowestBit(unsure);
@@ -181,34 +265,60 @@ struct FindRows {
     return near;
   }
 
-  KOKKOS_INLINE_FUNCTION void writeRows(const Hits& hits, const int* begin, int* rows, int cluster,
-                                        unsigned owned) const {
+  // visit(face, lanes) for all pairs of a cluster that has more hits than are kept, block by block.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
+                                          const Visit& visit) const {
+    PairCounts uncounted;
+    Hits hits;
+    walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
+      hits.count = 0;
+      meetOwnFaces(nodes, first, block, hits, uncounted);
+      settle(nodes, first, hits, visit);
+    });
+    walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
+      hits.count = 0;
+      meetGhosts(nodes, block, hits, uncounted);
+      settle(nodes, first, hits, visit);
+    });
+  }
+
+  KOKKOS_INLINE_FUNCTION void writeRows(Hits& hits, const int* begin, int* rows) const {
+    constexpr int most_together = 32;
+    const bool by_index = hits.are_own && test.order.face_rank.extent(0) == 0;
+    if (by_index && cluster_size > 1 && hits.count <= most_together) {
+      int selected[most_together * (cluster_size + 1)]; // selectByBit writes beyond its result
+      sortTogether(hits.item, hits.lanes, hits.count);
+      for (int lane = 0; lane < cluster_size; ++lane)
+        selectByBit(hits.item, hits.lanes, hits.count, lane, selected + begin[lane]);
+      for (int i = 0; i < begin[cluster_size]; ++i)
+        rows[i] = selected[i];
+      return;
+    }
     int next[cluster_size];
     for (int lane = 0; lane < cluster_size; ++lane)
       next[lane] = begin[lane];
-    const auto write = [&](int face, unsigned lanes) {
-      for (; lanes != 0; lanes &= lanes - 1)
-        rows[next[lowestBit(lanes)]++] = face;
-    };
-    if (hits.count <= most_hits) {
-      for (int i = 0; i < hits.count; ++i)
-        write(hits.face[i], hits.lanes[i]);
-    } else {
-      PairCounts again;
-      NodeCluster nodes;
-      nodes.load(&node_bounds(std::int64_t(cluster) * cluster_size * 6), owned);
-      walkFaces(nodes, cluster, again, write);
-      walkGhosts(nodes, cluster, again, write);
-    }
-    if (hits.by_index)
-      sortRows(begin, rows, [](const int a, const int b) { return a < b; });
-    else
-      sortRows(begin, rows, [&](const int a, const int b) { return test.before(a, b); });
+    for (int i = 0; i < hits.count; ++i)
+      write(hits.item[i], hits.lanes[i], next, rows);
+    sortRows(begin, rows);
   }
-  template <class Before>
-  KOKKOS_INLINE_FUNCTION static void sortRows(const int* begin, int* rows, const Before& before) {
+  KOKKOS_INLINE_FUNCTION void writeLongRows(const NodeCluster& nodes, int first, const int* begin,
+                                            int* rows) const {
+    int next[cluster_size];
     for (int lane = 0; lane < cluster_size; ++lane)
-      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane], before);
+      next[lane] = begin[lane];
+    forAllPairs(nodes, first, [&](int face, unsigned lanes) { write(face, lanes, next, rows); });
+    sortRows(begin, rows);
+  }
+  KOKKOS_INLINE_FUNCTION static void write(int face, unsigned lanes, int (&next)[cluster_size],
+                                           int* rows) {
+    for (; lanes != 0; lanes &= lanes - 1)
+      rows[next[lowestBit(lanes)]++] = face;
+  }
+  KOKKOS_INLINE_FUNCTION void sortRows(const int* begin, int* rows) const {
+    for (int lane = 0; lane < cluster_size; ++lane)
+      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane],
+              [&](const int a, const int b) { return test.before(a, b); });
   }
 };
 
@@ -258,9 +368,8 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   _ordering = clusters.numOrderings();
 }
 
-// Gives crowded clusters a new place behind the used ones; if there is not room enough, all clusters get one. Returns
-// whether it was all.
-bool ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
+// Gives crowded clusters a new place behind the used ones; if there is not room enough, all clusters get one.
+void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
   const auto places = _places;
   const auto room = _room;
   const auto row_begin = pairs.row_begin;
@@ -297,7 +406,6 @@ bool ClusterPairs::makeRoom(const exec_space& space, int num_clusters, Candidate
         row_begin(cluster * row_width) = to_be_repeated;
       });
   _used += more;
-  return all;
 }
 
 void ClusterPairs::find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
@@ -317,9 +425,11 @@ void ClusterPairs::find(const exec_space& space, const Surface& surface, const G
   const auto search = [&](bool repeat) {
     PairCounts counts;
     Kokkos::parallel_reduce(
-        "contact::ClusterPairs::find", overInChunks(space, order.num_clusters, 64),
-        FindRows{test, clusters.nodeBounds(), clusters.faceTree(), _ghost_forest.tree(0), _room,
-                 pairs.block_begin, pairs.row_begin, pairs.faces, repeat},
+        "contact::ClusterPairs::find",
+        overInChunks(space, (order.num_clusters + group_size - 1) / group_size, 8),
+        FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
+                 _ghost_forest.tree(0), _room, pairs.block_begin, pairs.row_begin, pairs.faces,
+                 order.num_clusters, repeat},
         Combine<PairCounts>(counts));
     space.fence();
     return counts;

@@ -35,7 +35,7 @@ private:
   void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& origin,
                    double tolerance);
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
-  bool makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
+  void makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
   BoxForest _ghost_forest;
   View<int*> _room{"contact::ClusterPairs::room",

@@ -11,17 +11,23 @@ struct NodeCluster {
   float lanes[6 * cluster_size]; // [side][lane]
   FloatBounds all; // the most of all lanes
 
-  // From `bounds` [node position][6]; only lanes of `wanted` take part.
-  KOKKOS_INLINE_FUNCTION void load(const float* bounds, unsigned wanted) {
-    for (int s = 0; s < 6; ++s)
-      all.side[s] = -HUGE_VALF;
-    for (int lane = 0; lane < cluster_size; ++lane)
-      for (int s = 0; s < 6; ++s) {
-        const float reach = wanted >> lane & 1u ? -bounds[lane * 6 + (s + 3) % 6] : -HUGE_VALF;
-        lanes[s * cluster_size + lane] = reach;
-        all.side[s] = maxOf(all.side[s], reach);
-      }
+  // From `bounds` [node position][6] and `of_wanted`, the union of those of the lanes in `wanted`, which alone take part.
+  KOKKOS_INLINE_FUNCTION void load(const float* bounds, const float* of_wanted, unsigned wanted) {
+    for (int s = 0; s < 6; ++s) {
+      const float* const side = bounds + (s + 3) % 6;
+      for (int lane = 0; lane < cluster_size; ++lane)
+        lanes[s * cluster_size + lane] = -side[lane * 6];
+      all.side[s] = -of_wanted[(s + 3) % 6];
+    }
+    if (wanted != all_lanes)
+      for (int lane = 0; lane < cluster_size; ++lane)
+        for (int s = 0; s < 6; ++s)
+          if (!(wanted >> lane & 1u))
+            lanes[s * cluster_size + lane] = -HUGE_VALF;
   }
+
+private:
+  static constexpr unsigned all_lanes = (1u << cluster_size) - 1;
 };
 
 // Calls visit(block) for each block of level 0 whose box overlaps the union of the cluster's boxes, in ascending order.

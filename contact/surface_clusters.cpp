@@ -217,9 +217,10 @@ void SurfaceClusters::order(const exec_space& space, const Surface& surface,
     return allocate<View<float*>>(space, label, rows * sides + 2);
   };
   _same_bounds = config.node_tolerance == config.face_tolerance;
-  _corner_bounds = bounds("contact::SurfaceClusters::corner_bounds", surface.num_nodes);
+  const std::int64_t num_positions = std::int64_t(_order.num_clusters) * cluster_size;
+  _corner_bounds = bounds("contact::SurfaceClusters::corner_bounds", num_positions);
   if (!_same_bounds)
-    _node_bounds = bounds("contact::SurfaceClusters::node_bounds", surface.num_nodes);
+    _node_bounds = bounds("contact::SurfaceClusters::node_bounds", num_positions);
   _cluster_bounds = bounds("contact::SurfaceClusters::cluster_bounds", _order.num_clusters);
   _forest.shape(space, {surface.num_faces});
   _surface = surface;

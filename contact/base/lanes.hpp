@@ -107,6 +107,67 @@ KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigne
 #endif
 }
 
+// Sorts the first `count` <= 32 numbers, all different, together with their masks, without branching on them.
+KOKKOS_INLINE_FUNCTION void sortTogether(int* numbers, unsigned* masks, int count) {
+#if defined(BRICKWALL_LANES_AVX512)
+  int sorted[32];
+  unsigned sorted_masks[32];
+  const auto used = static_cast<__mmask32>((std::uint64_t(1) << count) - 1);
+  const __m512i low = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(used), numbers);
+  const __m512i high = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(used >> 16), numbers + 16);
+  for (int i = 0; i < count; ++i) { // its place is the number of smaller ones
+    const __m512i number = _mm512_set1_epi32(numbers[i]);
+    const unsigned smaller =
+        _mm512_mask_cmplt_epi32_mask(static_cast<__mmask16>(used), low, number) |
+        unsigned(_mm512_mask_cmplt_epi32_mask(static_cast<__mmask16>(used >> 16), high, number))
+            << 16;
+    const int place = __builtin_popcount(smaller);
+    sorted[place] = numbers[i];
+    sorted_masks[place] = masks[i];
+  }
+  for (int i = 0; i < count; ++i) {
+    numbers[i] = sorted[i];
+    masks[i] = sorted_masks[i];
+  }
+#else
+  for (int i = 1; i < count; ++i) {
+    const int number = numbers[i];
+    const unsigned mask = masks[i];
+    int to = i;
+    for (; to > 0 && number < numbers[to - 1]; --to) {
+      numbers[to] = numbers[to - 1];
+      masks[to] = masks[to - 1];
+    }
+    numbers[to] = number;
+    masks[to] = mask;
+  }
+#endif
+}
+
+// Writes those of the `count` <= 32 numbers whose mask has this bit, in order, and returns how many they are. What follows
+// them in `to`, 32 entries in all, is overwritten.
+KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks, int count,
+                                       int bit, int* to) {
+  int written = 0;
+#if defined(BRICKWALL_LANES_AVX512)
+  const __m512i wanted = _mm512_set1_epi32(1 << bit);
+  for (int i = 0; i < count; i += 16) {
+    const auto used = static_cast<__mmask16>(count - i >= 16 ? 0xffffu : (1u << (count - i)) - 1);
+    const __mmask16 has =
+        _mm512_mask_test_epi32_mask(used, _mm512_maskz_loadu_epi32(used, masks + i), wanted);
+    _mm512_storeu_si512(to + written, _mm512_maskz_compress_epi32(
+                                          has, _mm512_maskz_loadu_epi32(used, numbers + i)));
+    written += __builtin_popcount(has);
+  }
+#else
+  for (int i = 0; i < count; ++i) {
+    to[written] = numbers[i];
+    written += static_cast<int>(masks[i] >> bit & 1u);
+  }
+#endif
+  return written;
+}
+
 // Number of the lowest bit that is set; bits != 0.
 KOKKOS_INLINE_FUNCTION int lowestBit(unsigned bits) {
 #if defined(__CUDA_ARCH__)
