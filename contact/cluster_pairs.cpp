@@ -284,10 +284,10 @@ struct FindRows {
   }
 
   KOKKOS_INLINE_FUNCTION void writeRows(Hits& hits, const int* begin, int* rows) const {
-    constexpr int most_together = 32;
+    constexpr int most_together = 64;
     const bool by_index = hits.are_own && test.order.face_rank.extent(0) == 0;
     if (by_index && cluster_size > 1 && hits.count <= most_together) {
-      int selected[most_together * (cluster_size + 1)]; // selectByBit writes beyond its result
+      int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
       sortTogether(hits.item, hits.lanes, hits.count);
       for (int lane = 0; lane < cluster_size; ++lane)
         selectByBit(hits.item, hits.lanes, hits.count, lane, selected + begin[lane]);

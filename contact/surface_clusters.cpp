@@ -1,5 +1,6 @@
 #include "contact/surface_clusters.hpp"
 
+#include "contact/base/lanes.hpp"
 #include "contact/base/region.hpp"
 #include "contact/construct_boxes.hpp"
 
@@ -8,49 +9,51 @@ namespace {
 
 constexpr int sides = 6;
 
-// One cluster of nodes: their bounds, those of the cluster, and the sums. Lane by lane, so that the arithmetic takes SIMD
-// registers; rows of coordinates are read in kept order.
+// One cluster of nodes: their bounds, and those of the cluster. Rows of coordinates are gathered in kept order.
 struct RefitCluster {
   View<const double*[3]> x_old, x_new;
   View<const int*> node_order;
   View<const unsigned*> owned;
   View<const global_id*> ids;
   View<float*> corner_bounds, node_bounds, cluster_bounds;
-  Vec3 origin;
+  Vec3 from;
   double node_tolerance, face_tolerance;
-  std::int64_t num_nodes;
+  int num_nodes;
   bool same_bounds;
-
-  // The range of each lane's node over the step; the empty range where there is none.
-  struct Swept {
-    double lower[3][cluster_size], upper[3][cluster_size];
-  };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster,
                                          SurfaceClusters::Sums& all) const {
     const std::int64_t first = cluster * cluster_size;
-    const int used = static_cast<int>(minOf<std::int64_t>(cluster_size, num_nodes - first));
     prefetchNodes(first +
                   4 * cluster_size); // the host's order is not ours: the memory must be asked early
-    Swept swept;
-    for (int lane = 0; lane < cluster_size; ++lane)
-      readNode(lane < used ? node_order(first + lane) : -1, lane, swept, all);
-    FloatBounds owned_bounds, bounds;
-    storeBounds(swept, face_tolerance, used, owned(cluster), &corner_bounds(first * sides), bounds,
-                owned_bounds);
-    all.corners.include(bounds);
-    if (!same_bounds) {
-      owned_bounds = FloatBounds();
-      storeBounds(swept, node_tolerance, used, owned(cluster), &node_bounds(first * sides), bounds,
-                  owned_bounds);
+    const double origin[4] = {from.x, from.y, from.z, 0};
+    const unsigned is_owned = owned(cluster);
+    FloatBounds of_owned;
+    for (int lane = 0; lane < cluster_size && first + lane < num_nodes; ++lane) {
+      const int node = node_order(first + lane);
+      double rows[2][4];
+      const double* const a = rowOfFour(x_old, node, rows[0]);
+      const double* const b = rowOfFour(x_new, node, rows[1]);
+      FloatBounds bounds;
+      const bool is_finite = sweptBox(a, b, face_tolerance, origin, bounds.side);
+      if (!is_finite)
+        skip(node, bounds, all);
+      storeRow(bounds, &corner_bounds((first + lane) * sides));
+      if (!same_bounds) {
+        if (is_finite)
+          sweptBox(a, b, node_tolerance, origin, bounds.side);
+        storeRow(bounds, &node_bounds((first + lane) * sides));
+      }
+      for (int s = 0; s < sides; ++s)
+        of_owned.side[s] =
+            minOf(of_owned.side[s], is_owned >> lane & 1u ? bounds.side[s] : HUGE_VALF);
     }
-    all.owned_nodes.include(owned_bounds);
-    for (int s = 0; s < sides; ++s)
-      cluster_bounds(cluster * sides + s) = owned_bounds.side[s];
+    storeRow(of_owned, &cluster_bounds(cluster * sides));
+    all.owned_nodes.include(of_owned);
   }
 
   KOKKOS_INLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
-    if (first + cluster_size > num_nodes)
+    if (cluster_size == 1 || first + cluster_size > num_nodes)
       return;
     for (int lane = 0; lane < cluster_size; ++lane) {
       const int node = node_order(first + lane);
@@ -58,47 +61,27 @@ struct RefitCluster {
       prefetch(&x_new(node, 0));
     }
   }
-  KOKKOS_INLINE_FUNCTION void readNode(int node, int lane, Swept& swept,
-                                       SurfaceClusters::Sums& all) const {
-    for (int d = 0; d < 3; ++d) {
-      swept.lower[d][lane] = HUGE_VAL;
-      swept.upper[d][lane] = -HUGE_VAL;
-    }
-    if (node < 0)
-      return;
-    double not_finite = 0; // or 0 times infinity or NaN
-    for (int d = 0; d < 3; ++d)
-      not_finite += 0 * x_old(node, d) + 0 * x_new(node, d);
-    if (not_finite != 0) {
-      ++all.num_invalid;
-      all.first_invalid = minOf(all.first_invalid, ids(node));
-      return;
-    }
-    for (int d = 0; d < 3; ++d) {
-      swept.lower[d][lane] = minOf(x_old(node, d), x_new(node, d));
-      swept.upper[d][lane] = maxOf(x_old(node, d), x_new(node, d));
-    }
-  }
 
-  // Inflated, as floats, to rows of `rows`; their union, and that of the lanes in `wanted`.
-  KOKKOS_INLINE_FUNCTION void storeBounds(const Swept& swept, double tolerance, int used,
-                                          unsigned wanted, float* rows, FloatBounds& all,
-                                          FloatBounds& of_wanted) const {
-    float side[sides][cluster_size];
+  // Coordinates that sweptBox may read four of: in place where they lie together and a row follows, else a copy.
+  KOKKOS_INLINE_FUNCTION const double* rowOfFour(const View<const double* [3]>& x, int node,
+                                                 double (&copy)[4]) const {
+    if (cluster_size > 1 && x.stride_1() == 1 && node + 1 < num_nodes)
+      return &x(node, 0);
     for (int d = 0; d < 3; ++d)
-      for (int lane = 0; lane < cluster_size; ++lane) {
-        const double lower = swept.lower[d][lane] - tolerance - origin[d];
-        const double upper = swept.upper[d][lane] + tolerance - origin[d];
-        side[d][lane] = lower < HUGE_VAL ? toFloat(lower) : HUGE_VALF;
-        side[3 + d][lane] = upper > -HUGE_VAL ? -toFloat(upper) : HUGE_VALF;
-      }
-    for (int lane = 0; lane < used; ++lane)
-      for (int s = 0; s < sides; ++s) {
-        rows[lane * sides + s] = side[s][lane];
-        all.side[s] = minOf(all.side[s], side[s][lane]);
-        of_wanted.side[s] =
-            minOf(of_wanted.side[s], wanted >> lane & 1u ? side[s][lane] : HUGE_VALF);
-      }
+      copy[d] = x(node, d);
+    copy[3] = 0;
+    return copy;
+  }
+  KOKKOS_INLINE_FUNCTION static void storeRow(const FloatBounds& bounds, float* row) {
+    for (int s = 0; s < sides; ++s)
+      row[s] = bounds.side[s];
+  }
+  // A node that is not finite has no box.
+  KOKKOS_INLINE_FUNCTION void skip(int node, FloatBounds& bounds,
+                                   SurfaceClusters::Sums& all) const {
+    bounds = FloatBounds();
+    ++all.num_invalid;
+    all.first_invalid = minOf(all.first_invalid, ids(node));
   }
 };
 
@@ -121,6 +104,19 @@ Box boxAround(const FloatBounds& bounds, const Vec3& origin) {
     box.upper[d] += FLT_MIN;
   }
   return box;
+}
+
+// The union of all boxes of a tree. Fences.
+FloatBounds boundsOfTree(const exec_space& space, const BoxTree& tree) {
+  if (tree.num_levels == 0)
+    return {};
+  float top[block_floats];
+  using OnHost = Kokkos::View<float*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;
+  using OnDevice = Kokkos::View<const float*, memory_space, Kokkos::MemoryUnmanaged>;
+  Kokkos::deep_copy(space, OnHost(top, block_floats),
+                    OnDevice(tree.block(tree.num_levels - 1, 0), block_floats));
+  space.fence();
+  return unionOfBlock(top);
 }
 
 // One block of faces: their boxes, and their union as an item of the next level. A face's box is the union of its corners'
@@ -249,7 +245,6 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
                             Combine<Sums>(_sums));
     space.fence();
     _node_box = boxAround(_sums.owned_nodes, _order.origin);
-    _face_box = surface.num_faces > 0 ? boxAround(_sums.corners, _order.origin) : Box();
   }
   const Region timer("search::face boxes");
   const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};
@@ -268,6 +263,7 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
     _extent_when_ordered = _extent;
   }
   _forest.refitUpperLevels(space, 2);
+  _face_box = boxAround(boundsOfTree(space, _forest.tree(0)), _order.origin);
 }
 
 } // namespace brickwall::contact

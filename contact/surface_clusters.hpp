@@ -27,8 +27,7 @@ public:
   } // [cluster][6], owned nodes only
   const BoxTree& faceTree() const { return _forest.tree(0); } // items are faces, by position
 
-  // Boxes that hold Bbar_n and Bbar_f, tolerances included, a rounding of a float larger; the second that of all nodes, if
-  // there are faces.
+  // Boxes that hold Bbar_n and Bbar_f, tolerances included: a rounding of a float larger.
   const Box& nodeBox() const { return _node_box; }
   const Box& faceBox() const { return _face_box; }
   std::int64_t numInvalid() const { return _sums.num_invalid; } // nodes that are not finite
@@ -37,13 +36,12 @@ public:
 
   // What is reduced over the nodes in every step. Public for the kernels only.
   struct Sums {
-    FloatBounds owned_nodes, corners; // with node_tolerance, with face_tolerance
+    FloatBounds owned_nodes; // with node_tolerance
     std::int64_t num_invalid = 0;
     global_id first_invalid = INT64_MAX;
 
     KOKKOS_INLINE_FUNCTION Sums& operator+=(const Sums& b) {
       owned_nodes.include(b.owned_nodes);
-      corners.include(b.corners);
       num_invalid += b.num_invalid;
       first_invalid = minOf(first_invalid, b.first_invalid);
       return *this;

@@ -107,21 +107,54 @@ KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigne
 #endif
 }
 
-// Sorts the first `count` <= 32 numbers, all different, together with their masks, without branching on them.
+// The box of the points a and b (xyz), larger by `tolerance` and relative to `origin`, as floats: lower xyz, then minus upper
+// xyz, clamped to the range of floats. Returns whether all six coordinates are finite; else the box means nothing. May read
+// a[3] and b[3].
+KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double tolerance,
+                                     const double (&origin)[4], float (&sides)[6]) {
+#if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
+  const __m256d x = _mm256_loadu_pd(a), y = _mm256_loadu_pd(b), from = _mm256_loadu_pd(origin);
+  const __m256d inflate = _mm256_set1_pd(tolerance);
+  const __m256d zero = _mm256_add_pd(_mm256_sub_pd(x, x), _mm256_sub_pd(y, y)); // or NaN
+  const __m256d low = _mm256_sub_pd(_mm256_sub_pd(_mm256_min_pd(x, y), inflate), from);
+  const __m256d high = _mm256_sub_pd(_mm256_add_pd(_mm256_max_pd(x, y), inflate), from);
+  const __m128 most = _mm_set1_ps(3.40282347e+38f), least = _mm_set1_ps(-3.40282347e+38f);
+  const auto clamp = [&](__m128 f) { return _mm_min_ps(_mm_max_ps(f, least), most); };
+  const __m128 lower = _mm_add_ps(clamp(_mm256_cvtpd_ps(low)), _mm_setzero_ps());
+  const __m128 upper = _mm_add_ps(clamp(_mm256_cvtpd_ps(high)), _mm_setzero_ps());
+  float negative[4];
+  _mm_storeu_ps(sides, lower); // the fourth is overwritten
+  _mm_storeu_ps(negative, _mm_xor_ps(upper, _mm_set1_ps(-0.0f)));
+  for (int d = 0; d < 3; ++d)
+    sides[3 + d] = negative[d];
+  return (_mm256_movemask_pd(_mm256_cmp_pd(zero, _mm256_setzero_pd(), _CMP_EQ_OQ)) & 7) == 7;
+#else
+  constexpr double most = 3.40282346638528859812e+38;
+  double zero = 0; // or NaN
+  for (int d = 0; d < 3; ++d) {
+    zero += (a[d] - a[d]) + (b[d] - b[d]);
+    const double low = (b[d] < a[d] ? b[d] : a[d]) - tolerance - origin[d];
+    const double high = (b[d] < a[d] ? a[d] : b[d]) + tolerance - origin[d];
+    sides[d] = static_cast<float>(minOf(maxOf(low, -most), most)) + 0.0f;
+    sides[3 + d] = -(static_cast<float>(minOf(maxOf(high, -most), most)) + 0.0f);
+  }
+  return zero == 0;
+#endif
+}
+
+// Sorts the first `count` <= 64 numbers, all different, together with their masks, without branching on them.
 KOKKOS_INLINE_FUNCTION void sortTogether(int* numbers, unsigned* masks, int count) {
 #if defined(BRICKWALL_LANES_AVX512)
-  int sorted[32];
-  unsigned sorted_masks[32];
-  const auto used = static_cast<__mmask32>((std::uint64_t(1) << count) - 1);
-  const __m512i low = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(used), numbers);
-  const __m512i high = _mm512_maskz_loadu_epi32(static_cast<__mmask16>(used >> 16), numbers + 16);
+  int sorted[64];
+  unsigned sorted_masks[64];
   for (int i = 0; i < count; ++i) { // its place is the number of smaller ones
     const __m512i number = _mm512_set1_epi32(numbers[i]);
-    const unsigned smaller =
-        _mm512_mask_cmplt_epi32_mask(static_cast<__mmask16>(used), low, number) |
-        unsigned(_mm512_mask_cmplt_epi32_mask(static_cast<__mmask16>(used >> 16), high, number))
-            << 16;
-    const int place = __builtin_popcount(smaller);
+    int place = 0;
+    for (int j = 0; j < count; j += 16) {
+      const auto used = static_cast<__mmask16>(count - j >= 16 ? 0xffffu : (1u << (count - j)) - 1);
+      place += __builtin_popcount(
+          _mm512_mask_cmplt_epi32_mask(used, _mm512_maskz_loadu_epi32(used, numbers + j), number));
+    }
     sorted[place] = numbers[i];
     sorted_masks[place] = masks[i];
   }
@@ -144,8 +177,8 @@ KOKKOS_INLINE_FUNCTION void sortTogether(int* numbers, unsigned* masks, int coun
 #endif
 }
 
-// Writes those of the `count` <= 32 numbers whose mask has this bit, in order, and returns how many they are. What follows
-// them in `to`, 32 entries in all, is overwritten.
+// Writes those of the numbers whose mask has this bit, in order, and returns how many they are. Up to 16 entries of `to`
+// behind them are overwritten.
 KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks, int count,
                                        int bit, int* to) {
   int written = 0;
