@@ -15,6 +15,7 @@ using DeviceRules = PairRules<memory_space>;
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
 constexpr int to_be_repeated = -1; // in the first of them, which else is 0
 constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
+constexpr int most_together = 64; // hits of which rows are selected at once
 // Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;
 constexpr int most_near = cluster_size > 1 ? 512 : block_size;
@@ -162,30 +163,76 @@ struct FindRows {
                 [&](const std::int64_t block) { meetOwnFaces(nodes, first, block, hits, sums); });
     visitBlocks(ghost_tree, nodes.all, near_ghosts,
                 [&](const std::int64_t block) { meetGhosts(nodes, block, hits, sums); });
+    const bool is_long = hits.count > most_hits;
+    if (!is_long)
+      settle(nodes, first, hits);
+    if (!is_long && hits.are_own && hits.count <= most_together && byIndex())
+      selectRows(hits, cluster, begin, sums);
+    else
+      fillRows(nodes, first, hits, is_long, cluster, begin, sums);
+  }
+
+  // The order of (body, face id) is that of the indices of own faces.
+  KOKKOS_INLINE_FUNCTION bool byIndex() const {
+    return cluster_size > 1 && test.order.face_rank.extent(0) == 0;
+  }
+
+  // Rows of few own faces: these are sorted once, and each node takes its own out of them.
+  KOKKOS_INLINE_FUNCTION void selectRows(Hits& hits, int cluster, int* begin,
+                                         PairCounts& sums) const {
+    int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
+    int total = 0;
+    sortTogether(hits.item, hits.lanes, hits.count);
+    for (int lane = 0; lane < cluster_size; ++lane) {
+      begin[lane] = total;
+      total += selectByBit(hits.item, hits.lanes, hits.count, lane, selected + total);
+    }
+    begin[cluster_size] = total;
+    sums.pairs += total;
+    if (total > room(cluster)) {
+      ++sums.crowded;
+      return;
+    }
+    int* const rows = faces.data() + block_begin(cluster);
+    for (int i = 0; i < total; ++i)
+      rows[i] = selected[i];
+  }
+
+  // Any rows: counted, written, sorted.
+  KOKKOS_INLINE_FUNCTION void fillRows(const NodeCluster& nodes, int first, Hits& hits,
+                                       bool is_long, int cluster, int* begin,
+                                       PairCounts& sums) const {
+    const auto forAll = [&](const auto& visit) {
+      if (is_long)
+        forAllPairs(nodes, first, visit);
+      for (int i = 0; i < hits.count && !is_long; ++i)
+        visit(hits.item[i], hits.lanes[i]);
+    };
     int length[cluster_size] = {};
-    const auto count = [&](int, unsigned lanes) {
+    forAll([&](int, unsigned lanes) {
       for (int lane = 0; lane < cluster_size; ++lane)
         length[lane] += static_cast<int>(lanes >> lane & 1u);
-    };
-    const bool is_long = hits.count > most_hits;
-    if (is_long)
-      forAllPairs(nodes, first, count);
-    else
-      settle(nodes, first, hits, count);
+    });
     std::int64_t total = 0;
+    int next[cluster_size];
     for (int lane = 0; lane < cluster_size; ++lane) {
-      begin[lane] = static_cast<int>(total);
+      begin[lane] = next[lane] = static_cast<int>(total);
       total += length[lane];
     }
     begin[cluster_size] = static_cast<int>(total);
     sums.pairs += total;
-    int* const rows = faces.data() + block_begin(cluster);
-    if (total > room(cluster))
+    if (total > room(cluster)) {
       ++sums.crowded;
-    else if (is_long)
-      writeLongRows(nodes, first, begin, rows);
-    else if (total > 0)
-      writeRows(hits, begin, rows);
+      return;
+    }
+    int* const rows = faces.data() + block_begin(cluster);
+    forAll([&](int face, unsigned lanes) {
+      for (; lanes != 0; lanes &= lanes - 1)
+        rows[next[lowestBit(lanes)]++] = face;
+    });
+    for (int lane = 0; lane < cluster_size; ++lane)
+      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane],
+              [&](const int a, const int b) { return test.before(a, b); });
   }
 
   // Appends without branching: whether a face is near is as good as random.
@@ -226,10 +273,8 @@ struct FindRows {
     }
   }
 
-  // Of what floats leave open: items become faces, lanes those that may touch them. count(face, lanes) for each.
-  template <class Count>
-  KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits,
-                                     const Count& count) const {
+  // What floats leave open: items become faces, lanes those of the nodes that may touch them.
+  KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits) const {
     int kept = 0;
     for (int i = 0; i < hits.count; ++i) {
       const int item = hits.item[i];
@@ -238,31 +283,32 @@ struct FindRows {
       const float* const box =
           (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
       const int face = is_own ? test.order.face_order(item) : item;
-      const unsigned lanes = decide(nodes, hits.lanes[i], box, first, face);
+      unsigned lanes = hits.lanes[i];
+      if (test.drop_same_body || !is_own)
+        lanes = allowed(lanes, first, face);
+      const unsigned unsure =
+          lanes & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
+      if (unsure != 0)
+        lanes = (lanes & ~unsure) | overlapping(unsure, first, face);
       hits.item[kept] = face;
       hits.lanes[kept] = lanes;
       kept += lanes != 0;
-      count(face, lanes);
     }
     hits.count = kept;
   }
-
-  // Of the lanes that reach the face's box in floats: those that really overlap and that the rules allow.
-  KOKKOS_INLINE_FUNCTION unsigned decide(const NodeCluster& nodes, unsigned near, const float* box,
-                                         int first, int face) const {
-    if (test.drop_same_body || face >= test.surface.num_faces)
-      for (unsigned lanes = near; lanes != 0; lanes &= lanes - 1) {
-        const int lane = lowestBit(lanes);
-        if (!test.rules.allow(test.order.node_order(first + lane), face))
-          near &= ~(1u << lane);
-      }
-    unsigned unsure = near & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
-    for (; unsure != 0; unsure &= unsure - 1) {
-      const int lane = lowestBit(unsure);
-      if (!test.overlap(test.order.node_order(first + lane), face))
-        near &= ~(1u << lane);
-    }
-    return near;
+  KOKKOS_INLINE_FUNCTION unsigned allowed(unsigned lanes, int first, int face) const {
+    unsigned kept = 0;
+    for (; lanes != 0; lanes &= lanes - 1)
+      if (test.rules.allow(test.order.node_order(first + lowestBit(lanes)), face))
+        kept |= lanes & (~lanes + 1);
+    return kept;
+  }
+  KOKKOS_INLINE_FUNCTION unsigned overlapping(unsigned lanes, int first, int face) const {
+    unsigned kept = 0;
+    for (; lanes != 0; lanes &= lanes - 1)
+      if (test.overlap(test.order.node_order(first + lowestBit(lanes)), face))
+        kept |= lanes & (~lanes + 1);
+    return kept;
   }
 
   // visit(face, lanes) for all pairs of a cluster that has more hits than are kept, block by block.
@@ -274,51 +320,20 @@ struct FindRows {
     walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
       meetOwnFaces(nodes, first, block, hits, uncounted);
-      settle(nodes, first, hits, visit);
+      visitHits(nodes, first, hits, visit);
     });
     walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
       meetGhosts(nodes, block, hits, uncounted);
-      settle(nodes, first, hits, visit);
+      visitHits(nodes, first, hits, visit);
     });
   }
-
-  KOKKOS_INLINE_FUNCTION void writeRows(Hits& hits, const int* begin, int* rows) const {
-    constexpr int most_together = 64;
-    const bool by_index = hits.are_own && test.order.face_rank.extent(0) == 0;
-    if (by_index && cluster_size > 1 && hits.count <= most_together) {
-      int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
-      sortTogether(hits.item, hits.lanes, hits.count);
-      for (int lane = 0; lane < cluster_size; ++lane)
-        selectByBit(hits.item, hits.lanes, hits.count, lane, selected + begin[lane]);
-      for (int i = 0; i < begin[cluster_size]; ++i)
-        rows[i] = selected[i];
-      return;
-    }
-    int next[cluster_size];
-    for (int lane = 0; lane < cluster_size; ++lane)
-      next[lane] = begin[lane];
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void visitHits(const NodeCluster& nodes, int first, Hits& hits,
+                                        const Visit& visit) const {
+    settle(nodes, first, hits);
     for (int i = 0; i < hits.count; ++i)
-      write(hits.item[i], hits.lanes[i], next, rows);
-    sortRows(begin, rows);
-  }
-  KOKKOS_INLINE_FUNCTION void writeLongRows(const NodeCluster& nodes, int first, const int* begin,
-                                            int* rows) const {
-    int next[cluster_size];
-    for (int lane = 0; lane < cluster_size; ++lane)
-      next[lane] = begin[lane];
-    forAllPairs(nodes, first, [&](int face, unsigned lanes) { write(face, lanes, next, rows); });
-    sortRows(begin, rows);
-  }
-  KOKKOS_INLINE_FUNCTION static void write(int face, unsigned lanes, int (&next)[cluster_size],
-                                           int* rows) {
-    for (; lanes != 0; lanes &= lanes - 1)
-      rows[next[lowestBit(lanes)]++] = face;
-  }
-  KOKKOS_INLINE_FUNCTION void sortRows(const int* begin, int* rows) const {
-    for (int lane = 0; lane < cluster_size; ++lane)
-      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane],
-              [&](const int a, const int b) { return test.before(a, b); });
+      visit(hits.item[i], hits.lanes[i]);
   }
 };
 
