@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/hilbert.hpp"
+#include "contact/partner_lists.hpp"
 #include "contact/radix_sort.hpp"
 #include "contact/row_order.hpp"
 
@@ -29,6 +30,20 @@ SortedKeys scratchFor(const exec_space& space, std::int64_t n) {
   return scratch;
 }
 
+// Of the finite values; 0 if there are none.
+double medianOf(const exec_space& space, const View<double*>& values) {
+  std::vector<double> finite;
+  copyToHost(space, values, static_cast<std::int64_t>(values.extent(0)), finite);
+  finite.erase(std::remove_if(finite.begin(), finite.end(),
+                              [](const double value) { return !std::isfinite(value); }),
+               finite.end());
+  if (finite.empty())
+    return 0;
+  const auto middle = finite.begin() + static_cast<std::ptrdiff_t>(finite.size() / 2);
+  std::nth_element(finite.begin(), middle, finite.end());
+  return *middle;
+}
+
 // Sorts every run of Width entries: the host's own order is kept where it costs nothing, which makes its memory easier to
 // read, and rows of candidates easier to sort.
 template <int Width>
@@ -48,22 +63,26 @@ void orderFaces(const exec_space& space, const Surface& surface, ClusterOrder& o
   const View<const double* [3]> x = surface.coordinates_new;
   const std::int64_t num_samples = minOf<std::int64_t>(n, 4096);
   View<Vec3*> sample("contact::ClusterOrder::sample", static_cast<std::size_t>(num_samples));
+  View<double*> extents("contact::ClusterOrder::extents", static_cast<std::size_t>(num_samples));
   Kokkos::parallel_for(
       "contact::orderFaces::sample", over(space, num_samples), KOKKOS_LAMBDA(const std::int64_t i) {
-        sample(i) = centroidOf(face_to_nodes, x, i * n / num_samples);
+        const std::int64_t face = i * n / num_samples;
+        sample(i) = centroidOf(face_to_nodes, x, face);
+        extents(i) = norm(rowOf(x, face_to_nodes(face, 2)) - rowOf(x, face_to_nodes(face, 0)));
       });
   const Box box = boxWithoutOutliers(space, sample, num_samples);
   order.origin = box.empty() ? Vec3() : box.centroid();
   const MortonGrid grid(box);
+  const int bits = hilbertBits(2097151.0 / grid.cells_per_length, medianOf(space, extents));
   SortedKeys sorted = scratchFor(space, n);
   const auto keys = sorted.keys;
   const auto values = sorted.values;
   Kokkos::parallel_for(
       "contact::orderFaces::keys", over(space, n), KOKKOS_LAMBDA(const std::int64_t face) {
-        keys(face) = hilbertCode(grid, centroidOf(face_to_nodes, x, face));
+        keys(face) = hilbertCode(grid, centroidOf(face_to_nodes, x, face), bits);
         values(face) = static_cast<int>(face);
       });
-  sortByKey(space, n, morton_bits, sorted);
+  sortByKey(space, n, 3 * bits, sorted);
   order.face_order = sorted.values;
   sortWithin<block_size>(space, order.face_order, n);
   space.fence();
