@@ -337,12 +337,11 @@ struct FindRows {
   }
 };
 
-} // namespace
-
-void ClusterPairs::refitGhosts(const exec_space& space, const GhostFaces& ghosts,
-                               const Vec3& origin, double tolerance) {
-  _ghost_forest.shape(space, {ghosts.count});
-  const BoxTree tree = _ghost_forest.tree(0);
+// The tree of the ghosts, in the order in which they came.
+void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& origin,
+                 double tolerance, BoxForest& forest) {
+  forest.shape(space, {ghosts.count});
+  const BoxTree tree = forest.tree(0);
   const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
   const std::int64_t lanes = tree.num_levels > 0 ? std::int64_t(tree.numBlocks(0)) * block_size : 0;
   Kokkos::parallel_for(
@@ -360,8 +359,38 @@ void ClusterPairs::refitGhosts(const exec_space& space, const GhostFaces& ghosts
         }
         storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size), bounds);
       });
-  _ghost_forest.refitUpperLevels(space);
+  forest.refitUpperLevels(space);
 }
+
+// places [cluster + 1]: offsets of the room that crowded clusters, or all, need. Returns its sum.
+std::int64_t measureRoom(const exec_space& space, int num_clusters, const View<int*>& row_begin,
+                         const View<int*>& room, bool all, const View<std::int64_t*>& places) {
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::needed", over(space, num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        const std::int64_t length = row_begin(cluster * row_width + cluster_size);
+        places(cluster) = all || length > room(cluster) ? length + length / 8 + 2 : 0;
+      });
+  return scanCounts(space, "contact::ClusterPairs::places", places, num_clusters);
+}
+
+void giveRoom(const exec_space& space, int num_clusters, const View<std::int64_t*>& places,
+              std::int64_t begin, const View<int*>& room, const CandidatePairs& pairs) {
+  const auto row_begin = pairs.row_begin;
+  const auto block_begin = pairs.block_begin;
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::make_room", over(space, num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        const std::int64_t size = places(cluster + 1) - places(cluster);
+        if (size == 0)
+          return;
+        room(cluster) = static_cast<int>(size);
+        block_begin(cluster) = begin + places(cluster);
+        row_begin(cluster * row_width) = to_be_repeated;
+      });
+}
+
+} // namespace
 
 // Rows for a new order: no cluster has a place yet.
 void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clusters,
@@ -385,41 +414,17 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
 
 // Gives crowded clusters a new place behind the used ones; if there is not room enough, all clusters get one.
 void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
-  const auto places = _places;
-  const auto room = _room;
-  const auto row_begin = pairs.row_begin;
-  const auto block_begin = pairs.block_begin;
-  const auto needed = [&](bool all) {
-    Kokkos::parallel_for(
-        "contact::ClusterPairs::needed", over(space, num_clusters),
-        KOKKOS_LAMBDA(const std::int64_t cluster) {
-          const std::int64_t length = row_begin(cluster * row_width + cluster_size);
-          places(cluster) = all || length > room(cluster) ? length + length / 8 + 2 : 0;
-        });
-    return scanCounts(space, "contact::ClusterPairs::places", places, num_clusters);
-  };
-  std::int64_t more = needed(false);
-  const bool all = _used + more > static_cast<std::int64_t>(pairs.faces.extent(0));
-  if (all) {
+  std::int64_t more = measureRoom(space, num_clusters, pairs.row_begin, _room, false, _places);
+  if (_used + more > static_cast<std::int64_t>(pairs.faces.extent(0))) {
     _used = 0;
-    more = needed(true);
+    more = measureRoom(space, num_clusters, pairs.row_begin, _room, true, _places);
     const auto size = static_cast<std::size_t>(more + more / 16 + 1024);
     if (pairs.faces.extent(0) < size) {
       pairs.faces = View<int*>(); // free first
       pairs.faces = allocate<View<int*>>(space, "contact::CandidatePairs::faces", size);
     }
   }
-  const std::int64_t begin = _used;
-  Kokkos::parallel_for(
-      "contact::ClusterPairs::make_room", over(space, num_clusters),
-      KOKKOS_LAMBDA(const std::int64_t cluster) {
-        const std::int64_t size = places(cluster + 1) - places(cluster);
-        if (size == 0)
-          return;
-        room(cluster) = static_cast<int>(size);
-        block_begin(cluster) = begin + places(cluster);
-        row_begin(cluster * row_width) = to_be_repeated;
-      });
+  giveRoom(space, num_clusters, _places, _used, _room, pairs);
   _used += more;
 }
 
@@ -429,7 +434,7 @@ void ClusterPairs::find(const exec_space& space, const Surface& surface, const G
   const ClusterOrder& order = clusters.order();
   if (_ordering != clusters.numOrderings())
     startAnew(space, clusters, pairs);
-  refitGhosts(space, ghosts, order.origin, config.face_tolerance);
+  refitGhosts(space, ghosts, order.origin, config.face_tolerance, _ghost_forest);
   const PairTest test{surface,
                       ghosts,
                       order,

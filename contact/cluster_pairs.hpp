@@ -32,8 +32,6 @@ public:
   const PairCounts& counts() const { return _counts; }
 
 private:
-  void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& origin,
-                   double tolerance);
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
   void makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
