@@ -30,7 +30,7 @@ struct BoxTree {
   }
 };
 
-// The boxes of a block's lanes and their union.
+// The union of a block's boxes.
 KOKKOS_INLINE_FUNCTION FloatBounds unionOfBlock(const float* block) {
   FloatBounds all;
   for (int s = 0; s < 6; ++s)
@@ -49,6 +49,10 @@ public:
   // Lays out trees of these numbers of items; allocates only when it must grow. Contents are undefined until level 0 is
   // filled and refitUpperLevels() was called.
   void shape(const exec_space& space, const std::vector<std::int64_t>& num_items);
+  void shape(const exec_space& space, std::int64_t num_items) { // a single tree
+    if (_shape.size() != 1 || _shape[0] != num_items)
+      shape(space, std::vector<std::int64_t>{num_items});
+  }
 
   // Boxes of the levels from `first_level` up to the tops; the levels below must be filled.
   void refitUpperLevels(const exec_space& space, int first_level = 1);

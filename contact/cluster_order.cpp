@@ -56,40 +56,93 @@ void sortWithin(const exec_space& space, const View<int*>& order, std::int64_t n
       });
 }
 
-// face_order: along the curve.
-void orderFaces(const exec_space& space, const Surface& surface, ClusterOrder& order) {
-  const std::int64_t n = surface.num_faces;
+// The curve through the faces of a surface, or through its nodes if it has no faces.
+struct Curve {
+  MortonGrid grid;
+  int bits = 0;
+
+  KOKKOS_INLINE_FUNCTION std::uint64_t operator()(const Vec3& point) const {
+    return hilbertCode(grid, point, bits);
+  }
+};
+
+Curve layCurve(const exec_space& space, const Surface& surface, ClusterOrder& order) {
+  const bool by_faces = surface.num_faces > 0;
+  const std::int64_t n = by_faces ? surface.num_faces : surface.num_nodes;
   const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
   const View<const double* [3]> x = surface.coordinates_new;
   const std::int64_t num_samples = minOf<std::int64_t>(n, 4096);
   View<Vec3*> sample("contact::ClusterOrder::sample", static_cast<std::size_t>(num_samples));
   View<double*> extents("contact::ClusterOrder::extents", static_cast<std::size_t>(num_samples));
   Kokkos::parallel_for(
-      "contact::orderFaces::sample", over(space, num_samples), KOKKOS_LAMBDA(const std::int64_t i) {
-        const std::int64_t face = i * n / num_samples;
-        sample(i) = centroidOf(face_to_nodes, x, face);
-        extents(i) = norm(rowOf(x, face_to_nodes(face, 2)) - rowOf(x, face_to_nodes(face, 0)));
+      "contact::layCurve::sample", over(space, num_samples), KOKKOS_LAMBDA(const std::int64_t i) {
+        const std::int64_t at = i * n / num_samples;
+        sample(i) = by_faces ? centroidOf(face_to_nodes, x, at) : rowOf(x, at);
+        if (by_faces)
+          extents(i) = norm(rowOf(x, face_to_nodes(at, 2)) - rowOf(x, face_to_nodes(at, 0)));
       });
   const Box box = boxWithoutOutliers(space, sample, num_samples);
-  order.origin = box.empty() ? Vec3() : box.centroid();
-  const MortonGrid grid(box);
-  const int bits = hilbertBits(2097151.0 / grid.cells_per_length, medianOf(space, extents));
+  const Vec3 centre = box.empty() ? Vec3() : box.centroid();
+  if (std::isfinite(norm(centre)))
+    order.origin = centre;
+  Curve curve;
+  curve.grid = MortonGrid(box);
+  curve.bits = hilbertBits(2097151.0 / curve.grid.cells_per_length, medianOf(space, extents));
+  return curve;
+}
+
+// face_order: along the curve.
+void orderFaces(const exec_space& space, const Surface& surface, const Curve& curve,
+                ClusterOrder& order) {
+  const std::int64_t n = surface.num_faces;
+  const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
+  const View<const double* [3]> x = surface.coordinates_new;
   SortedKeys sorted = scratchFor(space, n);
   const auto keys = sorted.keys;
   const auto values = sorted.values;
   Kokkos::parallel_for(
       "contact::orderFaces::keys", over(space, n), KOKKOS_LAMBDA(const std::int64_t face) {
-        keys(face) = hilbertCode(grid, centroidOf(face_to_nodes, x, face), bits);
+        keys(face) = curve(centroidOf(face_to_nodes, x, face));
         values(face) = static_cast<int>(face);
       });
-  sortByKey(space, n, 3 * bits, sorted);
+  sortByKey(space, n, 3 * curve.bits, sorted);
   order.face_order = sorted.values;
   sortWithin<block_size>(space, order.face_order, n);
   space.fence();
 }
 
+// Nodes of no face follow the others, along the curve.
+void placeLoneNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+                    const View<std::int64_t*>& first, int used, const View<int*>& places) {
+  const std::int64_t num_lone = surface.num_nodes - used;
+  if (num_lone == 0)
+    return;
+  SortedKeys sorted = scratchFor(space, num_lone);
+  const auto keys = sorted.keys;
+  const auto values = sorted.values;
+  const View<const double* [3]> x = surface.coordinates_new;
+  Kokkos::parallel_scan(
+      "contact::placeNodes::lone", over(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node, int& sum, const bool final) {
+        if (first(node) != INT64_MAX)
+          return;
+        if (final) {
+          keys(sum) = curve(rowOf(x, node));
+          values(sum) = static_cast<int>(node);
+        }
+        ++sum;
+      });
+  sortByKey(space, num_lone, 3 * curve.bits, sorted);
+  const auto ordered = sorted.values;
+  Kokkos::parallel_for(
+      "contact::placeNodes::place_lone", over(space, num_lone),
+      KOKKOS_LAMBDA(const std::int64_t i) { places(ordered(i)) = used + static_cast<int>(i); });
+  space.fence();
+}
+
 // [node] position of the node: by the first face, in order, that has it as a corner; nodes of no face come last.
-View<int*> placeNodes(const exec_space& space, const Surface& surface, const ClusterOrder& order) {
+View<int*> placeNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+                      const ClusterOrder& order) {
   const std::int64_t num_faces = surface.num_faces, num_nodes = surface.num_nodes;
   const auto face_to_nodes = surface.face_to_nodes;
   const auto face_order = order.face_order;
@@ -103,7 +156,7 @@ View<int*> placeNodes(const exec_space& space, const Surface& surface, const Clu
         for (int corner = 0; corner < 4; ++corner) {
           std::int64_t& of_node = first(face_to_nodes(face, corner));
           const std::int64_t use = 4 * position + corner;
-          if (of_node > use) // most uses are later ones
+          if (*const_cast<volatile std::int64_t*>(&of_node) > use) // most uses are later ones
             Kokkos::atomic_fetch_min(&of_node, use);
         }
       });
@@ -122,22 +175,15 @@ View<int*> placeNodes(const exec_space& space, const Surface& surface, const Clu
         }
       },
       used);
-  Kokkos::parallel_scan(
-      "contact::placeNodes::others", over(space, num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t node, int& sum, const bool final) {
-        if (first(node) != INT64_MAX)
-          return;
-        if (final)
-          places(node) = used + sum;
-        ++sum;
-      });
+  placeLoneNodes(space, surface, curve, first, used, places);
   return places;
 }
 
 // node_order, owned and corners from the nodes' places.
-void orderNodes(const exec_space& space, const Surface& surface, ClusterOrder& order) {
+void orderNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+                ClusterOrder& order) {
   const int num_nodes = surface.num_nodes, num_faces = surface.num_faces;
-  const View<int*> places = placeNodes(space, surface, order);
+  const View<int*> places = placeNodes(space, surface, curve, order);
   order.num_clusters = (num_nodes + cluster_size - 1) / cluster_size;
   order.node_order = allocate<View<int*>>(space, "contact::ClusterOrder::node_order", num_nodes);
   order.owned =
@@ -266,10 +312,10 @@ Box boxWithoutOutliers(const exec_space& space, const View<const Vec3*>& points,
 }
 
 ClusterOrder orderSurface(const exec_space& space, const Surface& surface) {
-  checkedInt(4 * std::int64_t(surface.num_faces), "face corners of a rank");
   ClusterOrder order;
-  orderFaces(space, surface, order);
-  orderNodes(space, surface, order);
+  const Curve curve = layCurve(space, surface, order);
+  orderFaces(space, surface, curve, order);
+  orderNodes(space, surface, curve, order);
   rankFaces(space, surface, order);
   return order;
 }

@@ -11,12 +11,14 @@ struct PairCounts {
   std::int64_t blocks = 0; // blocks of eight faces looked at, for a cluster of nodes each
   std::int64_t faces = 0; // faces tested against a cluster of nodes
   std::int64_t crowded = 0; // clusters whose rows did not fit the place they had
+  std::int64_t largest = 0; // pairs of one cluster, of those with long rows or ghosts
 
   KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
     pairs += b.pairs;
     blocks += b.blocks;
     faces += b.faces;
     crowded += b.crowded;
+    largest = maxOf(largest, b.largest);
     return *this;
   }
 };
@@ -24,8 +26,8 @@ struct PairCounts {
 class ClusterPairs {
 public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes its rows to the place
-  // that the last search left it, an eighth larger than it needed; those that have grown beyond get a new place and are
-  // searched again, so a first search takes two walks.
+  // that the last search left it, at first four faces a node, then an eighth more than it needed; those that outgrow it
+  // get a new one and are searched again.
   void find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
             const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
 

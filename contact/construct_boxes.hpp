@@ -26,7 +26,7 @@ KOKKOS_INLINE_FUNCTION Box nodeBox(const Vec3& x_old, const Vec3& x_new, double 
   return box;
 }
 
-// Box of a face over the step. The one place of this arithmetic: every method's face boxes are the same bits.
+// Box of a face over the step. Every method's face boxes are these, the same bits.
 KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
                                    const View<const double* [3]>& x_new,
                                    const View<const int* [4]>& face_to_nodes, std::int64_t face,
@@ -36,6 +36,19 @@ KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
     const int node = face_to_nodes(face, corner);
     box.include(rowOf(x_old, node));
     box.include(rowOf(x_new, node));
+  }
+  box.inflate(tolerance);
+  return box;
+}
+
+// Box of a ghost over the step, its coordinates [ghost][3 * corner + xyz]: the same bits as its owner's.
+KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
+                                    const GhostFaces::CornerCoordinates& x_new, std::int64_t ghost,
+                                    double tolerance) {
+  Box box;
+  for (int c = 0; c < 12; c += 3) {
+    box.include(Vec3{x_old(ghost, c), x_old(ghost, c + 1), x_old(ghost, c + 2)});
+    box.include(Vec3{x_new(ghost, c), x_new(ghost, c + 1), x_new(ghost, c + 2)});
   }
   box.inflate(tolerance);
   return box;

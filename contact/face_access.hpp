@@ -45,12 +45,10 @@ struct FaceAccess {
   // Whether the swept boxes of node and face overlap at these tolerances, as the searches decide it: the same bits.
   KOKKOS_INLINE_FUNCTION bool boxesOverlap(int node, int face, double node_tolerance,
                                            double face_tolerance) const {
-    Box box;
-    for (int j = 0; j < 4; ++j) {
-      box.include(corner(face, j, surface.coordinates_old, ghosts.coordinates_old));
-      box.include(corner(face, j, surface.coordinates_new, ghosts.coordinates_new));
-    }
-    box.inflate(face_tolerance);
+    const Box box = isOwn(face) ? faceBox(surface.coordinates_old, surface.coordinates_new,
+                                          surface.face_to_nodes, face, face_tolerance)
+                                : ghostBox(ghosts.coordinates_old, ghosts.coordinates_new,
+                                           ghostOf(face), face_tolerance);
     return box.overlaps(nodeBox(rowOf(surface.coordinates_old, node),
                                 rowOf(surface.coordinates_new, node), node_tolerance));
   }

@@ -43,12 +43,7 @@ void appendGhostBoxes(const exec_space& space, const View<const Box*>& own, int 
   Kokkos::parallel_reduce(
       "contact::localSearch::ghost_boxes", over(space, ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost, Box& sum) {
-        Box box;
-        for (int c = 0; c < 12; c += 3) {
-          box.include(Vec3{x_old(ghost, c), x_old(ghost, c + 1), x_old(ghost, c + 2)});
-          box.include(Vec3{x_new(ghost, c), x_new(ghost, c + 1), x_new(ghost, c + 2)});
-        }
-        box.inflate(tolerance);
+        const Box box = ghostBox(x_old, x_new, ghost, tolerance);
         joined(num_own + ghost) = box;
         sum.include(box);
       },

@@ -10,7 +10,8 @@ namespace brickwall::contact {
 struct PartnerLists {
   std::vector<int> ranks; // partners, ascending
   std::vector<std::int64_t> offsets{0}; // [partner + 1] into rows
-  View<int*> rows{"contact::PartnerLists::rows", 0}; // by partner, ascending within; may be longer
+  View<int*> rows{"contact::PartnerLists::rows",
+                  0}; // by partner, within in the method's order; may be longer
 
   std::int64_t size() const { return offsets.back(); }
 };

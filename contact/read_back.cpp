@@ -16,7 +16,7 @@ std::vector<IdPair> candidateIds(const exec_space& space, const Surface& surface
   std::vector<IdPair> ids;
   ids.reserve(static_cast<std::size_t>(pairs.count));
   for (int row = 0; row < pairs.num_rows; ++row) {
-    const int block = row / CandidatePairs::rows_per_block;
+    const std::int64_t block = row / CandidatePairs::rows_per_block;
     for (int i = row_begin(row + block); i < row_begin(row + block + 1); ++i) {
       const int face = faces(block_begin(block) + i);
       ids.push_back({node_ids(row_nodes(row)), face < surface.num_faces

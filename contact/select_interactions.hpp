@@ -7,8 +7,9 @@
 
 namespace brickwall::contact {
 
-// One thread per row of candidates, which is one per surface node: projects the node onto its candidates, chooses one face of each opposing body and writes
-// the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
+// One thread per row of candidates, which is one per surface node: projects the node onto its candidates, chooses one face of
+// each opposing body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go
+// to the lower id.
 struct SelectInteractions {
   using value_type = ContactSums;
 

@@ -204,6 +204,7 @@ bool SurfaceClusters::isNew(const Surface& surface) const {
 void SurfaceClusters::order(const exec_space& space, const Surface& surface,
                             const SearchConfig& config) {
   const Region timer("search::initialization");
+  _is_ordered = false; // in case of a throw
   // What the sort needs and what the boxes need is never there at once.
   _order = ClusterOrder();
   _corner_bounds = _node_bounds = _cluster_bounds = View<float*>();
@@ -218,11 +219,22 @@ void SurfaceClusters::order(const exec_space& space, const Surface& surface,
   if (!_same_bounds)
     _node_bounds = bounds("contact::SurfaceClusters::node_bounds", num_positions);
   _cluster_bounds = bounds("contact::SurfaceClusters::cluster_bounds", _order.num_clusters);
-  _forest.shape(space, {surface.num_faces});
+  _forest.shape(space, std::int64_t(surface.num_faces));
   _surface = surface;
   _surface.coordinates_old = _surface.coordinates_new = View<const double* [3]>();
   _is_ordered = true;
   ++_num_orderings;
+}
+
+// A surface that has left its place as a whole takes the origin along, so that floats stay fine.
+void SurfaceClusters::followSurface() {
+  if (_face_box.empty())
+    return;
+  const Vec3 centre = _face_box.centroid();
+  for (int d = 0; d < 3; ++d)
+    if (std::fabs(centre[d] - _order.origin[d]) > 4 * (_face_box.upper[d] - _face_box.lower[d]) &&
+        std::isfinite(centre[d]))
+      _order.origin[d] = centre[d];
 }
 
 void SurfaceClusters::update(const exec_space& space, const Surface& surface,
@@ -230,9 +242,13 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
   const Region region("constructBoxes");
   // Bricks that part stretch the blocks that span them, and queries cost the more; a quarter more is worth a sort.
   constexpr double worn_out = 1.25;
-  const bool fresh = !_is_ordered || isNew(surface) || _extent > worn_out * _extent_when_ordered;
+  const bool same_bounds = config.node_tolerance == config.face_tolerance;
+  const bool fresh = !_is_ordered || isNew(surface) || same_bounds != _same_bounds ||
+                     _extent > worn_out * _extent_when_ordered;
   if (fresh)
     order(space, surface, config);
+  else
+    followSurface();
   {
     const Region timer("search::node boxes");
     _sums = Sums();
@@ -259,7 +275,8 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
       most = outlier * _extent / num_blocks;
       _extent = refitFaces(space, refit, most);
     }
-    _most_extent = most;
+    _most_extent =
+        most > 0 ? most : HUGE_VAL; // all in one point says nothing of the surface to come
     _extent_when_ordered = _extent;
   }
   _forest.refitUpperLevels(space, 2);

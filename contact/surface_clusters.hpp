@@ -1,5 +1,5 @@
-// The surface as the cluster search sees it: faces in blocks of eight and nodes in clusters of sixteen, both along a space
-// filling curve, that are kept from step to step; their boxes are refitted in every step (phase 1 of the paper).
+// The surface as the cluster search sees it: faces in blocks of eight and nodes in clusters, both along a space filling
+// curve, that are kept from step to step; their boxes are refitted in every step (phase 1 of the paper).
 #pragma once
 
 #include "contact/cluster_order.hpp"
@@ -13,7 +13,7 @@ public:
   // then refits all boxes. Not collective. Nodes that are not finite are counted; their faces have no box.
   void update(const exec_space& space, const Surface& surface, const SearchConfig& config);
 
-  // Something of the surface besides its coordinates has changed in place.
+  // Something of the surface besides its coordinates has changed in place, or unmanaged Views have been allocated again.
   void orderAgain() { _is_ordered = false; }
 
   const ClusterOrder& order() const { return _order; }
@@ -51,9 +51,10 @@ public:
 private:
   bool isNew(const Surface& surface) const;
   void order(const exec_space& space, const Surface& surface, const SearchConfig& config);
+  void followSurface();
 
   Surface
-      _surface; // of the last ordering: keeps its Views alive, so that their addresses tell surfaces apart
+      _surface; // of the last ordering: keeps managed Views alive, so that their addresses tell surfaces apart
   ClusterOrder _order;
   BoxForest _forest;
   View<float*> _corner_bounds{"contact::SurfaceClusters::corner_bounds", 0};

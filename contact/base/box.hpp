@@ -35,7 +35,8 @@ struct Box {
   }
   KOKKOS_INLINE_FUNCTION bool empty() const { return !(lower[0] <= upper[0]); }
   KOKKOS_INLINE_FUNCTION Vec3 centroid() const {
-    return {0.5 * (lower[0] + upper[0]), 0.5 * (lower[1] + upper[1]), 0.5 * (lower[2] + upper[2])};
+    return {0.5 * lower[0] + 0.5 * upper[0], 0.5 * lower[1] + 0.5 * upper[1],
+            0.5 * lower[2] + 0.5 * upper[2]};
   }
   // Reduction with Combine<Box>: the union.
   KOKKOS_INLINE_FUNCTION Box& operator+=(const Box& b) {
