@@ -85,7 +85,8 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   exactly(pairs.row_begin, num_clusters * row_width);
   pairs.row_nodes = order.node_order;
   _used = std::int64_t(order.num_clusters) * first_room;
-  const std::int64_t size = _used + _used / 8 + 1024; // and for some that need more
+  const std::int64_t size =
+      _used + _used / 2 + 1024; // and for some that need more; untouched memory costs nothing
   if (static_cast<std::int64_t>(pairs.faces.extent(0)) < size) {
     pairs.faces = View<int*>(); // free first
     pairs.faces = allocate<View<int*>>(space, "contact::CandidatePairs::faces", size);
