@@ -276,10 +276,14 @@ void rankFaces(const exec_space& space, const Surface& surface, ClusterOrder& or
   sortById(space, surface.face_ids, n, sorted);
   sortById(space, surface.face_body, n, sorted);
   order.face_rank = allocate<View<int*>>(space, "contact::ClusterOrder::face_rank", n);
-  const auto by_rank = sorted.values, rank = order.face_rank;
+  const auto by_rank = sorted.values, rank = sorted.other_values, at_position = order.face_rank;
+  const auto face_order = order.face_order;
   Kokkos::parallel_for(
       "contact::rankFaces::ranks", over(space, n),
       KOKKOS_LAMBDA(const std::int64_t i) { rank(by_rank(i)) = static_cast<int>(i); });
+  Kokkos::parallel_for(
+      "contact::rankFaces::by_position", over(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i) { at_position(i) = rank(face_order(i)); });
   space.fence();
 }
 

@@ -16,7 +16,7 @@ struct ClusterOrder {
   View<int*> corners; // [block][corner][lane] node positions of the faces; -1 in empty lanes
   View<unsigned*>
       owned; // [cluster] bit i: node at position cluster * cluster_size + i is owned here
-  // [face] place in the order of (body, face id); empty if that is the order of the host's faces
+  // [face position] place in the order of (body, face id); empty if that is the order of the host's faces
   View<int*> face_rank;
 };
 

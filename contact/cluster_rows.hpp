@@ -25,6 +25,7 @@ constexpr int most_near = cluster_size > 1 ? 512 : block_size;
 // Faces whose boxes some nodes of a cluster reach. An item is an own face's position, or num_faces + the ghost's number.
 struct Hits {
   int item[most_hits + block_size];
+  int key[most_hits]; // place in the order of rows, of own faces, once settled
   unsigned lanes[most_hits + block_size]; // the nodes
   int count = 0;
   bool are_own = true; // no ghosts among them
@@ -68,8 +69,8 @@ struct PairTest {
   }
   // By (body, face id).
   KOKKOS_INLINE_FUNCTION bool before(int a, int b) const {
-    if (a < surface.num_faces && b < surface.num_faces)
-      return order.face_rank.extent(0) > 0 ? order.face_rank(a) < order.face_rank(b) : a < b;
+    if (a < surface.num_faces && b < surface.num_faces && order.face_rank.extent(0) == 0)
+      return a < b;
     return rules.before(a, b);
   }
 };
@@ -151,15 +152,10 @@ struct FindRows {
     const bool is_long = hits.count > most_hits;
     if (!is_long)
       settle(nodes, first, hits);
-    if (!is_long && hits.are_own && hits.count <= most_together && byIndex())
+    if (!is_long && hits.are_own && hits.count <= most_together && cluster_size > 1)
       selectRows(hits, cluster, begin, sums);
     else
       fillRows(nodes, first, hits, is_long, cluster, begin, sums);
-  }
-
-  // The order of (body, face id) is that of the indices of own faces.
-  KOKKOS_INLINE_FUNCTION bool byIndex() const {
-    return cluster_size > 1 && test.order.face_rank.extent(0) == 0;
   }
 
   // Rows of few own faces: these are sorted once, and each node takes its own out of them.
@@ -167,7 +163,7 @@ struct FindRows {
                                          PairCounts& sums) const {
     int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
     int total = 0;
-    sortTogether(hits.item, hits.lanes, hits.count);
+    sortTogether(hits.key, hits.item, hits.lanes, hits.count);
     for (int lane = 0; lane < cluster_size; ++lane) {
       begin[lane] = total;
       total += selectByBit(hits.item, hits.lanes, hits.count, lane, selected + total);
@@ -261,6 +257,7 @@ struct FindRows {
 
   // What floats leave open: items become faces, lanes those of the nodes that may touch them.
   KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits) const {
+    const bool is_ranked = test.order.face_rank.extent(0) > 0;
     int kept = 0;
     for (int i = 0; i < hits.count; ++i) {
       const int item = hits.item[i];
@@ -277,6 +274,7 @@ struct FindRows {
       if (unsure != 0)
         lanes = (lanes & ~unsure) | overlapping(unsure, first, face);
       hits.item[kept] = face;
+      hits.key[kept] = is_own && is_ranked ? test.order.face_rank(item) : face;
       hits.lanes[kept] = lanes;
       kept += lanes != 0;
     }

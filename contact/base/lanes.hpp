@@ -142,18 +142,18 @@ KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double to
 #endif
 }
 
-// Sorts the first `count` <= 64 numbers, all different, together with their masks, without branching on them.
-KOKKOS_INLINE_FUNCTION void sortTogether(int* numbers, unsigned* masks, int count) {
+// Sorts the first `count` <= 64 entries by key, all different, without branching on them.
+KOKKOS_INLINE_FUNCTION void sortTogether(int* keys, int* numbers, unsigned* masks, int count) {
 #if defined(BRICKWALL_LANES_AVX512)
   int sorted[64];
   unsigned sorted_masks[64];
   for (int i = 0; i < count; ++i) { // its place is the number of smaller ones
-    const __m512i number = _mm512_set1_epi32(numbers[i]);
+    const __m512i key = _mm512_set1_epi32(keys[i]);
     int place = 0;
     for (int j = 0; j < count; j += 16) {
       const auto used = static_cast<__mmask16>(count - j >= 16 ? 0xffffu : (1u << (count - j)) - 1);
       place += __builtin_popcount(
-          _mm512_mask_cmplt_epi32_mask(used, _mm512_maskz_loadu_epi32(used, numbers + j), number));
+          _mm512_mask_cmplt_epi32_mask(used, _mm512_maskz_loadu_epi32(used, keys + j), key));
     }
     sorted[place] = numbers[i];
     sorted_masks[place] = masks[i];
@@ -164,13 +164,15 @@ KOKKOS_INLINE_FUNCTION void sortTogether(int* numbers, unsigned* masks, int coun
   }
 #else
   for (int i = 1; i < count; ++i) {
-    const int number = numbers[i];
+    const int key = keys[i], number = numbers[i];
     const unsigned mask = masks[i];
     int to = i;
-    for (; to > 0 && number < numbers[to - 1]; --to) {
+    for (; to > 0 && key < keys[to - 1]; --to) {
+      keys[to] = keys[to - 1];
       numbers[to] = numbers[to - 1];
       masks[to] = masks[to - 1];
     }
+    keys[to] = key;
     numbers[to] = number;
     masks[to] = mask;
   }
