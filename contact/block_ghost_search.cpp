@@ -112,13 +112,7 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
         for (unsigned left = hits(entry); left != 0; left &= left - 1)
           rows(next++) = face_order(std::int64_t(blocks(entry)) * block_size + lowestBit(left));
       });
-  const auto num_partners = static_cast<std::int64_t>(lists.ranks.size());
-  const auto starts = search.starts;
-  Kokkos::parallel_for(
-      "contact::blockGhostSearch::starts", over(space, num_partners + 1),
-      KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
-  const Region copies("search::host-device copies");
-  copyToHost(space, search.starts, num_partners + 1, lists.offsets);
+  offsetsOfKept(space, positions, search.starts, lists);
 }
 
 } // namespace

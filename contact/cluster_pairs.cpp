@@ -20,9 +20,8 @@ void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& 
       "contact::ClusterPairs::ghost_boxes", over(space, lanes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         FloatBounds bounds;
-        if (i < tree.num_items) {
+        if (i < tree.num_items)
           bounds = FloatBounds::of(ghostBox(x_old, x_new, i, tolerance), origin);
-        }
         storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size), bounds);
       });
   forest.refitUpperLevels(space);

@@ -52,13 +52,7 @@ void compactEntries(const exec_space& space, const PartnerLists& faces_to_test,
         if (positions(entry + 1) > positions(entry))
           kept(positions(entry)) = faces(entry);
       });
-  const auto num_partners = static_cast<std::int64_t>(faces_to_test.ranks.size());
-  const auto starts = search.starts;
-  Kokkos::parallel_for(
-      "contact::faceGhostSearch::starts", over(space, num_partners + 1),
-      KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
-  const Region copies("search::host-device copies");
-  copyToHost(space, search.starts, num_partners + 1, search.faces_to_send.offsets);
+  offsetsOfKept(space, positions, search.starts, search.faces_to_send);
 }
 
 // Rows whose successor of the same partner has a smaller face id.

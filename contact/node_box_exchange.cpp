@@ -6,15 +6,6 @@
 namespace brickwall::contact {
 namespace {
 
-constexpr int box_words = 6;
-
-KOKKOS_INLINE_FUNCTION void packBox(const Box& box, std::int64_t* words) {
-  for (int d = 0; d < 3; ++d) {
-    words[d] = toWord(box.lower[d]);
-    words[3 + d] = toWord(box.upper[d]);
-  }
-}
-
 void packBoxes(const exec_space& space, const View<const Box*>& boxes, const PartnerLists& lists,
                MessageBuffers& buffers) {
   growTo(space, buffers.send, lists.size() * box_words);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
+#include "contact/box_words.hpp"
 #include "contact/construct_boxes.hpp"
 #include "contact/message_exchange.hpp"
 #include "contact/partner_lists.hpp"
@@ -32,12 +33,7 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& su
                        const std::vector<int>& senders, PartnerMessages& messages);
 
 KOKKOS_INLINE_FUNCTION Box receivedNodeBox(const View<const std::int64_t*>& words, std::int64_t i) {
-  Box box;
-  for (int d = 0; d < 3; ++d) {
-    fromWord(words(i * 6 + d), box.lower[d]);
-    fromWord(words(i * 6 + 3 + d), box.upper[d]);
-  }
-  return box;
+  return unpackBox(&words(i * box_words));
 }
 
 } // namespace brickwall::contact

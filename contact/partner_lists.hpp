@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/backend.hpp"
+#include "contact/base/region.hpp"
 
 #include <vector>
 
@@ -50,6 +51,18 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
                       Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
                           from.data(), from.size()));
   space.fence();
+}
+
+// Offsets of lists of which some entries were kept: `starts` [partner + 1] are those of all entries, positions(entry) that of an
+// entry among the kept. Fences.
+inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t*>& positions,
+                          const View<std::int64_t*>& starts, PartnerLists& kept) {
+  const auto num_partners = static_cast<std::int64_t>(kept.ranks.size());
+  Kokkos::parallel_for(
+      "contact::offsetsOfKept", over(space, num_partners + 1),
+      KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
+  const Region copies("search::host-device copies");
+  copyToHost(space, starts, num_partners + 1, kept.offsets);
 }
 
 } // namespace brickwall::contact

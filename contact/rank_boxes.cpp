@@ -1,7 +1,7 @@
 #include "contact/rank_boxes.hpp"
 
-#include "contact/base/exchange_plan.hpp"
 #include "contact/base/region.hpp"
+#include "contact/box_words.hpp"
 
 namespace brickwall::contact {
 namespace {
@@ -9,21 +9,6 @@ namespace {
 // What a rank tells all others, as message words.
 enum Word : int { node_box, face_box = 6, num_invalid = 12, first_invalid, attributes, num_words };
 constexpr std::int64_t no_faces = -1;
-
-void packBox(const Box& box, std::int64_t* words) {
-  for (int d = 0; d < 3; ++d) {
-    words[d] = toWord(box.lower[d]);
-    words[3 + d] = toWord(box.upper[d]);
-  }
-}
-Box unpackBox(const std::int64_t* words) {
-  Box box;
-  for (int d = 0; d < 3; ++d) {
-    fromWord(words[d], box.lower[d]);
-    fromWord(words[3 + d], box.upper[d]);
-  }
-  return box;
-}
 
 // All ranks see the same words, so all throw or none does.
 void throwIfNotFinite(const std::vector<std::int64_t>& words, int size) {
