@@ -15,8 +15,7 @@ using DeviceRules = PairRules<memory_space>;
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
 constexpr int to_be_repeated = -1; // in the first of them, which else is 0
 constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
-constexpr int first_room =
-    4 * cluster_size; // of a cluster before its first search: nodes on a face of like size
+constexpr int first_room = 4 * cluster_size; // of a cluster before its first search: like faces
 constexpr int most_together = 64; // hits of which rows are selected at once
 // Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;

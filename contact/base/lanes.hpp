@@ -142,7 +142,8 @@ KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double to
 #endif
 }
 
-// Sorts the first `count` <= 64 entries by key, all different, without branching on them.
+// Sorts the numbers and masks of the first `count` <= 64 entries by key, all different, without branching on them. The keys
+// may stay as they were.
 KOKKOS_INLINE_FUNCTION void sortTogether(int* keys, int* numbers, unsigned* masks, int count) {
 #if defined(BRICKWALL_LANES_AVX512)
   int sorted[64];
