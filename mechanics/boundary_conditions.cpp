@@ -44,30 +44,4 @@ BoundaryConditions::AtTime BoundaryConditions::at(double time) const {
   return result;
 }
 
-void setInitialVelocity(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
-                        const std::vector<unsigned char>& elem_is_chosen, const Vec3& velocity,
-                        const NodalState& state) {
-  const auto chosen =
-      copyToDevice(space, "mechanics::setInitialVelocity::elem_is_chosen", elem_is_chosen);
-  const auto elem_to_nodes = mesh.elem_to_nodes;
-  View<std::int64_t**> touches("mechanics::setInitialVelocity::touches", mesh.num_nodes, 1);
-  Kokkos::parallel_for(
-      "mechanics::setInitialVelocity::mark", over(space, mesh.num_elems),
-      KOKKOS_LAMBDA(const std::int64_t elem) {
-        if (chosen(elem))
-          for (int c = 0; c < 8; ++c)
-            Kokkos::atomic_add(&touches(elem_to_nodes(elem, c), 0), std::int64_t(1));
-      });
-  shared.sum(space, touches);
-  const auto v = state.velocity;
-  Kokkos::parallel_for(
-      "mechanics::setInitialVelocity::set", over(space, mesh.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t node) {
-        if (touches(node, 0) > 0)
-          for (int i = 0; i < 3; ++i)
-            v(node, i) = velocity[i];
-      });
-  space.fence();
-}
-
 } // namespace brickwall::mechanics

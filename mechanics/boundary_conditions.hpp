@@ -1,12 +1,10 @@
-// Prescribed motion of nodes by component (fixed = velocity zero), gravity, and initial velocities. Velocities are
-// prescribed at half steps, so positions follow by the drift; reactions are booked by the kick.
+// Prescribed motion of nodes by component (fixed = velocity zero), and gravity. Velocities are prescribed at half steps,
+// so positions follow by the drift; reactions are booked by the kick.
 #pragma once
 
 #include "contact/base/vec3.hpp"
 #include "mechanics/hex_mesh.hpp"
-#include "mechanics/nodal_state.hpp"
 #include "mechanics/pulse_shape.hpp"
-#include "mechanics/shared_node_sum.hpp"
 
 namespace brickwall::mechanics {
 
@@ -45,11 +43,5 @@ private:
   View<unsigned char* [3]> _motion_of;
   Vec3 _gravity;
 };
-
-// Sets velocity(node, :) on all nodes of the elements chosen here or, at shared nodes, on another rank
-// (elem_is_chosen [num_elems], host). Collective.
-void setInitialVelocity(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
-                        const std::vector<unsigned char>& elem_is_chosen, const Vec3& velocity,
-                        const NodalState& state);
 
 } // namespace brickwall::mechanics

@@ -13,6 +13,7 @@ enum class PulseKind {
   step, // 1 for 0 <= t <= T                                        [T]
   half_sine, // sin(pi t / T) for 0 <= t <= T                            [2 T / pi]
   triangle, // linear rise to 1 at `rise` T, linear fall to 0 at T      [T / 2]
+  sin_squared, // sin(pi t / T)^2 for 0 <= t <= T: no jump of the rate      [T / 2]
   friedlander, // (1 - t/T) exp(-b t/T) for 0 <= t <= T (positive phase)   [T (1/b - (1 - exp(-b))/b^2)]
 };
 
@@ -32,6 +33,10 @@ struct PulseShape {
     switch (kind) {
     case PulseKind::half_sine:
       return portableSinPi(s);
+    case PulseKind::sin_squared: {
+      const double sine = portableSinPi(s);
+      return sine * sine;
+    }
     case PulseKind::triangle:
       return s < rise ? s / rise : (rise < 1 ? (1 - s) / (1 - rise) : 1);
     case PulseKind::friedlander:

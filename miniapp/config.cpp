@@ -1,6 +1,8 @@
 // From a checked deck to the structs of config.hpp, with the checks that concern several keys.
 #include "miniapp/config.hpp"
 
+#include "mechanics/material.hpp"
+
 #include <algorithm>
 #include <filesystem>
 
@@ -126,8 +128,8 @@ std::vector<MaterialConfig> readMaterials(Deck& deck) {
 
 PulseConfig readPulse(Deck& deck, const std::string& block) {
   PulseConfig pulse;
-  pulse.shape =
-      choice<PulseShape>(deck, block, "shape", {"step", "half_sine", "triangle", "friedlander"});
+  pulse.shape = choice<PulseShape>(deck, block, "shape",
+                                   {"step", "half_sine", "sin_squared", "triangle", "friedlander"});
   pulse.start = deck.real(block, "start");
   pulse.duration = optionalReal(deck, block, "duration");
   pulse.decay = optionalReal(deck, block, "decay").value_or(pulse.decay);
@@ -188,37 +190,67 @@ void readBoundaries(Deck& deck, Config& config) {
   }
 }
 
+InitialSelection readSelection(Deck& deck, const std::string& block) {
+  InitialSelection chosen;
+  if (deck.isGood(block, "block"))
+    chosen.block = deck.text(block, "block");
+  if (deck.isGood(block, "brick"))
+    chosen.brick = counts(deck, block, "brick");
+  if (deck.isGood(block, "body"))
+    chosen.body = deck.integer(block, "body");
+  const int selectors =
+      deck.has(block, "block") + deck.has(block, "brick") + deck.has(block, "body");
+  if (selectors > 1)
+    deck.complain(block, "", "several of block, brick and body", "at most one of them");
+  if (deck.has(block, "brick") && !deck.hasBlock("wall"))
+    deck.complain(block, "brick", "a brick without a [wall]", "block or body for a [mesh]");
+  if (chosen.brick && deck.hasBlock("wall") && deck.isGood("wall", "bricks")) {
+    // Odd courses of a flush wall hold one piece more: two halves and one whole brick less.
+    std::array<std::int64_t, 3> pieces = counts(deck, "wall", "bricks");
+    if (deck.text("wall", "ends") == "flush" && (*chosen.brick)[2] % 2 == 1)
+      ++pieces[0];
+    for (std::size_t d = 0; d < 3; ++d)
+      if ((*chosen.brick)[d] >= pieces[d])
+        deck.complain(block, "brick", "a brick outside of the wall",
+                      "indices from 0, below the numbers of bricks");
+  }
+  return chosen;
+}
+
 std::vector<InitialVelocityConfig> readInitialVelocities(Deck& deck) {
   std::vector<InitialVelocityConfig> velocities;
   for (int i = 0; i < deck.count("initial.velocity"); ++i) {
     const std::string block = instance("initial.velocity", i);
-    InitialVelocityConfig initial;
-    if (deck.isGood(block, "block"))
-      initial.block = deck.text(block, "block");
-    if (deck.isGood(block, "brick"))
-      initial.brick = counts(deck, block, "brick");
-    if (deck.isGood(block, "body"))
-      initial.body = deck.integer(block, "body");
-    initial.velocity = triple(deck, block, "velocity");
-    const int selectors =
-        deck.has(block, "block") + deck.has(block, "brick") + deck.has(block, "body");
-    if (selectors > 1)
-      deck.complain(block, "", "several of block, brick and body", "at most one of them");
-    if (deck.has(block, "brick") && !deck.hasBlock("wall"))
-      deck.complain(block, "brick", "a brick without a [wall]", "block or body for a [mesh]");
-    if (initial.brick && deck.hasBlock("wall") && deck.isGood("wall", "bricks")) {
-      // Odd courses of a flush wall hold one piece more: two halves and one whole brick less.
-      std::array<std::int64_t, 3> pieces = counts(deck, "wall", "bricks");
-      if (deck.text("wall", "ends") == "flush" && (*initial.brick)[2] % 2 == 1)
-        ++pieces[0];
-      for (std::size_t d = 0; d < 3; ++d)
-        if ((*initial.brick)[d] >= pieces[d])
-          deck.complain(block, "brick", "a brick outside of the wall",
-                        "indices from 0, below the numbers of bricks");
-    }
-    velocities.push_back(initial);
+    if (!deck.has(block, "velocity") && !deck.has(block, "angular_velocity"))
+      deck.complain(block, "", "neither velocity nor angular_velocity",
+                    "at least one of them, a list of 3 numbers");
+    if (deck.has(block, "center") && !deck.has(block, "angular_velocity"))
+      deck.complain(block, "center", "center without angular_velocity",
+                    "angular_velocity = [wx, wy, wz], in rad/s");
+    velocities.push_back({readSelection(deck, block), triple(deck, block, "velocity"),
+                          triple(deck, block, "angular_velocity"), triple(deck, block, "center")});
   }
   return velocities;
+}
+
+std::vector<InitialDeformationConfig> readInitialDeformations(Deck& deck) {
+  std::vector<InitialDeformationConfig> deformations;
+  for (int i = 0; i < deck.count("initial.deformation"); ++i) {
+    const std::string block = instance("initial.deformation", i);
+    InitialDeformationConfig initial{readSelection(deck, block), {}, triple(deck, block, "center")};
+    if (deck.isGood(block, "gradient")) {
+      const std::vector<double> entries = deck.reals(block, "gradient");
+      std::copy(entries.begin(), entries.end(), initial.gradient.begin());
+      double H[3][3];
+      for (int k = 0; k < 9; ++k)
+        H[k / 3][k % 3] = entries[static_cast<std::size_t>(k)];
+      if (!(1 + mechanics::volumeChange(H) > 0))
+        deck.complain(block, "gradient", "a gradient that turns bodies inside out",
+                      "det(I + gradient) above 0");
+    }
+    deformations.push_back(initial);
+  }
+  return deformations;
 }
 
 void readMethods(const Deck& deck, Config& config) {
@@ -273,6 +305,7 @@ Config readDeck(Deck& deck) {
   config.pressures = readPressures(deck);
   readBoundaries(deck, config);
   config.initial_velocities = readInitialVelocities(deck);
+  config.initial_deformations = readInitialDeformations(deck);
   readMethods(deck, config);
   readOutput(deck, config);
   return config;

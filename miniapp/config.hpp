@@ -48,9 +48,10 @@ enum class Formulation {
 // Course in time of a load or of a prescribed velocity. Time t counts from `start`; 0 before it.
 //   step        1, until duration if there is one
 //   half_sine   sin(pi t / duration), t < duration
+//   sin_squared sin(pi t / duration)^2, t < duration
 //   triangle    1 - |2 t / duration - 1|, t < duration
 //   friedlander (1 - t / duration) exp(-decay t / duration), t < duration
-enum class PulseShape { step, half_sine, triangle, friedlander };
+enum class PulseShape { step, half_sine, sin_squared, triangle, friedlander };
 struct PulseConfig {
   PulseShape shape = PulseShape::step;
   double start = 0; // time
@@ -85,13 +86,22 @@ struct PrescribedVelocityConfig {
   PulseConfig pulse; // multiplies the velocity
 };
 
-// [[initial.velocity]]: of one block, one brick of a wall, one body, or (none of them) of
-// everything
-struct InitialVelocityConfig {
+// What an initial condition concerns: one block, one brick of a wall, one body, or (none of them) everything.
+struct InitialSelection {
   std::optional<std::string> block;
   std::optional<std::array<std::int64_t, 3>> brick; // 0-based: along, across, course
   std::optional<std::int64_t> body; // 0-based
+};
+// [[initial.velocity]]: velocity + angular_velocity x (X - center)
+struct InitialVelocityConfig : InitialSelection {
   Triple velocity = {0, 0, 0}; // length/time
+  Triple angular_velocity = {0, 0, 0}; // rad/time
+  Triple center = {0, 0, 0}; // length
+};
+// [[initial.deformation]]: displacement gradient (X - center)
+struct InitialDeformationConfig : InitialSelection {
+  std::array<double, 9> gradient = {}; // H_ij = du_i/dX_j, row by row
+  Triple center = {0, 0, 0}; // length
 };
 
 // [contact]
@@ -158,6 +168,7 @@ struct Config {
   std::vector<FixedConfig> fixed;
   std::vector<PrescribedVelocityConfig> prescribed;
   std::vector<InitialVelocityConfig> initial_velocities;
+  std::vector<InitialDeformationConfig> initial_deformations;
   ContactConfig contact;
   SearchConfig search;
   TimeConfig time;

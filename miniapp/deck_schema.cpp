@@ -13,7 +13,8 @@ using io::real;
 using io::text;
 using io::word;
 
-const std::vector<std::string> pulse_shapes = {"step", "half_sine", "triangle", "friedlander"};
+const std::vector<std::string> pulse_shapes = {"step", "half_sine", "sin_squared", "triangle",
+                                               "friedlander"};
 
 // Keys of a course in time, see PulseConfig.
 std::vector<KeyRule> pulseKeys(const std::string& default_shape) {
@@ -74,6 +75,19 @@ std::vector<BlockRule> sceneBlocks() {
   };
 }
 
+// Keys of an initial condition: what it concerns, see InitialSelection, and `values`.
+BlockRule initialBlock(const std::string& name, const std::string& help,
+                       const std::vector<KeyRule>& values) {
+  BlockRule block{name,
+                  BlockKind::repeated,
+                  help + " of one block, brick or body, or of everything; later ones win",
+                  {text("block", "element block"),
+                   integer("brick", "of a wall: along, across, course, from 0").list(3).atLeast(0),
+                   integer("body", "from 0").atLeast(0)}};
+  block.keys.insert(block.keys.end(), values.begin(), values.end());
+  return block;
+}
+
 std::vector<BlockRule> loadBlocks() {
   return {
       withPulse(
@@ -108,13 +122,18 @@ std::vector<BlockRule> loadBlocks() {
                   real("velocity", "m/s", "vector, times the course in time").list(3).mustBeGiven(),
                   components()}},
                 "step"),
-      {"initial.velocity",
-       BlockKind::repeated,
-       "velocity at the start, of one block, brick or body, or of everything; later ones win",
-       {text("block", "element block"),
-        integer("brick", "of a wall: along, across, course, from 0").list(3).atLeast(0),
-        integer("body", "from 0").atLeast(0),
-        real("velocity", "m/s", "vector").list(3).mustBeGiven()}},
+      initialBlock("initial.velocity", "velocity at the start,",
+                   {real("velocity", "m/s", "vector").list(3).byDefault("[0.0, 0.0, 0.0]"),
+                    real("angular_velocity", "rad/s", "adds its cross product with X - center")
+                        .list(3)
+                        .byDefault("[0.0, 0.0, 0.0]"),
+                    real("center", "m", "of the rotation").list(3).byDefault("[0.0, 0.0, 0.0]")}),
+      initialBlock(
+          "initial.deformation", "displacement at the start, gradient (X - center),",
+          {real("gradient", "", "du/dX row by row: du_x/dX, du_x/dY, du_x/dZ, du_y/dX, ...")
+               .list(9)
+               .mustBeGiven(),
+           real("center", "m", "does not move").list(3).byDefault("[0.0, 0.0, 0.0]")}),
   };
 }
 

@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/wall_layout.hpp"
+#include "mechanics/initial_conditions.hpp"
 
 #include <cmath>
 #include <string>
@@ -19,6 +20,9 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   case PulseShape::half_sine:
     shape.kind = mechanics::PulseKind::half_sine;
     break;
+  case PulseShape::sin_squared:
+    shape.kind = mechanics::PulseKind::sin_squared;
+    break;
   case PulseShape::triangle:
     shape.kind = mechanics::PulseKind::triangle;
     break;
@@ -32,9 +36,9 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   return shape;
 }
 
-// Local elements that an entry of [[initial.velocity]] names.
+// Local elements that an entry of the deck's block names.
 std::vector<unsigned char> chosenElements(const Config& config, const Scene& scene,
-                                          const InitialVelocityConfig& entry) {
+                                          const std::string& block, const InitialSelection& entry) {
   const auto& part = scene.part;
   std::vector<unsigned char> chosen(part.elem_ids.size(), 1);
   if (entry.block) {
@@ -49,7 +53,7 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
     }
   } else if (entry.body) {
     if (*entry.body >= part.num_global_bodies)
-      throw InputError("initial.velocity: the mesh has no body " + std::to_string(*entry.body) +
+      throw InputError(block + ": the mesh has no body " + std::to_string(*entry.body) +
                        "; it has " + std::to_string(part.num_global_bodies) + ", from 0");
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.elem_body[elem] == *entry.body;
@@ -109,8 +113,11 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
                           const mechanics::BoundaryConditions& boundary,
                           const mechanics::NodalState& state) {
   for (const auto& entry : config.initial_velocities)
-    mechanics::setInitialVelocity(space, scene.mesh, shared, chosenElements(config, scene, entry),
-                                  toVec3(entry.velocity), state);
+    mechanics::setInitialField(
+        space, scene.mesh, shared, chosenElements(config, scene, "initial.velocity", entry),
+        mechanics::rigidVelocity(toVec3(entry.velocity), toVec3(entry.angular_velocity),
+                                 toVec3(entry.center)),
+        state.velocity);
   if (!boundary.any())
     return;
   const auto at_start = boundary.at(0);
@@ -122,6 +129,19 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
           if (at_start.motion(node, d))
             velocity(node, d) = at_start.velocity[at_start.motion(node, d)][d];
       });
+}
+
+void setInitialDeformations(const exec_space& space, const Config& config, const Scene& scene,
+                            mechanics::SharedNodeSum& shared, const mechanics::NodalState& state) {
+  for (const auto& entry : config.initial_deformations) {
+    mechanics::AffineField field;
+    for (int k = 0; k < 9; ++k)
+      field.gradient(k / 3, k % 3) = entry.gradient[static_cast<std::size_t>(k)];
+    field.center = toVec3(entry.center);
+    mechanics::setInitialField(space, scene.mesh, shared,
+                               chosenElements(config, scene, "initial.deformation", entry), field,
+                               state.displacement);
+  }
 }
 
 } // namespace brickwall::miniapp

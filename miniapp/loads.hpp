@@ -1,7 +1,8 @@
-// What the deck says of loads, boundaries and initial velocities, applied to the sets of the mesh.
+// What the deck says of loads, boundaries and initial conditions, applied to the sets of the mesh.
 #pragma once
 
 #include "mechanics/boundary_conditions.hpp"
+#include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
 #include "miniapp/scene.hpp"
 
@@ -27,5 +28,10 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
                           mechanics::SharedNodeSum& shared,
                           const mechanics::BoundaryConditions& boundary,
                           const mechanics::NodalState& state);
+
+// [[initial.deformation]], later ones over earlier. Prescribed components too: they keep the displacement that they start
+// with. Collective. Throws InputError as above.
+void setInitialDeformations(const exec_space& space, const Config& config, const Scene& scene,
+                            mechanics::SharedNodeSum& shared, const mechanics::NodalState& state);
 
 } // namespace brickwall::miniapp

@@ -113,10 +113,14 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     look("[[boundary.fixed]]", [&] { nodeSetOf(part, fixed.node_set); });
   for (const auto& moving : config.prescribed)
     look("[[boundary.velocity]]", [&] { nodeSetOf(part, moving.node_set); });
-  for (const auto& initial : config.initial_velocities)
+  const auto look_for_block = [&](const std::string& where, const InitialSelection& initial) {
     if (initial.block)
-      look("[[initial.velocity]]",
-           [&] { findByName(part.blocks, *initial.block, "element block"); });
+      look(where, [&] { findByName(part.blocks, *initial.block, "element block"); });
+  };
+  for (const auto& initial : config.initial_velocities)
+    look_for_block("[[initial.velocity]]", initial);
+  for (const auto& initial : config.initial_deformations)
+    look_for_block("[[initial.deformation]]", initial);
   if (!faults.empty())
     throw InputError(faults);
 }

@@ -182,18 +182,31 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _internal_force = std::make_unique<mechanics::InternalForce>(_space, comm, mesh, kind,
                                                                _forces.quantum, _scales.energy);
   _loads = pressureLoads(_space, config, scene);
+  setInitialDeformations(_space, config, scene, _shared, _state);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
-  const auto stable = mechanics::stableTimeStep(_space, comm, mesh);
   _step_share = config.contact.enabled
                     ? mechanics::contactStepShare(config.time.safety, config.contact.penalty)
                     : config.time.safety;
-  planSteps(_step_share * stable.dt);
+  planSteps(_step_share * stableStepAtStart());
   if (config.contact.enabled)
     setUpContact();
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
                                     mechanics::totalMass(_space, comm, mesh, scene.mass),
                                     mechanics::momentaOf(_space, mesh, _state, _scales));
+}
+
+// Of the bodies as they start, and at rest, through which deformed ones swing.
+double Simulation::stableStepAtStart() const {
+  const double at_rest = mechanics::stableTimeStep(_space, _comm, _scene.mesh).dt;
+  if (_config.initial_deformations.empty())
+    return at_rest;
+  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement);
+  if (!(stable.dt > 0))
+    throw InputError(
+        "initial.deformation: element " + std::to_string(stable.elem) +
+        " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
+  return minOf(at_rest, stable.dt);
 }
 
 void Simulation::setUpContact() {

@@ -78,6 +78,7 @@ private:
   void kickVelocities(double dt_kick, double time_of_velocity);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);
+  double stableStepAtStart() const; // collective
   void planSteps(double longest);
   void setUpContact();
   std::string describeFailure();

@@ -1,16 +1,10 @@
 // The time integration on problems with exact answers (physics.md section 5): bar waves, cantilever, spinning block, and
 // the ledger of energy and momentum.
-#include "mechanics/central_difference.hpp"
-#include "mechanics/energy.hpp"
-#include "mechanics/pressure_load.hpp"
-#include "mechanics/skin.hpp"
-#include "mechanics/stable_time_step.hpp"
-#include "tests/mechanics/block_mesh.hpp"
+#include "tests/mechanics/solver.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <memory>
 
 namespace brickwall::mechanics {
 namespace {
@@ -18,97 +12,7 @@ namespace {
 using namespace testing;
 
 constexpr double pi = 3.14159265358979323846;
-const MPI_Comm world = MPI_COMM_WORLD;
 
-int slices(global_id elem) {
-  return static_cast<int>(elem / 3 % sizeOf(world));
-}
-
-// A mesh with everything that the time loop of the mechanics alone needs.
-struct Solver {
-  exec_space space;
-  MPI_Comm comm;
-  BlockMesh blocks;
-  NodalState state;
-  NodalForces forces;
-  LedgerScales scales;
-  std::unique_ptr<InternalForce> internal;
-  std::unique_ptr<BoundaryConditions> boundary;
-  std::vector<PressureLoad> loads;
-  EnergyLedger ledger;
-  double time = 0;
-
-  Solver(MPI_Comm comm_in, const Block& block, const Material& material, Vec3 gravity = {},
-         const Placement& place = asIs, ElementKind kind = ElementKind::one_point)
-      : comm(comm_in) {
-    blocks = makeBlocks(space, comm, {block}, {material}, place,
-                        comm == MPI_COMM_SELF ? Partition([](global_id) { return 0; }) : slices);
-    state = stateAtRest(space, comm, blocks);
-    const Quantum quantum = Quantum::forForceScale(forceScale(space, comm, blocks.mesh));
-    forces = zeroedForces(blocks.mesh, quantum);
-    scales = ledgerScales(space, comm, blocks.mesh);
-    internal =
-        std::make_unique<InternalForce>(space, comm, blocks.mesh, kind, quantum, scales.energy);
-    fix({}, gravity);
-  }
-  void fix(const std::vector<PrescribedMotion>& motions, Vec3 gravity = {}) {
-    boundary = std::make_unique<BoundaryConditions>(space, blocks.mesh.num_nodes, motions, gravity);
-  }
-  std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
-    std::vector<int> nodes;
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
-    for (int node = 0; node < blocks.mesh.num_nodes; ++node)
-      if (chosen(rowOf(X, node)))
-        nodes.push_back(node);
-    return nodes;
-  }
-  void press(const Pressure& pressure, const std::function<bool(const Vec3&)>& chosen) {
-    const Skin skin = findSkin(space, comm, blocks.mesh, blocks.shared);
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
-    std::vector<int> nodes;
-    for (int f = 0; f < skin.num_faces; ++f) {
-      bool all = true;
-      for (int c = 0; c < 4; ++c)
-        all = all && chosen(rowOf(X, faces(f, c)));
-      for (int c = 0; all && c < 4; ++c)
-        nodes.push_back(faces(f, c));
-    }
-    loads.emplace_back(space, pressure, nodes);
-  }
-  void evaluateAndKick(double kick_dt, double dt) {
-    zeroForces(space, forces);
-    const auto result = internal->add(space, state.displacement, forces, true);
-    std::int64_t misfits = 0;
-    for (const PressureLoad& load : loads)
-      misfits += load.add(space, blocks.mesh, state.displacement, time, forces);
-    blocks.sum.sum(space, forces.values);
-    const KickSums sums =
-        kick(space, blocks.mesh, *boundary, time + 0.5 * dt, kick_dt, forces, state, scales);
-    ledger.bookStep(comm, kick_dt, dt, result, {}, sums, misfits);
-  }
-  void start(double dt) {
-    ledger = EnergyLedger(comm, scales, boundary->gravity(),
-                          totalMass(space, comm, blocks.mesh, state.mass),
-                          momentaOf(space, blocks.mesh, state, scales));
-    evaluateAndKick(0.5 * dt, dt);
-  }
-  void step(double dt) {
-    drift(space, dt, state);
-    time += dt;
-    evaluateAndKick(dt, dt);
-  }
-  double stableStep() { return stableTimeStep(space, comm, blocks.mesh).dt; }
-};
-
-Block bar(int n, double length = 1) {
-  Block block;
-  block.elements[0] = n;
-  block.size = {length, length / n, length / n};
-  return block;
-}
 const Material wave_material{MaterialModel::linear, 1, 1, 0}; // c = 1
 
 // Relative L1 error of the stress -p H(c t - x) at time t: chi = dt/dt_stable.
@@ -380,25 +284,6 @@ TEST(TimeSteps, GiveTheSameBitsCutOrWhole) {
   EXPECT_EQ(whole.velocity, cut.velocity);
   EXPECT_EQ(whole.energy, cut.energy);
   EXPECT_EQ(whole.momentum_error, cut.momentum_error);
-}
-
-TEST(InitialVelocity, ReachesSharedNodesOfRanksWithoutAChosenElement) {
-  const exec_space space;
-  Block block = bar(6);
-  BlockMesh blocks = makeBlocks(space, world, {block}, {steelLike()});
-  NodalState state = stateAtRest(space, world, blocks);
-  const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.elem_ids);
-  std::vector<unsigned char> chosen;
-  for (int e = 0; e < blocks.mesh.num_elems; ++e)
-    chosen.push_back(ids(e) == 2);
-  setInitialVelocity(space, blocks.mesh, blocks.sum, chosen, {1, 2, 3}, state);
-  const auto X =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
-  const auto v = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.velocity);
-  for (int node = 0; node < blocks.mesh.num_nodes; ++node) {
-    const bool inside = X(node, 0) > 2.0 / 6 - 1e-9 && X(node, 0) < 3.0 / 6 + 1e-9;
-    EXPECT_EQ(v(node, 1), inside ? 2 : 0);
-  }
 }
 
 } // namespace

@@ -18,6 +18,7 @@ TEST(PulseShape, ImpulsesAreTheClosedForms) {
     double impulse;
   } cases[] = {{{PulseKind::step, T}, T},
                {{PulseKind::half_sine, T}, 2 * T / pi},
+               {{PulseKind::sin_squared, T}, T / 2},
                {{PulseKind::triangle, T, 0.25}, T / 2},
                {{PulseKind::triangle, T, 0.0}, T / 2},
                {{PulseKind::triangle, T, 1.0}, T / 2},

@@ -94,6 +94,9 @@ TEST(Config, ReadsEveryKey) {
       "[[initial.velocity]]\nvelocity = [0, 1, 0]\n"
       "[[initial.velocity]]\nbody = 3\nvelocity = [0, 2, 0]\n"
       "[[initial.velocity]]\nblock = \"a\"\nvelocity = [0, 3, 0]\n"
+      "[[initial.velocity]]\nangular_velocity = [0, 0, 4]\ncenter = [1, 2, 3]\n"
+      "[[initial.deformation]]\nbody = 2\ngradient = [0.1, 0, 0, 0, -0.2, 0, 0.3, 0, 0]\n"
+      "center = [4, 5, 6]\n"
       "[contact]\nenabled = false\ntolerance = 0.1\npenalty = 0.25\nself = \"always\"\n"
       "lateral_tolerance = 0.2\n"
       "[search]\nmethod = \"reference\"\nreuse = { margin = 0.25 }\njitter = 0.1\n"
@@ -123,10 +126,18 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.gravity, (Triple{0, 0, -9.81}));
   EXPECT_EQ(config.fixed.at(0).components, (std::array<bool, 3>{true, false, true}));
   EXPECT_EQ(config.prescribed.at(0).pulse.shape, PulseShape::triangle);
-  ASSERT_EQ(config.initial_velocities.size(), 3u);
+  ASSERT_EQ(config.initial_velocities.size(), 4u);
   EXPECT_FALSE(config.initial_velocities[0].body.has_value());
   EXPECT_EQ(*config.initial_velocities[1].body, 3);
   EXPECT_EQ(*config.initial_velocities[2].block, "a");
+  EXPECT_EQ(config.initial_velocities[2].velocity, (Triple{0, 3, 0}));
+  EXPECT_EQ(config.initial_velocities[3].velocity, (Triple{0, 0, 0}));
+  EXPECT_EQ(config.initial_velocities[3].angular_velocity, (Triple{0, 0, 4}));
+  EXPECT_EQ(config.initial_velocities[3].center, (Triple{1, 2, 3}));
+  const InitialDeformationConfig& deformation = config.initial_deformations.at(0);
+  EXPECT_EQ(*deformation.body, 2);
+  EXPECT_EQ(deformation.gradient, (std::array<double, 9>{0.1, 0, 0, 0, -0.2, 0, 0.3, 0, 0}));
+  EXPECT_EQ(deformation.center, (Triple{4, 5, 6}));
   EXPECT_FALSE(config.contact.enabled);
   EXPECT_EQ(config.contact.self, SelfContact::always);
   EXPECT_EQ(config.search.method, SearchMethod::reference);
@@ -163,6 +174,23 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
   EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].brick=[2,0,0]"}), "outside of the wall");
   EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].brick=[0,0,0]", "initial.velocity.0.body=1"}),
               "several of block, brick and body");
+  const std::string spin = smallest + "[[initial.velocity]]\nbody = 0\n";
+  EXPECT_TOLD(faultsOf(spin), "neither velocity nor angular_velocity");
+  EXPECT_EQ(faultsOf(spin, {"initial.velocity[0].angular_velocity=[0,0,1]"}), "");
+  EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].center=[0,0,1]"}),
+              "center without angular_velocity");
+  EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].angular_velocity=[0,1]"}), "list of 3");
+  const std::string deformed = smallest + "[[initial.deformation]]\nbrick = [1, 0, 0]\n";
+  EXPECT_TOLD(faultsOf(deformed), "gradient");
+  EXPECT_EQ(faultsOf(deformed, {"initial.deformation[0].gradient=[0.1,0,0,0,0,0,0,0,0]"}), "");
+  EXPECT_TOLD(faultsOf(deformed, {"initial.deformation[0].gradient=[0.1,0,0]"}), "list of 9");
+  EXPECT_TOLD(faultsOf(deformed, {"initial.deformation[0].gradient=[-1.1,0,0,0,0,0,0,0,0]"}),
+              "turns bodies inside out");
+  EXPECT_TOLD(faultsOf(deformed, {"initial.deformation[0].brick=[2,0,0]"}), "outside of the wall");
+  EXPECT_EQ(faultsOf(load, {"load.pressure[0].shape=sin_squared", "load.pressure[0].duration=1"}),
+            "");
+  EXPECT_TOLD(faultsOf(load, {"load.pressure[0].shape=sin_squared"}),
+              "no duration for shape \"sin_squared\"");
 }
 
 TEST(Config, ReadsAllDecksOfTheProject) {
