@@ -3,6 +3,7 @@
 #include "contact/base/exchange_plan.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/acceleration.hpp"
+#include "miniapp/globals.hpp"
 #include "miniapp/report.hpp"
 
 namespace brickwall::miniapp {
@@ -24,7 +25,7 @@ io::ResultsConfig resultsConfig(const Config& config) {
   results.information = config.resolved_deck;
   results.nodal_names = nodal_names;
   results.element_names = element_names;
-  results.global_names = globalNames();
+  results.global_names = globalNames(config);
   results.write_processor_id = config.output.processor_id;
   results.single_precision = config.output.precision == Precision::single;
   results.format = config.output.file_format == FileFormat::netcdf4 ? io::FileFormat::netcdf4
@@ -53,48 +54,6 @@ void packContact(const exec_space& space, const Scene& scene,
 }
 
 } // namespace
-
-std::vector<std::string> globalNames() {
-  return {"timestep",           "kinetic_energy",     "internal_energy",    "hourglass_energy",
-          "contact_energy",     "dissipated_energy",  "total_energy",       "external_work",
-          "internal_work",      "hourglass_work",     "contact_work",       "load_work",
-          "gravity_work",       "reaction_work",      "energy_error",       "momentum_error",
-          "ledger_residual",    "momentum_x",         "momentum_y",         "momentum_z",
-          "angular_momentum_x", "angular_momentum_y", "angular_momentum_z", "impulse_load_x",
-          "impulse_load_y",     "impulse_load_z",     "impulse_gravity_x",  "impulse_gravity_y",
-          "impulse_gravity_z",  "impulse_reaction_x", "impulse_reaction_y", "impulse_reaction_z",
-          "contacts",           "lost_contacts",      "max_penetration",    "searches"};
-}
-
-std::vector<double> globalValues(const Simulation& simulation) {
-  const auto& balance = simulation.balance();
-  const ContactCounts counts = simulation.contactCounts();
-  std::vector<double> values = {simulation.clock().dt,
-                                balance.kinetic,
-                                balance.stored_material + balance.stored_hourglass,
-                                balance.stored_hourglass,
-                                balance.stored_contact,
-                                balance.dissipated,
-                                balance.total_half,
-                                balance.external_work,
-                                balance.work[mechanics::material_force],
-                                balance.work[mechanics::hourglass_force],
-                                balance.work[mechanics::contact_force],
-                                balance.work[mechanics::external_force],
-                                balance.work_gravity,
-                                balance.work_reaction,
-                                balance.energy_error,
-                                balance.momentum_error,
-                                balance.ledger_residual};
-  for (const Vec3& v : {balance.momentum, balance.angular_momentum, balance.impulse_external,
-                        balance.impulse_gravity, balance.impulse_reaction})
-    values.insert(values.end(), {v.x, v.y, v.z});
-  values.push_back(static_cast<double>(counts.active));
-  values.push_back(static_cast<double>(counts.lost));
-  values.push_back(counts.max_penetration);
-  values.push_back(static_cast<double>(counts.searches));
-  return values;
-}
 
 Results::Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene)
     : _scene(scene), _shared(scene.shared),

@@ -1,8 +1,7 @@
-// What a run writes while it goes: the Exodus steps and the rows of history.csv.
+// What a run writes while it goes: the Exodus steps.
 #pragma once
 
 #include "io/results_writer.hpp"
-#include "miniapp/history.hpp"
 #include "miniapp/simulation.hpp"
 
 #include <memory>
@@ -10,11 +9,6 @@
 #include <vector>
 
 namespace brickwall::miniapp {
-
-// Energies, momenta, steps and counts of the moment, in the order of globalNames(): Exodus globals and history.csv
-// are this list.
-std::vector<std::string> globalNames();
-std::vector<double> globalValues(const Simulation& simulation);
 
 class Results {
 public:

@@ -2,6 +2,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/commands.hpp"
+#include "miniapp/globals.hpp"
 #include "miniapp/history.hpp"
 #include "miniapp/phase_report.hpp"
 #include "miniapp/report.hpp"
@@ -118,7 +119,7 @@ private:
     const std::string base = path(_options.caseName());
     writeTextFile(_comm, base + ".resolved.toml", _config.resolved_deck);
     std::vector<std::string> columns = {"step", "time"};
-    const auto names = globalNames();
+    const auto names = globalNames(_config);
     columns.insert(columns.end(), names.begin(), names.end());
     _history = std::make_unique<HistoryWriter>(_comm, path("history.csv"), columns);
     _results = std::make_unique<Results>(_comm, base, _config, _scene);

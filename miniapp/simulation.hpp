@@ -49,6 +49,7 @@ public:
   // One step t^n -> t^{n+1}. Collective. Throws PhysicsError on all ranks; the state is then that of the step before.
   void step();
 
+  const Config& config() const { return _config; }
   const Clock& clock() const { return _clock; }
   // Steps in all until the end time (or the deck's number of steps).
   std::int64_t plannedSteps() const { return _planned_steps; }
