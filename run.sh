@@ -26,6 +26,9 @@ usage() {
 Studies are many runs; they leave tables and plots in their folder (default out/study_NAME/):
   --study paper       the search over sizes, methods, ranks and threads: the paper's Figs. 8 to 11
                       (--sizes 2,8 --repetitions 5 --methods paper,cluster and more; verification/performance/README.md)
+  --study verification  cases with exact or published answers: a line a case, PASS or FAIL (--only V7,V8 --quick;
+                      verification/README.md)
+  --study stability   the hard cases, likewise
 
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
@@ -60,11 +63,13 @@ program_options=()
 study=
 wants_help=no
 
-# The driver of a study. More studies: more lines here.
-study_driver() {
+# The driver of a study and what it is told first. More studies: more lines here.
+choose_study() {
+  study=$1
   case $1 in
-    paper) echo "$root/verification/performance/paper_study.py" ;;
-    *) die "no study \"$1\"; there is: paper" ;;
+    paper) driver=("$root/verification/performance/paper_study.py") ;;
+    verification | stability) driver=("$root/verification/verify.py" "$1") ;;
+    *) die "no study \"$1\"; there are: paper, verification, stability" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
@@ -74,8 +79,8 @@ case ${1:-} in run | check | mesh | search) command=$1; shift ;; esac
 while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) wants_help=yes; shift ;;
-    --study) value_of "$@"; study=$2; driver=$(study_driver "$2"); shift 2 ;;
-    --study=*) study=${1#*=}; driver=$(study_driver "$study"); shift ;;
+    --study) value_of "$@"; choose_study "$2"; shift 2 ;;
+    --study=*) choose_study "${1#*=}"; shift ;;
     -n | --ranks) value_of "$@"; ranks=$2; shift 2 ;;
     -t | --threads) value_of "$@"; threads=$2; shift 2 ;;
     -o | --output) value_of "$@"; output=$2; shift 2 ;;
@@ -102,7 +107,7 @@ while [[ $# -gt 0 ]]; do
   esac
 done
 if [[ $wants_help == yes ]]; then
-  [[ -z $study ]] || exec /usr/bin/python3 "$driver" --help
+  [[ -z $study ]] || exec /usr/bin/python3 "${driver[@]}" --help
   usage
   exit 0
 fi
@@ -125,7 +130,7 @@ if [[ -n $study ]]; then
   [[ -z $ranks ]] || study_options+=(-n "$ranks")
   [[ -z $threads ]] || study_options+=(-t "$threads")
   [[ -z $output ]] || study_options+=(-o "$output")
-  exec /usr/bin/python3 "$driver" "${study_options[@]}" ${program_options[@]+"${program_options[@]}"}
+  exec /usr/bin/python3 "${driver[@]}" "${study_options[@]}" ${program_options[@]+"${program_options[@]}"}
 fi
 deck=${deck:-$root/inputs/brick_wall.toml}
 name=$(basename "$deck")

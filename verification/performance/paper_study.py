@@ -11,8 +11,9 @@ import signal
 import sys
 from pathlib import Path
 
-import machine
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # of framework
 import study_tables as tables
+from framework import machine
 from paper_plan import METHODS, PAPER_SIZES, PaperPlan, default_layouts
 from search_runs import Result, Runner
 

@@ -5,12 +5,12 @@ and the options, so that a study that is called again takes over what is finishe
 """
 import hashlib
 import json
-import os
-import signal
 import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
+
+from framework.process import execute
 
 INPUTS = Path(__file__).resolve().parents[2] / "inputs"
 # The walls W(n) of the paper's sizes have decks of their own; any other is one of these with other elements.
@@ -117,32 +117,5 @@ class Runner:
 
     def _execute(self, case, place):
         command = [self.run_sh, *case.options(), "--program", self.program, "-o", str(place)]
-        with open(place / "log.txt", "w") as log:
-            # A group of its own, so that what run.sh started ends with it.
-            process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
-            try:
-                code = process.wait(timeout=self.limit)
-            except subprocess.TimeoutExpired:
-                self._end(process)
-                return "out of time", f"stopped after {self.limit:g} s"
-            except BaseException:
-                self._end(process)
-                raise
-        if code == 0:
-            return "ok", ""
-        lines = [line for line in (place / "log.txt").read_text(errors="replace").splitlines() if line.strip()]
-        errors = [line for line in lines if line.startswith("brickwall:") or line.startswith("run.sh:")]
-        return "failed", f"exit code {code}: {(errors or lines or ['no output'])[-1]}"
-
-    @staticmethod
-    def _end(process):
-        for how, grace in ((signal.SIGTERM, 10), (signal.SIGKILL, 10)):
-            try:
-                os.killpg(process.pid, how)
-                process.wait(timeout=grace)
-                return
-            except subprocess.TimeoutExpired:
-                continue
-            except ProcessLookupError:
-                process.wait()
-                return
+        state, message, _ = execute(command, place / "log.txt", self.limit)
+        return state, message

@@ -1,0 +1,30 @@
+"""What the cases of colliding bars share: contact force and mean velocity of each bar by time."""
+from types import SimpleNamespace
+
+import numpy as np
+from framework.meshes import bodies, nodal_masses
+
+
+def histories(results, density=1.0):
+    """times [step]; force [bar][step], what its neighbours push it with along x; velocity [bar][step], of its centre of
+    mass; mass [bar]. `density` is a number or one an element."""
+    bars = bodies(len(results.nodes), results.hexes)
+    masses = nodal_masses(results.nodes, results.hexes, density)
+    steps = range(len(results.times))
+    forces = np.array([results.nodal("force_contact_x", step) for step in steps])
+    velocities = np.array([results.nodal("velocity_x", step) for step in steps])
+    mass = np.array([masses[bar].sum() for bar in bars])
+    return SimpleNamespace(
+        times=results.times, mass=mass,
+        force=np.array([forces[:, bar].sum(axis=1) for bar in bars]),
+        velocity=np.array([velocities[:, bar] @ masses[bar] for bar in bars]) / mass[:, None])
+
+
+def last_time(times, pressed):
+    """The last time at which the condition holds."""
+    return times[np.flatnonzero(pressed)[-1]]
+
+
+def mean_between(times, values, begin, end):
+    """Of steps of equal length with begin < t < end."""
+    return values[(times > begin) & (times < end)].mean()

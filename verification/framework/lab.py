@@ -1,0 +1,64 @@
+"""The place where a case is evaluated: it runs the program, collects checks and draws."""
+import tomllib
+from contextlib import contextmanager
+from pathlib import Path
+
+from .checks import Check, observed_orders
+
+
+class Lab:
+    """Handed to a case's evaluate(lab)."""
+
+    def __init__(self, program, deck, folder, plots, outcome, quick):
+        self.program, self.deck_path, self.folder, self.plots = program, Path(deck), Path(folder), Path(plots)
+        self.outcome = outcome
+        self.quick = quick  # a short form, for ctest
+        self.deck = tomllib.loads(self.deck_path.read_text())  # as written, without overrides
+
+    def run(self, label, settings=None, **how):
+        """Runs the case's deck into the folder `label` with overrides {key: value}; see Program.run for `how`."""
+        run = self.program.run(how.pop("deck", self.deck_path), self.folder / label, settings, **how)
+        if not self.outcome.program and (run.folder / "report.json").exists():
+            self.outcome.program = {key: run.report[key] for key in
+                                    ("version", "commit", "compiler", "flags", "kokkos", "mpi", "cpu", "execution_space")}
+        return run
+
+    def check(self, computed, exact, threshold, name="", error=None, orders=()):
+        """Holds a value against the exact one. The first check is the case's own line; give the others names. `error` is
+        relative to `exact` if not given, absolute if that is zero."""
+        computed, exact = float(computed), float(exact)
+        if error is None:
+            error = abs(computed - exact) / (abs(exact) or 1)
+        self.outcome.checks.append(Check(name, computed, exact, float(error), float(threshold), tuple(orders)))
+
+    def check_order(self, sizes, errors, least, name="order", exact=None):
+        """All observed orders between successive meshes are at least `least`; the lowest is told."""
+        orders = observed_orders(sizes, errors)
+        exact = least if exact is None else exact
+        self.check(min(orders), exact, exact - least, name, error=max(0.0, exact - min(orders)), orders=orders)
+
+    def note(self, text):
+        """A paragraph in the case's section of the report."""
+        self.outcome.notes.append(text)
+
+    def weak_spot(self, text):
+        """A paragraph in the report's section on where the method is weak."""
+        self.outcome.weak_spots.append(text)
+
+    def table(self, caption, header, rows):
+        self.outcome.tables.append((caption, list(header), [list(row) for row in rows]))
+
+    def publish(self, what, computed, published, source):
+        """A comparison with a published figure, for the report."""
+        self.outcome.published.append((what, computed, published, source))
+
+    @contextmanager
+    def figure(self, caption, name="", panels=1, width=7.0):
+        """with lab.figure("...") as axes: draws one plot (a list of axes if panels > 1)."""
+        from .figures import new_figure, save
+
+        figure, axes = new_figure(panels, width)
+        yield axes
+        file = f"{self.deck_path.stem}{'_' + name if name else ''}.png"
+        save(figure, self.plots / file)
+        self.outcome.figures.append((file, caption))

@@ -1,0 +1,101 @@
+"""Meshes of hexahedra: boxes, their images under maps, and several in one file."""
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .exodus import HEX_CORNERS, HEX_SIDES
+
+# The sides of `box`, in the order of HEX_SIDES: at the least and the largest x, y, z.
+BOX_SIDES = {"y0": 0, "x1": 1, "y1": 2, "x0": 3, "z0": 4, "z1": 5}
+
+
+@dataclass
+class Mesh:
+    """Hexahedra of several blocks; indices count from 0."""
+
+    nodes: np.ndarray  # [node][xyz]
+    hexes: np.ndarray  # [element][corner], ordered by block
+    blocks: dict  # {name: number of elements}
+    node_sets: dict = field(default_factory=dict)  # {name: nodes}
+    side_sets: dict = field(default_factory=dict)  # {name: [[element, side]]}
+
+    def hexes_by_block(self):
+        return np.split(self.hexes, np.cumsum(list(self.blocks.values()))[:-1])
+
+    def mapped(self, image):
+        """The mesh with its nodes at image(nodes)."""
+        return Mesh(image(self.nodes), self.hexes, self.blocks, self.node_sets, self.side_sets)
+
+
+def volumes(nodes, hexes):
+    """Of hexahedra, by 2x2x2 Gauss points: exact for trilinear ones."""
+    corner = 2.0 * HEX_CORNERS - 1
+    total = 0
+    for point in corner / np.sqrt(3):
+        factor = 1 + corner * point
+        gradient = np.stack([corner[:, i] * factor[:, (i + 1) % 3] * factor[:, (i + 2) % 3] / 8 for i in range(3)])
+        total = total + np.linalg.det(np.einsum("ic,ecj->eij", gradient, nodes[hexes]))
+    return total
+
+
+def nodal_masses(nodes, hexes, density=1.0):
+    """An eighth of each element's mass at each of its corners; `density` is a number or one an element."""
+    masses = np.zeros(len(nodes))
+    np.add.at(masses, hexes, (density * volumes(nodes, hexes) / 8)[:, None])
+    return masses
+
+
+def bodies(num_nodes, hexes):
+    """Nodes of each connected part of a mesh, in the order of their lowest nodes."""
+    label, before = np.arange(num_nodes), None
+    while not np.array_equal(label, before):
+        before = label.copy()
+        np.minimum.at(label, hexes, label[hexes].min(axis=1, keepdims=True))
+    return [np.flatnonzero(label == first) for first in np.unique(label[np.unique(hexes)])]
+
+
+def box(size, elements, origin=(0, 0, 0), name="block"):
+    """A block of equal elements; its node sets and side sets x0, x1, y0, y1, z0, z1 begin with the block's name and a dot."""
+    return graded_box([np.linspace(o, o + s, n + 1) for o, s, n in zip(origin, size, elements)], name)
+
+
+def graded_box(coordinates, name="block"):
+    """A block with nodes at all triples of the three rising lists of coordinates."""
+    nx, ny, nz = (len(values) for values in coordinates)
+    z, y, x = np.meshgrid(*coordinates[::-1], indexing="ij")
+    nodes = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    number = np.arange(nx * ny * nz).reshape(nz, ny, nx)
+    hexes = np.stack([number[k:nz - 1 + k, j:ny - 1 + j, i:nx - 1 + i].reshape(-1) for i, j, k in HEX_CORNERS], axis=1)
+    mesh = Mesh(nodes, hexes, {name: len(hexes)})
+    ends = {f"{axis}{end}": np.flatnonzero(np.isclose(nodes[:, i], values[-end], rtol=0, atol=1e-12 * np.ptp(values)))
+            for i, (axis, values) in enumerate(zip("xyz", coordinates)) for end in (0, 1)}
+    for end, members in ends.items():
+        mesh.node_sets[f"{name}.{end}"] = members
+        side = BOX_SIDES[end]
+        elements = np.flatnonzero(np.isin(hexes[:, HEX_SIDES[side]], members).all(axis=1))
+        mesh.side_sets[f"{name}.{end}"] = np.stack([elements, np.full(len(elements), side)], axis=1)
+    return mesh
+
+
+def together(*meshes):
+    """One mesh of several that share no node. Blocks of one name must follow each other; sets keep their names."""
+    all_of_them = Mesh(np.concatenate([mesh.nodes for mesh in meshes]), np.empty((0, 8), dtype=np.int64), {})
+    first_node = 0
+    for mesh in meshes:
+        first_elem = len(all_of_them.hexes)
+        all_of_them.hexes = np.concatenate([all_of_them.hexes, mesh.hexes + first_node])
+        for name, count in mesh.blocks.items():
+            all_of_them.blocks[name] = all_of_them.blocks.get(name, 0) + count
+        for name, nodes in mesh.node_sets.items():
+            all_of_them.node_sets[name] = nodes + first_node
+        for name, sides in mesh.side_sets.items():
+            all_of_them.side_sets[name] = sides + [first_elem, 0]
+        first_node += len(mesh.nodes)
+    return all_of_them
+
+
+def rotation(axis, angle):
+    """The matrix that turns by `angle` about `axis` (Rodrigues)."""
+    n = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    cross = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross

@@ -1,0 +1,42 @@
+"""One child process: its output in a log, a time limit, and no process left behind."""
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+
+def execute(command, log, limit, environment=None):
+    """Runs `command`, with more variables in its `environment`, and returns ("ok" | "failed" | "out of time", message, exit code or None)."""
+    with open(log, "w") as file:
+        # A group of its own, so that what run.sh started ends with it.
+        process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True,
+                                   env={**os.environ, **(environment or {})})
+        try:
+            code = process.wait(timeout=limit)
+        except subprocess.TimeoutExpired:
+            end(process)
+            return "out of time", f"stopped after {limit:g} s", None
+        except BaseException:
+            end(process)
+            raise
+    return ("ok", "", 0) if code == 0 else ("failed", f"exit code {code}: {last_words(log)}", code)
+
+
+def last_words(log):
+    """The last error that the program or run.sh told, else the last line."""
+    lines = [line for line in Path(log).read_text(errors="replace").splitlines() if line.strip()]
+    errors = [line for line in lines if line.startswith(("brickwall:", "run.sh:"))]
+    return (errors or lines or ["no output"])[-1]
+
+
+def end(process):
+    for how in (signal.SIGTERM, signal.SIGKILL):
+        try:
+            os.killpg(process.pid, how)
+            process.wait(timeout=10)
+            return
+        except subprocess.TimeoutExpired:
+            continue
+        except ProcessLookupError:
+            process.wait()
+            return

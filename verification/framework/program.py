@@ -1,0 +1,81 @@
+"""Runs of the program as a user starts them: run.sh, a deck, `--set` overrides, perhaps a mesh."""
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from .exodus import Results, write_mesh
+from .process import execute
+
+
+class ProgramError(RuntimeError):
+    """A run that did not end as it should."""
+
+
+@dataclass
+class Run:
+    """What a run left in its folder."""
+
+    folder: Path
+    name: str  # of the deck
+    code: int  # exit code
+    message: str
+
+    @cached_property
+    def report(self):
+        return json.loads((self.folder / "report.json").read_text())
+
+    @cached_property
+    def history(self):
+        """Columns of history.csv: {name: array}."""
+        table = np.genfromtxt(self.folder / "history.csv", delimiter=",", names=True)
+        return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
+
+    @cached_property
+    def results(self):
+        return Results(self.folder / f"{self.name}.exo")
+
+
+@dataclass(frozen=True)
+class Program:
+    """How to run it: of all runs of a study, unless a run says otherwise."""
+
+    run_sh: Path
+    binary: Path
+    ranks: int = 1
+    threads: int = 1
+    limit: float = 1800  # seconds
+
+    def run(self, deck, folder, settings=None, mesh=None, ranks=None, threads=None, expect=0):
+        """Runs `deck` with `settings` {key: value} into `folder`. `mesh` is written there and stands in for mesh.file.
+        Raises ProgramError if the exit code is not `expect` (None: any)."""
+        deck, folder = Path(deck), Path(folder).absolute()
+        folder.mkdir(parents=True, exist_ok=True)
+        settings = dict(settings or {})
+        if mesh is not None:
+            write_mesh(folder / "mesh.exo", mesh)
+            settings["mesh.file"] = str(folder / "mesh.exo")
+        command = [str(self.run_sh), "run", str(deck), "--program", str(self.binary), "--no-picture", "-o", str(folder),
+                   "-n", str(ranks or self.ranks), "-t", str(threads or self.threads)]
+        for key, value in settings.items():
+            command += ["--set", f"{key}={spell(value)}"]
+        # Unbound: runs side by side would all bind to the same first cores.
+        _, message, code = execute(command, folder / "log.txt", self.limit, {"OMP_PROC_BIND": "false"})
+        if expect is not None and code != expect:
+            raise ProgramError(f"{folder.name}: {message or 'it passed'}, expected exit code {expect} ({folder}/log.txt)")
+        return Run(folder, deck.stem, code, message)
+
+
+def spell(value):
+    """A value as TOML writes it. Numbers keep all their bits."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    return "[" + ",".join(spell(item) for item in value) + "]"

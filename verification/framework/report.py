@@ -1,0 +1,50 @@
+"""The report of a study: one table of all cases, then each case with its tables, plots and notes."""
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(cell(value) for value in row) + " |" for row in rows]) + "\n"
+
+
+def cell(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def headline(study):
+    place, built = study["machine"], study["program"]
+    return (f"{built.get('cpu', 'unknown processor')}, {place['physical_cores']} cores, {place['system']}; brickwall "
+            f"{built.get('version', '?')}, commit {built.get('commit', '?')}, {built.get('compiler', '?')}, Kokkos "
+            f"{built.get('kokkos', '?')} {built.get('execution_space', '')}, {built.get('mpi', '?')}; {study['date']}; "
+            f"{study['ranks']} rank(s) of {study['threads']} thread(s) a run where a case does not say otherwise")
+
+
+def check_rows(outcome):
+    if outcome.failure or not outcome.checks:
+        return [[f"**{outcome.name}**", outcome.title, "", "", "", "", "", f"**FAIL**: {outcome.failure or 'no check'}"]]
+    return [[f"**{outcome.name}**" if i == 0 else "", outcome.title if i == 0 else check.name.replace("_", " "),
+             f"{check.computed:.6g}", f"{check.exact:.6g}", f"{check.error:.2g}", f"{check.threshold:.2g}",
+             ", ".join(f"{order:.2f}" for order in check.orders), "pass" if check.passed else "**FAIL**"]
+            for i, check in enumerate(outcome.checks)]
+
+
+def section(outcome):
+    parts = [f"## {outcome.name}: {outcome.title}\n\n{outcome.text}\n"]
+    parts += [f"{caption}\n\n{table(header, rows)}" for caption, header, rows in outcome.tables]
+    parts += [f"![{caption}](plots/{file})\n\n*{caption}*\n" for file, caption in outcome.figures]
+    parts += [f"{note}\n" for note in outcome.notes]
+    return "\n".join(parts)
+
+
+def write(path, study, outcomes):
+    passed = sum(outcome.passed for outcome in outcomes)
+    parts = [f"# {study['title']}\n\nWritten by `./run.sh --study {study['name']} --keep`: {passed} of {len(outcomes)} cases pass. {headline(study)}. "
+             f"{study['seconds']:.0f} s.{' The quick forms of the cases.' if study['quick'] else ''}\n",
+             table(["case", "check", "computed", "exact", "error", "threshold", "observed orders", ""],
+                   [row for outcome in outcomes for row in check_rows(outcome)])]
+    published = [line for outcome in outcomes for line in outcome.published]
+    if published:
+        parts.append("## Published figures\n\n" + table(["what", "computed", "published", "source"], published))
+    weak_spots = [f"- {outcome.name}: {text}" for outcome in outcomes for text in outcome.weak_spots]
+    if weak_spots:
+        parts.append("## Where the method is weak\n\n" + "\n".join(weak_spots) + "\n")
+    path.write_text("\n".join(parts + [section(outcome) for outcome in outcomes]))

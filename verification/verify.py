@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""Cases with exact or published answers: `./run.sh --study verification` and `--study stability`.
+
+A case is a module in the folder cases/ of its study: a docstring that says what is compared, NAME, TITLE, DECK (in decks/)
+and evaluate(lab), see framework/lab.py. Each prints one line, `V7 PASS computed=... exact=... error=... threshold=...`, and
+its further checks below it. The folder of -o gets report.md, plots/, and all runs.
+"""
+import argparse
+import concurrent.futures
+import datetime
+import importlib.util
+import shutil
+import sys
+import time
+import traceback
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parent
+sys.path.insert(0, str(ROOT))
+try:
+    import matplotlib
+    import netCDF4
+except ImportError as missing:
+    print(f"skipped: {sys.executable} lacks a module: {missing}")
+    sys.exit(77)  # ctest tells it as skipped
+from framework import machine, report
+from framework.checks import Outcome
+from framework.lab import Lab
+from framework.program import Program
+
+# Folder and title of each study.
+STUDIES = {"verification": (ROOT, "Cases with exact or published answers"),
+           "stability": (ROOT / "stability", "Hard cases: is it stable, and does it fail cleanly?")}
+
+
+def positive(text):
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="./run.sh --study NAME", description=__doc__.splitlines()[0])
+    parser.add_argument("study", choices=STUDIES, help=argparse.SUPPRESS)
+    parser.add_argument("--only", type=lambda text: text.split(","), metavar="V7,V8", help="these cases alone")
+    parser.add_argument("--quick", action="store_true", help="the short form of each case, as in ctest")
+    parser.add_argument("-n", "--ranks", type=positive, default=1, help="MPI ranks of each run (default 1)")
+    parser.add_argument("-t", "--threads", type=positive, default=1, help="threads of each rank (default 1)")
+    parser.add_argument("-j", "--jobs", type=positive, help="cases at a time (default: cores / (ranks x threads))")
+    parser.add_argument("-o", "--output", type=Path, help="folder (default out/study_NAME)")
+    parser.add_argument("--keep", action="store_true", help="copy report.md and plots into the source folder of the study")
+    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    arguments.output = (arguments.output or Path(f"out/study_{arguments.study}")).absolute()
+    return parser, arguments
+
+
+def load_case(path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def find_cases(folder):
+    """{name: file}, in the order of the files' names. Files that begin with an underscore are helpers of others."""
+    sys.path.insert(0, str(folder / "cases"))
+    files = sorted(path for path in (folder / "cases").glob("*.py") if not path.name.startswith("_"))
+    return {load_case(path).NAME: path for path in files}
+
+
+def evaluate(path, folder, arguments):
+    """The Outcome of one case; whatever goes wrong is its failure."""
+    case = load_case(path)
+    outcome = Outcome(case.NAME, case.TITLE, case.__doc__.split(": ", 1)[-1].strip())
+    runs = arguments.output / "runs" / path.stem
+    shutil.rmtree(runs, ignore_errors=True)
+    runs.mkdir(parents=True)
+    program = Program(arguments.run_sh, arguments.program, arguments.ranks, arguments.threads)
+    begin = time.monotonic()
+    try:
+        case.evaluate(Lab(program, folder / "decks" / case.DECK, runs, arguments.output / "plots", outcome, arguments.quick))
+    except Exception as error:
+        outcome.failure = f"{type(error).__name__}: {error}"
+        (runs / "traceback.txt").write_text(traceback.format_exc())
+    outcome.seconds = time.monotonic() - begin
+    return outcome
+
+
+def evaluate_all(cases, folder, arguments):
+    """Outcomes in the order of `cases`; lines are printed as cases end."""
+    jobs = arguments.jobs or max(1, machine.physical_cores() // (arguments.ranks * arguments.threads))
+    outcomes = {}
+    with concurrent.futures.ProcessPoolExecutor(max_workers=jobs) as pool:
+        # Long cases first, where the module tells: the last one to end should not begin last.
+        order = sorted(cases, key=lambda name: -getattr(load_case(cases[name]), "SECONDS", 0))
+        futures = {pool.submit(evaluate, cases[name], folder, arguments): name for name in order}
+        for future in concurrent.futures.as_completed(futures):
+            outcome = outcomes[futures[future]] = future.result()
+            print("\n".join(outcome.lines()), flush=True)
+    return [outcomes[name] for name in cases]
+
+
+def main():
+    parser, arguments = parse_arguments()
+    folder, title = STUDIES[arguments.study]
+    cases = find_cases(folder)
+    unknown = [name for name in arguments.only or () if name not in cases]
+    if unknown:
+        parser.error(f"no case {unknown[0]}; there are {', '.join(cases)}")
+    cases = {name: path for name, path in cases.items() if not arguments.only or name in arguments.only}
+    begin = time.monotonic()
+    outcomes = evaluate_all(cases, folder, arguments)
+    study = {"title": title, "name": arguments.study, "machine": machine.describe(), "quick": arguments.quick,
+             "program": next((outcome.program for outcome in outcomes if outcome.program), {}),
+             "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d"),
+             "ranks": arguments.ranks, "threads": arguments.threads, "seconds": time.monotonic() - begin}
+    report.write(arguments.output / "report.md", study, outcomes)
+    print(f"wrote    {arguments.output / 'report.md'}")
+    if arguments.keep:
+        shutil.copy(arguments.output / "report.md", folder / "report.md")
+        (folder / "plots").mkdir(exist_ok=True)
+        for file, _ in (figure for outcome in outcomes for figure in outcome.figures):
+            shutil.copy(arguments.output / "plots" / file, folder / "plots" / file)
+        print(f"kept     {folder / 'report.md'}")
+    missed = [outcome.name for outcome in outcomes if not outcome.passed]
+    print(f"{len(outcomes) - len(missed)} of {len(outcomes)} cases pass" + (f"; not {', '.join(missed)}" if missed else ""))
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
