@@ -7,8 +7,8 @@ namespace brickwall::mechanics {
 
 BoundaryConditions::BoundaryConditions(const exec_space& space, int num_nodes,
                                        const std::vector<PrescribedMotion>& motions,
-                                       const Vec3& gravity)
-    : _motions(motions), _gravity(gravity) {
+                                       const Vec3& gravity, double mass_damping)
+    : _motions(motions), _gravity(gravity), _mass_damping(mass_damping) {
   if (motions.size() > max_motions)
     throw InputError("BoundaryConditions: " + std::to_string(motions.size()) +
                      " prescribed motions; at most " + std::to_string(max_motions));
@@ -33,6 +33,7 @@ BoundaryConditions::AtTime BoundaryConditions::at(double time) const {
   AtTime result;
   result.motion = _motion_of;
   result.gravity = _gravity;
+  result.mass_damping = _mass_damping;
   result.any = any();
   for (auto& velocity : result.velocity)
     velocity[0] = velocity[1] = velocity[2] = 0;

@@ -50,12 +50,21 @@ struct KickNode {
     return total;
   }
 
+  // The impulse of damping by mass between two velocities: -dt alpha m (old + v)/2.
+  KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
+    return (-0.5 * dt * boundary.mass_damping * m) * (old + v);
+  }
+
   // The new velocity; `reaction` is the impulse that a prescribed motion needed.
   KOKKOS_INLINE_FUNCTION Vec3 newVelocity(std::int64_t node, const Vec3& old, const Vec3& total,
                                           Vec3& reaction) const {
     const double m = mass(node);
     const double per_mass = m > 0 ? dt / m : 0.0; // a node without elements has no mass
     Vec3 v = old + per_mass * total + dt * boundary.gravity;
+    if (boundary.mass_damping > 0) {
+      const double half = 0.5 * dt * boundary.mass_damping;
+      v = (1 / (1 + half)) * (v - half * old);
+    }
     if (boundary.any)
       for (int i = 0; i < 3; ++i) {
         const int motion = boundary.motion(node, i);
@@ -63,6 +72,8 @@ struct KickNode {
           continue;
         v[i] = boundary.velocity[motion][i];
         reaction[i] = m * (v[i] - old[i]) - dt * (total[i] + m * boundary.gravity[i]);
+        if (boundary.mass_damping > 0)
+          reaction[i] -= dampingImpulse(m, old, v)[i];
       }
     return v;
   }
@@ -90,6 +101,11 @@ struct KickNode {
       addVector(sums, kick_impulse_external, dt * force[external_force], scales.momentum);
     if (!isZero(force[contact_force]))
       addVector(sums, kick_impulse_contact, dt * force[contact_force], scales.momentum);
+    if (boundary.mass_damping > 0) {
+      const Vec3 damping = dampingImpulse(mass(node), old, v);
+      sums.add(kick_work_damping, dot(damping, mean), scales.energy);
+      addVector(sums, kick_impulse_damping, damping, scales.momentum);
+    }
     if (!isZero(reaction)) {
       sums.add(kick_work_reaction, dot(reaction, mean), scales.energy);
       addVector(sums, kick_impulse_reaction, reaction, scales.momentum);

@@ -141,7 +141,8 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
 
   // The half step before these forces: kinetic energy and external work are still those of the last kick.
   _balance.stored_contact = step.contact.sum[contact_stored_half].value(scale);
-  _balance.dissipated = step.contact.sum[contact_dissipated].value(scale);
+  _balance.dissipated.contact = step.contact.sum[contact_dissipated].value(scale);
+  _balance.dissipated.damping = -_balance.work_damping;
   if (!_started) {
     _initial_energy = _balance.kinetic + stored + 0.25 * dt * (power_after - internal_power);
     _has_initial_energy = internal.has_energy;
@@ -165,7 +166,7 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
 void EnergyLedger::gaugeHalfStep(double stored, double internal_power) {
   EnergyBalance& b = _balance;
   b.stored_half = 0.5 * (_stored + stored) - 0.25 * _dt * (internal_power - _power_after);
-  b.total_half = b.kinetic + b.stored_half + b.stored_contact + b.dissipated;
+  b.total_half = b.kinetic + b.stored_half + b.stored_contact + b.dissipated.total();
   if (!_has_initial_energy) {
     _initial_energy = b.total_half - b.external_work;
     _has_initial_energy = true;
@@ -190,11 +191,13 @@ void EnergyLedger::bookWorks(double dt_kick, const double (&work)[num_force_kind
   const Vec3 momentum = vectorOf(kick, kick_momentum, _scales.momentum);
   b.work_gravity += 0.5 * dt_kick * dot(_gravity, b.momentum + momentum);
   b.work_reaction += kick.sum[kick_work_reaction].value(_scales.energy);
+  b.work_damping += kick.sum[kick_work_damping].value(_scales.energy);
   b.external_work = b.work[external_force] + b.work_gravity + b.work_reaction;
   b.kinetic = kick.sum[kick_kinetic].value(_scales.energy);
   b.peak_kinetic = std::max(b.peak_kinetic, b.kinetic);
-  sum_of_works += b.work_gravity + b.work_reaction;
-  sum_of_magnitudes += std::fabs(b.work_gravity) + std::fabs(b.work_reaction);
+  sum_of_works += b.work_gravity + b.work_reaction + b.work_damping;
+  sum_of_magnitudes +=
+      std::fabs(b.work_gravity) + std::fabs(b.work_reaction) + std::fabs(b.work_damping);
   const double size = _initial_kinetic + b.peak_kinetic + sum_of_magnitudes;
   b.ledger_residual = size > 0 ? std::fabs(b.kinetic - _initial_kinetic - sum_of_works) / size : 0;
 }
@@ -206,8 +209,9 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   b.impulse_external += vectorOf(kick, kick_impulse_external, _scales.momentum);
   b.impulse_contact += vectorOf(kick, kick_impulse_contact, _scales.momentum);
   b.impulse_reaction += vectorOf(kick, kick_impulse_reaction, _scales.momentum);
+  b.impulse_damping += vectorOf(kick, kick_impulse_damping, _scales.momentum);
   b.impulse_gravity += (dt_kick * _total_mass) * _gravity;
-  const Vec3 gap = b.impulse_external + b.impulse_gravity + b.impulse_reaction -
+  const Vec3 gap = b.impulse_external + b.impulse_gravity + b.impulse_reaction + b.impulse_damping -
                    (b.momentum - _initial_momentum);
   _largest_momentum_gap = std::max(_largest_momentum_gap, norm(gap));
   _largest_load = std::max(_largest_load, norm(b.impulse_external));

@@ -27,13 +27,15 @@ enum KickTerm : int {
   kick_kinetic, // m v+.v+/2
   kick_work, // dt f_k.(v- + v+)/2 for each force kind k
   kick_work_reaction = kick_work + num_force_kinds,
+  kick_work_damping, // of damping by mass: -dt alpha m |(v- + v+)/2|^2
   kick_internal_power, // dU/du . v- (minus the nodal internal forces)
   kick_momentum, // m v+
   kick_angular = kick_momentum + 3, // x^n x m v+
   kick_impulse_external = kick_angular + 3, // dt f_external
   kick_impulse_contact = kick_impulse_external + 3,
   kick_impulse_reaction = kick_impulse_contact + 3,
-  num_kick_terms = kick_impulse_reaction + 3
+  kick_impulse_damping = kick_impulse_reaction + 3,
+  num_kick_terms = kick_impulse_damping + 3
 };
 using KickSums = LimbSums<num_kick_terms>;
 
@@ -49,6 +51,13 @@ enum ContactEnergy : int {
 };
 using ContactEnergySums = LimbSums<num_contact_energies>;
 
+// Energy lost for good since the start, up to a half step, one term a mechanism; each >= 0 but for rounding.
+struct DissipatedEnergy {
+  double contact = 0; // friction and contact damping
+  double damping = 0; // damping by mass
+  double total() const { return contact + damping; }
+};
+
 // Everything global, equal on all ranks. "Half" values belong to the half step before the last forces.
 struct EnergyBalance {
   double kinetic = 0; // K(v^{n+1/2}) after the last kick
@@ -56,14 +65,16 @@ struct EnergyBalance {
   double stored_hourglass = 0; // "
   double stored_half = 0; // elastic (material + hourglass) energy at the half step, by the gauge
   double stored_contact = 0; // at the half step
-  double dissipated = 0;
-  double total_half = 0; // kinetic + stored_half + stored_contact + dissipated at the half step
+  DissipatedEnergy dissipated; // "
+  double total_half = 0; // kinetic + stored_half + stored_contact + all dissipated at the half step
   double work[num_force_kinds] = {}; // W_k since the start
   double work_gravity = 0;
   double work_reaction = 0; // of prescribed motions
+  double work_damping = 0; // of damping by mass, <= 0
   double external_work = 0; // external + gravity + reaction, up to the last kick
   Vec3 momentum, angular_momentum; // at the last half step
-  Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_contact; // since the start
+  // since the start
+  Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_damping, impulse_contact;
   double energy_error = 0; // so far: max |total_half - external work - E_0| / max (K + stored)
   // So far: max |impulses - change of momentum| / max |impulse of loads|; without loads, over the largest of
   // sqrt(2 K M) and the other impulses.

@@ -256,6 +256,7 @@ std::vector<InitialDeformationConfig> readInitialDeformations(Deck& deck) {
 void readMethods(const Deck& deck, Config& config) {
   config.formulation = choice<Formulation>(deck, "element", "formulation", {"tlps", "full"});
   config.gravity = triple(deck, "gravity", "acceleration");
+  config.mass_damping = deck.real("damping", "mass");
 
   config.contact.enabled = deck.boolean("contact", "enabled");
   config.contact.tolerance = deck.real("contact", "tolerance");

@@ -165,6 +165,7 @@ struct Config {
   Formulation formulation = Formulation::tlps;
   std::vector<PressureConfig> pressures;
   Triple gravity = {0, 0, 0}; // length/time^2
+  double mass_damping = 0; // [damping] mass, 1/time: force -mass_damping m v
   std::vector<FixedConfig> fixed;
   std::vector<PrescribedVelocityConfig> prescribed;
   std::vector<InitialVelocityConfig> initial_velocities;

@@ -30,8 +30,13 @@ Column number(const char* name, double (*value)(const Moment&),
               bool (*is_asked_for)(const Config&) = always) {
   return {name, is_asked_for, value};
 }
-Column vector(const char* name, Vec3 (*value)(const Moment&)) {
-  return {name, always, nullptr, value};
+Column vector(const char* name, Vec3 (*value)(const Moment&),
+              bool (*is_asked_for)(const Config&) = always) {
+  return {name, is_asked_for, nullptr, value};
+}
+
+bool hasDamping(const Config& config) {
+  return config.mass_damping > 0;
 }
 
 const std::vector<Column>& columns() {
@@ -47,7 +52,7 @@ const std::vector<Column>& columns() {
           [](const Moment& m) { return m.balance.stored_material + m.balance.stored_hourglass; }),
       number("hourglass_energy", [](const Moment& m) { return m.balance.stored_hourglass; }),
       number("contact_energy", [](const Moment& m) { return m.balance.stored_contact; }),
-      number("dissipated_energy", [](const Moment& m) { return m.balance.dissipated; }),
+      number("dissipated_energy", [](const Moment& m) { return m.balance.dissipated.total(); }),
       number("total_energy", [](const Moment& m) { return m.balance.total_half; }),
       number("external_work", [](const Moment& m) { return m.balance.external_work; }),
       number("internal_work", [](const Moment& m) { return m.balance.work[material_force]; }),
@@ -56,6 +61,8 @@ const std::vector<Column>& columns() {
       number("load_work", [](const Moment& m) { return m.balance.work[external_force]; }),
       number("gravity_work", [](const Moment& m) { return m.balance.work_gravity; }),
       number("reaction_work", [](const Moment& m) { return m.balance.work_reaction; }),
+      number(
+          "damping_work", [](const Moment& m) { return m.balance.work_damping; }, hasDamping),
       number("energy_error", [](const Moment& m) { return m.balance.energy_error; }),
       number("momentum_error", [](const Moment& m) { return m.balance.momentum_error; }),
       number("ledger_residual", [](const Moment& m) { return m.balance.ledger_residual; }),
@@ -64,6 +71,8 @@ const std::vector<Column>& columns() {
       vector("impulse_load", [](const Moment& m) { return m.balance.impulse_external; }),
       vector("impulse_gravity", [](const Moment& m) { return m.balance.impulse_gravity; }),
       vector("impulse_reaction", [](const Moment& m) { return m.balance.impulse_reaction; }),
+      vector(
+          "impulse_damping", [](const Moment& m) { return m.balance.impulse_damping; }, hasDamping),
       number("contacts", [](const Moment& m) { return static_cast<double>(m.counts.active); }),
       number("lost_contacts", [](const Moment& m) { return static_cast<double>(m.counts.lost); }),
       number("max_penetration", [](const Moment& m) { return m.counts.max_penetration; }),

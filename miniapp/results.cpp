@@ -84,13 +84,12 @@ void Results::fillNodal(const Simulation& simulation) {
   const auto motion =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.at(0).motion);
   const double quantum = simulation.forces().quantum.value;
+  const auto nodal_motion = nodalMotion(values, mass, motion, quantum, boundary);
   const double half_step = 0.5 * simulation.clock().dt;
   for (int d = 0; d < 3; ++d)
     for (int node = 0; node < _scene.mesh.num_nodes; ++node) {
-      const double acceleration = accelerationOf(values, quantum, mass(node), boundary.gravity(),
-                                                 boundary.any(), motion, node, d);
       _nodal[d][node] = u(node, d);
-      _nodal[3 + d][node] = v(node, d) - half_step * acceleration;
+      _nodal[3 + d][node] = nodal_motion.velocityBefore(node, d, v(node, d), half_step);
       _nodal[6 + d][node] =
           static_cast<double>(values(node, 3 * mechanics::contact_force + d)) * quantum;
     }

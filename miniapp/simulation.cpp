@@ -14,6 +14,17 @@
 
 namespace brickwall::miniapp {
 
+namespace {
+
+std::string reversingDamping(double damping, double dt) {
+  std::ostringstream message;
+  message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
+          << dt << "; expected less than 2 over the step, " << 2 / dt;
+  return message.str();
+}
+
+} // namespace
+
 void Simulation::step() {
   moveNodes();
   adaptTimeStep();
@@ -78,7 +89,7 @@ void Simulation::enforceContact(double dt) {
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == ContactScheme::energy_neutral) {
-    neutral.acceleration = _coupling->accelerations(_space, _forces, _state.mass, _boundary);
+    neutral.acceleration = _coupling->accelerations(_space, _forces, _state, dt, _boundary);
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
@@ -167,7 +178,7 @@ void Simulation::adaptTimeStep() {
 Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
     : _comm(comm), _config(config), _scene(scene),
       _boundary(_space, scene.mesh.num_nodes, prescribedMotions(config, scene.part),
-                toVec3(config.gravity)),
+                toVec3(config.gravity), config.mass_damping),
       _shared(scene.shared) {
   const auto& mesh = scene.mesh;
   _state.mass = scene.mass;
@@ -189,6 +200,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
                     ? mechanics::contactStepShare(config.time.safety, config.contact.penalty)
                     : config.time.safety;
   planSteps(_step_share * stableStepAtStart());
+  if (config.mass_damping * _clock.dt >= 2)
+    throw InputError(reversingDamping(config.mass_damping, _clock.dt));
   if (config.contact.enabled)
     setUpContact();
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),

@@ -182,21 +182,18 @@ void SurfaceCoupling::storeContactForces(const exec_space& space,
 
 const View<double* [3]>&
 SurfaceCoupling::accelerations(const exec_space& space, const mechanics::NodalForces& forces,
-                               const View<const double*>& mass,
+                               const mechanics::NodalState& state, double dt,
                                const mechanics::BoundaryConditions& boundary) {
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
-  const auto values = forces.values;
-  const double quantum = forces.quantum.value;
-  const Vec3 gravity = boundary.gravity();
-  const auto motion = boundary.at(0).motion;
-  const bool any = boundary.any();
+  const auto motion =
+      nodalMotion(forces.values, state.mass, boundary.at(0).motion, forces.quantum.value, boundary);
+  const auto velocity = state.velocity;
   Kokkos::parallel_for(
       "coupling::accelerations", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         for (int d = 0; d < 3; ++d)
-          acceleration(i, d) =
-              accelerationOf(values, quantum, mass(node), gravity, any, motion, node, d);
+          acceleration(i, d) = motion.acceleration(node, d, velocity(node, d), dt);
       });
   return _accelerations;
 }

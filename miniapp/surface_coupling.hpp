@@ -32,10 +32,11 @@ public:
   // The totals of the last sumContactForces() as contact_force columns.
   void storeContactForces(const exec_space& space, const mechanics::NodalForces& target) const;
 
-  // Accelerations of the surface nodes by all forces in `forces` (totals) and gravity; 0 where prescribed.
+  // Accelerations of the surface nodes by all forces in `forces` (totals), gravity and damping in the kick over `dt` to
+  // come; 0 where prescribed.
   const View<double* [3]>& accelerations(const exec_space& space,
                                          const mechanics::NodalForces& forces,
-                                         const View<const double*>& mass,
+                                         const mechanics::NodalState& state, double dt,
                                          const mechanics::BoundaryConditions& boundary);
 
   // Set-up, public only for their kernels: static data of nodes and faces.

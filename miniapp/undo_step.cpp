@@ -8,19 +8,14 @@ void undoKickAndDrift(const exec_space& space, const mechanics::HexMesh& mesh,
                       const mechanics::BoundaryConditions& boundary, double dt_kick,
                       double dt_drift, const mechanics::NodalForces& forces,
                       const mechanics::NodalState& state) {
-  const auto motion = boundary.at(0).motion;
-  const bool any = boundary.any();
-  const Vec3 gravity = boundary.gravity();
-  const auto values = forces.values;
-  const double quantum = forces.quantum.value;
+  const auto motion =
+      nodalMotion(forces.values, state.mass, boundary.at(0).motion, forces.quantum.value, boundary);
   const auto u = state.displacement, v = state.velocity;
-  const auto mass = state.mass;
   Kokkos::parallel_for(
       "miniapp::undoKickAndDrift", over(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d) {
-          v(node, d) -=
-              dt_kick * accelerationOf(values, quantum, mass(node), gravity, any, motion, node, d);
+          v(node, d) = motion.velocityBefore(node, d, v(node, d), dt_kick);
           u(node, d) -= dt_drift * v(node, d);
         }
       });

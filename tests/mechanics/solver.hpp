@@ -45,8 +45,10 @@ struct Solver {
         std::make_unique<InternalForce>(space, comm, blocks.mesh, kind, quantum, scales.energy);
     fix({}, gravity);
   }
-  void fix(const std::vector<PrescribedMotion>& motions, Vec3 gravity = {}) {
-    boundary = std::make_unique<BoundaryConditions>(space, blocks.mesh.num_nodes, motions, gravity);
+  void fix(const std::vector<PrescribedMotion>& motions, Vec3 gravity = {},
+           double mass_damping = 0) {
+    boundary = std::make_unique<BoundaryConditions>(space, blocks.mesh.num_nodes, motions, gravity,
+                                                    mass_damping);
   }
   std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
     std::vector<int> nodes;
