@@ -34,6 +34,7 @@ struct KickNode {
   double quantum, dt;
   BoundaryConditions::AtTime boundary;
   LedgerScales scales;
+  SpeedTest test;
 
   // Sum of all columns, exact, and each kind's force.
   KOKKOS_INLINE_FUNCTION Vec3 totalForce(std::int64_t node, Vec3 (&force)[num_force_kinds]) const {
@@ -87,29 +88,52 @@ struct KickNode {
       velocity(node, i) = v[i];
     if (!is_owned(node))
       return;
-    const Vec3 mean = 0.5 * (old + v), momentum = mass(node) * v;
-    sums.add(kick_kinetic, 0.5 * dot(momentum, v), scales.energy);
+    const Vec3 x = rowOf(reference, node) + rowOf(displacement, node), mean = 0.5 * (old + v);
+    addEnergies(sums, old, v, mass(node), force);
+    addMomenta(sums, x, mass(node) * v, force);
+    if (!isZero(reaction))
+      addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
+                 kick_moment_reaction);
+    if (boundary.mass_damping > 0)
+      addImpulse(sums, x, dampingImpulse(mass(node), old, v), mean, kick_work_damping,
+                 kick_impulse_damping, kick_moment_damping);
+    const Vec3 apart = v - test.around;
+    if (!(dot(apart, apart) <= test.limit * test.limit))
+      ++sums.sum[kick_fast_nodes].high;
+  }
+
+  KOKKOS_INLINE_FUNCTION void addEnergies(KickSums& sums, const Vec3& old, const Vec3& v, double m,
+                                          const Vec3 (&force)[num_force_kinds]) const {
+    const Vec3 mean = 0.5 * (old + v), half_momentum = (0.5 * m) * v;
+    sums.add(kick_kinetic, dot(half_momentum, v), scales.energy);
+    sums.add(kick_shadow, dot(half_momentum, old), scales.energy);
     for (int kind = 0; kind < num_force_kinds; ++kind)
       if (!isZero(force[kind]))
         sums.add(kick_work + kind, dt * dot(force[kind], mean), scales.energy);
-    sums.add(kick_internal_power, -dot(force[material_force] + force[hourglass_force], old),
-             scales.power);
+    if (!isZero(force[material_force]))
+      sums.add(kick_power_material, -dot(force[material_force], old), scales.power);
+    if (!isZero(force[hourglass_force]))
+      sums.add(kick_power_hourglass, -dot(force[hourglass_force], old), scales.power);
+  }
+  KOKKOS_INLINE_FUNCTION void addMomenta(KickSums& sums, const Vec3& x, const Vec3& momentum,
+                                         const Vec3 (&force)[num_force_kinds]) const {
     addVector(sums, kick_momentum, momentum, scales.momentum);
-    addVector(sums, kick_angular,
-              cross(rowOf(reference, node) + rowOf(displacement, node), momentum), scales.angular);
-    if (!isZero(force[external_force]))
-      addVector(sums, kick_impulse_external, dt * force[external_force], scales.momentum);
+    addVector(sums, kick_angular, cross(x, momentum), scales.angular);
+    if (!isZero(force[external_force])) {
+      const Vec3 impulse = dt * force[external_force];
+      addVector(sums, kick_impulse_external, impulse, scales.momentum);
+      addVector(sums, kick_moment_external, cross(x, impulse), scales.angular);
+    }
     if (!isZero(force[contact_force]))
       addVector(sums, kick_impulse_contact, dt * force[contact_force], scales.momentum);
-    if (boundary.mass_damping > 0) {
-      const Vec3 damping = dampingImpulse(mass(node), old, v);
-      sums.add(kick_work_damping, dot(damping, mean), scales.energy);
-      addVector(sums, kick_impulse_damping, damping, scales.momentum);
-    }
-    if (!isZero(reaction)) {
-      sums.add(kick_work_reaction, dot(reaction, mean), scales.energy);
-      addVector(sums, kick_impulse_reaction, reaction, scales.momentum);
-    }
+  }
+  // Of what is no force column, with its work and its moment.
+  KOKKOS_INLINE_FUNCTION void addImpulse(KickSums& sums, const Vec3& x, const Vec3& impulse,
+                                         const Vec3& mean_velocity, int work_term, int impulse_term,
+                                         int moment_term) const {
+    sums.add(work_term, dot(impulse, mean_velocity), scales.energy);
+    addVector(sums, impulse_term, impulse, scales.momentum);
+    addVector(sums, moment_term, cross(x, impulse), scales.angular);
   }
 };
 
@@ -117,7 +141,7 @@ struct KickNode {
 
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
-              const LedgerScales& scales) {
+              const LedgerScales& scales, const SpeedTest& test) {
   const KickNode functor{mesh.reference_coordinates,
                          state.displacement,
                          state.velocity,
@@ -127,7 +151,8 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
                          forces.quantum.value,
                          dt,
                          boundary.at(time),
-                         scales};
+                         scales,
+                         test};
   KickSums sums;
   Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, mesh.num_nodes), functor,
                           Combine<KickSums>(sums));

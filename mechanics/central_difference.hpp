@@ -3,8 +3,8 @@
 #pragma once
 
 #include "mechanics/boundary_conditions.hpp"
-#include "mechanics/energy.hpp"
 #include "mechanics/hex_mesh.hpp"
+#include "mechanics/ledger_sums.hpp"
 #include "mechanics/nodal_state.hpp"
 
 namespace brickwall::mechanics {
@@ -13,11 +13,12 @@ namespace brickwall::mechanics {
 void drift(const exec_space& space, double dt, const NodalState& state);
 
 // v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, then prescribed components, with dt = (dt^- + dt^+)/2, or
-// dt^+/2 for the start from v^0. Damping by mass adds the force -alpha m (v^{n-1/2} + v^{n+1/2})/2, solved for exactly, so
-// that it takes dt alpha m |mean v|^2 of energy in any step: no step is too long for it. `time` is that of the new velocity, t^{n+1/2}. `forces` are totals (after the
+// dt^+/2 for the start from v^0; a dt < 0 takes part of a kick back. Damping by mass adds the force
+// -alpha m (v^{n-1/2} + v^{n+1/2})/2, solved for exactly, so that it takes dt alpha m |mean v|^2 of energy in any step: no step
+// is too long for it. `time` is that of the new velocity, t^{n+1/2}. `forces` are totals (after the
 // shared-node sum). Returns this rank's ledger sums over owned nodes. Not collective; fences.
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
-              const LedgerScales& scales);
+              const LedgerScales& scales, const SpeedTest& test = {});
 
 } // namespace brickwall::mechanics

@@ -1,93 +1,13 @@
 #include "mechanics/energy.hpp"
 
-#include "mechanics/hex8_geometry.hpp"
-
 #include <cmath>
 
 namespace brickwall::mechanics {
 
 namespace {
 
-struct MeshExtremes {
-  double force = 0; // (lambda + 2 mu) h^2
-  double edge = 0; // h
-  double fastest = 0; // sqrt((lambda + 2 mu)/rho)
-  double inverse_slowest = 0;
-  double farthest = 0; // coordinate magnitude
-  KOKKOS_INLINE_FUNCTION MeshExtremes& operator+=(const MeshExtremes& b) {
-    force = maxOf(force, b.force);
-    edge = maxOf(edge, b.edge);
-    fastest = maxOf(fastest, b.fastest);
-    inverse_slowest = maxOf(inverse_slowest, b.inverse_slowest);
-    farthest = maxOf(farthest, b.farthest);
-    return *this;
-  }
-};
-
-MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_elems) {
-  MeshExtremes result;
-  Kokkos::parallel_reduce(
-      "mechanics::ledgerScales::elements", over(space, num_elems),
-      KOKKOS_LAMBDA(const std::int64_t elem, MeshExtremes& sum) {
-        CornerCoordinates X;
-        gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
-        const Material material = m.materials(m.elem_block(elem));
-        const double modulus = material.lambda() + 2 * material.mu();
-        const double speed = std::sqrt(modulus / material.density);
-        MeshExtremes one;
-        one.edge = longestEdge(X);
-        one.force = modulus * one.edge * one.edge;
-        one.fastest = speed;
-        one.inverse_slowest = 1 / speed;
-        for (int c = 0; c < 8; ++c)
-          for (int j = 0; j < 3; ++j)
-            one.farthest = maxOf(one.farthest, std::fabs(X[c][j]));
-        sum += one;
-      },
-      Combine<MeshExtremes>(result));
-  space.fence();
-  return result;
-}
-
-} // namespace
-
-LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
-  const MeshExtremes local = extremesOf(space, viewsOf(mesh), mesh.num_elems);
-  double e[5] = {local.force, local.edge, local.fastest, local.inverse_slowest, local.farthest};
-  allReduce(comm, e, 5, MPI_MAX);
-  constexpr double headroom = 1048576; // 2^20
-  const double energy = headroom * e[0] * e[1], momentum = energy * e[3];
-  return {LimbScale::forLargest(energy), LimbScale::forLargest(headroom * e[0] * e[2]),
-          LimbScale::forLargest(momentum), LimbScale::forLargest(momentum * (e[4] + e[1]))};
-}
-
-KickSums momentaOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,
-                   const LedgerScales& scales) {
-  const MeshViews m = viewsOf(mesh);
-  const NodalState s = state;
-  KickSums result;
-  Kokkos::parallel_reduce(
-      "mechanics::momentaOf::nodes", over(space, mesh.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t node, KickSums& sums) {
-        if (!m.node_is_owned(node))
-          return;
-        const Vec3 v = rowOf(s.velocity, node), momentum = s.mass(node) * v;
-        const Vec3 x = rowOf(m.reference_coordinates, node) + rowOf(s.displacement, node);
-        const Vec3 angular = cross(x, momentum);
-        sums.add(kick_kinetic, 0.5 * dot(momentum, v), scales.energy);
-        for (int i = 0; i < 3; ++i) {
-          sums.add(kick_momentum + i, momentum[i], scales.momentum);
-          sums.add(kick_angular + i, angular[i], scales.angular);
-        }
-      },
-      Combine<KickSums>(result));
-  space.fence();
-  return result;
-}
-
-namespace {
-
-Vec3 vectorOf(const KickSums& sums, int first, const LimbScale& scale) {
+template <int N>
+Vec3 vectorOf(const LimbSums<N>& sums, int first, const LimbScale& scale) {
   return {sums.sum[first].value(scale), sums.sum[first + 1].value(scale),
           sums.sum[first + 2].value(scale)};
 }
@@ -97,94 +17,160 @@ struct StepSums {
   KickSums kick;
   LimbSums<num_stored_energies> stored;
   ContactEnergySums contact;
-  std::int64_t failures = 0;
+  StepCounts counts;
   std::int64_t* data() { return reinterpret_cast<std::int64_t*>(this); }
   static constexpr int size() { return sizeof(StepSums) / sizeof(std::int64_t); }
 };
 
+void raise(double& largest, double value) {
+  largest = std::max(largest, value);
+}
+
+double quotient(double part, double whole) {
+  return whole > 0 ? part / whole : 0;
+}
+
 } // namespace
 
 EnergyLedger::EnergyLedger(MPI_Comm comm, const LedgerScales& scales, const Vec3& gravity,
-                           double total_mass, const KickSums& initial)
+                           double total_mass, const MotionSums& initial)
     : _scales(scales), _gravity(gravity), _total_mass(total_mass) {
-  KickSums sums = initial;
+  MotionSums sums = initial;
   allReduce(comm, sums);
-  _balance.kinetic = sums.sum[kick_kinetic].value(scales.energy);
-  _balance.momentum = vectorOf(sums, kick_momentum, scales.momentum);
-  _balance.angular_momentum = vectorOf(sums, kick_angular, scales.angular);
+  _balance.kinetic = sums.sum[motion_kinetic].value(scales.energy);
+  _balance.momentum = vectorOf(sums, motion_momentum, scales.momentum);
+  _balance.angular_momentum = vectorOf(sums, motion_angular, scales.angular);
   _balance.failures = sums.invalid;
   _balance.peak_kinetic = _balance.kinetic;
   _initial_kinetic = _balance.kinetic;
   _initial_momentum = _balance.momentum;
+  _initial_angular = _balance.angular_momentum;
+  _first_moment = vectorOf(sums, motion_first_moment, scales.first_moment);
+  _radius_of_gyration =
+      std::sqrt(quotient(sums.sum[motion_inertia].value(scales.inertia), total_mass));
 }
 
 void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
                             const InternalForceResult& internal, const ContactEnergySums& contact,
-                            const KickSums& kick, std::int64_t other_failures) {
-  StepSums step{kick, internal.energy, contact, internal.failure.count + other_failures};
+                            const KickSums& kick, const StepCounts& counts) {
+  StepSums step{kick, internal.energy, contact, counts};
+  step.counts.failures += internal.failure.count;
   allReduce(comm, step.data(), StepSums::size(), MPI_SUM);
   _balance.failures =
-      step.failures + step.kick.invalid + step.stored.invalid + step.contact.invalid;
+      step.counts.failures + step.kick.invalid + step.stored.invalid + step.contact.invalid;
   if (_balance.failures > 0)
     return;
 
-  const LimbScale& scale = _scales.energy;
-  double work[num_force_kinds];
-  for (int kind = 0; kind < num_force_kinds; ++kind)
-    work[kind] = step.kick.sum[kick_work + kind].value(scale);
-  const double internal_power = step.kick.sum[kick_internal_power].value(_scales.power);
-  const double power_after =
-      -2 * (work[material_force] + work[hourglass_force]) / dt_kick - internal_power;
-  const double stored =
-      (internal.has_energy ? 1 : 0) * (step.stored.sum[stored_material].value(scale) +
-                                       step.stored.sum[stored_hourglass].value(scale));
+  for (int i = 0; i < num_host_counts; ++i)
+    _balance.host_counts[i] = step.counts.host[i];
+  // The half step before these forces: kinetic energy and works are still those of the last kick.
+  bookStored(dt_kick, dt, internal, step.stored, step.kick);
+  bookContact(step.contact);
+  if (_material.hasHalf())
+    gaugeHalfStep();
 
-  // The half step before these forces: kinetic energy and external work are still those of the last kick.
-  _balance.stored_contact = step.contact.sum[contact_stored_half].value(scale);
-  _balance.dissipated.contact = step.contact.sum[contact_dissipated].value(scale);
-  _balance.dissipated.damping = -_balance.work_damping;
-  if (!_started) {
-    _initial_energy = _balance.kinetic + stored + 0.25 * dt * (power_after - internal_power);
-    _has_initial_energy = internal.has_energy;
-  } else if (internal.has_energy && _has_stored) {
-    gaugeHalfStep(stored, internal_power);
-  }
-  if (internal.has_energy) {
-    _balance.stored_material = step.stored.sum[stored_material].value(scale);
-    _balance.stored_hourglass = step.stored.sum[stored_hourglass].value(scale);
-  }
-  _started = true;
-  _has_stored = internal.has_energy;
-  _stored = stored;
-  _power_after = power_after;
-  _dt = dt;
-
-  bookWorks(dt_kick, work, step.kick);
+  const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
+  _first_moment +=
+      _dt * _balance.momentum; // of the drift that led here; there is none before the start
+  bookWorks(dt_kick, step.kick);
   bookImpulses(dt_kick, step.kick);
+  bookMoments(dt_kick, step.kick);
+  // Of the start, whose kick begins with v^0 = (v^{-1/2} + v^{1/2})/2.
+  const double kinetic_part = _steps == 0 ? 2 * shadow - _balance.kinetic : shadow;
+  _balance.shadow = kinetic_part + _balance.stored_material + _balance.stored_hourglass;
+  _balance.fast_nodes = step.kick.sum[kick_fast_nodes].high;
+  _dt = dt;
+  ++_steps;
 }
 
-void EnergyLedger::gaugeHalfStep(double stored, double internal_power) {
+void EnergyLedger::bookCorrection(MPI_Comm comm, double dt_kick, double dt, const KickSums& kick) {
+  KickSums sums = kick;
+  allReduce(comm, sums);
+  _balance.failures = sums.invalid;
+  if (_balance.failures > 0)
+    return;
+  const auto correct = [&](StoredGauge& gauge, int force, int power) {
+    gauge.correct(sums.sum[power].value(_scales.power),
+                  sums.sum[kick_work + force].value(_scales.energy), dt_kick, dt);
+  };
+  correct(_material, material_force, kick_power_material);
+  correct(_hourglass, hourglass_force, kick_power_hourglass);
+  bookWorks(dt_kick, sums);
+  bookImpulses(dt_kick, sums);
+  bookMoments(dt_kick, sums);
+  _dt = dt;
+}
+
+Vec3 EnergyLedger::meanVelocity() const {
+  return quotient(1, _total_mass) * _balance.momentum;
+}
+
+void EnergyLedger::bookStored(double dt_kick, double dt, const InternalForceResult& internal,
+                              const LimbSums<num_stored_energies>& stored, const KickSums& kick) {
+  const auto book = [&](StoredGauge& gauge, int kind, int force, int power) {
+    gauge.book(internal.has_energy, stored.sum[kind].value(_scales.energy),
+               kick.sum[power].value(_scales.power),
+               kick.sum[kick_work + force].value(_scales.energy), dt_kick, dt);
+  };
+  book(_material, stored_material, material_force, kick_power_material);
+  book(_hourglass, stored_hourglass, hourglass_force, kick_power_hourglass);
+  if (_steps == 0)
+    _has_initial_energy = internal.has_energy;
+  if (!internal.has_energy)
+    return;
   EnergyBalance& b = _balance;
-  b.stored_half = 0.5 * (_stored + stored) - 0.25 * _dt * (internal_power - _power_after);
-  b.total_half = b.kinetic + b.stored_half + b.stored_contact + b.dissipated.total();
+  b.stored_material = _material.stored();
+  b.stored_hourglass = _hourglass.stored();
+  raise(b.peak_internal, b.stored_material + b.stored_hourglass);
+  raise(b.peak_hourglass, b.stored_hourglass);
+}
+
+void EnergyLedger::bookContact(const ContactEnergySums& contact) {
+  const auto value = [&](int i) { return contact.sum[i].value(_scales.energy); };
+  EnergyBalance& b = _balance;
+  b.stored_contact = value(contact_stored_half);
+  b.stored_friction = value(contact_friction_stored_half);
+  b.stored_edge = value(contact_edge_stored_half);
+  b.dissipated.friction = value(contact_friction_dissipated);
+  b.dissipated.contact_damping = value(contact_damping_dissipated);
+  b.dissipated.damping = -b.work_damping;
+  b.work_edge = value(contact_edge_work);
+}
+
+void EnergyLedger::gaugeHalfStep() {
+  EnergyBalance& b = _balance;
+  const double in_contact = b.stored_contact + b.stored_friction + b.stored_edge;
+  b.stored_half = _material.half() + _hourglass.half();
+  const double held = b.stored_half + in_contact;
+  b.total_half = b.kinetic + held + b.dissipated.total();
+  if (_has_initial_energy && _steps == 1) // a correction of the start has changed its gauge
+    _initial_energy = _initial_kinetic + _material.initial() + _hourglass.initial();
   if (!_has_initial_energy) {
     _initial_energy = b.total_half - b.external_work;
     _has_initial_energy = true;
   }
-  const double held = b.stored_half + b.stored_contact;
-  b.peak_stored = std::max(b.peak_stored, held);
-  _peak_total = std::max(_peak_total, b.kinetic + held);
-  _largest_energy_gap =
-      std::max(_largest_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
-  b.energy_error = _peak_total > 0 ? _largest_energy_gap / _peak_total : 0;
+  raise(b.peak_stored, held);
+  raise(b.peak_total, b.kinetic + held);
+  raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
+  b.energy_error = quotient(_energy_gap, b.peak_total);
+
+  const double material = _material.half() - _material.initial() + b.work[material_force];
+  const double hourglass = _hourglass.half() - _hourglass.initial() + b.work[hourglass_force];
+  raise(_material_gap, std::fabs(material));
+  raise(_hourglass_gap, std::fabs(hourglass));
+  raise(_stored_gap, std::fabs(material + hourglass));
+  raise(_contact_gap, std::fabs(in_contact + b.dissipated.inContact() + b.work[contact_force]));
+  b.stored_material_error = quotient(_material_gap, b.peak_total);
+  b.stored_hourglass_error = quotient(_hourglass_gap, b.peak_total);
+  b.stored_error = quotient(_stored_gap, b.peak_total);
+  b.contact_error = quotient(_contact_gap, b.peak_total);
 }
 
-void EnergyLedger::bookWorks(double dt_kick, const double (&work)[num_force_kinds],
-                             const KickSums& kick) {
+void EnergyLedger::bookWorks(double dt_kick, const KickSums& kick) {
   EnergyBalance& b = _balance;
   double sum_of_works = 0, sum_of_magnitudes = 0;
   for (int kind = 0; kind < num_force_kinds; ++kind) {
-    b.work[kind] += work[kind];
+    b.work[kind] += kick.sum[kick_work + kind].value(_scales.energy);
     sum_of_works += b.work[kind];
     sum_of_magnitudes += std::fabs(b.work[kind]);
   }
@@ -194,18 +180,18 @@ void EnergyLedger::bookWorks(double dt_kick, const double (&work)[num_force_kind
   b.work_damping += kick.sum[kick_work_damping].value(_scales.energy);
   b.external_work = b.work[external_force] + b.work_gravity + b.work_reaction;
   b.kinetic = kick.sum[kick_kinetic].value(_scales.energy);
-  b.peak_kinetic = std::max(b.peak_kinetic, b.kinetic);
-  sum_of_works += b.work_gravity + b.work_reaction + b.work_damping;
-  sum_of_magnitudes +=
-      std::fabs(b.work_gravity) + std::fabs(b.work_reaction) + std::fabs(b.work_damping);
-  const double size = _initial_kinetic + b.peak_kinetic + sum_of_magnitudes;
-  b.ledger_residual = size > 0 ? std::fabs(b.kinetic - _initial_kinetic - sum_of_works) / size : 0;
+  raise(b.peak_kinetic, b.kinetic);
+  for (const double other : {b.work_gravity, b.work_reaction, b.work_damping}) {
+    sum_of_works += other;
+    sum_of_magnitudes += std::fabs(other);
+  }
+  b.ledger_residual = quotient(std::fabs(b.kinetic - _initial_kinetic - sum_of_works),
+                               _initial_kinetic + b.peak_kinetic + sum_of_magnitudes);
 }
 
 void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   EnergyBalance& b = _balance;
   b.momentum = vectorOf(kick, kick_momentum, _scales.momentum);
-  b.angular_momentum = vectorOf(kick, kick_angular, _scales.angular);
   b.impulse_external += vectorOf(kick, kick_impulse_external, _scales.momentum);
   b.impulse_contact += vectorOf(kick, kick_impulse_contact, _scales.momentum);
   b.impulse_reaction += vectorOf(kick, kick_impulse_reaction, _scales.momentum);
@@ -213,13 +199,29 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   b.impulse_gravity += (dt_kick * _total_mass) * _gravity;
   const Vec3 gap = b.impulse_external + b.impulse_gravity + b.impulse_reaction + b.impulse_damping -
                    (b.momentum - _initial_momentum);
-  _largest_momentum_gap = std::max(_largest_momentum_gap, norm(gap));
-  _largest_load = std::max(_largest_load, norm(b.impulse_external));
+  raise(_momentum_gap, norm(gap));
+  raise(_largest_load, norm(b.impulse_external));
   // Without loads: the momenta of the parts, which may cancel in the sum, are at most sqrt(2 K M) (Cauchy-Schwarz).
-  _largest_other = std::max({_largest_other, std::sqrt(2 * b.kinetic * _total_mass),
-                             norm(b.impulse_gravity), norm(b.impulse_reaction)});
-  const double size = _largest_load > 0 ? _largest_load : _largest_other;
-  b.momentum_error = size > 0 ? _largest_momentum_gap / size : 0;
+  raise(_largest_other, std::max({std::sqrt(2 * b.kinetic * _total_mass), norm(b.impulse_gravity),
+                                  norm(b.impulse_reaction)}));
+  b.momentum_error = quotient(_momentum_gap, _largest_load > 0 ? _largest_load : _largest_other);
+}
+
+void EnergyLedger::bookMoments(double dt_kick, const KickSums& kick) {
+  EnergyBalance& b = _balance;
+  b.angular_momentum = vectorOf(kick, kick_angular, _scales.angular);
+  b.moment_external += vectorOf(kick, kick_moment_external, _scales.angular);
+  b.moment_reaction += vectorOf(kick, kick_moment_reaction, _scales.angular);
+  b.moment_damping += vectorOf(kick, kick_moment_damping, _scales.angular);
+  b.moment_gravity += dt_kick * cross(_first_moment, _gravity);
+  const Vec3 gap = b.moment_external + b.moment_gravity + b.moment_reaction + b.moment_damping -
+                   (b.angular_momentum - _initial_angular);
+  raise(_angular_gap, norm(gap));
+  // The angular momenta of the parts are at most R sqrt(2 K M) in all (Cauchy-Schwarz).
+  raise(_largest_moment,
+        std::max({norm(b.moment_external), norm(b.moment_gravity), norm(b.moment_reaction),
+                  _radius_of_gyration * std::sqrt(2 * b.kinetic * _total_mass)}));
+  b.angular_momentum_error = quotient(_angular_gap, _largest_moment);
 }
 
 } // namespace brickwall::mechanics

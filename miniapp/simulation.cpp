@@ -114,7 +114,7 @@ void Simulation::bookEnergies(double dt_kick) {
   mechanics::ContactEnergySums contact_energy;
   contact_energy.sum[mechanics::contact_stored_half] = _contact.stored.sum[0];
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
-                   _load_failures + _contact.failures());
+                   {_load_failures + _contact.failures()});
   if (_ledger.balance().failures > 0) {
     const std::string failure = describeFailure();
     stepBack(dt_kick);
@@ -206,7 +206,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
     setUpContact();
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
                                     mechanics::totalMass(_space, comm, mesh, scene.mass),
-                                    mechanics::momentaOf(_space, mesh, _state, _scales));
+                                    mechanics::motionOf(_space, mesh, _state, _scales));
 }
 
 // Of the bodies as they start, and at rest, through which deformed ones swing.

@@ -8,6 +8,7 @@
 #include "mechanics/stable_time_step.hpp"
 #include "tests/mechanics/block_mesh.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace brickwall::mechanics::testing {
@@ -31,6 +32,7 @@ struct Solver {
   std::vector<PressureLoad> loads;
   EnergyLedger ledger;
   double time = 0;
+  std::function<ContactEnergySums()> contact; // adds totals to the contact_force columns
 
   Solver(MPI_Comm comm_in, const Block& block, const Material& material, Vec3 gravity = {},
          const Placement& place = asIs, ElementKind kind = ElementKind::one_point)
@@ -81,14 +83,15 @@ struct Solver {
     for (const PressureLoad& load : loads)
       misfits += load.add(space, blocks.mesh, state.displacement, time, forces);
     blocks.sum.sum(space, forces.values);
+    const ContactEnergySums in_contact = contact ? contact() : ContactEnergySums();
     const KickSums sums =
         kick(space, blocks.mesh, *boundary, time + 0.5 * dt, kick_dt, forces, state, scales);
-    ledger.bookStep(comm, kick_dt, dt, result, {}, sums, misfits);
+    ledger.bookStep(comm, kick_dt, dt, result, in_contact, sums, {misfits});
   }
   void start(double dt) {
     ledger = EnergyLedger(comm, scales, boundary->gravity(),
                           totalMass(space, comm, blocks.mesh, state.mass),
-                          momentaOf(space, blocks.mesh, state, scales));
+                          motionOf(space, blocks.mesh, state, scales));
     evaluateAndKick(0.5 * dt, dt);
   }
   void step(double dt) {

@@ -1,0 +1,95 @@
+#include "mechanics/ledger_sums.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "mechanics/hex8_geometry.hpp"
+
+#include <cmath>
+
+namespace brickwall::mechanics {
+
+namespace {
+
+struct MeshExtremes {
+  double force = 0; // (lambda + 2 mu) h^2
+  double edge = 0; // h
+  double fastest = 0; // sqrt((lambda + 2 mu)/rho)
+  double inverse_slowest = 0;
+  double farthest = 0; // coordinate magnitude
+  KOKKOS_INLINE_FUNCTION MeshExtremes& operator+=(const MeshExtremes& b) {
+    force = maxOf(force, b.force);
+    edge = maxOf(edge, b.edge);
+    fastest = maxOf(fastest, b.fastest);
+    inverse_slowest = maxOf(inverse_slowest, b.inverse_slowest);
+    farthest = maxOf(farthest, b.farthest);
+    return *this;
+  }
+};
+
+MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_elems) {
+  MeshExtremes result;
+  Kokkos::parallel_reduce(
+      "mechanics::ledgerScales::elements", over(space, num_elems),
+      KOKKOS_LAMBDA(const std::int64_t elem, MeshExtremes& sum) {
+        CornerCoordinates X;
+        gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
+        const Material material = m.materials(m.elem_block(elem));
+        const double modulus = material.lambda() + 2 * material.mu();
+        const double speed = std::sqrt(modulus / material.density);
+        MeshExtremes one;
+        one.edge = longestEdge(X);
+        one.force = modulus * one.edge * one.edge;
+        one.fastest = speed;
+        one.inverse_slowest = 1 / speed;
+        for (int c = 0; c < 8; ++c)
+          for (int j = 0; j < 3; ++j)
+            one.farthest = maxOf(one.farthest, std::fabs(X[c][j]));
+        sum += one;
+      },
+      Combine<MeshExtremes>(result));
+  space.fence();
+  return result;
+}
+
+} // namespace
+
+LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
+  const MeshExtremes local = extremesOf(space, viewsOf(mesh), mesh.num_elems);
+  double e[5] = {local.force, local.edge, local.fastest, local.inverse_slowest, local.farthest};
+  allReduce(comm, e, 5, MPI_MAX);
+  constexpr double headroom = 1048576; // 2^20
+  const double energy = headroom * e[0] * e[1], momentum = energy * e[3], mass = momentum * e[3];
+  const double distance = e[4] + e[1];
+  return {
+      LimbScale::forLargest(energy),          LimbScale::forLargest(headroom * e[0] * e[2]),
+      LimbScale::forLargest(momentum),        LimbScale::forLargest(momentum * distance),
+      LimbScale::forLargest(mass * distance), LimbScale::forLargest(mass * distance * distance)};
+}
+
+MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,
+                    const LedgerScales& scales) {
+  const MeshViews m = viewsOf(mesh);
+  const NodalState s = state;
+  MotionSums result;
+  Kokkos::parallel_reduce(
+      "mechanics::motionOf::nodes", over(space, mesh.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node, MotionSums& sums) {
+        if (!m.node_is_owned(node))
+          return;
+        const double mass = s.mass(node);
+        const Vec3 v = rowOf(s.velocity, node), momentum = mass * v;
+        const Vec3 x = rowOf(m.reference_coordinates, node) + rowOf(s.displacement, node);
+        const Vec3 angular = cross(x, momentum);
+        sums.add(motion_kinetic, 0.5 * dot(momentum, v), scales.energy);
+        sums.add(motion_inertia, mass * dot(x, x), scales.inertia);
+        for (int i = 0; i < 3; ++i) {
+          sums.add(motion_momentum + i, momentum[i], scales.momentum);
+          sums.add(motion_angular + i, angular[i], scales.angular);
+          sums.add(motion_first_moment + i, mass * x[i], scales.first_moment);
+        }
+      },
+      Combine<MotionSums>(result));
+  space.fence();
+  return result;
+}
+
+} // namespace brickwall::mechanics
