@@ -28,3 +28,10 @@ def last_time(times, pressed):
 def mean_between(times, values, begin, end):
     """Of steps of equal length with begin < t < end."""
     return values[(times > begin) & (times < end)].mean()
+
+
+def crossings(times, values, level):
+    """Times at which `values` go through `level`, between steps by a straight line."""
+    steps = np.flatnonzero(np.diff(np.sign(values - level)))
+    share = (level - values[steps]) / (values[steps + 1] - values[steps])
+    return times[steps] + share * (times[steps + 1] - times[steps])

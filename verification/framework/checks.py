@@ -58,7 +58,11 @@ class Outcome:
                         for check in self.checks[1:]]
 
 
+def fitted_order(sizes, errors):
+    """Exponent p of error = C size^p, by least squares of the logarithms."""
+    return float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
+
+
 def observed_orders(sizes, errors):
-    """Exponents p of error = C size^p between successive meshes."""
-    sizes, errors = np.asarray(sizes, dtype=float), np.abs(np.asarray(errors, dtype=float))
-    return tuple(float(p) for p in np.log(errors[1:] / errors[:-1]) / np.log(sizes[1:] / sizes[:-1]))
+    """The exponents between successive meshes."""
+    return tuple(float(p) for p in np.diff(np.log(np.abs(errors))) / np.diff(np.log(sizes)))

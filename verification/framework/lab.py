@@ -3,7 +3,7 @@ import tomllib
 from contextlib import contextmanager
 from pathlib import Path
 
-from .checks import Check, observed_orders
+from .checks import Check, fitted_order, observed_orders
 
 
 class Lab:
@@ -32,10 +32,11 @@ class Lab:
         self.outcome.checks.append(Check(name, computed, exact, float(error), float(threshold), tuple(orders)))
 
     def check_order(self, sizes, errors, least, name="order", exact=None):
-        """All observed orders between successive meshes are at least `least`; the lowest is told."""
-        orders = observed_orders(sizes, errors)
+        """The exponent p of error = C size^p, fitted to all meshes, is at least `least`; those between successive meshes
+        are told."""
+        order = fitted_order(sizes, errors)
         exact = least if exact is None else exact
-        self.check(min(orders), exact, exact - least, name, error=max(0.0, exact - min(orders)), orders=orders)
+        self.check(order, exact, exact - least, name, max(0.0, exact - order), observed_orders(sizes, errors))
 
     def note(self, text):
         """A paragraph in the case's section of the report."""

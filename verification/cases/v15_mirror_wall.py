@@ -1,0 +1,51 @@
+"""V15: A wall that is its own mirror image, under a uniform pulse, stays so: u_x changes its sign under x -> L - x, u_y and u_z
+do not. Sums of floating-point numbers at mirrored places round differently (1e-16 m here), so this holds to rounding until a
+contact is so marginal that rounding decides it on one side only. From that step on, the contact status of mirrored nodes
+differs."""
+import numpy as np
+
+NAME = "V15"
+TITLE = "mirror symmetry of a wall"
+DECK = "v14_pulsed_wall.toml"
+MIRROR = np.array([-1.0, 1.0, 1.0])
+
+
+class Mirror:
+    """Sums over the nodes at one place (touching bricks have several), and those of the mirrored place."""
+
+    def __init__(self, nodes, length):
+        places = np.round(nodes / 1e-6).astype(np.int64)
+        keys, self.place_of_node = np.unique(places, axis=0, return_inverse=True)
+        mirrored = np.stack([round(length / 1e-6) - keys[:, 0], keys[:, 1], keys[:, 2]], axis=1)
+        number = {tuple(key): place for place, key in enumerate(keys)}
+        self.image = np.array([number[tuple(key)] for key in mirrored])
+
+    def sums(self, values):
+        sums = np.zeros((len(self.image), values.shape[1]))
+        np.add.at(sums, self.place_of_node, values)
+        return sums
+
+    def difference(self, values, signs):
+        sums = self.sums(values)
+        return np.abs(sums - signs * sums[self.image]).max()
+
+
+def evaluate(lab):
+    wall = lab.deck["wall"]
+    settings = {"wall.bricks": [2, 1, 3]} if lab.quick else {"time.end": 5e-3}
+    results = lab.run("wall", settings).results
+    mirror = Mirror(results.nodes, settings.get("wall.bricks", wall["bricks"])[0] * wall["brick"][0])
+    steps = range(len(results.times))
+    gaps = np.array([mirror.difference(results.nodal("displacement", step), MIRROR) for step in steps]) / wall["brick"][0]
+    same_contacts = [mirror.difference(results.nodal("contact_status", step)[:, None], 1) == 0 for step in steps]
+    last_same = np.argmin(same_contacts) - 1 if not all(same_contacts) else len(gaps) - 1
+    largest = np.abs(results.nodal("displacement", last_same)).max()
+    lab.check(gaps[:last_same + 1].max(), 0, 1e-10)
+    lab.check(results.times[last_same], 1.25e-3, 0, "symmetric_until", error=max(0, 1.25e-3 - results.times[last_same]))
+    lab.check(largest > 1e-3, 1, 0, "it_has_moved")
+    lab.note(f"The contacts of mirrored nodes are the same up to t = {results.times[last_same]:.3g} s of "
+             f"{results.times[-1]:.3g} s; displacements are then {largest:.2g} m.")
+    with lab.figure("Difference of mirrored displacements, over a brick's length, by time") as axes:
+        axes.semilogy(results.times, np.maximum(gaps, 1e-17))
+        axes.axvline(results.times[last_same], color="#8a8a8a", linestyle=":", label="contacts are the same until here")
+        axes.set(xlabel="t (s)", ylabel="difference / brick length")

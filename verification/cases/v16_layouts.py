@@ -1,0 +1,42 @@
+"""V16: The same deck on several numbers of ranks and threads gives the same bits: forces are summed as 64-bit integers,
+energies in limbs of integers, decisions come from exact reductions and ties are broken by global id. Compared are all bytes of
+history.csv and all bits of all variables of the joined Exodus files."""
+import numpy as np
+
+NAME = "V16"
+TITLE = "the same bits on any ranks and threads"
+DECK = "v16_layouts.toml"
+SECONDS = 60
+
+
+def different_bits(one, other):
+    """(values, values whose bits differ) over all result variables of two files."""
+    count = differing = 0
+    names = [name for name in one.variables if name.startswith("vals_") or name == "time_whole"]
+    for name in names:
+        a, b = (np.asarray(results.variables[name][:], dtype=np.float64) for results in (one, other))
+        count += a.size
+        differing += a.size if a.shape != b.shape else np.count_nonzero(a.view(np.int64) != b.view(np.int64))
+    return count, differing
+
+
+def evaluate(lab):
+    layouts = [(2, 1), (3, 2)] if lab.quick else [(1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (8, 1)]
+    settings = {"time.end": 5e-4} if lab.quick else {}
+    alone = lab.run("1x1", settings, ranks=1, threads=1)
+    rows, total = [], 0
+    for ranks, threads in layouts:
+        run = lab.run(f"{ranks}x{threads}", settings, ranks=ranks, threads=threads)
+        count, differing = different_bits(alone.results, run.results)
+        same_history = (alone.folder / "history.csv").read_bytes() == (run.folder / "history.csv").read_bytes()
+        rows.append([ranks, threads, count, differing, "yes" if same_history else "no"])
+        total += differing + (not same_history)
+    lab.check(total, 0, 0)
+    # A wall at rest would be the same everywhere: it must have moved and touched.
+    lab.check(alone.history["contacts"].max() > 100, 1, 0, "there_are_contacts")
+    lab.table("Against one rank of one thread:", ["ranks", "threads", "values compared", "of other bits", "same history.csv"],
+              rows)
+    with lab.figure("Energies by time, the same on every layout") as axes:
+        for name in ("kinetic_energy", "internal_energy", "contact_energy"):
+            axes.plot(alone.history["time"], alone.history[name], label=name.replace("_", " "))
+        axes.set(xlabel="t (s)", ylabel="J")
