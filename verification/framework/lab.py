@@ -60,6 +60,6 @@ class Lab:
 
         figure, axes = new_figure(panels, width)
         yield axes
-        file = f"{self.deck_path.stem}{'_' + name if name else ''}.png"
+        file = f"{self.folder.name}{'_' + name if name else ''}.png"
         save(figure, self.plots / file)
         self.outcome.figures.append((file, caption))

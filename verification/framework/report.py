@@ -28,7 +28,7 @@ def check_rows(outcome):
 
 
 def section(outcome):
-    parts = [f"## {outcome.name}: {outcome.title}\n\n{outcome.text}\n"]
+    parts = [f"## {outcome.name}: {outcome.title}\n\n{outcome.text}\n\n{outcome.seconds:.0f} s.\n"]
     parts += [f"{caption}\n\n{table(header, rows)}" for caption, header, rows in outcome.tables]
     parts += [f"![{caption}](plots/{file})\n\n*{caption}*\n" for file, caption in outcome.figures]
     parts += [f"{note}\n" for note in outcome.notes]

@@ -1,0 +1,49 @@
+"""V7: A cantilever of 10 x 1 x 1 (E = rho = 1, nu = 0.3), clamped at one end, starts with a turn about the clamp and swings.
+The angular frequency of its first bending mode is 0.010114 by converged three-dimensional elasticity (0.010150 for the Euler-Bernoulli beam,
+which neither shears nor has a clamped cross-section). Elements that lock in bending are far too stiff with one through the depth."""
+import numpy as np
+from framework.figures import draw_slope
+from framework.meshes import box
+from framework.signals import fit_frequency
+
+NAME = "V7"
+TITLE = "cantilever's first bending frequency"
+DECK = "v07_cantilever.toml"
+SECONDS = 100
+CONVERGED = 0.010114  # known to 1e-6
+MESHES = [(10, 1, 1), (10, 2, 2), (20, 2, 2), (40, 4, 4), (80, 8, 8)]
+
+
+def frequency(lab, elements, element="tlps"):
+    """Of the mean deflection of the free end."""
+    run = lab.run(f"{element}_{'x'.join(map(str, elements))}", {"element.formulation": element},
+                  mesh=box((10, 1, 1), elements, name="beam"))
+    results = run.results
+    tip = results.nodes[:, 0] > 10 - 1e-9
+    deflection = np.array([results.nodal("displacement_z", step)[tip].mean() for step in range(len(results.times))])
+    return fit_frequency(results.times, deflection, CONVERGED), results.times, deflection
+
+
+def evaluate(lab):
+    meshes = MESHES[:4] if lab.quick else MESHES
+    found = {elements: frequency(lab, elements) for elements in meshes}
+    errors = {elements: omega / CONVERGED - 1 for elements, (omega, _, _) in found.items()}
+    lab.check(found[10, 1, 1][0], CONVERGED, 0.01)
+    for elements in meshes[1:]:
+        lab.check(found[elements][0], CONVERGED, 0.01, "x".join(map(str, elements)))
+    series = meshes[1:]  # bending is resolved by two and more elements; one has an error of the other sign
+    series = [elements for elements in series if elements != (10, 2, 2)]
+    if not lab.quick:
+        # The clamp's singularity allows order 1.
+        lab.check_order([1 / m[2] for m in series], [errors[m] for m in series], least=0.7, exact=1)
+    full = {elements: frequency(lab, elements, "full")[0] / CONVERGED - 1 for elements in meshes[:3]}
+    lab.table("Relative errors of the frequency:", ["elements", "tlps", "full (2x2x2 points)"],
+              [["x".join(map(str, m)), errors[m], full.get(m, "")] for m in meshes])
+    with lab.figure("Deflection of the free end; error of the frequency", panels=2) as (tip, error):
+        _, times, deflection = found[10, 1, 1]
+        tip.plot(times, deflection, label="10x1x1", linewidth=1)
+        tip.set(xlabel="t", ylabel="u_z")
+        sizes = [1 / m[2] for m in series]
+        error.loglog(sizes, [abs(errors[m]) for m in series], "o-", label="tlps")
+        draw_slope(error, sizes, [abs(errors[m]) for m in series], 1)
+        error.set(xlabel="element size / depth", ylabel="relative error")
