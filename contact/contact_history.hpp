@@ -1,6 +1,5 @@
-// What the contact of a node with an opposing body remembers from step to step: one interaction per
-// (owned node, body), in rows by node. Plain Views of plain structs, so that a restart file can
-// hold them.
+// What the contact of a node (or of an edge) with an opposing body remembers from step to step: one interaction per (owned
+// node or edge, body), in rows by node. Plain Views of plain structs, so that a restart file can hold them.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -10,31 +9,64 @@ namespace brickwall::contact {
 // Most bodies that one node can touch at once; more are counted and reported.
 constexpr int max_interactions = 8;
 
-// One node against one body. Symbols as in shared/contact_energy.md.
+// The point that pushes a face: a surface node, or a point of the edge between two of them.
+struct ContactPoint {
+  int node[2] = {-1, -1}; // surface nodes
+  double share = 0; // of the second node; 0 for a node
+
+  KOKKOS_INLINE_FUNCTION bool isNode() const { return node[0] == node[1]; }
+};
+KOKKOS_INLINE_FUNCTION ContactPoint atNode(int node) {
+  ContactPoint point;
+  point.node[0] = point.node[1] = node;
+  return point;
+}
+
+// One node (or edge) against one body. P is the penetration, n the outward normal of the face.
 struct Interaction {
   global_id body = -1; // opposing body
   global_id face = -1; // face id touched
   double offset = 0; // e, length: penetration that was there when the contact was born or switched
   double depth = 0; // p = P - e, length: what the spring feels
   double stiffness = 0; // k, force/length: of the birth, lowered where the cap falls below it
+  double taper = 1; // w, 0 to 1: less than 1 beyond true edges, and where edges meet at small angles
   double stored = 0; // U, energy: work done on this contact since its birth
-  double force = 0; // F, force: along the normal, as applied at the last step
+  double force = 0; // F, force: of the spring along the normal, as applied at the last step
+  double damping = 0; // F_d, force along the normal; F + F_d >= 0
   double closing = 0; // d-, length: closing motion of the step that led to the last force
   Vec3 normal; // of that step
   double weight[4] = {0, 0, 0, 0}; // N_j of that step
 
   // Of the current step only.
-  double first_force = 0; // F0 = k p
-  double mobility = 0; // tau = dt^2 (1/m_s + sum N_j^2/m_j), length/force
-  int node = -1; // surface node
+  double first_force = 0; // F0 = k w p
+  double first_damping = 0; // F_d before the corrections
+  double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j
+  ContactPoint point;
+  int node = -1; // surface node whose row this is
   int face_index = -1; // own face below num_faces, else ghost face index - num_faces
   int is_new = 1; // born now, or p was 0 at the last step
 };
 
-// Rows by surface node; a row's place in `interactions` follows no order, its contents do:
-// ascending body.
+// Coulomb friction of an interaction: an elastic spring along the face that slips at mu F_n.
+struct FrictionSpring {
+  Vec3 force; // t, on the node; what the spring holds
+  Vec3 trial; // t of a sticking contact, of the current step
+  Vec3 motion; // of the node along the face in the step that led to t, length
+  double stiffness = 0; // k_t, force/length
+};
+
+// Forces of an interaction that are neither along its normal nor friction: see true_edges.hpp.
+struct FadingForce {
+  Vec3 on_node; // each corner takes -N_j of it
+  double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides
+  double work = 0; // its work on the bodies over the motion of the step that led to it, energy
+};
+
+// Rows by surface node; a row's place in `interactions` follows no order, its contents do: ascending body.
 struct ContactHistory {
   View<Interaction*> interactions; // [0, count); the View may be longer
+  View<FrictionSpring*> friction; // [as interactions], empty without friction
+  View<FadingForce*> fading; // [as interactions], valid where taper < 1; empty where there is no such force
   View<int*> row_begin; // [node]
   View<unsigned char*> row_count; // [node]
   std::int64_t count = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/construct_boxes.hpp"
+#include "contact/contact_history.hpp"
 #include "contact/projection.hpp"
 #include "contact/surface.hpp"
 
@@ -20,6 +21,13 @@ struct FaceAccess {
   }
   KOKKOS_INLINE_FUNCTION global_id body(int face) const {
     return isOwn(face) ? surface.face_body(face) : ghosts.bodies(ghostOf(face));
+  }
+  KOKKOS_INLINE_FUNCTION global_id cornerId(int face, int j) const {
+    return isOwn(face) ? surface.node_ids(surface.face_to_nodes(face, j))
+                       : ghosts.corner_ids(ghostOf(face), j);
+  }
+  KOKKOS_INLINE_FUNCTION bool hasAttribute(int column) const {
+    return static_cast<int>(surface.face_attributes.extent(1)) > column;
   }
   // Any host attribute, such as the mass of a corner or mu.
   KOKKOS_INLINE_FUNCTION double attribute(int face, int column) const {
@@ -60,13 +68,18 @@ struct FaceAccess {
   KOKKOS_INLINE_FUNCTION Vec3 nodeMotion(int node) const {
     return rowOf(surface.coordinates_new, node) - rowOf(surface.coordinates_old, node);
   }
-  // How far the node came closer to the face point with these weights, along its normal, in this step: length.
-  KOKKOS_INLINE_FUNCTION double closing(int node, int face, const Vec3& normal,
-                                        const double (&weight)[4]) const {
-    Vec3 motion = nodeMotion(node);
+  KOKKOS_INLINE_FUNCTION Vec3 motionOf(const ContactPoint& point) const {
+    const Vec3 motion = nodeMotion(point.node[0]);
+    return point.isNode() ? motion
+                          : (1 - point.share) * motion + point.share * nodeMotion(point.node[1]);
+  }
+  // Motion of a point in this step as seen from the face point with these weights: length.
+  KOKKOS_INLINE_FUNCTION Vec3 relativeMotion(const ContactPoint& point, int face,
+                                             const double (&weight)[4]) const {
+    Vec3 motion = motionOf(point);
     for (int j = 0; j < 4; ++j)
       motion -= weight[j] * cornerMotion(face, j);
-    return -dot(normal, motion);
+    return motion;
   }
 };
 

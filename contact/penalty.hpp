@@ -1,69 +1,20 @@
-// Contact enforcement: penalty forces on nodes that penetrate faces (shared/physics.md, section 4)
-// and, as an option, their energy-neutral first and last steps (shared/contact_energy.md, steps 1
-// to 8). Every owned node is tested against every candidate face, so both sides of a joint are
-// nodes and faces in turn (two passes).
+// Contact enforcement: penalty forces on nodes that penetrate faces and, as options, energy-neutral first and last steps of a
+// contact (energy_neutral.hpp), Coulomb friction, damping, and edges that cross edges (edge_contact.hpp). Every owned node is
+// tested against every candidate face, so both sides of a joint are nodes and faces in turn (two passes).
+//
+// An interaction is born when a node is found inside a face of another body, with the offset e of that penetration which the
+// step's motion did not bring; the spring then feels p = P - e. e never grows while the face stays the same; when the node
+// moves to another face of the body, e is chosen so that p stays.
 #pragma once
 
-#include "contact/contact_history.hpp"
-#include "contact/face_access.hpp"
+#include "contact/interaction_set.hpp"
 #include "contact/node_faces.hpp"
 
+#include <mpi.h>
+
 #include <functional>
-#include <string>
 
 namespace brickwall::contact {
-
-enum class Scheme {
-  penalty, // F = k p, k of the birth
-  energy_neutral, // first and last step of a contact weighted so that no energy is made
-};
-
-struct EnforcementConfig {
-  Scheme scheme = Scheme::penalty;
-  double penalty = 0.5; // s: k = min(eps A, s m_red/dt_ref^2); stable if s <= 1.95 (1 - chi^2)
-  double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
-  double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
-  double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this
-  double shared_cosine = 0.8; // interactions whose normals are closer than this cosine share A_i
-  bool self_contact = false; // also faces of the node's own body (those that do not touch the node)
-  int corrections = 2; // rounds of the energy-neutral correction
-};
-
-// Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
-// (returnToOwners) and sums over the ranks that share a node.
-struct ContactForces {
-  View<std::int64_t* [3]> nodes; // [surface node][xyz]
-  View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
-};
-
-// This rank's sums over its interactions; sumOverRanks adds those of all ranks.
-struct ContactSums {
-  LimbSums<1> stored; // sum of k p^n p^{n+1}/2: the contact term of the half-step energy gauge
-  std::int64_t interactions = 0; // nodes in touch with a body, with or without a force
-  std::int64_t active = 0; // interactions with a force
-  // Loaded interactions whose face is no longer a candidate: deeper than the search reaches.
-  std::int64_t lost = 0;
-  std::int64_t overflow = 0; // interactions beyond max_interactions of a node
-  std::int64_t invalid = 0; // forces that are not finite or too large for the quantum
-  double max_penetration = 0; // largest penetration / sqrt(face area)
-
-  KOKKOS_INLINE_FUNCTION ContactSums& operator+=(const ContactSums& b) {
-    stored += b.stored;
-    interactions += b.interactions;
-    active += b.active;
-    lost += b.lost;
-    overflow += b.overflow;
-    invalid += b.invalid;
-    max_penetration = maxOf(max_penetration, b.max_penetration);
-    return *this;
-  }
-  // What a run must not go on with, in words; empty if nothing.
-  std::string problem() const;
-  // Of these, those that make the step's forces wrong; lost contacts are not among them, a run may go on with a warning.
-  std::int64_t failures() const { return overflow + invalid + stored.invalid; }
-};
-// Collective.
-void sumOverRanks(MPI_Comm comm, ContactSums& sums);
 
 // What the energy-neutral scheme needs of the host code besides.
 struct NeutralInput {
@@ -77,6 +28,18 @@ struct NeutralInput {
       share_with_ghosts;
 };
 
+class EdgeContact;
+
+// This rank's sums, apart for nodes with faces and edges with edges.
+struct EnforcementSums {
+  ContactSums nodes, edges;
+
+  // As ContactSums.
+  std::int64_t failures() const { return nodes.failures() + edges.failures(); }
+  std::int64_t active() const { return nodes.active + edges.active; }
+  std::int64_t lost() const { return nodes.lost + edges.lost; }
+};
+
 class Enforcement {
 public:
   // Collective. `node_mass` [surface node] is the lumped mass, HUGE_VAL where the motion is
@@ -87,29 +50,33 @@ public:
               const Quantum& quantum, const LimbScale& energy_scale);
 
   // Contact forces at coordinates_new; motion of the step is coordinates_new - coordinates_old, of
-  // length dt. `surface` may change its coordinates between calls, nothing else. The first call of
+  // length `steps.dt`. `surface` may change its coordinates between calls, nothing else. The first call of
   // a run sees overlaps as they are: they are taken into the offset and give no force. Collective.
-  // `neutral` is needed for Scheme::energy_neutral only. Returns this rank's sums.
-  ContactSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
-                      const CandidatePairs& pairs, double dt,
-                      const NeutralInput* neutral = nullptr);
+  // `neutral` is needed for Scheme::energy_neutral only; `edges`, if there, has found the candidates of this step, and
+  // its forces are among forces(). Returns this rank's sums.
+  EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+                          const CandidatePairs& pairs, const StepLengths& steps,
+                          const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
 
-  // Of the last enforce().
-  const ContactForces& forces() const { return _forces; }
+  // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
+  // ranks that share a node.
+  const ContactForces& forces() const { return _set.forces(); }
   // [surface node] interactions of the node; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
   // [surface node] least gap, length: minus the deepest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
 
   // The interactions, for the next call.
-  const ContactHistory& history() const { return _history; }
+  const ContactHistory& history() const { return _set.history(); }
 
 private:
   void updatePlanes(const exec_space& space, const FaceAccess& faces);
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
-  std::int64_t makeNeutral(const exec_space& space, const FaceAccess& faces, double dt,
-                           const NeutralInput* neutral);
+  std::int64_t addForces(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
+  std::int64_t makeNeutral(const exec_space& space, const FaceAccess& faces,
+                           const StepLengths& steps, const NeutralInput* neutral,
+                           EdgeContact* edges);
 
   EnforcementConfig _config;
   Quantum _quantum;
@@ -117,19 +84,12 @@ private:
   View<const double*> _node_mass;
   NodeFaces _node_faces;
   View<MeanPlane*> _planes; // own, remote, ghost faces
-  ContactHistory _history, _next; // of the last step and of the present one, in turn
-  View<std::int64_t> _next_count;
+  InteractionSet _set;
   double _previous_dt = 0;
-  ContactForces _forces;
   View<unsigned char*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;
   View<double* [12]> _ghost_accelerations;
 };
-
-// Adds what returnToOwners brought, [own face][3 * corner + xyz] in quanta, to the nodes.
-void addFaceForces(const exec_space& space, const Surface& surface,
-                   const View<const std::int64_t* [12]>& own_face_forces,
-                   const View<std::int64_t* [3]>& node_forces);
 
 } // namespace brickwall::contact

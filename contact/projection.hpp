@@ -20,6 +20,8 @@ struct FacePoint {
   double gap = 0; // g = (point - x_c) . normal, length; negative inside the body
   // How far outside the face, in half-lengths: max(|xi|, |eta|) - 1; <= 0 inside.
   double excess = HUGE_VAL;
+  double xi = 0, eta = 0; // where on the quad; of no meaning unless has_parameters
+  bool has_parameters = false; // a stationary point of the distance on the bilinear quad
   bool valid = false; // false: no projection near this face, or a degenerate face
 
   KOKKOS_INLINE_FUNCTION bool activeWithin(double lateral_tolerance) const {
@@ -165,6 +167,9 @@ KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   found.weight[2] = 0.25 * (1 + xi) * (1 + eta);
   found.weight[3] = 0.25 * (1 - xi) * (1 + eta);
   found.excess = maxOf(std::fabs(xi), std::fabs(eta)) - 1;
+  found.xi = xi;
+  found.eta = eta;
+  found.has_parameters = true;
   found.valid = true;
   return found;
 }

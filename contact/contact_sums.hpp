@@ -1,0 +1,51 @@
+// What contact enforcement counts and sums over its interactions.
+#pragma once
+
+#include "contact/base/fixed_point.hpp"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace brickwall::contact {
+
+// Energies of contact: those in springs, at the half step n+1/2; works on the bodies, of the forces of step n.
+enum ContactTerm : int {
+  spring_stored, // sum of k w p^n p^{n+1}/2: the contact term of the half-step energy gauge
+  friction_stored, // sum of t^n . t^{n+1}/(2 k_t)
+  spring_work, // of edges only
+  damping_work,
+  friction_work,
+  num_contact_terms
+};
+
+// This rank's sums over its interactions; sumOverRanks adds those of all ranks.
+struct ContactSums {
+  LimbSums<num_contact_terms> terms;
+  std::int64_t interactions = 0; // nodes in touch with a body, with or without a force
+  std::int64_t active = 0; // interactions with a force
+  // Loaded interactions whose face is no longer a candidate: deeper than the search reaches.
+  std::int64_t lost = 0;
+  std::int64_t overflow = 0; // interactions beyond max_interactions of a node
+  std::int64_t invalid = 0; // forces that are not finite or too large for the quantum
+  double max_penetration = 0; // largest penetration / sqrt(face area)
+
+  KOKKOS_INLINE_FUNCTION ContactSums& operator+=(const ContactSums& b) {
+    terms += b.terms;
+    interactions += b.interactions;
+    active += b.active;
+    lost += b.lost;
+    overflow += b.overflow;
+    invalid += b.invalid;
+    max_penetration = maxOf(max_penetration, b.max_penetration);
+    return *this;
+  }
+  // What a run must not go on with, in words; empty if nothing.
+  std::string problem() const;
+  // Of these, those that make the step's forces wrong; lost contacts are not among them, a run may go on with a warning.
+  std::int64_t failures() const { return overflow + invalid + terms.invalid; }
+};
+// Collective.
+void sumOverRanks(MPI_Comm comm, ContactSums& sums);
+
+} // namespace brickwall::contact

@@ -1,0 +1,239 @@
+// See edge_contact.hpp.
+#include "contact/edge_contact.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/edge_touch.hpp"
+
+#include <algorithm>
+
+namespace brickwall::contact {
+namespace {
+
+template <class ViewType>
+auto hostCopy(const ViewType& view) {
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+
+// A device View filled on the host by set(host view).
+template <class ViewType, class Set, class... Extents>
+ViewType filled(const exec_space& space, const std::string& label, const Set& set,
+                Extents... extents) {
+  auto device = allocate<ViewType>(space, label, extents...);
+  auto host = Kokkos::create_mirror_view(device);
+  set(host);
+  Kokkos::deep_copy(space, device, host);
+  space.fence();
+  return device;
+}
+
+// Numbers that no node of a mesh has.
+constexpr global_id first_edge_node_id = global_id(1) << 60;
+
+// Nodes of the host's surface at the corners of the listed faces, ascending.
+std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges) {
+  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
+  std::vector<int> corners;
+  for (const FeatureEdge& edge : edges.convex)
+    for (int j = 0; j < 4; ++j)
+      corners.push_back(face_to_nodes(edge.face, j));
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+// The static part of the surface of edges.
+Surface edgeSurface(const exec_space& space, const Surface& surface, const FeatureEdges& edges,
+                    const std::vector<int>& corners) {
+  const int num_corners = static_cast<int>(corners.size());
+  const int num_edges = static_cast<int>(edges.convex.size());
+  const int num_nodes = num_corners + num_edges;
+  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
+  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
+  const auto node_body = hostCopy(surface.node_body), face_body = hostCopy(surface.face_body);
+  const auto attributes = hostCopy(surface.face_attributes);
+  const auto idOf = [&](int e) {
+    return 4 * face_ids(edges.convex[e].face) + edges.convex[e].edge;
+  };
+  Surface s;
+  s.num_nodes = num_nodes;
+  s.num_faces = num_edges;
+  s.face_to_nodes = filled<View<int* [4]>>(
+      space, "contact::EdgeContact::edge_to_nodes",
+      [&](auto& v) {
+        for (int e = 0; e < num_edges; ++e)
+          for (int j = 0; j < 4; ++j) {
+            const int node = face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
+            v(e, j) = static_cast<int>(std::lower_bound(corners.begin(), corners.end(), node) -
+                                       corners.begin());
+          }
+      },
+      num_edges);
+  s.node_ids = filled<View<global_id*>>(
+      space, "contact::EdgeContact::node_ids",
+      [&](auto& v) {
+        for (int i = 0; i < num_nodes; ++i)
+          v(i) = i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
+      },
+      num_nodes);
+  s.node_body = filled<View<global_id*>>(
+      space, "contact::EdgeContact::node_body",
+      [&](auto& v) {
+        for (int i = 0; i < num_nodes; ++i)
+          v(i) = i < num_corners ? node_body(corners[i])
+                                 : face_body(edges.convex[i - num_corners].face);
+      },
+      num_nodes);
+  s.node_is_owned = filled<View<unsigned char*>>( // only edges look for partners
+      space, "contact::EdgeContact::node_is_owned",
+      [&](auto& v) {
+        for (int i = 0; i < num_nodes; ++i)
+          v(i) = i >= num_corners;
+      },
+      num_nodes);
+  s.face_ids = filled<View<global_id*>>(
+      space, "contact::EdgeContact::edge_ids",
+      [&](auto& v) {
+        for (int e = 0; e < num_edges; ++e)
+          v(e) = idOf(e);
+      },
+      num_edges);
+  s.face_body = filled<View<global_id*>>(
+      space, "contact::EdgeContact::edge_body",
+      [&](auto& v) {
+        for (int e = 0; e < num_edges; ++e)
+          v(e) = face_body(edges.convex[e].face);
+      },
+      num_edges);
+  s.face_attributes = filled<View<double**>>(
+      space, "contact::EdgeContact::attributes",
+      [&](auto& v) {
+        for (int e = 0; e < num_edges; ++e) {
+          const FeatureEdge& edge = edges.convex[e];
+          for (int j = 0; j < 4; ++j)
+            v(e, j) = attributes(edge.face, (edge.edge + j) % 4);
+          v(e, EdgeTouch::cosine_column) = edge.cosine;
+          v(e, EdgeTouch::sine_column) = edge.sine;
+        }
+      },
+      num_edges, 6);
+  return s;
+}
+
+} // namespace
+
+EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                         const FeatureEdges& edges, const View<const double*>& node_mass,
+                         const SearchConfig& search, double margin, const EnforcementConfig& config,
+                         const Quantum& quantum, const LimbScale& energy_scale)
+    : _search(comm, search, margin), _config(config), _energy_scale(energy_scale) {
+  const std::vector<int> corners = cornersOf(surface, edges);
+  _num_corners = static_cast<int>(corners.size());
+  _edges = edgeSurface(space, surface, edges, corners);
+  const auto masses = hostCopy(node_mass);
+  _corner_to_node = filled<View<int*>>(
+      space, "contact::EdgeContact::corner_to_node",
+      [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, _num_corners);
+  _corner_mass = filled<View<double*>>(
+      space, "contact::EdgeContact::corner_mass",
+      [&](auto& v) {
+        for (int i = 0; i < _num_corners; ++i)
+          v(i) = masses(corners[i]);
+      },
+      _num_corners);
+  const int num_nodes = _edges.num_nodes, num_edges = _edges.num_faces;
+  _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
+  _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
+  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_nodes);
+  _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
+  _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
+  _edges.coordinates_old = _old;
+  _edges.coordinates_new = _new;
+  _set =
+      InteractionSet(space, "contact::EdgeContact", _edges, 2, EdgeTouch::has_fading, config, quantum);
+}
+
+void EdgeContact::gather(const exec_space& space, const Surface& surface) {
+  const auto corner_to_node = _corner_to_node;
+  const auto edge_to_nodes = _edges.face_to_nodes;
+  const auto x_old = _old, x_new = _new;
+  const int num_corners = _num_corners;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::gatherCorners", over(space, num_corners),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d) {
+          x_old(i, d) = surface.coordinates_old(corner_to_node(i), d);
+          x_new(i, d) = surface.coordinates_new(corner_to_node(i), d);
+        }
+      });
+  Kokkos::parallel_for(
+      "contact::EdgeContact::sweepEdges", over(space, _edges.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t e) {
+        const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
+        for (int d = 0; d < 3; ++d) {
+          x_old(num_corners + e, d) =
+              minOf(minOf(x_old(a, d), x_new(a, d)), minOf(x_old(b, d), x_new(b, d)));
+          x_new(num_corners + e, d) =
+              maxOf(maxOf(x_old(a, d), x_new(a, d)), maxOf(x_old(b, d), x_new(b, d)));
+        }
+      });
+}
+
+void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
+  gather(space, surface);
+  _search.update(space, _edges);
+}
+
+ContactSums EdgeContact::select(const exec_space& space, double dt) {
+  SelectInteractions<EdgeTouch> select;
+  select.energy_scale = _energy_scale;
+  select.dt = dt;
+  select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.faces = access();
+  select.touch.lateral_tolerance = _config.lateral_tolerance;
+  select.touch.num_corners = _num_corners;
+  select.touch.node_mass = _corner_mass;
+  return _set.select(space, _search.pairs(), select);
+}
+
+std::int64_t EdgeContact::addForces(const exec_space& space,
+                                    const View<std::int64_t* [3]>& nodes) {
+  const std::int64_t invalid = _set.addForces(space, access());
+  const auto statistics = _search.statistics();
+  const ContactForces& forces = _set.forces();
+  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {
+    Kokkos::deep_copy(space, _returned, 0);
+    _search.returnToOwners(space, forces.ghost_corners, _returned);
+    addFaceForces(space, _edges, _returned, forces.nodes);
+  }
+  const auto corner_to_node = _corner_to_node;
+  const auto of_corners = forces.nodes;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::toNodes", over(space, _num_corners),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          nodes(corner_to_node(i), d) += of_corners(i, d); // no two corners are one node
+      });
+  return invalid;
+}
+
+void EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                const View<double* [3]>& node_accelerations) {
+  const auto corner_to_node = _corner_to_node;
+  const auto accelerations = _accelerations;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::accelerations", over(space, _num_corners),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          accelerations(i, d) = node_accelerations(corner_to_node(i), d);
+      });
+  growTo(space, _ghost_accelerations, _search.ghosts().count);
+  _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
+  _set.correctForces(space, access(), steps, _accelerations, _ghost_accelerations);
+}
+
+void EdgeContact::advance(double dt) {
+  _set.advance();
+  _previous_dt = dt;
+}
+
+} // namespace brickwall::contact

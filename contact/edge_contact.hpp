@@ -1,0 +1,58 @@
+// Contact of edges that cross each other in mid-cell (edge_touch.hpp): the same search and the same interactions as nodes and
+// faces have, on a surface whose faces and pushing points are the convex edges.
+#pragma once
+
+#include "contact/candidate_search.hpp"
+#include "contact/feature_edges.hpp"
+#include "contact/interaction_set.hpp"
+
+namespace brickwall::contact {
+
+class EdgeContact {
+public:
+  // Collective. `edges`: findFeatureEdges of `surface`; `node_mass`, `energy_scale` as for Enforcement; `search`, `margin` as
+  // for CandidateSearch. `comm` must outlive it.
+  EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
+              const FeatureEdges& edges, const View<const double*>& node_mass,
+              const SearchConfig& search, double margin, const EnforcementConfig& config,
+              const Quantum& quantum, const LimbScale& energy_scale);
+
+  // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
+  void findCandidates(const exec_space& space, const Surface& surface);
+
+  // The parts of Enforcement::enforce, which calls them. addForces is collective: it adds the forces of all edges to `nodes`
+  // [surface node][xyz] in quanta, as partial sums.
+  ContactSums select(const exec_space& space, double dt);
+  std::int64_t addForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
+  void correctForces(const exec_space& space, const StepLengths& steps,
+                     const View<double* [3]>& node_accelerations);
+  void advance(double dt);
+
+  std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
+  const CandidateSearch& search() const { return _search; }
+  const ContactHistory& history() const { return _set.history(); }
+
+  // Set-up and updates, public only for their kernels.
+  void gather(const exec_space& space, const Surface& surface);
+
+private:
+  FaceAccess access() const { return {_edges, _search.ghosts()}; }
+
+  // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low
+  // corner, x^{n+1} its high one. Faces: the edges.
+  Surface _edges;
+  int _num_corners = 0;
+  View<const int*> _corner_to_node; // [corner] node of the host's surface
+  View<double* [3]> _old, _new; // coordinates of _edges
+  View<double*> _corner_mass; // [corner]
+  CandidateSearch _search;
+  InteractionSet _set;
+  EnforcementConfig _config;
+  LimbScale _energy_scale;
+  double _previous_dt = 0;
+  View<std::int64_t* [12]> _returned; // [edge] forces from ghosts, quanta
+  View<double* [3]> _accelerations; // [corner and edge]
+  View<double* [12]> _ghost_accelerations;
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,123 @@
+// See feature_edges.hpp. A rank chosen by an edge's nodes gets a record from each of its faces and tells them what it is.
+#include "contact/feature_edges.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/projection.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace brickwall::contact {
+namespace {
+
+struct EdgeRecord {
+  global_id low_node, high_node, face_id;
+  Vec3 normal, centre; // of the face
+  Vec3 on_edge; // the middle of the edge
+  int rank, face, edge; // where it came from
+  int unused;
+
+  auto key() const { return std::tie(low_node, high_node, face_id); }
+  bool sameEdge(const EdgeRecord& b) const {
+    return low_node == b.low_node && high_node == b.high_node;
+  }
+};
+
+struct EdgeReply {
+  int face, edge;
+  int is_convex; // and this face is the one that lists it
+  int unused;
+  double cosine, sine;
+};
+
+std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Surface& surface) {
+  const auto host = [](const auto& view) {
+    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+  };
+  const auto face_to_nodes = host(surface.face_to_nodes);
+  const auto x = host(surface.coordinates_new);
+  const auto node_ids = host(surface.node_ids), face_ids = host(surface.face_ids);
+  std::vector<std::vector<EdgeRecord>> records(num_ranks);
+  for (int face = 0; face < surface.num_faces; ++face) {
+    Quad quad;
+    Vec3 centre;
+    for (int j = 0; j < 4; ++j) {
+      quad.corner[j] = rowOf(x, face_to_nodes(face, j));
+      centre += 0.25 * quad.corner[j];
+    }
+    const Vec3 normal = planeOfArea(areaVector(quad)).normal;
+    for (int j = 0; j < 4; ++j) {
+      const global_id a = node_ids(face_to_nodes(face, j));
+      const global_id b = node_ids(face_to_nodes(face, (j + 1) % 4));
+      if (a == b) // of a triangle
+        continue;
+      EdgeRecord record;
+      record.low_node = std::min(a, b);
+      record.high_node = std::max(a, b);
+      record.face_id = face_ids(face);
+      record.normal = normal;
+      record.centre = centre;
+      record.on_edge = 0.5 * (quad.corner[j] + quad.corner[(j + 1) % 4]);
+      record.rank = rank, record.face = face, record.edge = j, record.unused = 0;
+      records[(record.low_node + record.high_node) % num_ranks].push_back(record);
+    }
+  }
+  return records;
+}
+
+// Appends the replies to the faces [first, last) of one edge.
+void judgeEdge(const EdgeRecord* first, const EdgeRecord* last, double largest_cosine,
+               std::vector<std::vector<EdgeReply>>& replies) {
+  EdgeReply reply{0, 0, 0, 0, 1, 0};
+  if (last - first == 2) {
+    const EdgeRecord &a = first[0], &b = first[1];
+    reply.cosine = dot(a.normal, b.normal);
+    if (reply.cosine > largest_cosine)
+      return;
+    reply.sine = norm(cross(a.normal, b.normal));
+    const bool is_convex =
+        dot(b.centre - a.on_edge, a.normal) < 0 && dot(a.centre - a.on_edge, b.normal) < 0;
+    reply.is_convex = is_convex && reply.sine > 0;
+  }
+  for (const EdgeRecord* record = first; record != last; ++record) {
+    reply.face = record->face;
+    reply.edge = record->edge;
+    replies[record->rank].push_back(reply);
+    reply.is_convex = 0; // only the first lists it
+  }
+}
+
+} // namespace
+
+FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine) {
+  const int num_ranks = sizeOf(comm);
+  const auto received = exchangeByRank(comm, recordsOf(num_ranks, rankOf(comm), surface));
+  std::vector<EdgeRecord> records;
+  for (const auto& some : received)
+    records.insert(records.end(), some.begin(), some.end());
+  std::sort(records.begin(), records.end(),
+            [](const EdgeRecord& a, const EdgeRecord& b) { return a.key() < b.key(); });
+  std::vector<std::vector<EdgeReply>> replies(num_ranks);
+  for (std::size_t begin = 0; begin < records.size();) {
+    std::size_t end = begin + 1;
+    while (end < records.size() && records[end].sameEdge(records[begin]))
+      ++end;
+    judgeEdge(&records[begin], records.data() + end, cosine, replies);
+    begin = end;
+  }
+  FeatureEdges edges;
+  edges.true_edges.assign(surface.num_faces, 0);
+  for (const auto& some : exchangeByRank(comm, replies))
+    for (const EdgeReply& reply : some) {
+      edges.true_edges[reply.face] |= static_cast<unsigned char>(1 << reply.edge);
+      if (reply.is_convex)
+        edges.convex.push_back({reply.face, reply.edge, reply.cosine, reply.sine});
+    }
+  std::sort(edges.convex.begin(), edges.convex.end(),
+            [](const FeatureEdge& a, const FeatureEdge& b) {
+              return std::tie(a.face, a.edge) < std::tie(b.face, b.edge);
+            });
+  return edges;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,29 @@
+// The true edges of a surface: where a face has no coplanar neighbour of its body. Node-face contact fades out beyond them
+// (true_edges.hpp), and edges that cross such edges of other bodies push them (edge_contact.hpp).
+#pragma once
+
+#include "contact/surface.hpp"
+
+#include <mpi.h>
+
+#include <vector>
+
+namespace brickwall::contact {
+
+// A convex edge between two faces of a body, listed by the rank of the face of lower id.
+struct FeatureEdge {
+  int face = -1; // own face
+  int edge = 0; // from corner `edge` to the next one
+  double cosine = 1, sine = 0; // of the angle between the outward normals of its two faces; sine > 0
+};
+
+struct FeatureEdges {
+  std::vector<unsigned char> true_edges; // [own face] bit j: edge j is a true edge, convex or not
+  std::vector<FeatureEdge> convex; // by ascending (face, edge)
+};
+
+// Collective; for set-up. Edges where the normals of the two faces at coordinates_new differ by more than the angle whose
+// cosine is given; also edges of one face only, or of more than two, which are true but never listed as convex.
+FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine = 0.75);
+
+} // namespace brickwall::contact

@@ -1,0 +1,156 @@
+// See interaction_set.hpp.
+#include "contact/interaction_set.hpp"
+
+#include "contact/coulomb_friction.hpp"
+#include "contact/energy_neutral.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+template <class ViewType>
+void zeroRows(const exec_space& space, const std::string& label, const ViewType& values,
+              std::int64_t rows) {
+  const auto width = static_cast<std::int64_t>(values.extent(1));
+  Kokkos::parallel_for(
+      label, over(space, rows), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (std::int64_t w = 0; w < width; ++w)
+          values(i, w) = 0;
+      });
+}
+
+ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
+  ContactHistory history;
+  history.interactions = View<Interaction*>(label + "::interactions", 0);
+  history.friction = View<FrictionSpring*>(label + "::friction", 0);
+  history.fading = View<FadingForce*>(label + "::fading", 0);
+  history.row_begin = allocate<View<int*>>(space, label + "::row_begin", num_nodes);
+  history.row_count = View<unsigned char*>(label + "::row_count", num_nodes);
+  return history;
+}
+
+} // namespace
+
+InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
+                               const Surface& surface, int face_corners, bool has_fading,
+                               const EnforcementConfig& config, const Quantum& quantum)
+    : _config(config), _quantum(quantum), _face_corners(face_corners), _has_fading(has_fading),
+      _history(emptyHistory(space, label + "::history", surface.num_nodes)),
+      _next(emptyHistory(space, label + "::next", surface.num_nodes)),
+      _next_count(label + "::next_count") {
+  _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", surface.num_nodes);
+  _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
+}
+
+void InteractionSet::growInteractions(const exec_space& space, std::int64_t count) {
+  growTo(space, _next.interactions, count);
+  const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
+  if (_config.friction > 0)
+    growTo(space, _next.friction, room);
+  if (_has_fading)
+    growTo(space, _next.fading, room);
+}
+
+std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess& faces) {
+  growTo(space, _forces.ghost_corners, faces.ghosts.count);
+  zeroRows(space, "contact::addForces::zeroNodes", _forces.nodes, faces.surface.num_nodes);
+  zeroRows(space, "contact::addForces::zeroGhosts", _forces.ghost_corners, faces.ghosts.count);
+  std::int64_t invalid = 0;
+  const ContactHistory pairs = _next;
+  const ContactForces forces = _forces;
+  const Quantum quantum = _quantum;
+  const int face_corners = _face_corners;
+  const bool has_friction = _config.friction > 0, has_fading = _has_fading;
+  Kokkos::parallel_reduce(
+      "contact::addForces", over(space, pairs.count),
+      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& bad) {
+        const Interaction& pair = pairs.interactions(i);
+        if (pair.first_force == 0)
+          return;
+        Vec3 force = (pair.force + pair.damping) * pair.normal;
+        double largest = pair.force + pair.damping;
+        if (has_friction) {
+          force += pairs.friction(i).force;
+          largest += norm(pairs.friction(i).force);
+        }
+        const bool is_fading = has_fading && pair.taper < 1;
+        if (is_fading) {
+          force += pairs.fading(i).on_node;
+          largest += norm(pairs.fading(i).on_node);
+        }
+        if (!fitsFixedPoint(4 * quantum.inverse * largest)) {
+          ++bad;
+          return;
+        }
+        const bool own = faces.isOwn(pair.face_index);
+        for (int d = 0; d < 3; ++d) {
+          const double quanta = quantum.inverse * force[d];
+          const std::int64_t whole = roundToFixed(quanta);
+          const std::int64_t second =
+              pair.point.isNode() ? 0 : roundToFixed(pair.point.share * quanta);
+          Kokkos::atomic_add(&forces.nodes(pair.point.node[0], d), whole - second);
+          if (second != 0)
+            Kokkos::atomic_add(&forces.nodes(pair.point.node[1], d), second);
+          std::int64_t rest = -whole;
+          for (int j = 0; j < face_corners; ++j) {
+            double share = -pair.weight[j] * quanta;
+            if (is_fading)
+              share += quantum.inverse * pairs.fading(i).on_corner[j] * pair.normal[d];
+            const std::int64_t part = j < face_corners - 1 ? roundToFixed(share) : rest;
+            rest -= part;
+            std::int64_t* target =
+                own ? &forces.nodes(faces.surface.face_to_nodes(pair.face_index, j), d)
+                    : &forces.ghost_corners(faces.ghostOf(pair.face_index), 3 * j + d);
+            Kokkos::atomic_add(target, part);
+          }
+        }
+      },
+      invalid);
+  return invalid;
+}
+
+void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
+                                   const StepLengths& steps,
+                                   const View<double* [3]>& accelerations,
+                                   const View<double* [12]>& ghost_accelerations) {
+  const ContactHistory pairs = _next;
+  const double dt = steps.dt, next_dt = steps.next_dt, kick = 0.5 * (dt + next_dt);
+  const double limit = _config.friction;
+  Kokkos::parallel_for(
+      "contact::correctForces", over(space, pairs.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        Interaction& pair = pairs.interactions(i);
+        const double share = pair.point.share;
+        Vec3 relative = rowOf(accelerations, pair.point.node[0]);
+        if (!pair.point.isNode())
+          relative = (1 - share) * relative + share * rowOf(accelerations, pair.point.node[1]);
+        for (int j = 0; j < 4; ++j)
+          relative -=
+              pair.weight[j] * faces.corner(pair.face_index, j, accelerations, ghost_accelerations);
+        KickedPair motion;
+        motion.closing = kick / dt * pair.closing;
+        motion.next_closing = motion.closing - kick * kick * dot(pair.normal, relative);
+        motion.next_drift = next_dt / kick;
+        motion.mobility = kick * kick * pair.inverse_mass;
+        pair.force = neutralForce(pair, motion);
+        pair.damping = maxOf(pair.first_damping, -pair.force);
+        if (limit > 0)
+          pairs.friction(i).force =
+              slipped(pairs.friction(i).trial, limit * (pair.force + pair.damping));
+      });
+}
+
+void addFaceForces(const exec_space& space, const Surface& surface,
+                   const View<const std::int64_t* [12]>& own_face_forces,
+                   const View<std::int64_t* [3]>& node_forces) {
+  const auto face_to_nodes = surface.face_to_nodes;
+  Kokkos::parallel_for(
+      "contact::addFaceForces", over(space, surface.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d)
+            if (own_face_forces(face, 3 * j + d) != 0)
+              Kokkos::atomic_add(&node_forces(face_to_nodes(face, j), d),
+                                 own_face_forces(face, 3 * j + d));
+      });
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,92 @@
+// The interactions of one kind of contact (nodes with faces, or edges with edges) from step to step, and their forces.
+#pragma once
+
+#include "contact/contact_sums.hpp"
+#include "contact/enforcement_config.hpp"
+#include "contact/face_access.hpp"
+
+#include <string>
+#include <utility>
+
+namespace brickwall::contact {
+
+// Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
+// (returnToOwners) and sums over the ranks that share a node.
+struct ContactForces {
+  View<std::int64_t* [3]> nodes; // [surface node][xyz]
+  View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
+};
+// Adds what returnToOwners brought, [own face][3 * corner + xyz] in quanta, to the nodes.
+void addFaceForces(const exec_space& space, const Surface& surface,
+                   const View<const std::int64_t* [12]>& own_face_forces,
+                   const View<std::int64_t* [3]>& node_forces);
+
+// Drifts before and after the forces: the kick between them has their mean length.
+struct StepLengths {
+  double dt = 0; // of the motion coordinates_new - coordinates_old
+  double next_dt = 0;
+};
+
+class InteractionSet {
+public:
+  InteractionSet() = default;
+  // `face_corners`: 4, or 2 where only the first two corners of a face carry weight. `has_fading`: there may be FadingForces.
+  InteractionSet(const exec_space& space, const std::string& label, const Surface& surface,
+                 int face_corners, bool has_fading, const EnforcementConfig& config,
+                 const Quantum& quantum);
+
+  // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
+  // Afterwards next() holds those of this step, history() those of the last one.
+  template <class Select>
+  ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
+
+  // forces() = those of all interactions of next(), as integers: rounded once per pair, plus on the pushing node, minus shared
+  // by the corners, of which the last takes the remainder, so that the sum is zero exactly. Returns the number of forces that
+  // do not fit.
+  std::int64_t addForces(const exec_space& space, const FaceAccess& faces);
+
+  // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones.
+  void correctForces(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
+                     const View<double* [3]>& accelerations,
+                     const View<double* [12]>& ghost_accelerations);
+
+  // The step is over: its interactions become the history.
+  void advance() { std::swap(_history, _next); }
+
+  const ContactForces& forces() const { return _forces; }
+  const ContactHistory& history() const { return _history; }
+
+private:
+  void growInteractions(const exec_space& space, std::int64_t count);
+
+  EnforcementConfig _config;
+  Quantum _quantum;
+  int _face_corners = 4;
+  bool _has_fading = false;
+  ContactHistory _history, _next; // of the last step and of the present one, in turn
+  View<std::int64_t> _next_count;
+  ContactForces _forces;
+};
+
+template <class Select>
+ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs& pairs,
+                                   Select functor) {
+  functor.config = _config;
+  functor.pairs = pairs;
+  functor.previous = _history;
+  functor.next_count = _next_count;
+  while (true) {
+    Kokkos::deep_copy(space, _next_count, std::int64_t(0));
+    functor.next = _next;
+    ContactSums sums;
+    Kokkos::parallel_reduce("contact::selectInteractions", over(space, pairs.num_rows), functor,
+                            Combine<ContactSums>(sums));
+    _next.count = sums.interactions;
+    if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
+      return sums;
+    // Of the last step nothing has changed: again.
+    growInteractions(space, sums.interactions);
+  }
+}
+
+} // namespace brickwall::contact

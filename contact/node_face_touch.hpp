@@ -1,0 +1,135 @@
+// Contact of surface nodes with faces: closest point, the opposed-normal rule, and the stiffness of a node's area.
+#pragma once
+
+#include "contact/node_faces.hpp"
+#include "contact/select_interactions.hpp"
+#include "contact/true_edges.hpp"
+
+namespace brickwall::contact {
+
+struct NodeFaceTouch {
+  static constexpr bool has_fading = true;
+  static constexpr bool books_spring_work = false; // it is the ledger's contact work, less that of edges, friction, damping
+
+  double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine;
+  NodeFaceLists around;
+  View<const MeanPlane*> planes; // own, remote, ghost faces
+  int num_faces, num_remote;
+  View<const double*> node_mass;
+  View<unsigned char*> status;
+  View<double*> gap;
+
+  // Part of the node's surface that opposes a face: A_i, its mean surface mass, both zero if there is none.
+  struct Tributary {
+    double area = 0; // length^2
+    double surface_mass = 0; // mass/area
+  };
+
+  KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
+
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Hit& hit) const {
+    const MeanPlane& plane = planes(planeOf(face));
+    const Vec3 x = rowOf(faces.surface.coordinates_new, node);
+    if (plane.surelyOutside(x, maxOf(lateral_tolerance, edge_tolerance)) ||
+        !isOpposed(node, plane.normal))
+      return false;
+    const FacePoint point = project(faces.quad(face), x);
+    if (!(point.gap < 0) || !reachOf(faces, face).covers(point))
+      return false;
+    for (int j = 0; j < 4; ++j)
+      hit.weight[j] = point.weight[j];
+    for (int d = 0; d < 3; ++d)
+      hit.normal[d] = point.normal[d];
+    hit.place[0] = point.xi;
+    hit.place[1] = point.eta;
+    hit.depth = -point.gap;
+    hit.face = face;
+    return true;
+  }
+
+  KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node, const Hit&) const {
+    return atNode(node);
+  }
+  KOKKOS_INLINE_FUNCTION double inverseMass(const ContactPoint& point) const {
+    return 1.0 / node_mass(point.node[0]);
+  }
+  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const Hit& hit) const {
+    return hit.depth / std::sqrt(planes(planeOf(hit.face)).area);
+  }
+  KOKKOS_INLINE_FUNCTION void record(int node, int num_hits, double deepest) const {
+    status(node) = static_cast<unsigned char>(num_hits);
+    gap(node) = -deepest;
+  }
+
+  // k = min(eps A_i, s m_red/dt_ref^2), A_i shared by the node's interactions of one normal direction.
+  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
+                                             const FaceAccess& faces, int node,
+                                             const Hit (&hits)[max_interactions], int num_hits,
+                                             int h, double inverse_mass) const {
+    const Hit& hit = hits[h];
+    int sharing = 0;
+    for (int other = 0; other < num_hits; ++other)
+      if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
+        ++sharing;
+    const Tributary part = tributary(node, planes(planeOf(hit.face)).normal);
+    const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
+    const double scale = config.penalty / (config.reference_step * config.reference_step);
+    // eps A_i / scale
+    const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
+    return scale * (by_area * inverse_mass < 1 ? by_area : 1.0 / inverse_mass);
+  }
+
+  // w of the force beyond true edges, and the force that comes with it.
+  KOKKOS_INLINE_FUNCTION double taper(const FaceAccess& faces, const Interaction& now,
+                                      const Hit& hit, const ContactHistory&,
+                                      FadingForce& fading) const {
+    const EdgeReach reach = reachOf(faces, hit.face);
+    if (reach.mask == 0 || maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
+      return 1;
+    const LateralForce lateral =
+        lateralForce(faces.quad(hit.face), rowOf(faces.surface.coordinates_new, now.node),
+                     hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
+                     maxOf(now.depth, 0.0));
+    fading.on_node = lateral.on_node;
+    for (int j = 0; j < 4; ++j)
+      fading.on_corner[j] = lateral.on_corner[j];
+    return lateral.taper;
+  }
+
+  KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
+    return face < num_faces ? face : face + num_remote;
+  }
+  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face) const {
+    EdgeReach reach;
+    reach.lateral_tolerance = lateral_tolerance;
+    reach.edge_tolerance = edge_tolerance;
+    if (faces.hasAttribute(NodeFaces::true_edges_column))
+      reach.mask = static_cast<int>(faces.attribute(face, NodeFaces::true_edges_column));
+    return reach;
+  }
+  KOKKOS_INLINE_FUNCTION bool opposes(const MeanPlane& plane, const Vec3& normal) const {
+    return dot(plane.normal, normal) < -opposed_cosine;
+  }
+  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal) const {
+    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
+      if (opposes(planes(around.rows(k)), normal))
+        return true;
+    return false;
+  }
+  KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal) const {
+    Tributary part;
+    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
+      const int row = around.rows(k);
+      if (!opposes(planes(row), normal))
+        continue;
+      const double area = around.corner_share(row) * planes(row).area;
+      part.area += area;
+      part.surface_mass += around.surface_mass(row) * area;
+    }
+    if (part.area > 0)
+      part.surface_mass /= part.area;
+    return part;
+  }
+};
+
+} // namespace brickwall::contact
