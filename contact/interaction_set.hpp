@@ -23,8 +23,10 @@ void addFaceForces(const exec_space& space, const Surface& surface,
 
 // Drifts before and after the forces: the kick between them has their mean length.
 struct StepLengths {
-  double dt = 0; // of the motion coordinates_new - coordinates_old
-  double next_dt = 0;
+  double dt; // of the motion coordinates_new - coordinates_old
+  double next_dt;
+  StepLengths(double dt_before, double dt_after) : dt(dt_before), next_dt(dt_after) {}
+  StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
 class InteractionSet {

@@ -87,9 +87,8 @@ struct NodeFaceTouch {
     if (reach.mask == 0 || maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
       return 1;
     const LateralForce lateral =
-        lateralForce(faces.quad(hit.face), rowOf(faces.surface.coordinates_new, now.node),
-                     hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
-                     maxOf(now.depth, 0.0));
+        lateralForce(faces.quad(hit.face), hit.place[0], hit.place[1], now.normal, hit.depth, reach,
+                     now.stiffness, maxOf(now.depth, 0.0));
     fading.on_node = lateral.on_node;
     for (int j = 0; j < 4; ++j)
       fading.on_corner[j] = lateral.on_corner[j];

@@ -46,9 +46,8 @@ struct LateralForce {
   double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides; sum 0
 };
 
-// `k` stiffness, `p` what the spring feels, at a point on the face with gap -depth.
-KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, const Vec3& node, double xi,
-                                                 double eta, const Vec3& normal, double depth,
+// At the point (xi, eta) of the face, which the node stands at with gap -depth; `k` stiffness, `p` what the spring feels.
+KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, double eta, const Vec3& normal, double depth,
                                                  const EdgeReach& reach, double k, double p) {
   LateralForce force;
   const Taper along_xi = taperAt(xi, (reach.mask & (xi > 0 ? 2 : 8)) != 0, reach.edge_tolerance);

@@ -139,15 +139,31 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
   return agree(comm, smallest);
 }
 
-double contactStepShare(double safety, double penalty) {
-  constexpr double limit = 1.95; // s <= 1.95 (1 - chi^2), physics.md section 2
+double contactStepShare(double safety, double penalty, double damping, bool edges) {
+  // Weyl's bound, as forms relative to the mass: dt^2 K/4 + dt^2 K_c/4 + dt C/2 <= 1 with dt^2 K/4 = chi^2; contact adds
+  // mult s/4 and, with C = 2 zeta sqrt(k m) taken at v^{n-1/2}, mult zeta sqrt(s). mult: how often a node's mass is pushed along
+  // one direction.
+  const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
+  constexpr double limit = 1.95; // 4/2.05
   if (!(safety > 0 && safety <= 1))
     throw InputError("contactStepShare: safety " + std::to_string(safety) +
                      "; a value in (0, 1] is needed");
   if (!(penalty >= 0 && penalty < limit))
     throw InputError("contactStepShare: penalty " + std::to_string(penalty) +
                      "; a value in [0, 1.95) is needed");
-  return std::min(safety, std::sqrt(1 - penalty / limit));
+  if (!(damping >= 0))
+    throw InputError("contactStepShare: damping " + std::to_string(damping) +
+                     "; a value >= 0 is needed");
+  const double left = 1 - 0.25 * mult * penalty - mult * damping * std::sqrt(penalty);
+  constexpr double least = 0.01; // a tenth of the elements' step
+  if (!(left >= least))
+    throw InputError("contactStepShare: contact of penalty " + std::to_string(penalty) +
+                     " and damping " + std::to_string(damping) +
+                     " leaves no stable step of use; damping of at most " +
+                     std::to_string((1 - least - 0.25 * mult * penalty) /
+                                    (mult * std::sqrt(penalty))) +
+                     " is needed");
+  return std::min(safety, std::sqrt(left));
 }
 
 } // namespace brickwall::mechanics

@@ -20,8 +20,10 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                               const View<const double* [3]>& displacement);
 
-// Largest share chi = dt/dt_stable of the step next to contact of penalty s (capped by the reduced mass, two passes):
-// min(safety, sqrt(1 - s/1.95)). Throws InputError unless 0 < safety <= 1 and 0 <= s < 1.95.
-double contactStepShare(double safety, double penalty);
+// Largest share chi = dt/dt_stable of the step next to contact of penalty s (capped by the reduced mass, two passes) and
+// damping zeta, with crossing edges or without: min(safety, sqrt(1 - mult (s/4 + zeta sqrt(s)))), mult 2.05, with edges 2.55.
+// Friction needs nothing more: its spring, of at most the same stiffness, acts across the normal one. Throws InputError unless
+// 0 < safety <= 1, 0 <= s < 1.95, zeta >= 0, and the share is .1 at least.
+double contactStepShare(double safety, double penalty, double damping = 0, bool edges = false);
 
 } // namespace brickwall::mechanics
