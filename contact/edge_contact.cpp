@@ -72,7 +72,8 @@ Surface edgeSurface(const exec_space& space, const Surface& surface, const Featu
       space, "contact::EdgeContact::node_ids",
       [&](auto& v) {
         for (int i = 0; i < num_nodes; ++i)
-          v(i) = i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
+          v(i) =
+              i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
       },
       num_nodes);
   s.node_body = filled<View<global_id*>>(
@@ -113,9 +114,10 @@ Surface edgeSurface(const exec_space& space, const Surface& surface, const Featu
             v(e, j) = attributes(edge.face, (edge.edge + j) % 4);
           v(e, EdgeTouch::cosine_column) = edge.cosine;
           v(e, EdgeTouch::sine_column) = edge.sine;
+          v(e, EdgeTouch::goes_on_column) = edge.goes_on;
         }
       },
-      num_edges, 6);
+      num_edges, EdgeTouch::num_columns);
   return s;
 }
 
@@ -148,8 +150,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
-  _set =
-      InteractionSet(space, "contact::EdgeContact", _edges, 2, EdgeTouch::has_fading, config, quantum);
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, EdgeTouch::has_fading, config,
+                        quantum);
 }
 
 void EdgeContact::gather(const exec_space& space, const Surface& surface) {
@@ -195,8 +197,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   return _set.select(space, _search.pairs(), select);
 }
 
-std::int64_t EdgeContact::addForces(const exec_space& space,
-                                    const View<std::int64_t* [3]>& nodes) {
+std::int64_t EdgeContact::addForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
   const std::int64_t invalid = _set.addForces(space, access());
   const auto statistics = _search.statistics();
   const ContactForces& forces = _set.forces();

@@ -43,7 +43,7 @@ private:
   Surface _edges;
   int _num_corners = 0;
   View<const int*> _corner_to_node; // [corner] node of the host's surface
-  View<double* [3]> _old, _new; // coordinates of _edges
+  View<double*[3]> _old, _new; // coordinates of _edges
   View<double*> _corner_mass; // [corner]
   CandidateSearch _search;
   InteractionSet _set;

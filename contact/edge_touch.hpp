@@ -42,12 +42,14 @@ struct EdgeCone {
 struct EdgeTouch {
   static constexpr bool has_fading = false;
   static constexpr bool books_spring_work = true;
-  static constexpr int cosine_column = 4, sine_column = 5; // of face attributes
+  // Of face attributes, behind the corner masses: FeatureEdge's.
+  static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
   static constexpr double least_sine = 0.05, full_sine = 0.15;
   static constexpr double stiffness_share = 0.5; // of a node's: edges act beside nodes
-  static constexpr double deepest = 0.5; // of the shorter edge: what is deeper did not come through these edges
+  static constexpr double deepest =
+      0.5; // of the shorter edge: what is deeper did not come through these edges
 
   double lateral_tolerance;
   int num_corners; // rows below it are ends of edges, row num_corners + e is edge e
@@ -70,8 +72,7 @@ struct EdgeTouch {
       return false;
     const double ra = dot(da, between), rb = dot(db, between);
     const double s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
-    const double beyond = 0.5 * lateral_tolerance;
-    if (!(s >= -beyond && s <= 1 + beyond && t >= -beyond && t <= 1 + beyond))
+    if (!isOn(faces, own, s) || !isOn(faces, other, t))
       return false;
     const EdgeCone cone_b(b, faces.attribute(other, cosine_column),
                           faces.attribute(other, sine_column));
@@ -99,6 +100,36 @@ struct EdgeTouch {
     hit.depth = depth;
     hit.face = other;
     return true;
+  }
+
+  // Whether a point at share `s` of the edge's length is on it: exactly where another edge goes on, else with a tolerance.
+  KOKKOS_INLINE_FUNCTION bool isOn(const FaceAccess& faces, int edge, double s) const {
+    const int goes_on = static_cast<int>(faces.attribute(edge, goes_on_column));
+    const double beyond = 0.5 * lateral_tolerance;
+    return s >= (goes_on & 1 ? 0 : -beyond) && (goes_on & 2 ? s < 1 : s <= 1 + beyond);
+  }
+
+  // A contact that slid here along its brick's edge from the edge before or behind it, not too deep: it goes on with what it
+  // stored there, as if its offset had been zero.
+  KOKKOS_INLINE_FUNCTION bool slidHere(const FaceAccess& faces, int node, const Hit& hit) const {
+    const int own = edgeOf(node);
+    const int goes_on = static_cast<int>(faces.attribute(own, goes_on_column));
+    const Vec3 a0 =
+        faces.corner(own, 0, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
+    const Vec3 a1 =
+        faces.corner(own, 1, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
+    const Vec3 b0 =
+        faces.corner(hit.face, 0, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
+    const Vec3 b1 =
+        faces.corner(hit.face, 1, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
+    const Vec3 da = a1 - a0, db = b1 - b0, between = a0 - b0;
+    const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
+    const double determinant = aa * bb - ab * ab;
+    const double s = (ab * dot(db, between) - bb * dot(da, between)) / determinant;
+    const bool was_inside = dot(between, hit.unitNormal()) < 0;
+    constexpr double shallow = 0.1;
+    return was_inside && ((s < 0 && goes_on & 1) || (s >= 1 && goes_on & 2)) &&
+           hit.depth * hit.depth < shallow * shallow * minOf(aa, bb);
   }
 
   // Neighbours on one body never push each other, and of two edges of one body only one pushes.

@@ -13,9 +13,11 @@ struct EnforcementConfig {
   double penalty = 0.5; // s: k = min(eps A, s m_red/dt_ref^2); stable if s <= 1.95 (1 - chi^2)
   double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
   double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
-  double edge_tolerance = 0.2; // the same beyond true edges, where the force fades out (true_edges.hpp)
+  double edge_tolerance =
+      0.1; // the same beyond true edges, where the force fades out (true_edges.hpp)
   double friction = 0; // mu, Coulomb
-  double friction_stiffness = 1; // k_t/k; up to 1 it needs no smaller step: the spring acts across the normal one
+  double friction_stiffness =
+      1; // k_t/k; up to 1 it needs no smaller step: the spring acts across the normal one
   double damping = 0; // zeta: F_d = 2 zeta sqrt(k m_red) times the closing speed, F + F_d >= 0
   double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this
   double shared_cosine = 0.8; // interactions whose normals are closer than this cosine share A_i

@@ -10,6 +10,11 @@
 namespace brickwall::contact {
 namespace {
 
+template <class ViewType>
+auto hostCopy(const ViewType& view) {
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+
 struct EdgeRecord {
   global_id low_node, high_node, face_id;
   Vec3 normal, centre; // of the face
@@ -31,12 +36,9 @@ struct EdgeReply {
 };
 
 std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Surface& surface) {
-  const auto host = [](const auto& view) {
-    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-  };
-  const auto face_to_nodes = host(surface.face_to_nodes);
-  const auto x = host(surface.coordinates_new);
-  const auto node_ids = host(surface.node_ids), face_ids = host(surface.face_ids);
+  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
+  const auto x = hostCopy(surface.coordinates_new);
+  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
   std::vector<std::vector<EdgeRecord>> records(num_ranks);
   for (int face = 0; face < surface.num_faces; ++face) {
     Quad quad;
@@ -87,6 +89,59 @@ void judgeEdge(const EdgeRecord* first, const EdgeRecord* last, double largest_c
   }
 }
 
+// One end of a convex edge.
+struct EdgeEnd {
+  global_id node, face_id; // of the edge: unique together with `edge`
+  Vec3 direction; // unit, from the node along the edge
+  int rank, index, edge, end;
+
+  auto key() const { return std::tie(node, face_id, edge); }
+};
+struct EndReply {
+  int index, end;
+};
+
+// Whether the ends of convex edges meet another one head-on, told by the rank that the node's id chooses.
+void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<FeatureEdge>& edges) {
+  const int num_ranks = sizeOf(comm);
+  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
+  const auto x = hostCopy(surface.coordinates_new);
+  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
+  std::vector<std::vector<EdgeEnd>> ends(num_ranks);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (int end = 0; end < 2; ++end) {
+      const FeatureEdge& edge = edges[i];
+      const int node = face_to_nodes(edge.face, (edge.edge + end) % 4);
+      const int other = face_to_nodes(edge.face, (edge.edge + 1 - end) % 4);
+      const Vec3 way = rowOf(x, other) - rowOf(x, node);
+      ends[node_ids(node) % num_ranks].push_back({node_ids(node), face_ids(edge.face),
+                                                  (1 / norm(way)) * way, rankOf(comm),
+                                                  static_cast<int>(i), edge.edge, end});
+    }
+  std::vector<EdgeEnd> all;
+  for (const auto& some : exchangeByRank(comm, ends))
+    all.insert(all.end(), some.begin(), some.end());
+  std::sort(all.begin(), all.end(),
+            [](const EdgeEnd& a, const EdgeEnd& b) { return a.key() < b.key(); });
+  constexpr double head_on = -0.75; // cosine
+  std::vector<std::vector<EndReply>> replies(num_ranks);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto meets = [&](std::size_t j) {
+      return dot(all[i].direction, all[j].direction) < head_on;
+    };
+    bool goes_on = false;
+    for (std::size_t j = i; !goes_on && j-- > 0 && all[j].node == all[i].node;)
+      goes_on = meets(j);
+    for (std::size_t j = i + 1; !goes_on && j < all.size() && all[j].node == all[i].node; ++j)
+      goes_on = meets(j);
+    if (goes_on)
+      replies[all[i].rank].push_back({all[i].index, all[i].end});
+  }
+  for (const auto& some : exchangeByRank(comm, replies))
+    for (const EndReply& reply : some)
+      edges[reply.index].goes_on |= 1 << reply.end;
+}
+
 } // namespace
 
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine) {
@@ -117,6 +172,7 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
             [](const FeatureEdge& a, const FeatureEdge& b) {
               return std::tie(a.face, a.edge) < std::tie(b.face, b.edge);
             });
+  findContinuations(comm, surface, edges.convex);
   return edges;
 }
 

@@ -14,7 +14,10 @@ namespace brickwall::contact {
 struct FeatureEdge {
   int face = -1; // own face
   int edge = 0; // from corner `edge` to the next one
-  double cosine = 1, sine = 0; // of the angle between the outward normals of its two faces; sine > 0
+  double cosine = 1,
+         sine = 0; // of the angle between the outward normals of its two faces; sine > 0
+  int goes_on =
+      0; // bit 0, 1: beyond its first, second node another one goes on in the same direction
 };
 
 struct FeatureEdges {

@@ -109,8 +109,7 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
 }
 
 void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                   const StepLengths& steps,
-                                   const View<double* [3]>& accelerations,
+                                   const StepLengths& steps, const View<double* [3]>& accelerations,
                                    const View<double* [12]>& ghost_accelerations) {
   const ContactHistory pairs = _next;
   const double dt = steps.dt, next_dt = steps.next_dt, kick = 0.5 * (dt + next_dt);

@@ -9,7 +9,8 @@ namespace brickwall::contact {
 
 struct NodeFaceTouch {
   static constexpr bool has_fading = true;
-  static constexpr bool books_spring_work = false; // it is the ledger's contact work, less that of edges, friction, damping
+  static constexpr bool books_spring_work =
+      false; // it is the ledger's contact work, less that of edges, friction, damping
 
   double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine;
   NodeFaceLists around;
@@ -50,6 +51,7 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node, const Hit&) const {
     return atNode(node);
   }
+  KOKKOS_INLINE_FUNCTION static bool slidHere(const FaceAccess&, int, const Hit&) { return false; }
   KOKKOS_INLINE_FUNCTION double inverseMass(const ContactPoint& point) const {
     return 1.0 / node_mass(point.node[0]);
   }

@@ -26,6 +26,7 @@ public:
   static constexpr int surface_mass_column = 4;
   // Optional: bit j is set where edge j (corner j to j + 1) has no coplanar neighbour in the body (true_edges.hpp).
   static constexpr int true_edges_column = 5;
+  static constexpr int num_columns = 6;
 
   NodeFaces() = default;
   // Collective. Uses ids, ownership, connectivity and the attribute mu of `surface`. Throws (on all

@@ -15,7 +15,8 @@ namespace brickwall::contact {
 struct Hit {
   double weight[4];
   double normal[3];
-  double place[2]; // of a node: xi, eta on the face; of an edge: share of its second node, taper at a birth
+  double place
+      [2]; // of a node: xi, eta on the face; of an edge: share of its second node, taper at a birth
   double depth; // P
   double contact_work; // energy that the last force put into the contact with the same body
   int face; // candidate index
@@ -72,8 +73,7 @@ struct SelectInteractions {
     for (std::int64_t pair = pairs.begin(row); pair < end;) {
       const global_id body = faces.body(pairs.faces(pair));
       Hit hit;
-      const bool wanted =
-          (body != own_body || config.self_contact) && touch.pushes(own_body, body);
+      const bool wanted = (body != own_body || config.self_contact) && touch.pushes(own_body, body);
       const bool found = findHitOnBody(node, body, wanted, end, pair, hit, seen, sums);
       if (!found)
         continue;
@@ -174,14 +174,21 @@ struct SelectInteractions {
     for (int j = 0; j < 4; ++j)
       now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
     const double cap = touch.stiffnessCap(config, faces, node, hits, num_hits, h, now.inverse_mass);
-    if (hit.previous < 0)
-      bear(now, hit.depth, cap);
-    else
+    const bool slid_here = hit.previous < 0 && touch.slidHere(faces, node, hit);
+    if (hit.previous >= 0)
       carryOn(now, previous.interactions(hit.previous), hit, cap);
+    else if (slid_here)
+      now.stiffness = cap;
+    else
+      bear(now, hit.depth, cap);
     now.depth = hit.depth - now.offset;
     FadingForce fading;
     now.taper = touch.taper(faces, now, hit, previous, fading);
     now.first_force = now.stiffness * now.taper * now.depth;
+    if (slid_here) {
+      now.stored = 0.5 * now.first_force * now.depth;
+      now.is_new = 0;
+    }
     now.force = now.first_force;
     if (config.damping > 0 && now.depth > 0)
       now.first_damping = maxOf(dampingOf(now), -now.first_force);

@@ -10,8 +10,9 @@ namespace brickwall::contact {
 // Bit j of a mask: edge j of a face, from corner j to corner j + 1, is a true edge: eta = -1, xi = 1, eta = 1, xi = -1.
 struct EdgeReach {
   int mask = 0;
-  double lateral_tolerance = 0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
-  double edge_tolerance = 0.2; // beyond true edges: there the force has faded out
+  double lateral_tolerance =
+      0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
+  double edge_tolerance = 0.1; // beyond true edges: there the force has faded out
 
   KOKKOS_INLINE_FUNCTION double beyond(int edge) const {
     return mask & (1 << edge) ? edge_tolerance : lateral_tolerance;
@@ -47,7 +48,8 @@ struct LateralForce {
 };
 
 // At the point (xi, eta) of the face, which the node stands at with gap -depth; `k` stiffness, `p` what the spring feels.
-KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, double eta, const Vec3& normal, double depth,
+KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, double eta,
+                                                 const Vec3& normal, double depth,
                                                  const EdgeReach& reach, double k, double p) {
   LateralForce force;
   const Taper along_xi = taperAt(xi, (reach.mask & (xi > 0 ? 2 : 8)) != 0, reach.edge_tolerance);

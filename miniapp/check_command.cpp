@@ -85,7 +85,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
               config.prescribed.size());
   if (config.contact.enabled)
     std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
-                config.contact.tolerance * scene.shortest_edge, config.contact.penalty,
+                boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge),
+                config.contact.penalty,
                 simulation.dropsSameBody() ? "no contact of a body with itself"
                                            : "bodies may touch themselves");
   else

@@ -264,6 +264,11 @@ void readMethods(const Deck& deck, Config& config) {
       choice<ContactScheme>(deck, "contact", "scheme", {"energy_neutral", "penalty"});
   config.contact.penalty = deck.real("contact", "penalty");
   config.contact.lateral_tolerance = deck.real("contact", "lateral_tolerance");
+  config.contact.edge_tolerance = deck.real("contact", "edge_tolerance");
+  config.contact.friction = deck.real("contact", "friction");
+  config.contact.friction_stiffness = deck.real("contact", "friction_stiffness");
+  config.contact.damping = deck.real("contact", "damping");
+  config.contact.edges = deck.boolean("contact", "edges");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});
 
   config.search.method =

@@ -113,6 +113,11 @@ struct ContactConfig {
   ContactScheme scheme = ContactScheme::energy_neutral; // contact/penalty.hpp
   double penalty = 0.5; // s of physics.md
   double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
+  double edge_tolerance = 0.1; // the same beyond true edges, where the force fades out
+  double friction = 0; // mu, Coulomb
+  double friction_stiffness = 1; // k_t/k
+  double damping = 0; // zeta, of the critical damping of a contact
+  bool edges = true; // edges that cross edges push each other
   SelfContact self = SelfContact::automatic; // automatic: never for walls, always for Exodus meshes
 };
 

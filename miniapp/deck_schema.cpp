@@ -162,6 +162,17 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("0.05")
             .above(0)
             .atMost(0.5),
+        real("edge_tolerance", "", "the same beyond edges of the body, where the force fades out")
+            .byDefault("0.1")
+            .above(0)
+            .atMost(0.5),
+        real("friction", "", "Coulomb's coefficient").byDefault("0.0").atLeast(0).atMost(100),
+        real("friction_stiffness", "", "of the sticking spring, over the normal one")
+            .byDefault("1.0")
+            .above(0)
+            .atMost(1),
+        real("damping", "", "of the critical damping of a contact").byDefault("0.0").atLeast(0),
+        boolean("edges", "edges that cross edges push each other").byDefault("true"),
         word("self", {"auto", "never", "always"},
              "contact within one body; auto: never for walls, always for Exodus meshes")
             .byDefault("auto")}},

@@ -50,27 +50,27 @@ mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
   return mesh;
 }
 
-double shortestSkinEdge(const exec_space& space, MPI_Comm comm, const mechanics::HexMesh& mesh,
-                        const mechanics::Skin& skin) {
-  const auto face_to_nodes = skin.face_to_nodes;
-  const auto X = mesh.reference_coordinates;
-  double shortest = HUGE_VAL;
+void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto X = scene.mesh.reference_coordinates;
+  double shortest = HUGE_VAL, longest = 0;
   Kokkos::parallel_reduce(
-      "miniapp::shortestSkinEdge", over(space, skin.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face, double& least) {
+      "miniapp::measureSkinEdges", over(space, scene.skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face, double& least, double& most) {
         for (int corner = 0; corner < 4; ++corner) {
           const Vec3 a = rowOf(X, face_to_nodes(face, corner));
           const Vec3 b = rowOf(X, face_to_nodes(face, (corner + 1) % 4));
           least = minOf(least, norm(b - a));
+          most = maxOf(most, norm(b - a));
         }
       },
-      Kokkos::Min<double>(shortest));
-  shortest = allReduce(comm, shortest, MPI_MIN);
-  if (!(shortest > 0))
+      Kokkos::Min<double>(shortest), Kokkos::Max<double>(longest));
+  scene.shortest_edge = allReduce(comm, shortest, MPI_MIN);
+  scene.longest_edge = allReduce(comm, longest, MPI_MAX);
+  if (!(scene.shortest_edge > 0))
     throw InputError(
         "the mesh has an exterior face with an edge of length zero; expected hexahedra "
         "with eight corners apart");
-  return shortest;
 }
 
 template <class Set>
@@ -161,7 +161,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
   scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
-  scene.shortest_edge = shortestSkinEdge(space, comm, scene.mesh, scene.skin);
+  measureSkinEdges(space, comm, scene);
   return scene;
 }
 

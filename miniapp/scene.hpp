@@ -23,7 +23,7 @@ struct Scene {
   View<double*> mass; // lumped [node]
   std::vector<unsigned char> node_is_owned; // host copy [node]
   global_id num_faces = 0; // exterior faces of all ranks
-  double shortest_edge = 0; // of all skin faces of all ranks, length
+  double shortest_edge = 0, longest_edge = 0; // of all skin faces of all ranks, length
 };
 
 // Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws

@@ -6,11 +6,19 @@
 
 namespace brickwall::miniapp {
 
-// Boxes of nodes and faces are inflated by contact.tolerance of `edge`, length.
-inline contact::SearchConfig searchConfig(const Config& config, double edge, bool drop_same_body) {
+// By how much boxes of nodes and faces are inflated, length: contact.tolerance of the shortest edge, or more on long faces, so
+// that the two together reach half as far again as a node may stand beyond the edge of a face and still touch it.
+inline double boxTolerance(const ContactConfig& contact, double shortest_edge,
+                           double longest_edge) {
+  const double beyond = 0.5 * maxOf(contact.lateral_tolerance, contact.edge_tolerance);
+  return maxOf(contact.tolerance * shortest_edge, 0.5 * 1.5 * beyond * longest_edge);
+}
+
+inline contact::SearchConfig searchConfig(const Config& config, double tolerance,
+                                          bool drop_same_body) {
   contact::SearchConfig search;
   search.method = config.search.method;
-  search.node_tolerance = search.face_tolerance = config.contact.tolerance * edge;
+  search.node_tolerance = search.face_tolerance = tolerance;
   search.drop_same_body = drop_same_body;
   return search;
 }

@@ -31,7 +31,8 @@ public:
   SearchRun(MPI_Comm comm, const Config& config, const Options& options)
       : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
         _edge(shortestEdge(*config.wall)), _moving(makeSurface()),
-        _search(comm, searchConfig(config, _edge, false), config.search.margin * _edge) {}
+        _search(comm, searchConfig(config, config.contact.tolerance * _edge, false),
+                config.search.margin * _edge) {}
 
   int execute() {
     const std::string file = _options.output_directory + "/search.json";

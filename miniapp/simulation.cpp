@@ -60,6 +60,8 @@ void Simulation::findContactCandidates() {
     return;
   const Region region("search");
   _search->update(_space, _coupling->surface());
+  if (_edges)
+    _edges->findCandidates(_space, _coupling->surface());
 }
 
 void Simulation::computeForces(double time) {
@@ -96,9 +98,9 @@ void Simulation::enforceContact(double dt) {
       _search->sendToGhosts(_space, surface, values, ghost_values);
     };
   }
-  _contact =
-      _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(), dt, &neutral);
-  _lost += _contact.lost;
+  _contact = _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(),
+                                   {dt, _clock.dt}, &neutral, _edges.get());
+  _lost += _contact.lost();
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _forces);
 }
@@ -111,9 +113,7 @@ void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
 
 void Simulation::bookEnergies(double dt_kick) {
   const Region region("step::ledger");
-  mechanics::ContactEnergySums contact_energy;
-  contact_energy.sum[mechanics::contact_stored_half] = _contact.stored.sum[0];
-  _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, contact_energy, _kick,
+  _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
                    {_load_failures + _contact.failures()});
   if (_ledger.balance().failures > 0) {
     const std::string failure = describeFailure();
@@ -139,13 +139,15 @@ std::string Simulation::describeFailure() {
   std::ostringstream message;
   const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
   auto contact_sums = _contact;
-  contact::sumOverRanks(_comm, contact_sums);
+  contact::sumOverRanks(_comm, contact_sums.nodes);
+  contact::sumOverRanks(_comm, contact_sums.edges);
   message << "the computation broke down in step " << _clock.step << " (time " << _clock.time
           << "): ";
   if (failure.count > 0)
     message << mechanics::describe(failure);
   else if (contact_sums.failures() > 0)
-    message << contact_sums.problem();
+    message
+        << (contact_sums.nodes.failures() > 0 ? contact_sums.nodes : contact_sums.edges).problem();
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
   return message.str();
@@ -197,7 +199,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
   _step_share = config.contact.enabled
-                    ? mechanics::contactStepShare(config.time.safety, config.contact.penalty)
+                    ? mechanics::contactStepShare(config.time.safety, config.contact.penalty,
+                                                  config.contact.damping, config.contact.edges)
                     : config.time.safety;
   planSteps(_step_share * stableStepAtStart());
   if (config.mass_damping * _clock.dt >= 2)
@@ -226,9 +229,11 @@ void Simulation::setUpContact() {
   _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
   _drops_same_body = _config.contact.self == SelfContact::never ||
                      (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
-  _search = std::make_unique<contact::CandidateSearch>(
-      _comm, searchConfig(_config, _scene.shortest_edge, _drops_same_body),
-      _config.search.margin * _scene.shortest_edge);
+  const contact::SearchConfig search = searchConfig(
+      _config, boxTolerance(_config.contact, _scene.shortest_edge, _scene.longest_edge),
+      _drops_same_body);
+  const double margin = _config.search.margin * _scene.shortest_edge;
+  _search = std::make_unique<contact::CandidateSearch>(_comm, search, margin);
   contact::EnforcementConfig enforcement;
   enforcement.scheme = _config.contact.scheme == ContactScheme::energy_neutral
                            ? contact::Scheme::energy_neutral
@@ -236,18 +241,32 @@ void Simulation::setUpContact() {
   enforcement.penalty = _config.contact.penalty;
   enforcement.reference_step = _clock.dt;
   enforcement.lateral_tolerance = _config.contact.lateral_tolerance;
+  enforcement.edge_tolerance = _config.contact.edge_tolerance;
+  enforcement.friction = _config.contact.friction;
+  enforcement.friction_stiffness = _config.contact.friction_stiffness;
+  enforcement.damping = _config.contact.damping;
   enforcement.self_contact = !_drops_same_body;
   _coupling->resetCoordinates(_space, _state.displacement);
+  const contact::FeatureEdges features = contact::findFeatureEdges(_comm, _coupling->surface());
+  _coupling->setTrueEdges(_space, features.true_edges);
   _enforcement = std::make_unique<contact::Enforcement>(_space, _comm, _coupling->surface(),
                                                         _coupling->nodeMass(), enforcement,
                                                         _forces.quantum, _scales.energy);
+  if (!_config.contact.edges)
+    return;
+  _edges = std::make_unique<contact::EdgeContact>(_space, _comm, _coupling->surface(), features,
+                                                  _coupling->nodeMass(), search, margin,
+                                                  enforcement, _forces.quantum, _scales.energy);
+  if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
+    _edges.reset(); // nothing but smooth bodies
 }
 
 ContactCounts Simulation::contactCounts() const {
   ContactCounts counts;
   if (!_coupling)
     return counts;
-  std::int64_t sums[4] = {_search->ghosts().count, _search->pairs().count, _contact.active, _lost};
+  std::int64_t sums[4] = {_search->ghosts().count, _search->pairs().count, _contact.active(),
+                          _lost};
   allReduce(_comm, sums, 4, MPI_SUM);
   counts.searches = _search->searches();
   counts.updates = _search->updates();
@@ -255,7 +274,8 @@ ContactCounts Simulation::contactCounts() const {
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
   counts.lost = sums[3];
-  counts.max_penetration = allReduce(_comm, _contact.max_penetration, MPI_MAX);
+  counts.max_penetration = allReduce(
+      _comm, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration), MPI_MAX);
   return counts;
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "contact/candidate_search.hpp"
+#include "contact/edge_contact.hpp"
 #include "contact/penalty.hpp"
 #include "mechanics/boundary_conditions.hpp"
 #include "mechanics/energy.hpp"
 #include "mechanics/internal_force.hpp"
 #include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
+#include "miniapp/contact_ledger.hpp"
 #include "miniapp/scene.hpp"
 #include "miniapp/surface_coupling.hpp"
 
@@ -102,14 +104,16 @@ private:
   mechanics::EnergyLedger _ledger;
 
   bool _drops_same_body = true;
-  std::unique_ptr<SurfaceCoupling> _coupling; // these three are null without contact
+  std::unique_ptr<SurfaceCoupling> _coupling; // these are null without contact
   std::unique_ptr<contact::CandidateSearch> _search;
   std::unique_ptr<contact::Enforcement> _enforcement;
+  std::unique_ptr<contact::EdgeContact> _edges; // null also without convex edges
+  ContactLedger _contact_ledger;
   std::int64_t _lost = 0; // this rank's, since the start
 
   // of the step under way
   mechanics::InternalForceResult _internal;
-  contact::ContactSums _contact;
+  contact::EnforcementSums _contact;
   mechanics::KickSums _kick;
   std::int64_t _load_failures = 0;
 };

@@ -34,7 +34,8 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
       _node_body(allocate<View<global_id*>>(space, "coupling::node_body", _num_nodes)),
       _face_body(allocate<View<global_id*>>(space, "coupling::face_body", _num_faces)),
       _node_is_owned(allocate<View<unsigned char*>>(space, "coupling::node_is_owned", _num_nodes)),
-      _attributes(allocate<View<double**>>(space, "coupling::face_attributes", _num_faces, 5)),
+      _attributes(allocate<View<double**>>(space, "coupling::face_attributes", _num_faces,
+                                           contact::NodeFaces::num_columns)),
       _corner_forces(
           allocate<View<std::int64_t* [12]>>(space, "coupling::corner_forces", _num_faces)),
       _contact_forces(allocate<View<std::int64_t**>>(space, "coupling::contact_forces",
@@ -101,6 +102,16 @@ void SurfaceCoupling::fillFaces(const exec_space& space, const Scene& scene) {
         face_body(face) = elem_body(elem);
       });
   space.fence();
+}
+
+void SurfaceCoupling::setTrueEdges(const exec_space& space,
+                                   const std::vector<unsigned char>& true_edges) {
+  const auto masks = toDevice<View<unsigned char*>>(space, "coupling::true_edges", true_edges);
+  const auto attributes = _attributes;
+  Kokkos::parallel_for(
+      "coupling::setTrueEdges", over(space, _num_faces), KOKKOS_LAMBDA(const std::int64_t face) {
+        attributes(face, contact::NodeFaces::true_edges_column) = masks(face);
+      });
 }
 
 void SurfaceCoupling::gatherCoordinates(const exec_space& space,

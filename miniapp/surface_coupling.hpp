@@ -18,6 +18,8 @@ public:
 
   // x^n := x^{n+1}, then x^{n+1} := X + u at the surface nodes.
   void gatherCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
+  // Faces' edges without coplanar neighbours (contact::findFeatureEdges), by bits.
+  void setTrueEdges(const exec_space& space, const std::vector<unsigned char>& true_edges);
   // Both configurations at X + u: for the start.
   void resetCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
 
@@ -55,7 +57,7 @@ private:
   View<global_id*> _node_ids, _node_body, _face_body;
   View<unsigned char*> _node_is_owned;
   View<const double*> _node_mass;
-  View<double**> _attributes; // [face] 4 corner masses, mu
+  View<double**> _attributes; // [face] 4 corner masses, mu, true edges
   View<std::int64_t* [12]> _corner_forces; // [face] returned from ghosts, quanta
   View<std::int64_t**> _contact_forces; // [mesh node][xyz] quanta
   View<double* [3]> _accelerations; // [surface node][xyz]

@@ -69,6 +69,12 @@ struct LimbSum {
         std::rint((rest - low_part * scale.low_quantum) * scale.tail_inverse));
     return true;
   }
+  KOKKOS_INLINE_FUNCTION LimbSum& operator+=(const LimbSum& b) {
+    high += b.high;
+    low += b.low;
+    tail += b.tail;
+    return *this;
+  }
   double value(const LimbScale& scale) const {
     // Carry first, so that the result is the double nearest to the exact sum but for two roundings.
     constexpr std::int64_t base = std::int64_t(1) << 34;
@@ -92,11 +98,8 @@ struct LimbSums {
       ++invalid;
   }
   KOKKOS_INLINE_FUNCTION LimbSums& operator+=(const LimbSums& b) {
-    for (int i = 0; i < N; ++i) {
-      sum[i].high += b.sum[i].high;
-      sum[i].low += b.sum[i].low;
-      sum[i].tail += b.sum[i].tail;
-    }
+    for (int i = 0; i < N; ++i)
+      sum[i] += b.sum[i];
     invalid += b.invalid;
     return *this;
   }

@@ -35,7 +35,7 @@ struct SceneRun {
   // Collective. Forces of all nodes at the scene's present coordinates.
   std::vector<std::array<std::int64_t, 3>> step() {
     part.update(scene);
-    sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt);
+    sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt).nodes;
     sumOverRanks(part.comm(), sums);
     return part.total(enforcement.forces(), scene.x_new.size(), scene);
   }

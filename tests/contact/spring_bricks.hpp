@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/brick_scene.hpp"
+#include "contact/edge_contact.hpp"
 
 namespace brickwall::contact::testing {
 
@@ -35,6 +36,13 @@ public:
                                                  _part.nodeMass(), _config, _quantum, _scale);
   }
 
+  // Edges that cross shall push each other.
+  void addEdges(const SearchConfig& search) {
+    _edges = std::make_unique<EdgeContact>(exec_space(), MPI_COMM_SELF, _part.surface(),
+                                           findFeatureEdges(MPI_COMM_SELF, _part.surface()),
+                                           _part.nodeMass(), search, 0, _config, _quantum, _scale);
+  }
+
   // Advances by one step; velocity is at n + 1/2 afterwards as before.
   void step() {
     _scene.step();
@@ -55,16 +63,21 @@ public:
       acceleration[i] = (1 / _scene.mass[i]) * _force[i];
     _part.update(_scene);
     const NeutralInput input = _part.neutralInput(_scene, acceleration);
-    sums = _enforcement->enforce(exec_space(), _part.surface(), _part.ghosts(), _part.pairs(), dt,
-                                 &input);
+    if (_edges)
+      _edges->findCandidates(exec_space(), _part.surface());
+    const EnforcementSums both = _enforcement->enforce(
+        exec_space(), _part.surface(), _part.ghosts(), _part.pairs(), dt, &input, _edges.get());
+    sums = both.nodes;
+    edge_sums = both.edges;
     const auto contact = _part.total(_enforcement->forces(), velocity.size(), _scene);
     for (std::size_t i = 0; i < velocity.size(); ++i) {
       const Vec3 f = {static_cast<double>(contact[i][0]), static_cast<double>(contact[i][1]),
                       static_cast<double>(contact[i][2])};
       velocity[i] += dt * (acceleration[i] + (_quantum.value / _scene.mass[i]) * f);
     }
-    energy =
-        kinetic + 0.5 * (stored_before + _stored) + exchange + sums.stored.sum[0].value(_scale);
+    energy = kinetic + 0.5 * (stored_before + _stored) + exchange +
+             sums.terms.sum[spring_stored].value(_scale) +
+             edge_sums.terms.sum[spring_stored].value(_scale);
   }
 
   const Scene& scene() const { return _scene; }
@@ -72,7 +85,7 @@ public:
   std::vector<Vec3> velocity; // [node]
   double dt = 0;
   double energy = 0; // half-step energy of the last step, before its kick
-  ContactSums sums;
+  ContactSums sums, edge_sums;
 
 private:
   struct Spring {
@@ -98,6 +111,7 @@ private:
   LimbScale _scale = LimbScale::forLargest(1e3);
   ScenePart _part;
   std::unique_ptr<Enforcement> _enforcement;
+  std::unique_ptr<EdgeContact> _edges;
   std::vector<Spring> _springs;
   std::vector<Vec3> _force;
   double _stored = 0;

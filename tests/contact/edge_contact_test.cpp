@@ -1,0 +1,214 @@
+// Edges that cross in mid-cell push each other before any node is inside.
+#include "contact/edge_contact.hpp"
+#include "contact/edge_touch.hpp"
+#include "contact/scene_run.hpp"
+#include "contact/spring_bricks.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::contact::testing {
+namespace {
+
+// Two bricks of edge length 1 per element, each with an edge turned towards the other: the lower one's ridge along x at z = 0,
+// the upper one's along y at z = gap. Both are three elements long, so that they cross in mid-cell.
+Scene crossedRidges(double gap, int n = 3) {
+  const double c = std::sqrt(0.5), side = n;
+  Scene scene;
+  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
+    const double y = p.y - side, z = p.z - side; // the edge y = z = side is the ridge
+    return Vec3{p.x - 0.5 * side, c * (y - z), c * (y + z)};
+  });
+  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
+    return Vec3{c * (p.x - p.z), p.y - 0.5 * side + 0.013, gap + c * (p.x + p.z)};
+  });
+  return scene;
+}
+
+SearchConfig searchOf(double reach) {
+  SearchConfig search;
+  search.node_tolerance = search.face_tolerance = 0.5 * reach;
+  search.drop_same_body = true;
+  return search;
+}
+
+// A scene's edges with their forces on the nodes of the part.
+struct EdgeRun {
+  template <class Cut>
+  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {})
+      : scene(s), part(s, comm, cut, 0.3), total("test::edge_forces", part.surface().num_nodes) {
+    c.reference_step = dt;
+    edges = std::make_unique<EdgeContact>(
+        exec_space(), comm, part.surface(), findFeatureEdges(comm, part.surface()), part.nodeMass(),
+        searchOf(0.2), 0, c, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
+  }
+  // Collective. Forces of all nodes.
+  std::vector<std::array<std::int64_t, 3>> step() {
+    part.update(scene);
+    edges->findCandidates(exec_space(), part.surface());
+    sums = edges->select(exec_space(), dt);
+    Kokkos::deep_copy(total, 0);
+    sums.invalid += edges->addForces(exec_space(), total);
+    edges->advance(dt);
+    sumOverRanks(part.comm(), sums);
+    ContactForces forces{total, View<std::int64_t* [12]>("test::none", part.ghosts().count)};
+    return part.total(forces, scene.x_new.size(), scene);
+  }
+  void move(int body, const Vec3& by) {
+    scene.step();
+    scene.move(body, by);
+  }
+  Scene scene;
+  ScenePart part;
+  View<std::int64_t* [3]> total;
+  std::unique_ptr<EdgeContact> edges;
+  ContactSums sums;
+};
+
+int onOne(int) {
+  return 0;
+}
+
+TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
+  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOne);
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 0);
+  run.move(1, {0, 0, -0.015});
+  const auto force = run.step();
+  EXPECT_EQ(run.sums.active, 1);
+  EXPECT_NEAR(run.sums.max_penetration, 0.005, 1e-12);
+  std::int64_t sum[3] = {0, 0, 0};
+  Vec3 moment, push;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const Vec3 f = {static_cast<double>(force[i][0]), static_cast<double>(force[i][1]),
+                    static_cast<double>(force[i][2])};
+    for (int d = 0; d < 3; ++d)
+      sum[d] += force[i][d];
+    moment += cross(run.scene.x_new[i], f);
+    if (run.scene.node_body[i] == 1)
+      push += f;
+  }
+  for (int d = 0; d < 3; ++d)
+    EXPECT_EQ(sum[d], 0);
+  // F = k p: half of s m_red/dt^2; the four ends have mass 1/8 + 1/8 (inner nodes of an edge) and the weights 1/2 +- .013.
+  const double a = 0.5 - 0.013, b = 0.5 + 0.013;
+  const double inverse_mass = 2 * 4 * 0.5 * 0.5 + 4 * (a * a + b * b);
+  EXPECT_NEAR(push.z * Quantum::forForceScale(100).value,
+              0.5 * 0.5 / (dt * dt) / inverse_mass * 0.005, 1e-12);
+  EXPECT_NEAR(norm(moment) / push.z, 0, 1e-12);
+  // A node is inside only half a diagonal later.
+  auto nodes = EnforcementConfig();
+  nodes.reference_step = dt;
+  Enforcement enforcement(exec_space(), MPI_COMM_SELF, run.part.surface(), run.part.nodeMass(),
+                          nodes, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
+  EXPECT_EQ(
+      enforcement.enforce(exec_space(), run.part.surface(), run.part.ghosts(), run.part.pairs(), dt)
+          .nodes.interactions,
+      0);
+}
+
+TEST(EdgeContact, InitialOverlapGivesNoForceAndPartingEndsTheContact) {
+  EdgeRun run(crossedRidges(-0.02), MPI_COMM_SELF, onOne);
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 1);
+  EXPECT_EQ(run.sums.active, 0);
+  run.move(1, {0, 0, -0.01});
+  run.step();
+  EXPECT_EQ(run.sums.active, 1);
+  run.move(1, {0, 0, 0.05});
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 0);
+}
+
+TEST(EdgeContact, SlidesAlongTheEdgesOfABrickAsAlongOne) {
+  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOne);
+  run.step();
+  run.move(1, {0, 0, -0.02});
+  double last = 0;
+  for (int step = 0; step < 12; ++step) { // 1.2 lengths of an edge
+    const auto force = run.step();
+    ASSERT_EQ(run.sums.active, 1) << step;
+    double push = 0;
+    for (std::size_t i = 0; i < force.size(); ++i)
+      if (run.scene.node_body[i] == 1)
+        push += static_cast<double>(force[i][2]);
+    // m_red of a mid-edge and of a node differ by a factor of 2; nothing jumps.
+    if (step > 0) {
+      EXPECT_NEAR(push / last, 1, 0.25) << step;
+    }
+    last = push;
+    run.move(1, {0.1, 0, 0});
+  }
+}
+
+TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodesAndFaces) {
+  Scene scene; // a running bond: edges cross at right angles in one plane
+  scene.addBox({0, 0, 0}, {2, 1, 1}, {2, 1, 1});
+  const int top = scene.addBox({1, 0, 0.99}, {2, 1, 1}, {2, 1, 1});
+  scene.cameBy(top, {0, 0, -0.01});
+  EdgeRun run(scene, MPI_COMM_SELF, onOne);
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 0);
+}
+
+TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
+  Scene scene = crossedRidges(0.01);
+  EdgeRun run(scene, MPI_COMM_SELF, onOne);
+  run.move(1, {0, 4, -0.02}); // beyond the end of the lower one's side
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 0);
+}
+
+// Every rank finds the same contacts, elements cut one by one.
+TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  EnforcementConfig c;
+  c.friction = 0.3;
+  c.damping = 0.05;
+  const Scene scene = crossedRidges(0.01);
+  EdgeRun one(scene, MPI_COMM_SELF, onOne, c);
+  EdgeRun many(
+      scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+  for (const Vec3& by : {Vec3{0.1, 0, -0.02}, Vec3{0.2, 0.3, -0.01}, Vec3{0.3, 0.3, 0.005}}) {
+    one.move(1, by);
+    many.move(1, by);
+    const auto expected = one.step();
+    EXPECT_EQ(expected, many.step());
+    EXPECT_EQ(one.sums.interactions, many.sums.interactions);
+    EXPECT_EQ(one.sums.terms.sum[friction_work].value(LimbScale::forLargest(1e3)),
+              many.sums.terms.sum[friction_work].value(LimbScale::forLargest(1e3)));
+    EXPECT_EQ(one.sums.active, 1);
+  }
+}
+
+// Worst |E/E_0 - 1| while the ridges hit each other and part.
+double worstEnergyError(bool with_edges, double* deepest) {
+  EnforcementConfig config;
+  config.scheme = Scheme::energy_neutral;
+  SpringBricks bricks(crossedRidges(0.002), config, 0.1, 0.8, 0.3);
+  if (with_edges)
+    bricks.addEdges(searchOf(0.2));
+  for (std::size_t i = 0; i < bricks.velocity.size(); ++i)
+    if (bricks.scene().node_body[i] == 1)
+      bricks.velocity[i] = {0.001, 0, -0.01};
+  double start = 0, worst = 0;
+  for (int step = 0; step < 400; ++step) {
+    bricks.step();
+    if (step == 0)
+      start = bricks.energy;
+    worst = std::max(worst, std::fabs(bricks.energy / start - 1));
+    *deepest = std::max({*deepest, bricks.sums.max_penetration, bricks.edge_sums.max_penetration});
+  }
+  return worst;
+}
+TEST(EdgeContact, ImpactOfRidgesKeepsTheEnergyAndStaysShallow) {
+  double deepest = 0, deepest_without = 0;
+  const double error = worstEnergyError(true, &deepest);
+  worstEnergyError(false, &deepest_without);
+  std::printf("  edge impact: energy %.2e, depth %.3f h (without edges %.3f h)\n", error, deepest,
+              deepest_without);
+  EXPECT_LT(error, 5e-3);
+  EXPECT_LT(deepest, 0.1);
+}
+
+} // namespace
+} // namespace brickwall::contact::testing
