@@ -16,7 +16,6 @@ public:
       subtract(sums->terms.sum[contact::friction_work], _taken_by_friction);
       subtract(sums->terms.sum[contact::damping_work], _taken_by_damping);
       stored += sums->terms.sum[contact::friction_stored];
-      shares.invalid += sums->terms.invalid;
     }
     _edge_work += step.edges.terms.sum[contact::spring_work];
     shares.sum[mechanics::contact_stored_half] = step.nodes.terms.sum[contact::spring_stored];
