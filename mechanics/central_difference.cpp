@@ -1,5 +1,7 @@
 #include "mechanics/central_difference.hpp"
 
+#include <type_traits>
+
 namespace brickwall::mechanics {
 
 void drift(const exec_space& space, double dt, const NodalState& state) {
@@ -25,6 +27,8 @@ KOKKOS_INLINE_FUNCTION void addVector(KickSums& sums, int first, const Vec3& val
     sums.add(first + i, value[i], scale);
 }
 
+// The first `kinds` of the force kinds have columns.
+template <int kinds>
 struct KickNode {
   View<const double*[3]> reference, displacement;
   View<double* [3]> velocity;
@@ -37,11 +41,11 @@ struct KickNode {
   SpeedTest test;
 
   // Sum of all columns, exact, and each kind's force.
-  KOKKOS_INLINE_FUNCTION Vec3 totalForce(std::int64_t node, Vec3 (&force)[num_force_kinds]) const {
+  KOKKOS_INLINE_FUNCTION Vec3 totalForce(std::int64_t node, Vec3 (&force)[kinds]) const {
     Vec3 total;
     for (int i = 0; i < 3; ++i) {
       std::int64_t sum = 0;
-      for (int kind = 0; kind < num_force_kinds; ++kind) {
+      for (int kind = 0; kind < kinds; ++kind) {
         const std::int64_t column = forces(node, 3 * kind + i);
         sum += column;
         force[kind][i] = quantum * static_cast<double>(column);
@@ -81,7 +85,7 @@ struct KickNode {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
     const Vec3 old = rowOf(velocity, node);
-    Vec3 force[num_force_kinds], reaction;
+    Vec3 force[kinds], reaction;
     const Vec3 total = totalForce(node, force);
     const Vec3 v = newVelocity(node, old, total, reaction);
     for (int i = 0; i < 3; ++i)
@@ -103,11 +107,11 @@ struct KickNode {
   }
 
   KOKKOS_INLINE_FUNCTION void addEnergies(KickSums& sums, const Vec3& old, const Vec3& v, double m,
-                                          const Vec3 (&force)[num_force_kinds]) const {
+                                          const Vec3 (&force)[kinds]) const {
     const Vec3 mean = 0.5 * (old + v), half_momentum = (0.5 * m) * v;
     sums.add(kick_kinetic, dot(half_momentum, v), scales.energy);
     sums.add(kick_shadow, dot(half_momentum, old), scales.energy);
-    for (int kind = 0; kind < num_force_kinds; ++kind)
+    for (int kind = 0; kind < kinds; ++kind)
       if (!isZero(force[kind]))
         sums.add(kick_work + kind, dt * dot(force[kind], mean), scales.energy);
     if (!isZero(force[material_force]))
@@ -116,7 +120,7 @@ struct KickNode {
       sums.add(kick_power_hourglass, -dot(force[hourglass_force], old), scales.power);
   }
   KOKKOS_INLINE_FUNCTION void addMomenta(KickSums& sums, const Vec3& x, const Vec3& momentum,
-                                         const Vec3 (&force)[num_force_kinds]) const {
+                                         const Vec3 (&force)[kinds]) const {
     addVector(sums, kick_momentum, momentum, scales.momentum);
     addVector(sums, kick_angular, cross(x, momentum), scales.angular);
     if (!isZero(force[external_force])) {
@@ -137,27 +141,30 @@ struct KickNode {
   }
 };
 
+template <int kinds>
+KickSums launchKick(const exec_space& space, int num_nodes, const KickNode<kinds>& functor) {
+  KickSums sums;
+  Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, num_nodes), functor,
+                          Combine<KickSums>(sums));
+  space.fence();
+  return sums;
+}
+
 } // namespace
 
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test) {
-  const KickNode functor{mesh.reference_coordinates,
-                         state.displacement,
-                         state.velocity,
-                         state.mass,
-                         mesh.node_is_owned,
-                         forces.values,
-                         forces.quantum.value,
-                         dt,
-                         boundary.at(time),
-                         scales,
-                         test};
-  KickSums sums;
-  Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, mesh.num_nodes), functor,
-                          Combine<KickSums>(sums));
-  space.fence();
-  return sums;
+  const auto launch = [&](auto kinds) {
+    return launchKick(space, mesh.num_nodes,
+                      KickNode<decltype(kinds)::value>{
+                          mesh.reference_coordinates, state.displacement, state.velocity,
+                          state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
+                          boundary.at(time), scales, test});
+  };
+  return static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
+             ? launch(std::integral_constant<int, num_force_kinds>())
+             : launch(std::integral_constant<int, viscous_force>());
 }
 
 } // namespace brickwall::mechanics

@@ -134,6 +134,7 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
   b.dissipated.friction = value(contact_friction_dissipated);
   b.dissipated.contact_damping = value(contact_damping_dissipated);
   b.dissipated.damping = -b.work_damping;
+  b.dissipated.viscosity = -b.work[viscous_force];
   b.work_edge = value(contact_edge_work);
 }
 

@@ -23,8 +23,9 @@ struct DissipatedEnergy {
   double friction = 0; // sliding contacts
   double contact_damping = 0;
   double damping = 0; // damping by mass
+  double viscosity = 0; // bulk viscosity, lagged: a single step may give back a little
   double inContact() const { return friction + contact_damping; }
-  double total() const { return inContact() + damping; }
+  double total() const { return inContact() + damping + viscosity; }
 };
 
 // Everything global, equal on all ranks. "Half" values belong to the half step before the last forces; errors and peaks are

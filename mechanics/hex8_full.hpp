@@ -10,6 +10,7 @@ namespace brickwall::mechanics {
 // Coordinate modes, X_m = sum_I h_mI X_I.
 template <class Real>
 struct FullGeometry {
+  static constexpr int gradient_modes = num_modes;
   static constexpr int size = 3 * num_modes;
   Real X[3][num_modes]; // [xyz][mode]
 };
@@ -49,6 +50,26 @@ KOKKOS_INLINE_FUNCTION void pointGradient(const Real (&u)[3][num_modes],
       H[i][j] = inverse_D * (du[i][0] * C[j][0] + du[i][1] * C[j][1] + du[i][2] * C[j][2]);
 }
 
+// Adds the modes of the stress P at a point with the C of pointGradient, times `factor`.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void addPointForces(const Real (&P)[3][3], const Real (&C)[3][3],
+                                           const double (&xi)[3], double factor,
+                                           Real (&modes)[3][num_modes]) {
+  const double x = xi[0], y = xi[1], z = xi[2];
+  for (int i = 0; i < 3; ++i) {
+    Real f[3];
+    for (int k = 0; k < 3; ++k)
+      f[k] = factor * (P[i][0] * C[0][k] + P[i][1] * C[1][k] + P[i][2] * C[2][k]);
+    modes[i][0] += f[0];
+    modes[i][1] += f[1];
+    modes[i][2] += f[2];
+    modes[i][3] += z * f[1] + y * f[2];
+    modes[i][4] += z * f[0] + x * f[2];
+    modes[i][5] += y * f[0] + x * f[1];
+    modes[i][6] += (y * z) * f[0] + (z * x) * f[1] + (x * y) * f[2];
+  }
+}
+
 template <MaterialModel model, class Real>
 KOKKOS_INLINE_FUNCTION void fullForces(const Real (&u)[3][num_modes],
                                        const FullGeometry<Real>& geometry, double lambda, double mu,
@@ -67,20 +88,7 @@ KOKKOS_INLINE_FUNCTION void fullForces(const Real (&u)[3][num_modes],
     StressPoint<Real> point;
     evaluateMaterial<model>(H, lambda, mu, with_energy, point);
     out.J = minOrNan(point.J, out.J);
-    const double x = xi[0], y = xi[1], z = xi[2];
-    for (int i = 0; i < 3; ++i) {
-      Real f[3];
-      for (int k = 0; k < 3; ++k)
-        f[k] =
-            factor * (point.P[i][0] * C[0][k] + point.P[i][1] * C[1][k] + point.P[i][2] * C[2][k]);
-      out.material[i][0] += f[0];
-      out.material[i][1] += f[1];
-      out.material[i][2] += f[2];
-      out.material[i][3] += z * f[1] + y * f[2];
-      out.material[i][4] += z * f[0] + x * f[2];
-      out.material[i][5] += y * f[0] + x * f[1];
-      out.material[i][6] += (y * z) * f[0] + (z * x) * f[1] + (x * y) * f[2];
-    }
+    addPointForces(point.P, C, xi, factor, out.material);
     if (with_energy)
       out.material_energy += (1.0 / 512) * (D * point.W);
   }

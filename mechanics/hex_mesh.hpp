@@ -5,6 +5,7 @@
 
 #include <mpi.h>
 
+#include <cmath>
 #include <vector>
 
 namespace brickwall::mechanics {
@@ -20,6 +21,10 @@ struct Material {
     return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
   }
   KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
+  // c_d, of waves of compression at small strain, length/time.
+  KOKKOS_INLINE_FUNCTION double dilatationalSpeed() const {
+    return std::sqrt((lambda() + 2 * mu()) / density);
+  }
 };
 
 // Elements [first, first + count) that are one body's on this rank. Bodies share no nodes.

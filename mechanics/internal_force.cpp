@@ -1,9 +1,11 @@
 #include "mechanics/internal_force.hpp"
 
+#include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/element_fields_kernel.hpp"
 #include "mechanics/host_mesh.hpp"
 #include "mechanics/internal_force_kernel.hpp"
+#include "mechanics/viscous_force.hpp"
 
 namespace brickwall::mechanics {
 
@@ -70,16 +72,27 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
 InternalForceResult InternalForce::add(const exec_space& space,
                                        const View<const double* [3]>& displacement,
                                        const NodalForces& forces, bool with_energy) {
+  return add(space, displacement, {}, {}, forces, with_energy);
+}
+
+InternalForceResult InternalForce::add(const exec_space& space,
+                                       const View<const double* [3]>& displacement,
+                                       const View<const double* [3]>& velocity,
+                                       const BulkViscosity& viscosity, const NodalForces& forces,
+                                       bool with_energy) {
+  if (viscosity.any() && static_cast<int>(forces.values.extent(1)) != numForceColumns(true))
+    throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
   InternalForceResult result;
   result.has_energy = with_energy;
   for (const ChunkGroup& group : _groups) {
-    const ForceArguments arguments{_tables,       displacement, forces.values, _quantum.inverse,
+    const ForceArguments arguments{_tables,       displacement, velocity,
+                                   forces.values, viscosity,    _quantum.inverse,
                                    _energy_scale, group.first,  with_energy};
-    const ForceSums sums = _kind == ElementKind::one_point
-                               ? launchForces<ElementKind::one_point>(space, group, arguments)
-                               : launchForces<ElementKind::full>(space, group, arguments);
+    const ForceSums sums = viscosity.any() ? addWithViscosity(space, _kind, group, arguments)
+                                           : launchForces<false>(space, _kind, group, arguments);
     result.energy += sums.energy;
     result.failure += sums.failure;
+    result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);
   }
   return result;
 }

@@ -3,6 +3,7 @@
 // the corners in integers, so an element's corner forces sum to exactly zero and totals depend on no order.
 #pragma once
 
+#include "mechanics/bulk_viscosity.hpp"
 #include "mechanics/element_chunks.hpp"
 #include "mechanics/element_failure.hpp"
 #include "mechanics/hex8_full.hpp"
@@ -27,6 +28,8 @@ enum StoredEnergy : int { stored_material, stored_hourglass, num_stored_energies
 struct InternalForceResult {
   LimbSums<num_stored_energies> energy; // zero when not asked for
   ElementFailure failure; // this rank's
+  double compression_rate =
+      0; // largest l |tr D|/c_d of this rank's elements in compression; 0 without viscosity
   bool has_energy = false;
 };
 
@@ -50,6 +53,11 @@ public:
   // hourglass share). `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the range) add
   // nothing and are reported. Not collective; fences.
   InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
+                          const NodalForces& forces, bool with_energy);
+  // The same, and bulk viscosity at the velocity v^{n-1/2} [node][xyz] to the columns viscous_force, which must be there if
+  // viscosity.any(). It is not part of the fields.
+  InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
+                          const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
                           const NodalForces& forces, bool with_energy);
 
   // Stress and energy density of every element at X + u; Views are grown. Not collective.

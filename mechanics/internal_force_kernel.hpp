@@ -1,8 +1,10 @@
 // Force kernel of InternalForce: gather a pack's displacements as modes, evaluate the element, round the modes, add to
-// the corners in integers. Included by internal_force.cpp only.
+// the corners in integers. Included by internal_force.cpp and viscous_force.cpp only.
 #pragma once
 
 #include "mechanics/element_tables.hpp"
+
+#include <type_traits>
 
 namespace brickwall::mechanics {
 
@@ -40,7 +42,9 @@ KOKKOS_INLINE_FUNCTION void roundToCorners(const Real (&modes)[3][3], Real& larg
 struct ForceArguments {
   Tables tables;
   View<const double* [3]> displacement;
+  View<const double* [3]> velocity; // only with viscosity
   View<std::int64_t**> forces; // [node][3 * kind + xyz]
+  BulkViscosity viscosity;
   double inverse_quantum;
   LimbScale energy_scale;
   int first_chunk;
@@ -50,9 +54,11 @@ struct ForceArguments {
 struct ForceSums {
   LimbSums<num_stored_energies> energy;
   ElementFailure failure;
+  double compression_rate = 0; // largest
   KOKKOS_INLINE_FUNCTION ForceSums& operator+=(const ForceSums& b) {
     energy += b.energy;
     failure += b.failure;
+    compression_rate = maxOf(compression_rate, b.compression_rate);
     return *this;
   }
 };
@@ -101,15 +107,16 @@ KOKKOS_INLINE_FUNCTION void packForces(const Real (&u)[3][num_modes],
   out.energy[0] = forces.material_energy;
 }
 
+// Adds to the columns of `kinds` force kinds from `first_kind` on.
 template <class Integer, int kinds>
 KOKKOS_INLINE_FUNCTION void addCorners(const Tables& tables, const View<std::int64_t**>& forces,
-                                       const ElementPack& pack, int lane,
+                                       const ElementPack& pack, int lane, int first_kind,
                                        const CornerForces<Integer> (&corners)[kinds]) {
   for (int c = 0; c < 8; ++c) {
     const int node = tables.mesh.elem_to_nodes(pack.first + lane, c);
     for (int kind = 0; kind < kinds; ++kind)
       for (int i = 0; i < 3; ++i) {
-        std::int64_t* const target = &forces(node, 3 * kind + i);
+        std::int64_t* const target = &forces(node, 3 * (first_kind + kind) + i);
         const std::int64_t value = laneOf(corners[kind].value[i][c], lane);
         if (pack.atomic)
           Kokkos::atomic_add(target, value);
@@ -129,36 +136,89 @@ KOKKOS_INLINE_FUNCTION void addPack(const ForceArguments& a, const ElementPack& 
       sums.failure.add(a.tables.mesh.elem_ids(pack.first + lane), reason);
       continue;
     }
-    addCorners(a.tables, a.forces, pack, lane, forces.corners);
+    addCorners(a.tables, a.forces, pack, lane, material_force, forces.corners);
     if (a.with_energy)
       for (int kind = 0; kind < kinds; ++kind)
         sums.energy.add(kind, laneOf(forces.energy[kind], lane), a.energy_scale);
   }
 }
 
-template <ElementKind kind, MaterialModel model>
+// A pack's viscous forces.
+template <class Real, class Integer>
+struct ViscousPack {
+  CornerForces<Integer> corners[1];
+  Real rate;
+};
+
+// Modes beyond the range count in `largest` as those of the other forces do.
+template <MaterialModel model, class Real, class Integer, class Geometry>
+KOKKOS_INLINE_FUNCTION void viscousPack(const ForceArguments& a, const ElementPack& pack,
+                                        const Real (&u)[3][num_modes], const Geometry& geometry,
+                                        const ViscousModuli& moduli, Real& largest,
+                                        ViscousPack<Real, Integer>& out) {
+  Real v[3][num_modes];
+  gatherModes(a.tables, a.velocity, pack, v);
+  ViscousForces<Real, Geometry::gradient_modes> forces;
+  viscousForces<model>(u, v, geometry, moduli, a.inverse_quantum, forces);
+  roundToCorners(forces.force, largest, out.corners[0]);
+  out.rate = forces.rate;
+}
+
+// Failed elements were told by addPack() and add nothing here either.
+template <class Real, class Integer>
+KOKKOS_INLINE_FUNCTION void
+addViscousPack(const ForceArguments& a, const ElementPack& pack, const Real& J, const Real& largest,
+               const ViscousPack<Real, Integer>& viscous, ForceSums& sums) {
+  for (int lane = 0; lane < pack.count; ++lane) {
+    if (failureReason(laneOf(J, lane), laneOf(largest, lane)) != no_failure)
+      continue;
+    addCorners(a.tables, a.forces, pack, lane, viscous_force, viscous.corners);
+    sums.compression_rate = maxOf(sums.compression_rate, laneOf(viscous.rate, lane));
+  }
+}
+
+struct ModuliWithViscosity : ElementModuli {
+  ViscousModuli viscous;
+};
+
+template <ElementKind kind, MaterialModel model, bool with_viscosity>
 struct ForceFunctor {
   static constexpr int kinds = kind == ElementKind::one_point ? 2 : 1;
+  using Moduli = std::conditional_t<with_viscosity, ModuliWithViscosity, ElementModuli>;
   ForceArguments a;
+
+  KOKKOS_INLINE_FUNCTION Moduli moduliOf(const Material& material) const {
+    if constexpr (with_viscosity)
+      return {ElementModuli::of(material), ViscousModuli::of(material, a.viscosity)};
+    else
+      return ElementModuli::of(material);
+  }
 
   template <class Geometry>
   KOKKOS_INLINE_FUNCTION void onePack(const ElementPack& pack, const Geometry& geometry,
-                                      const ElementModuli& moduli, ForceSums& sums) const {
+                                      const Moduli& moduli, ForceSums& sums) const {
     Lanes u[3][num_modes];
     gatherModes(a.tables, a.displacement, pack, u);
     PackForces<Lanes, IntLanes, kinds> forces;
     packForces<model>(u, geometry, moduli, a, forces);
-    addPack(a, pack, forces, sums);
+    if constexpr (with_viscosity) {
+      ViscousPack<Lanes, IntLanes> viscous;
+      viscousPack<model>(a, pack, u, geometry, moduli.viscous, forces.largest, viscous);
+      addPack(a, pack, forces, sums);
+      addViscousPack(a, pack, forces.J, forces.largest, viscous, sums);
+    } else {
+      addPack(a, pack, forces, sums);
+    }
   }
 
   template <class Geometry>
   KOKKOS_INLINE_FUNCTION void congruent(const ElementChunk& chunk, const Geometry& shape,
-                                        const ElementModuli& moduli, ForceSums& sums) const {
+                                        const Moduli& moduli, ForceSums& sums) const {
     for (int p = 0; p < chunk.num_packs; ++p)
       onePack(a.tables.packs(chunk.first_pack + p), shape, moduli, sums);
   }
   template <class Geometry>
-  KOKKOS_INLINE_FUNCTION void general(const ElementChunk& chunk, const ElementModuli& moduli,
+  KOKKOS_INLINE_FUNCTION void general(const ElementChunk& chunk, const Moduli& moduli,
                                       ForceSums& sums) const {
     for (int p = 0; p < chunk.num_packs; ++p) {
       Geometry geometry;
@@ -169,7 +229,7 @@ struct ForceFunctor {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c, ForceSums& sums) const {
     const ElementChunk chunk = a.tables.chunks(a.first_chunk + c);
-    const ElementModuli moduli = ElementModuli::of(a.tables.mesh.materials(chunk.block));
+    const Moduli moduli = moduliOf(a.tables.mesh.materials(chunk.block));
     if constexpr (kind == ElementKind::one_point) {
       if (chunk.shape >= 0)
         congruent(chunk, a.tables.boxes(chunk.shape), moduli, sums);
@@ -184,24 +244,31 @@ struct ForceFunctor {
   }
 };
 
-template <ElementKind kind, MaterialModel model>
+template <ElementKind kind, MaterialModel model, bool with_viscosity>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
   ForceSums sums;
   Kokkos::parallel_reduce("mechanics::internalForce::elements", over(space, group.count),
-                          ForceFunctor<kind, model>{a}, Combine<ForceSums>(sums));
+                          ForceFunctor<kind, model, with_viscosity>{a}, Combine<ForceSums>(sums));
   space.fence();
   return sums;
 }
-template <ElementKind kind>
+template <ElementKind kind, bool with_viscosity>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
   switch (group.model) {
   case MaterialModel::neo_hookean:
-    return launchForces<kind, MaterialModel::neo_hookean>(space, group, a);
+    return launchForces<kind, MaterialModel::neo_hookean, with_viscosity>(space, group, a);
   case MaterialModel::svk:
-    return launchForces<kind, MaterialModel::svk>(space, group, a);
+    return launchForces<kind, MaterialModel::svk, with_viscosity>(space, group, a);
   default:
-    return launchForces<kind, MaterialModel::linear>(space, group, a);
+    return launchForces<kind, MaterialModel::linear, with_viscosity>(space, group, a);
   }
+}
+template <bool with_viscosity>
+ForceSums launchForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
+                       const ForceArguments& a) {
+  return kind == ElementKind::one_point
+             ? launchForces<ElementKind::one_point, with_viscosity>(space, group, a)
+             : launchForces<ElementKind::full, with_viscosity>(space, group, a);
 }
 
 } // namespace brickwall::mechanics

@@ -130,6 +130,26 @@ inline PackOf<W> maxMagnitude(const PackOf<W>& a, const PackOf<W>& b) {
   return m <= b.v ? b.v : (b.v != b.v ? b.v : m);
 }
 
+// max(a, 0); NaN stays.
+KOKKOS_INLINE_FUNCTION double positivePart(double a) {
+  return a < 0 ? 0.0 : a;
+}
+template <int W>
+inline PackOf<W> positivePart(const PackOf<W>& a) {
+  return a.v < 0.0 ? typename PackOf<W>::vector{} : a.v;
+}
+
+KOKKOS_INLINE_FUNCTION double squareRoot(double a) {
+  return std::sqrt(a);
+}
+template <int W>
+inline PackOf<W> squareRoot(const PackOf<W>& a) {
+  PackOf<W> root;
+  for (int lane = 0; lane < W; ++lane)
+    root.v[lane] = __builtin_sqrt(a.v[lane]);
+  return root;
+}
+
 // Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (that element is dropped and reported).
 KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
   return roundToFixed(quanta);

@@ -36,6 +36,7 @@ StableTimeStep agree(MPI_Comm comm, const Smallest& local) {
 struct ElementShape {
   double b[num_modes][3]; // modes of the mean gradient
   Mat3 gram; // G
+  double length; // l of bulk viscosity
   bool parallelepiped;
 };
 KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem,
@@ -46,6 +47,9 @@ KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem,
   coordinateModes(corners, modes);
   meanGradientModes(modes, hexVolume(corners).volume, shape.b);
   shape.gram = gradientGram(shape.b);
+  FullGeometry<double> geometry;
+  coordinateModes(corners, geometry.X);
+  shape.length = elementLength(geometry);
   double linear = 0, bent = 0;
   for (int j = 0; j < 3; ++j)
     for (int m = 0; m < num_modes; ++m) {
@@ -61,8 +65,24 @@ KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
   return (parallelepiped ? 2.0 : 2.0 * 0.98) / std::sqrt(omega_square);
 }
 
+// c = (8/rho) l rho c_d xi tr G, G of the present configuration: the viscous stress is proportional to tr D alone, so
+// the element's C has this one eigenvalue.
+KOKKOS_INLINE_FUNCTION double viscousRate(const StepViscosity& viscous, const Material& material,
+                                          double length, double gram_trace) {
+  const BulkViscosity& b = viscous.viscosity;
+  const double xi = b.linear + b.quadratic * b.quadratic * viscous.rate;
+  return 8 * length * material.dilatationalSpeed() * xi * gram_trace;
+}
+
+// The root of dt^2 omega^2/4 + dt c/2 = share^2 over the share; `step` is 2/omega.
+KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c, double share) {
+  const double xi = 0.25 * c * step;
+  return step * share / (xi + std::sqrt(xi * xi + share * share));
+}
+
 struct StepAtRest {
   MeshViews mesh;
+  StepViscosity viscous;
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
     double X[8][3];
     const ElementShape shape = shapeOf(mesh, static_cast<int>(elem), X);
@@ -76,7 +96,13 @@ struct StepAtRest {
         normal[i][j] = (material.lambda() + (i == j ? 2 * material.mu() : 0.0)) *
                        std::sqrt(eigenvalues[i] * eigenvalues[j]);
     const double omega_square = 8 / material.density * largestEigenvalue(normal);
-    smallest += Smallest{stepOf(omega_square, shape.parallelepiped), mesh.elem_ids(elem)};
+    double dt = stepOf(omega_square, shape.parallelepiped);
+    if (viscous.viscosity.any())
+      dt = viscousStep(dt,
+                       viscousRate(viscous, material, shape.length,
+                                   shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2)),
+                       viscous.share);
+    smallest += Smallest{dt, mesh.elem_ids(elem)};
   }
 };
 
@@ -97,8 +123,25 @@ KOKKOS_INLINE_FUNCTION double tangentEigenvalue(const double (&A)[9][9], const M
   return largestEigenvalue(matrix);
 }
 
+// tr(F^-T G F^-1); of G itself for the small-strain material.
+KOKKOS_INLINE_FUNCTION double deformedTrace(const double (&H)[3][3], const Mat3& gram,
+                                            MaterialModel model) {
+  double F[3][3], c[3][3], sum = 0;
+  if (model == MaterialModel::linear)
+    return gram(0, 0) + gram(1, 1) + gram(2, 2);
+  deformationGradient(H, F);
+  cofactors(F, c);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k)
+        sum += c[i][j] * gram(j, k) * c[i][k];
+  const double J = 1 + volumeChange(H);
+  return sum / (J * J);
+}
+
 struct StepAtDeformation {
   MeshViews mesh;
+  StepViscosity viscous;
   View<const double* [3]> displacement;
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
     double X[8][3], u[8][3], modes[3][num_modes], H[3][3], A[9][9];
@@ -113,27 +156,35 @@ struct StepAtDeformation {
       }
     const Material material = mesh.materials(mesh.elem_block(elem));
     double dt = 0;
-    if (materialTangent(H, material, A))
+    if (materialTangent(H, material, A)) {
       dt = stepOf(8 / material.density * tangentEigenvalue(A, shape.gram), shape.parallelepiped);
+      if (viscous.viscosity.any())
+        dt = viscousStep(dt,
+                         viscousRate(viscous, material, shape.length,
+                                     deformedTrace(H, shape.gram, material.model)),
+                         viscous.share);
+    }
     smallest += Smallest{dt == dt ? dt : 0.0, mesh.elem_ids(elem)};
   }
 };
 
 } // namespace
 
-StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                              const StepViscosity& viscous) {
   Smallest smallest;
   Kokkos::parallel_reduce("mechanics::stableTimeStep::at_rest", over(space, mesh.num_elems),
-                          StepAtRest{viewsOf(mesh)}, Combine<Smallest>(smallest));
+                          StepAtRest{viewsOf(mesh), viscous}, Combine<Smallest>(smallest));
   space.fence();
   return agree(comm, smallest);
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const View<const double* [3]>& displacement) {
+                              const View<const double* [3]>& displacement,
+                              const StepViscosity& viscous) {
   Smallest smallest;
   Kokkos::parallel_reduce("mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
-                          StepAtDeformation{viewsOf(mesh), displacement},
+                          StepAtDeformation{viewsOf(mesh), viscous, displacement},
                           Combine<Smallest>(smallest));
   space.fence();
   return agree(comm, smallest);

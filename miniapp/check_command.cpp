@@ -81,6 +81,11 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   }
   std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
               config.gravity == Triple{0, 0, 0} ? "off" : "on");
+  if (config.viscosity.any())
+    std::printf("  bulk viscosity    linear %g, quadratic %g\n", config.viscosity.linear,
+                config.viscosity.quadratic);
+  if (config.mass_damping > 0)
+    std::printf("  damping           %g by mass\n", config.mass_damping);
   std::printf("  boundary          %zu fixed, %zu moving node sets\n", config.fixed.size(),
               config.prescribed.size());
   if (config.contact.enabled)

@@ -256,6 +256,8 @@ std::vector<InitialDeformationConfig> readInitialDeformations(Deck& deck) {
 void readMethods(const Deck& deck, Config& config) {
   config.formulation = choice<Formulation>(deck, "element", "formulation", {"tlps", "full"});
   config.gravity = triple(deck, "gravity", "acceleration");
+  config.viscosity.linear = deck.real("viscosity", "linear");
+  config.viscosity.quadratic = deck.real("viscosity", "quadratic");
   config.mass_damping = deck.real("damping", "mass");
 
   config.contact.enabled = deck.boolean("contact", "enabled");

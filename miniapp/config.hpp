@@ -4,6 +4,7 @@
 
 #include "contact/search_config.hpp"
 #include "io/deck.hpp"
+#include "mechanics/bulk_viscosity.hpp"
 #include "mechanics/hex_mesh.hpp"
 
 #include <mpi.h>
@@ -170,6 +171,7 @@ struct Config {
   Formulation formulation = Formulation::tlps;
   std::vector<PressureConfig> pressures;
   Triple gravity = {0, 0, 0}; // length/time^2
+  mechanics::BulkViscosity viscosity; // [viscosity]
   double mass_damping = 0; // [damping] mass, 1/time: force -mass_damping m v
   std::vector<FixedConfig> fixed;
   std::vector<PrescribedVelocityConfig> prescribed;

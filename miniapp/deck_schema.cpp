@@ -109,6 +109,14 @@ std::vector<BlockRule> loadBlocks() {
        BlockKind::single,
        "acceleration of everything",
        {real("acceleration", "m/s2", "vector").list(3).byDefault("[0.0, 0.0, 0.0]")}},
+      {"viscosity",
+       BlockKind::single,
+       "bulk viscosity of the elements, against ringing behind shocks; it shortens the step",
+       {real("linear", "", "b1; 0.06 for shocks").byDefault("0.0").atLeast(0).atMost(2),
+        real("quadratic", "", "b2, in compression only; 1.2 for strong shocks")
+            .byDefault("0.0")
+            .atLeast(0)
+            .atMost(10)}},
       {"damping",
        BlockKind::single,
        "damping of everything",

@@ -35,6 +35,9 @@ Column vector(const char* name, Vec3 (*value)(const Moment&),
   return {name, is_asked_for, nullptr, value};
 }
 
+bool hasViscosity(const Config& config) {
+  return config.viscosity.any();
+}
 bool hasDamping(const Config& config) {
   return config.mass_damping > 0;
 }
@@ -44,6 +47,7 @@ const std::vector<Column>& columns() {
   using mechanics::external_force;
   using mechanics::hourglass_force;
   using mechanics::material_force;
+  using mechanics::viscous_force;
   static const std::vector<Column> all = {
       number("timestep", [](const Moment& m) { return m.clock.dt; }),
       number("kinetic_energy", [](const Moment& m) { return m.balance.kinetic; }),
@@ -61,6 +65,9 @@ const std::vector<Column>& columns() {
       number("load_work", [](const Moment& m) { return m.balance.work[external_force]; }),
       number("gravity_work", [](const Moment& m) { return m.balance.work_gravity; }),
       number("reaction_work", [](const Moment& m) { return m.balance.work_reaction; }),
+      number(
+          "viscosity_work", [](const Moment& m) { return m.balance.work[viscous_force]; },
+          hasViscosity),
       number(
           "damping_work", [](const Moment& m) { return m.balance.work_damping; }, hasDamping),
       number("energy_error", [](const Moment& m) { return m.balance.energy_error; }),

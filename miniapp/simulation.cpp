@@ -30,6 +30,7 @@ void Simulation::step() {
   adaptTimeStep();
   findContactCandidates();
   computeForces(_clock.time);
+  watchCompression();
   sumSharedNodes();
   enforceContact(_clock.dt_before);
   kickVelocities(0.5 * (_clock.dt_before + _clock.dt), _clock.time + 0.5 * _clock.dt);
@@ -39,6 +40,7 @@ void Simulation::step() {
 void Simulation::start() {
   findContactCandidates();
   computeForces(_clock.time);
+  watchCompression();
   sumSharedNodes();
   enforceContact(_clock.dt);
   kickVelocities(0.5 * _clock.dt, 0.5 * _clock.dt);
@@ -68,7 +70,8 @@ void Simulation::computeForces(double time) {
   mechanics::zeroForces(_space, _forces);
   {
     const Region region("step::internal force");
-    _internal = _internal_force->add(_space, _state.displacement, _forces, true);
+    _internal = _internal_force->add(_space, _state.displacement, _state.velocity,
+                                     _config.viscosity, _forces, true);
   }
   const Region region("step::loads");
   _load_failures = 0;
@@ -169,7 +172,26 @@ void Simulation::adaptTimeStep() {
   if (_clock.step % _config.time.check_interval != 0 || done())
     return;
   const Region region("step::stable step");
-  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement);
+  shortenStepIfUnstable();
+}
+
+// Quadratic viscosity damps the more, and needs the shorter a step, the faster elements are compressed. The step allows for
+// a rate; when that is exceeded, for half as much again, so that few changes reach any rate. Before the kick, which spans
+// half of either step. Collective.
+void Simulation::watchCompression() {
+  if (!(_config.viscosity.quadratic > 0) || done())
+    return;
+  const double rate = allReduce(_comm, _internal.compression_rate, MPI_MAX);
+  if (!(rate > _step_viscosity.rate))
+    return;
+  _step_viscosity.rate = 1.5 * rate;
+  const Region region("step::stable step");
+  shortenStepIfUnstable();
+}
+
+void Simulation::shortenStepIfUnstable() {
+  const auto stable =
+      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
   // A jittering step is itself unstable (shared/physics.md, finding 5): dt changes only when the elements' bound has
   // fallen below it, and then by enough to last.
   constexpr double reserve = 0.9;
@@ -187,8 +209,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
   _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
   _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
-  _forces.values =
-      View<std::int64_t**>("state::forces", mesh.num_nodes, 3 * mechanics::num_force_kinds);
+  _forces.values = View<std::int64_t**>("state::forces", mesh.num_nodes,
+                                        mechanics::numForceColumns(config.viscosity.any()));
   _scales = mechanics::ledgerScales(_space, comm, mesh);
   const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
                                                             : mechanics::ElementKind::full;
@@ -202,6 +224,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
                     ? mechanics::contactStepShare(config.time.safety, config.contact.penalty,
                                                   config.contact.damping, config.contact.edges)
                     : config.time.safety;
+  _step_viscosity.viscosity = config.viscosity;
+  _step_viscosity.share = _step_share;
   planSteps(_step_share * stableStepAtStart());
   if (config.mass_damping * _clock.dt >= 2)
     throw InputError(reversingDamping(config.mass_damping, _clock.dt));
@@ -214,10 +238,11 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
 
 // Of the bodies as they start, and at rest, through which deformed ones swing.
 double Simulation::stableStepAtStart() const {
-  const double at_rest = mechanics::stableTimeStep(_space, _comm, _scene.mesh).dt;
+  const double at_rest = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _step_viscosity).dt;
   if (_config.initial_deformations.empty())
     return at_rest;
-  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement);
+  const auto stable =
+      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
   if (!(stable.dt > 0))
     throw InputError(
         "initial.deformation: element " + std::to_string(stable.elem) +

@@ -9,6 +9,7 @@
 #include "mechanics/internal_force.hpp"
 #include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
+#include "mechanics/stable_time_step.hpp"
 #include "miniapp/contact_ledger.hpp"
 #include "miniapp/scene.hpp"
 #include "miniapp/surface_coupling.hpp"
@@ -74,6 +75,8 @@ private:
   // Every check_interval steps: compares dt with the stable step of the deformed bodies and shortens it for good where
   // needed. Collective.
   void adaptTimeStep();
+  void watchCompression();
+  void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void computeForces(double time);
   void enforceContact(double dt);
@@ -94,6 +97,8 @@ private:
   Clock _clock;
   std::int64_t _planned_steps = 0;
   double _step_share = 1; // chi: dt over the elements' stable step
+  // The rate is that which the step allows for; at first one that costs few per cent of the step.
+  mechanics::StepViscosity _step_viscosity = {{}, 0.01, 1};
   mechanics::NodalState _state;
   mechanics::NodalForces _forces;
   mechanics::BoundaryConditions _boundary;

@@ -32,6 +32,7 @@ struct Solver {
   std::vector<PressureLoad> loads;
   EnergyLedger ledger;
   double time = 0;
+  BulkViscosity viscosity;
   std::function<ContactEnergySums()> contact; // adds totals to the contact_force columns
 
   Solver(MPI_Comm comm_in, const Block& block, const Material& material, Vec3 gravity = {},
@@ -51,6 +52,10 @@ struct Solver {
            double mass_damping = 0) {
     boundary = std::make_unique<BoundaryConditions>(space, blocks.mesh.num_nodes, motions, gravity,
                                                     mass_damping);
+  }
+  void makeViscous(const BulkViscosity& b) {
+    viscosity = b;
+    forces = zeroedForces(blocks.mesh, forces.quantum, b.any());
   }
   std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
     std::vector<int> nodes;
@@ -78,7 +83,8 @@ struct Solver {
   }
   void evaluateAndKick(double kick_dt, double dt) {
     zeroForces(space, forces);
-    const auto result = internal->add(space, state.displacement, forces, true);
+    const auto result =
+        internal->add(space, state.displacement, state.velocity, viscosity, forces, true);
     std::int64_t misfits = 0;
     for (const PressureLoad& load : loads)
       misfits += load.add(space, blocks.mesh, state.displacement, time, forces);
@@ -99,7 +105,7 @@ struct Solver {
     time += dt;
     evaluateAndKick(dt, dt);
   }
-  double stableStep() { return stableTimeStep(space, comm, blocks.mesh).dt; }
+  double stableStep() { return stableTimeStep(space, comm, blocks.mesh, {viscosity}).dt; }
 };
 
 inline Block bar(int n, double length = 1) {

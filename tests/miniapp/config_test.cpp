@@ -72,6 +72,8 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_FALSE(config.search.shuffle);
   EXPECT_TRUE(config.search.local);
   EXPECT_EQ(config.search.margin, 0); // performance decks search in every step
+  EXPECT_FALSE(config.viscosity.any());
+  EXPECT_EQ(config.mass_damping, 0);
   EXPECT_EQ(config.time.safety, 0.8);
   EXPECT_FALSE(config.time.steps.has_value());
   EXPECT_EQ(config.limits.energy_error, 0.1);
@@ -88,6 +90,7 @@ TEST(Config, ReadsEveryKey) {
       "start = 0.5\ndecay = 3\ndistribution = \"gaussian\"\ncenter = [1, 2, 3]\nradius = 4\n"
       "wave_speed = 340\nfollower = false\n"
       "[gravity]\nacceleration = [0, 0, -9.81]\n"
+      "[damping]\nmass = 3\n[viscosity]\nlinear = 0.06\nquadratic = 1.2\n"
       "[[boundary.fixed]]\nnode_set = \"n\"\ncomponents = [\"z\", \"x\"]\n"
       "[[boundary.velocity]]\nnode_set = \"m\"\nvelocity = [1, 0, 0]\ncomponents = [\"x\"]\n"
       "shape = \"triangle\"\nduration = 1\n"
@@ -124,6 +127,9 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(load.wave_speed, 340);
   EXPECT_FALSE(load.follower);
   EXPECT_EQ(config.gravity, (Triple{0, 0, -9.81}));
+  EXPECT_EQ(config.mass_damping, 3);
+  EXPECT_EQ(config.viscosity.linear, 0.06);
+  EXPECT_EQ(config.viscosity.quadratic, 1.2);
   EXPECT_EQ(config.fixed.at(0).components, (std::array<bool, 3>{true, false, true}));
   EXPECT_EQ(config.prescribed.at(0).pulse.shape, PulseShape::triangle);
   ASSERT_EQ(config.initial_velocities.size(), 4u);
@@ -180,6 +186,9 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
   EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].center=[0,0,1]"}),
               "center without angular_velocity");
   EXPECT_TOLD(faultsOf(initial, {"initial.velocity[0].angular_velocity=[0,1]"}), "list of 3");
+  EXPECT_TOLD(faultsOf(smallest, {"viscosity.linear=-0.1"}), "at least 0");
+  EXPECT_TOLD(faultsOf(smallest, {"viscosity.quadratic=11"}), "at most 10");
+  EXPECT_TOLD(faultsOf(smallest, {"damping.mass=-1"}), "at least 0");
   const std::string deformed = smallest + "[[initial.deformation]]\nbrick = [1, 0, 0]\n";
   EXPECT_TOLD(faultsOf(deformed), "gradient");
   EXPECT_EQ(faultsOf(deformed, {"initial.deformation[0].gradient=[0.1,0,0,0,0,0,0,0,0]"}), "");
