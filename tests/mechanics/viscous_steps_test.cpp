@@ -23,28 +23,36 @@ Matrices matricesOf(BlockMesh& one, ElementKind kind, double b1,
   const exec_space space;
   const Quantum quantum = Quantum::forForceScale(forceScale(space, MPI_COMM_SELF, one.mesh));
   InternalForce internal(space, MPI_COMM_SELF, one.mesh, kind, quantum, testEnergyScale());
-  const auto mass = lumpedMass(space, MPI_COMM_SELF, one.mesh, one.sum);
-  const auto columnsAt = [&](int k, double du, double v, std::vector<double>& f) {
+  const Kokkos::HostSpace host;
+  const auto mass = Kokkos::create_mirror_view_and_copy(
+      host, lumpedMass(space, MPI_COMM_SELF, one.mesh, one.sum));
+  // The field with one component of one node changed.
+  const auto changed = [&](const std::function<Vec3(const Vec3&)>& field, int k, double by) {
+    const auto device = nodalField(space, one.mesh, field);
+    const auto values = Kokkos::create_mirror_view_and_copy(host, device);
+    values(k / 3, k % 3) += by;
+    Kokkos::deep_copy(device, values);
+    return device;
+  };
+  // Accelerations by elastic forces, then by viscous ones.
+  const auto accelerations = [&](int k, double du, double v) {
     const NodalForces forces = zeroedForces(one.mesh, quantum, true);
-    const auto displacement = nodalField(space, one.mesh, u);
-    const auto velocity = nodalField(space, one.mesh, [](const Vec3&) { return Vec3(); });
-    displacement(k / 3, k % 3) += du;
-    velocity(k / 3, k % 3) = v;
+    const auto displacement = changed(u, k, du);
+    const auto velocity = changed([](const Vec3&) { return Vec3(); }, k, v);
     EXPECT_EQ(internal.add(space, displacement, velocity, {b1, 0}, forces, false).failure.count, 0);
-    f.assign(48, 0);
+    const auto values = Kokkos::create_mirror_view_and_copy(host, forces.values);
+    std::vector<double> result(48, 0);
     for (int r = 0; r < 24; ++r)
-      for (int kind_of_force = 0; kind_of_force < num_force_kinds; ++kind_of_force)
-        f[r + (kind_of_force == viscous_force ? 24 : 0)] +=
-            quantum.value * static_cast<double>(forces.values(r / 3, 3 * kind_of_force + r % 3)) /
-            mass(r / 3);
+      for (int column = r % 3; column < numForceColumns(true); column += 3)
+        result[r + (column < 3 * viscous_force ? 0 : 24)] +=
+            quantum.value * static_cast<double>(values(r / 3, column)) / mass(r / 3);
+    return result;
   };
   Matrices result;
   constexpr double e = 1e-5;
   for (int k = 0; k < 24; ++k) {
-    std::vector<double> plus, minus, moving;
-    columnsAt(k, e, 0, plus);
-    columnsAt(k, -e, 0, minus);
-    columnsAt(k, 0, 1, moving);
+    const auto plus = accelerations(k, e, 0), minus = accelerations(k, -e, 0);
+    const auto moving = accelerations(k, 0, 1);
     for (int r = 0; r < 24; ++r) {
       result.K[r][k] = (minus[r] - plus[r]) / (2 * e);
       result.C[r][k] = -moving[24 + r];
