@@ -232,6 +232,11 @@ void EdgeContact::correctForces(const exec_space& space, const StepLengths& step
   _set.correctForces(space, access(), steps, _accelerations, _ghost_accelerations);
 }
 
+PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {
+  return fastestEdgePair(space, comm, _edges, _num_corners, _search.ghosts(), _search.pairs(),
+                         limit);
+}
+
 void EdgeContact::advance(double dt) {
   _set.advance();
   _previous_dt = dt;

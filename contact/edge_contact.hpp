@@ -5,6 +5,7 @@
 #include "contact/candidate_search.hpp"
 #include "contact/feature_edges.hpp"
 #include "contact/interaction_set.hpp"
+#include "contact/pair_motion.hpp"
 
 namespace brickwall::contact {
 
@@ -27,6 +28,10 @@ public:
   void correctForces(const exec_space& space, const StepLengths& steps,
                      const View<double* [3]>& node_accelerations);
   void advance(double dt);
+
+  void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
+  // Of the candidates of this step (pair_motion.hpp). Collective.
+  PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
 
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }

@@ -52,6 +52,9 @@ public:
                      const View<double* [3]>& accelerations,
                      const View<double* [12]>& ghost_accelerations);
 
+  // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; the others keep theirs.
+  void setReferenceStep(double dt) { _config.reference_step = dt; }
+
   // The step is over: its interactions become the history.
   void advance() { std::swap(_history, _next); }
 

@@ -58,6 +58,10 @@ public:
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
 
+  // dt_ref >= every dt to come. Contacts that are born from now on have the stiffness that goes with it; the others keep
+  // theirs, so that no energy is made.
+  void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
+
   // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
   // ranks that share a node.
   const ContactForces& forces() const { return _set.forces(); }

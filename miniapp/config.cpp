@@ -272,6 +272,7 @@ void readMethods(const Deck& deck, Config& config) {
   config.contact.damping = deck.real("contact", "damping");
   config.contact.edges = deck.boolean("contact", "edges");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});
+  config.contact.guard = choice<GuardAction>(deck, "contact", "guard", {"cut", "stop", "off"});
 
   config.search.method =
       choice<SearchMethod>(deck, "search", "method", {"cluster", "paper", "reference"});

@@ -108,6 +108,8 @@ struct InitialDeformationConfig : InitialSelection {
 // [contact]
 enum class SelfContact { automatic, never, always };
 enum class ContactScheme { energy_neutral, penalty };
+// What is done where nodes and faces move against each other by more than contact reaches in a step.
+enum class GuardAction { cut, stop, off };
 struct ContactConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation, of the shortest skin edge
@@ -120,6 +122,7 @@ struct ContactConfig {
   double damping = 0; // zeta, of the critical damping of a contact
   bool edges = true; // edges that cross edges push each other
   SelfContact self = SelfContact::automatic; // automatic: never for walls, always for Exodus meshes
+  GuardAction guard = GuardAction::cut; // miniapp/tunnelling_guard.hpp
 };
 
 // [search]

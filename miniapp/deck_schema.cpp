@@ -183,7 +183,10 @@ std::vector<BlockRule> methodBlocks() {
         boolean("edges", "edges that cross edges push each other").byDefault("true"),
         word("self", {"auto", "never", "always"},
              "contact within one body; auto: never for walls, always for Exodus meshes")
-            .byDefault("auto")}},
+            .byDefault("auto"),
+        word("guard", {"cut", "stop", "off"},
+             "where a node could pass a face within a step: shorten the step, stop, or go on")
+            .byDefault("cut")}},
       {"search",
        BlockKind::single,
        "the global search",

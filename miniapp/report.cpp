@@ -47,6 +47,34 @@ std::string mpiVersion() {
   return version.substr(0, version.find_first_of(",\n"));
 }
 
+nlohmann::ordered_json toJson(const StepReport& steps) {
+  auto cuts = nlohmann::ordered_json::array();
+  for (const StepCutReport& cut : steps.cuts)
+    cuts.push_back({{"reason", cut.reason},
+                    {"step", cut.step},
+                    {"time", cut.time},
+                    {"from", cut.from},
+                    {"to", cut.to}});
+  return {{"first", steps.first},
+          {"last", steps.last},
+          {"guarded_steps", steps.guarded_steps},
+          {"cuts", cuts}};
+}
+
+// "time step: 1e-3; 2 cuts: ..." with the first few cuts.
+void printSteps(std::ostream& out, const StepReport& steps) {
+  out << format("time step: %.4g at the start, %.4g at the end, cut %zu times", steps.first,
+                steps.last, steps.cuts.size());
+  constexpr std::size_t most = 4;
+  for (std::size_t i = 0; i < minOf(most, steps.cuts.size()); ++i) {
+    const StepCutReport& cut = steps.cuts[i];
+    out << format("%s to %.4g in step %lld for %s", i == 0 ? ":" : ",", cut.to,
+                  static_cast<long long>(cut.step), cut.reason.c_str());
+  }
+  out << (steps.cuts.size() > most ? ", and so on" : "")
+      << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
+}
+
 } // namespace
 
 Provenance describeRun(MPI_Comm comm) {
@@ -112,6 +140,7 @@ std::string reportJson(const RunReport& r) {
                     {"active_contacts", r.search.active_contacts},
                     {"drops_same_body", r.search.drops_same_body}};
   json["search_timers"] = toJson(r.search_timers);
+  json["time_step"] = toJson(r.time_step);
   json["balance"] = {{"energy_error", r.balance.energy_error},
                      {"momentum_error", r.balance.momentum_error},
                      {"external_work", r.balance.external_work},
@@ -183,6 +212,7 @@ void printReport(std::ostream& out, const RunReport& r) {
                 r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
                 static_cast<long long>(r.search.candidate_pairs),
                 static_cast<long long>(r.search.active_contacts));
+  printSteps(out, r.time_step);
   out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
                 "kinetic %.6e, peak stored %.6e\n",
                 r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,

@@ -44,6 +44,19 @@ struct BalanceReport {
   double external_work = 0, peak_kinetic_energy = 0, peak_stored_energy = 0;
 };
 
+// A step that was shortened, with all that follow it.
+struct StepCutReport {
+  std::string reason; // "stability" or "tunnelling"
+  std::int64_t step = 0; // the first of the new length
+  double time = 0; // at its begin
+  double from = 0, to = 0; // dt
+};
+struct StepReport {
+  double first = 0, last = 0; // dt
+  std::vector<StepCutReport> cuts;
+  std::int64_t guarded_steps = 0; // steps whose pairs were looked at because some nodes moved fast
+};
+
 struct RunReport {
   std::string case_name, title;
   Provenance provenance;
@@ -58,6 +71,7 @@ struct RunReport {
   std::vector<PhaseTime> phases; // PhaseRecorder::phases
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
   SearchReport search;
+  StepReport time_step;
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings; // what the user should know of a run that passes

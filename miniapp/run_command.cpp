@@ -215,6 +215,7 @@ private:
     report.search.candidate_pairs = counts.candidate_pairs;
     report.search.active_contacts = counts.active;
     report.search.drops_same_body = _simulation.dropsSameBody();
+    report.time_step = stepReport();
     const auto& balance = _simulation.balance();
     report.balance = {balance.energy_error, balance.momentum_error, balance.external_work,
                       balance.peak_kinetic, balance.peak_stored};
@@ -226,6 +227,18 @@ private:
           "contact.tolerance keeps it");
     report.failures = failures();
     return report;
+  }
+
+  StepReport stepReport() const {
+    StepReport steps;
+    const auto& cuts = _simulation.stepCuts();
+    steps.last = _simulation.clock().dt;
+    steps.first = cuts.empty() ? steps.last : cuts.front().from;
+    steps.guarded_steps = _simulation.guardedSteps();
+    for (const StepCut& cut : cuts)
+      steps.cuts.push_back({cut.reason == StepCut::Reason::tunnelling ? "tunnelling" : "stability",
+                            cut.step, cut.time, cut.from, cut.to});
+    return steps;
   }
 
   std::vector<std::string> failures() const {

@@ -27,8 +27,9 @@ std::string reversingDamping(double damping, double dt) {
 
 void Simulation::step() {
   moveNodes();
-  adaptTimeStep();
   findContactCandidates();
+  guardAgainstTunnelling();
+  adaptTimeStep();
   computeForces(_clock.time);
   watchCompression();
   sumSharedNodes();
@@ -48,13 +49,12 @@ void Simulation::start() {
 }
 
 void Simulation::moveNodes() {
+  keepPositionsWhereFast();
   const Region region("step::drift");
   mechanics::drift(_space, _clock.dt, _state);
   if (_coupling)
     _coupling->gatherCoordinates(_space, _state.displacement);
-  _clock.dt_before = _clock.dt;
-  _clock.time += _clock.dt;
-  ++_clock.step;
+  _clock.advance();
 }
 
 void Simulation::findContactCandidates() {
@@ -94,7 +94,8 @@ void Simulation::enforceContact(double dt) {
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == ContactScheme::energy_neutral) {
-    neutral.acceleration = _coupling->accelerations(_space, _forces, _state, dt, _boundary);
+    neutral.acceleration =
+        _coupling->accelerations(_space, _forces, _state, 0.5 * (dt + _clock.dt), _boundary);
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
@@ -111,7 +112,7 @@ void Simulation::enforceContact(double dt) {
 void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
   const Region region("step::kick");
   _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
-                          _state, _scales);
+                          _state, _scales, _guard.speedTest(_ledger.meanVelocity()));
 }
 
 void Simulation::bookEnergies(double dt_kick) {
@@ -154,49 +155,6 @@ std::string Simulation::describeFailure() {
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
   return message.str();
-}
-
-// Whole steps of equal length from now to the end, none longer than `longest`.
-void Simulation::planSteps(double longest) {
-  const double left = _config.time.end - _clock.time;
-  constexpr double most = 1e15; // of a deck's time.steps too
-  const double steps = maxOf(std::ceil(left / longest * (1 - 1e-12)), 1.0);
-  _clock.dt = left / steps;
-  _planned_steps = _clock.step + static_cast<std::int64_t>(minOf(steps, most));
-  if (_config.time.steps)
-    _planned_steps = minOf(_planned_steps, *_config.time.steps);
-}
-
-// Between drift and kick, so that the kick spans half of either step and the ledger knows the drift to come.
-void Simulation::adaptTimeStep() {
-  if (_clock.step % _config.time.check_interval != 0 || done())
-    return;
-  const Region region("step::stable step");
-  shortenStepIfUnstable();
-}
-
-// Quadratic viscosity damps the more, and needs the shorter a step, the faster elements are compressed. The step allows for
-// a rate; when that is exceeded, for half as much again, so that few changes reach any rate. Before the kick, which spans
-// half of either step. Collective.
-void Simulation::watchCompression() {
-  if (!(_config.viscosity.quadratic > 0) || done())
-    return;
-  const double rate = allReduce(_comm, _internal.compression_rate, MPI_MAX);
-  if (!(rate > _step_viscosity.rate))
-    return;
-  _step_viscosity.rate = 1.5 * rate;
-  const Region region("step::stable step");
-  shortenStepIfUnstable();
-}
-
-void Simulation::shortenStepIfUnstable() {
-  const auto stable =
-      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
-  // A jittering step is itself unstable (shared/physics.md, finding 5): dt changes only when the elements' bound has
-  // fallen below it, and then by enough to last.
-  constexpr double reserve = 0.9;
-  if (_step_share * stable.dt < _clock.dt && stable.dt > 0)
-    planSteps(reserve * _step_share * stable.dt);
 }
 
 Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
@@ -271,6 +229,7 @@ void Simulation::setUpContact() {
   enforcement.friction_stiffness = _config.contact.friction_stiffness;
   enforcement.damping = _config.contact.damping;
   enforcement.self_contact = !_drops_same_body;
+  _guard = TunnellingGuard(_config, search.node_tolerance + search.face_tolerance, _clock.dt);
   _coupling->resetCoordinates(_space, _state.displacement);
   const contact::FeatureEdges features = contact::findFeatureEdges(_comm, _coupling->surface());
   _coupling->setTrueEdges(_space, features.true_edges);

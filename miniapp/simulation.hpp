@@ -13,6 +13,7 @@
 #include "miniapp/contact_ledger.hpp"
 #include "miniapp/scene.hpp"
 #include "miniapp/surface_coupling.hpp"
+#include "miniapp/tunnelling_guard.hpp"
 
 #include <mpi.h>
 
@@ -28,6 +29,21 @@ struct Clock {
   double time = 0; // t^n of the positions
   double dt = 0; // of the next drift
   double dt_before = 0; // of the last drift; 0 before the first
+
+  void advance() {
+    dt_before = dt;
+    time += dt;
+    ++step;
+  }
+};
+
+// A step that was shortened, with all that follow it.
+struct StepCut {
+  enum class Reason { stability, tunnelling };
+  Reason reason = Reason::stability;
+  std::int64_t step = 0; // the first of the new length
+  double time = 0; // at its begin
+  double from = 0, to = 0; // dt
 };
 
 // Counts of the last step over all ranks.
@@ -54,6 +70,9 @@ public:
 
   const Config& config() const { return _config; }
   const Clock& clock() const { return _clock; }
+  const std::vector<StepCut>& stepCuts() const { return _step_cuts; }
+  // Steps whose pairs were looked at because some nodes moved fast.
+  std::int64_t guardedSteps() const { return _guarded_steps; }
   // Steps in all until the end time (or the deck's number of steps).
   std::int64_t plannedSteps() const { return _planned_steps; }
   bool done() const { return _clock.step >= plannedSteps(); }
@@ -72,6 +91,13 @@ public:
 
 private:
   void moveNodes();
+  void keepPositionsWhereFast();
+  // Where a pair of this step moves by more than contact reaches: takes the drift back, shortens the step for good, drifts
+  // and searches again; or throws PhysicsError, on all ranks, in the state of the step before. Collective.
+  void guardAgainstTunnelling();
+  void takeBackDrift();
+  void shortenDrift(double longest);
+  void shortenSteps(double longest, StepCut::Reason reason);
   // Every check_interval steps: compares dt with the stable step of the deformed bodies and shortens it for good where
   // needed. Collective.
   void adaptTimeStep();
@@ -114,7 +140,14 @@ private:
   std::unique_ptr<contact::Enforcement> _enforcement;
   std::unique_ptr<contact::EdgeContact> _edges; // null also without convex edges
   ContactLedger _contact_ledger;
+  TunnellingGuard _guard; // off without contact
   std::int64_t _lost = 0; // this rank's, since the start
+
+  std::vector<StepCut> _step_cuts;
+  std::int64_t _guarded_steps = 0;
+  bool _is_watched = false; // the step under way: some nodes are fast, u^n is kept
+  Clock _kept_clock;
+  View<double* [3]> _kept_displacement;
 
   // of the step under way
   mechanics::InternalForceResult _internal;

@@ -117,6 +117,11 @@ void SurfaceCoupling::setTrueEdges(const exec_space& space,
 void SurfaceCoupling::gatherCoordinates(const exec_space& space,
                                         const View<const double* [3]>& displacement) {
   std::swap(_old, _new);
+  gatherAgain(space, displacement);
+}
+
+void SurfaceCoupling::gatherAgain(const exec_space& space,
+                                  const View<const double* [3]>& displacement) {
   const auto surface_to_node = _surface_to_node;
   const auto X = _reference;
   const auto x = _new;

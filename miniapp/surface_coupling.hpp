@@ -18,6 +18,8 @@ public:
 
   // x^n := x^{n+1}, then x^{n+1} := X + u at the surface nodes.
   void gatherCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
+  // x^{n+1} := X + u alone: the drift was made anew.
+  void gatherAgain(const exec_space& space, const View<const double* [3]>& displacement);
   // Faces' edges without coplanar neighbours (contact::findFeatureEdges), by bits.
   void setTrueEdges(const exec_space& space, const std::vector<unsigned char>& true_edges);
   // Both configurations at X + u: for the start.

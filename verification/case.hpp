@@ -10,10 +10,9 @@
 namespace brickwall::verification {
 
 struct Case {
-  explicit Case(const std::string& deck)
+  explicit Case(const std::string& deck, MPI_Comm comm = MPI_COMM_WORLD)
       : config(miniapp::parseConfig(deck, "case.toml")),
-        scene(miniapp::makeScene(exec_space(), MPI_COMM_WORLD, config)),
-        simulation(MPI_COMM_WORLD, config, scene) {}
+        scene(miniapp::makeScene(exec_space(), comm, config)), simulation(comm, config, scene) {}
 
   miniapp::Config config;
   miniapp::Scene scene;

@@ -42,6 +42,10 @@ for ranks in 1 3; do
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
+  expect "a brick that is too fast for contact stops the run" 3 'node [0-9]+ .*of body [0-9]+ moves by .* against face [0-9]+ .*of body [0-9]+' \
+    $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' --set 'initial.velocity[0].velocity=[0.5,0,0]' --set 'contact.guard="stop"'
+  expect "a step that is cut for contact is told" 0 'time step: .* for tunnelling' $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' \
+    --set 'initial.velocity[0].velocity=[0.2,0,0]' --steps 100
   expect "an unknown set is named with the nearest one" 2 "front" $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set 'load.pressure[0].side_set="frnt"'
   expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'

@@ -68,6 +68,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.formulation, Formulation::tlps);
   EXPECT_TRUE(config.contact.enabled);
   EXPECT_EQ(config.contact.self, SelfContact::automatic);
+  EXPECT_EQ(config.contact.guard, GuardAction::cut);
   EXPECT_EQ(config.search.method, SearchMethod::cluster);
   EXPECT_FALSE(config.search.shuffle);
   EXPECT_TRUE(config.search.local);
@@ -101,7 +102,7 @@ TEST(Config, ReadsEveryKey) {
       "[[initial.deformation]]\nbody = 2\ngradient = [0.1, 0, 0, 0, -0.2, 0, 0.3, 0, 0]\n"
       "center = [4, 5, 6]\n"
       "[contact]\nenabled = false\ntolerance = 0.1\npenalty = 0.25\nself = \"always\"\n"
-      "lateral_tolerance = 0.2\n"
+      "lateral_tolerance = 0.2\nguard = \"stop\"\n"
       "[search]\nmethod = \"reference\"\nreuse = { margin = 0.25 }\njitter = 0.1\n"
       "drift = 0.2\nrepetitions = 3\nwarmup = 0\nseed = 9\nshuffle = true\nlocal = false\n"
       "[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
@@ -146,6 +147,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(deformation.center, (Triple{4, 5, 6}));
   EXPECT_FALSE(config.contact.enabled);
   EXPECT_EQ(config.contact.self, SelfContact::always);
+  EXPECT_EQ(config.contact.guard, GuardAction::stop);
   EXPECT_EQ(config.search.method, SearchMethod::reference);
   EXPECT_EQ(config.search.seed, 9);
   EXPECT_TRUE(config.search.shuffle);

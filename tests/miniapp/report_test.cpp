@@ -258,6 +258,7 @@ RunReport sampleReport() {
   report.counted_searches = 10;
   report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
   report.search.method = "paper";
+  report.time_step = {2.0, 0.5, {{"tunnelling", 3, 4.0, 2.0, 0.5}}, 7};
   return report;
 }
 
@@ -282,6 +283,11 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   for (const char* name : {"energy_error", "momentum_error", "external_work", "peak_kinetic_energy",
                            "peak_stored_energy"})
     EXPECT_TRUE(json["balance"].contains(name)) << name;
+  EXPECT_EQ(json["time_step"]["first"], 2.0);
+  EXPECT_EQ(json["time_step"]["guarded_steps"], 7);
+  EXPECT_EQ(json["time_step"]["cuts"][0]["reason"], "tunnelling");
+  EXPECT_EQ(json["time_step"]["cuts"][0]["step"], 3);
+  EXPECT_EQ(json["time_step"]["cuts"][0]["to"], 0.5);
   EXPECT_GT(json["memory"]["max_rank_bytes"], 1000000);
   EXPECT_EQ(json["ranks"], sizeOf(MPI_COMM_WORLD));
   EXPECT_EQ(json["pass"], true);

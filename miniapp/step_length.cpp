@@ -1,0 +1,129 @@
+// How long the steps of a simulation are: planned at the start, shortened where the deformed bodies ask for it or where a node
+// could pass a face within a step. dt jittering from step to step would itself be unstable (Skeel 1993), so each cut is for
+// good and by enough to last.
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "contact/pair_motion.hpp"
+#include "mechanics/central_difference.hpp"
+#include "mechanics/stable_time_step.hpp"
+#include "miniapp/simulation.hpp"
+
+#include <cmath>
+
+namespace brickwall::miniapp {
+
+// Whole steps of equal length from now to the end, none longer than `longest`.
+void Simulation::planSteps(double longest) {
+  const double left = _config.time.end - _clock.time;
+  constexpr double most = 1e15; // of a deck's time.steps too
+  const double steps = maxOf(std::ceil(left / longest * (1 - 1e-12)), 1.0);
+  _clock.dt = left / steps;
+  _planned_steps = _clock.step + static_cast<std::int64_t>(minOf(steps, most));
+  if (_config.time.steps)
+    _planned_steps = minOf(_planned_steps, *_config.time.steps);
+}
+
+void Simulation::shortenSteps(double longest, StepCut::Reason reason) {
+  StepCut cut;
+  cut.reason = reason;
+  cut.step = _clock.step + 1;
+  cut.time = _clock.time;
+  cut.from = _clock.dt;
+  planSteps(longest);
+  cut.to = _clock.dt;
+  _step_cuts.push_back(cut);
+}
+
+// Between drift and kick, so that the kick spans half of either step and the ledger knows the drift to come.
+void Simulation::adaptTimeStep() {
+  if (_clock.step % _config.time.check_interval != 0 || done())
+    return;
+  const Region region("step::stable step");
+  shortenStepIfUnstable();
+}
+
+// Quadratic viscosity damps the more, and needs the shorter a step, the faster elements are compressed. The step allows for
+// a rate; when that is exceeded, for half as much again, so that few changes reach any rate. Before the kick, which spans
+// half of either step. Collective.
+void Simulation::watchCompression() {
+  if (!(_config.viscosity.quadratic > 0) || done())
+    return;
+  const double rate = allReduce(_comm, _internal.compression_rate, MPI_MAX);
+  if (!(rate > _step_viscosity.rate))
+    return;
+  _step_viscosity.rate = 1.5 * rate;
+  const Region region("step::stable step");
+  shortenStepIfUnstable();
+}
+
+void Simulation::shortenStepIfUnstable() {
+  const auto stable =
+      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
+  constexpr double reserve = 0.9;
+  if (_step_share * stable.dt < _clock.dt && stable.dt > 0)
+    shortenSteps(reserve * _step_share * stable.dt, StepCut::Reason::stability);
+}
+
+// Decided by the velocities, before the drift: then what it starts from can be kept bit for bit.
+void Simulation::keepPositionsWhereFast() {
+  _is_watched = _coupling && _ledger.balance().fast_nodes > 0;
+  if (!_is_watched)
+    return;
+  if (_kept_displacement.extent(0) != _state.displacement.extent(0))
+    _kept_displacement = allocate<View<double* [3]>>(_space, "simulation::kept_displacement",
+                                                     _state.displacement.extent(0));
+  Kokkos::deep_copy(_space, _kept_displacement, _state.displacement);
+  _kept_clock = _clock;
+}
+
+void Simulation::guardAgainstTunnelling() {
+  if (!_is_watched)
+    return;
+  const Region region("step::tunnelling guard");
+  ++_guarded_steps;
+  while (true) {
+    const double allowed = _guard.allowedMotion(_clock.dt);
+    contact::PairMotion fastest = contact::fastestPair(
+        _space, _comm, _coupling->surface(), _search->ghosts(), _search->pairs(), allowed);
+    if (_edges) {
+      const auto fastest_edges = _edges->fastestPair(_space, _comm, allowed);
+      if (fastest_edges.motion > fastest.motion)
+        fastest = fastest_edges;
+    }
+    if (!(fastest.motion > allowed))
+      return;
+    // A throw leaves the state of the step before.
+    const double drifted = _clock.dt_before;
+    takeBackDrift();
+    shortenDrift(_guard.shorten(drifted, fastest, _clock.step, _clock.time));
+    mechanics::drift(_space, _clock.dt, _state);
+    _coupling->gatherAgain(_space, _state.displacement);
+    _clock.advance();
+    findContactCandidates();
+  }
+}
+
+void Simulation::takeBackDrift() {
+  Kokkos::deep_copy(_space, _state.displacement, _kept_displacement);
+  _clock = _kept_clock;
+}
+
+// The drift to come becomes shorter, and so does the kick that led to its velocity: half of what the drift loses is taken back,
+// with the forces of that kick, as if the length had been known. A node's depth is its speed times the reference step, so that
+// is shortened too: what is born in contact from now on is stiffer.
+void Simulation::shortenDrift(double longest) {
+  _enforcement->setReferenceStep(_guard.referenceStep());
+  if (_edges)
+    _edges->setReferenceStep(_guard.referenceStep());
+  const double before = _clock.dt;
+  if (longest >= before)
+    return;
+  shortenSteps(longest, StepCut::Reason::tunnelling);
+  const double dt_kick = 0.5 * (_clock.dt - before);
+  kickVelocities(dt_kick, _clock.time + 0.5 * _clock.dt);
+  _ledger.bookCorrection(_comm, dt_kick, _clock.dt, _kick);
+  if (_ledger.balance().failures > 0)
+    throw PhysicsError(describeFailure());
+}
+
+} // namespace brickwall::miniapp
