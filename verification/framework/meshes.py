@@ -54,12 +54,13 @@ def bodies(num_nodes, hexes):
     return [np.flatnonzero(label == first) for first in np.unique(label[np.unique(hexes)])]
 
 
-def box(size, elements, origin=(0, 0, 0), name="block"):
-    """A block of equal elements; its node sets and side sets x0, x1, y0, y1, z0, z1 begin with the block's name and a dot."""
-    return graded_box([np.linspace(o, o + s, n + 1) for o, s, n in zip(origin, size, elements)], name)
+def box(size, elements, origin=(0, 0, 0), name="block", sets=None):
+    """A block of equal elements in the element block `name`. Its node sets and side sets are x0, x1, y0, y1, z0, z1 behind
+    `sets` (by default the name) and a dot."""
+    return graded_box([np.linspace(o, o + s, n + 1) for o, s, n in zip(origin, size, elements)], name, sets)
 
 
-def graded_box(coordinates, name="block"):
+def graded_box(coordinates, name="block", sets=None):
     """A block with nodes at all triples of the three rising lists of coordinates."""
     nx, ny, nz = (len(values) for values in coordinates)
     z, y, x = np.meshgrid(*coordinates[::-1], indexing="ij")
@@ -70,15 +71,15 @@ def graded_box(coordinates, name="block"):
     ends = {f"{axis}{end}": np.flatnonzero(np.isclose(nodes[:, i], values[-end], rtol=0, atol=1e-12 * np.ptp(values)))
             for i, (axis, values) in enumerate(zip("xyz", coordinates)) for end in (0, 1)}
     for end, members in ends.items():
-        mesh.node_sets[f"{name}.{end}"] = members
+        mesh.node_sets[f"{sets or name}.{end}"] = members
         side = BOX_SIDES[end]
         elements = np.flatnonzero(np.isin(hexes[:, HEX_SIDES[side]], members).all(axis=1))
-        mesh.side_sets[f"{name}.{end}"] = np.stack([elements, np.full(len(elements), side)], axis=1)
+        mesh.side_sets[f"{sets or name}.{end}"] = np.stack([elements, np.full(len(elements), side)], axis=1)
     return mesh
 
 
 def together(*meshes):
-    """One mesh of several that share no node. Blocks of one name must follow each other; sets keep their names."""
+    """One mesh of several that share no node. Blocks of one name must follow each other; sets must have different names."""
     all_of_them = Mesh(np.concatenate([mesh.nodes for mesh in meshes]), np.empty((0, 8), dtype=np.int64), {})
     first_node = 0
     for mesh in meshes:
