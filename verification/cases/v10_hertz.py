@@ -1,0 +1,111 @@
+"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. Pressed so far that
+the contact has the radius a, Hertz' half-space gives the approach delta = a^2/R and the force F = 4/3 E* sqrt(R delta^3); flung with the
+velocity v that leads to this a, the contact lasts T = 2.868 (m^2/(R E*^2 v))^(1/5). The half-space is the limit a/B -> 0; elements
+are graded towards the contact and have the length a/8 there. A quarter is computed. The penalty is one more spring between the block
+and the plane. A pressure p presses it in by 2 p (dt/h)^2 h/(rho s), so with the step and the penalty of the defaults it is as soft as
+a tenth of a contact of eight elements: here the step is shorter and the penalty larger, and the defaults are told beside."""
+import numpy as np
+from framework.meshes import box, graded_box, together, volumes
+
+NAME = "V10"
+TITLE = "Hertz contact, at rest and in impact"
+DECK = "v10_hertz_impact.toml"
+SECONDS = 300
+RADIUS = 4.0
+E_STAR = 1 / (1 - 0.3**2)  # the plane is rigid
+DEFAULTS = {"time.safety": 0.8, "contact.penalty": 0.5}
+
+
+def graded(step, even, end):
+    """0 to `end`: steps of one length as far as `even`, then each 1.4 times the last."""
+    points = list(np.arange(0, even + step / 2, step))
+    while points[-1] < end:
+        step *= 1.4
+        points.append(points[-1] + step)
+    points = np.array(points)
+    last = np.searchsorted(points, even) + 1  # what lies beyond is stretched to meet the end
+    points[last:] = even + (points[last:] - even) * (end - even) / (points[-1] - even)
+    return points
+
+
+def quarter_ball(step, contact_radius):
+    """The block [0, 1]^3 with its bottom on a sphere of RADIUS about (0, 0, RADIUS), and a plane at z = 0."""
+    points = graded(step, 1.5 * contact_radius, 1.0)
+
+    def onto_sphere(nodes):
+        x, y, z = nodes.T
+        return np.stack([x, y, z + (RADIUS - np.sqrt(RADIUS**2 - x**2 - y**2)) * (1 - z)], axis=1)
+
+    ball = graded_box([points] * 3, "ball").mapped(onto_sphere)
+    plane = box((2, 2, 1), (1, 1, 1), (-0.5, -0.5, -1), "plane")
+    plane.node_sets = {"plane.all": np.arange(8)}
+    return together(ball, plane)
+
+
+def hertz_force(approach):
+    return 4 / 3 * E_STAR * np.sqrt(RADIUS) * approach**1.5
+
+
+def impact(lab, a, per_radius, settings=None):
+    """(contact time over that of Hertz, history) of an impact that leads to the contact radius `a`."""
+    mesh = quarter_ball(a / per_radius, a)
+    mass = 4 * volumes(mesh.nodes, mesh.hexes)[:-1].sum()  # all but the plane's
+    velocity = np.sqrt(2 * 0.4 * hertz_force(a**2 / RADIUS) * a**2 / RADIUS / mass)  # m v^2/2 = 2/5 F delta
+    exact = 2.868 * (mass**2 / (RADIUS * E_STAR**2 * velocity))**0.2
+    run = lab.run(f"impact_{a:g}_{per_radius}{'_defaults' if settings else ''}",
+                  {"initial.velocity[0].velocity": [0, 0, -velocity], "time.end": 1.15 * exact, **(settings or {})}, mesh=mesh)
+    history = run.history
+    return history["time"][np.flatnonzero(history["contacts"])[-1]] / exact, history
+
+
+def pressed(lab, a, per_radius, settings=None):
+    """Force over that of Hertz, at rest with the approach that has the contact radius `a`."""
+    approach = a**2 / RADIUS
+    run = lab.run(f"static_{a:g}_{per_radius}{'_defaults' if settings else ''}",
+                  {"boundary.velocity[0].velocity": [0, 0, -approach / 2], **(settings or {})},  # for a time 4, sin^2
+                  mesh=quarter_ball(a / per_radius, a), deck=lab.deck_path.with_name("v10_hertz_static.toml"))
+    results = run.results
+    return 4 * results.nodal("force_contact_z")[results.nodes_of_block(0)].sum() / hertz_force(approach)
+
+
+def evaluate(lab):
+    per_radius = 4 if lab.quick else 8
+    ratios = (0.2, 0.1) if lab.quick else (0.2, 0.1, 0.05)  # a/B
+    forces = [pressed(lab, a, per_radius) for a in ratios]
+    times, histories = zip(*(impact(lab, a, per_radius) for a in ratios))
+    limits = [np.polyval(np.polyfit(ratios[-2:], values[-2:], 1), 0) for values in (forces, times)]
+    lab.check(times[-1], 1, 0.03)
+    lab.check(limits[1], 1, 0.03, "time_small_contact")
+    if not lab.quick:
+        lab.check(forces[-1], 1, 0.03, "force")
+    lab.check(limits[0], 1, 0.03, "force_small_contact")
+    lab.check(max(history["energy_error"][-1] for history in histories), 0, 1e-3, "energy")
+    rows = [[a, force, time] for a, force, time in zip(ratios, forces, times)]
+    lab.table(f"Over Hertz' values, {per_radius} elements in a:", ["a/B", "force at rest", "contact time"],
+              rows + [["0 (by a line through the last two)", *limits]])
+    if not lab.quick:
+        tell_compliance(lab, ratios[1], times[1], forces[1])
+    with lab.figure("Force by time of the impact with the smallest contact") as axes:
+        draw_force(axes, histories[-1], ratios[-1])
+
+
+def tell_compliance(lab, a, stiff_time, stiff_force):
+    """What the defaults' softer contact adds, by elements in the radius of contact."""
+    meshes = (4, 6, 8, 12)
+    added = [impact(lab, a, n, DEFAULTS)[0] - stiff_time for n in meshes]
+    force = pressed(lab, a, 8, DEFAULTS)
+    lab.check_order([1 / n for n in meshes], added, least=0.8, exact=1, name="order_of_compliance")
+    lab.table(f"Added to the contact time by the defaults, time.safety = 0.8 and contact.penalty = 0.5, a/B = {a}:",
+              ["elements in a", "added"], zip(meshes, added))
+    lab.weak_spot(f"the penalty of the defaults makes a Hertz contact of 8 elements in its radius {100 * (1 - force / stiff_force):.0f} % "
+                  f"softer and an impact {100 * added[2]:.1f} % longer, of first order in the element size; a shorter step and a "
+                  "larger contact.penalty cure it, at the price of steps")
+
+
+def draw_force(axes, history, a):
+    step, window = history["timestep"][0], 101
+    force = 4 * np.diff(history["momentum_z"]) / step
+    smooth = np.convolve(force, np.ones(window) / window, "same")
+    axes.plot(history["time"][1:], smooth / hertz_force(a**2 / RADIUS), label="computed, mean over 101 steps", linewidth=1)
+    axes.axhline(1, color="#8a8a8a", linestyle="--", linewidth=1.2, label="largest force by Hertz")
+    axes.set(xlabel="t c/B", ylabel="F / F_Hertz")
