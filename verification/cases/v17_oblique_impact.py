@@ -1,7 +1,9 @@
-"""V17: Two free elastic blocks of random sizes, orientations, velocities (.01 to .03 c each) and spins run into each other, 40
-times. Nothing acts from outside and nothing dissipates: momentum, angular momentum and energy stay. The first two are exact by
-construction; the energy shows the error of contact at births, switches of faces and slips off edges. The gauge is that of the
-half step, which central differences conserve to rounding for linear springs."""
+"""V17: Two free elastic blocks of random sizes, orientations, velocities and spins run into each other, 40 times, with closing
+speeds of .002 to .006 c (in brick, 6 to 19 m/s). Nothing acts from outside and nothing dissipates: momentum, angular momentum and
+energy stay. The first two are exact by construction; the energy shows the error of contact at births, switches of faces and slips
+off edges. The gauge is that of the half step, which central differences conserve to rounding for linear springs."""
+from dataclasses import dataclass
+
 import numpy as np
 from framework.meshes import box, rotation, together
 
@@ -11,25 +13,20 @@ DECK = "v17_oblique_impact.toml"
 SECONDS = 60
 
 
-def random_turn(random):
-    return rotation(random.normal(size=3), random.uniform(0, np.pi))
-
-
-def random_impact(seed):
-    """(mesh, settings) of two blocks that just do not touch: spheres about them do."""
+def random_impact(seed, speed=0.002):
+    """(mesh, settings) of two blocks a little apart along x, which fly into each other with about `speed` each."""
     random = np.random.default_rng(seed)
-    blocks, settings, reach = [], {}, 0.0
+    blocks, settings = [], {}
     for i, name in enumerate(("left", "right")):
         size = random.uniform(0.6, 1.4, 3)
+        turn = rotation(random.normal(size=3), random.uniform(0, np.pi))
         block = box(size, np.ceil(4 * size).astype(int), -size / 2, name)
-        radius = np.linalg.norm(size) / 2
-        center = np.array([(-radius, radius)[i], *random.uniform(-0.25, 0.25, 2) * i])
-        turn = random_turn(random)
+        center = np.array([0, *random.uniform(-0.25, 0.25, 2) * i])
+        center[0] = (-1, 1)[i] * (np.abs(block.nodes @ turn[0]).max() + 0.01)  # its extent along x
         blocks.append(block.mapped(lambda nodes, turn=turn, center=center: nodes @ turn.T + center))
-        reach = max(reach, np.linalg.norm(center) + radius)
-        velocity = random.uniform(0.01, 0.03) * np.array([(1, -1)[i], *random.uniform(-0.2, 0.2, 2)])
-        settings[f"initial.velocity[{i}].velocity"] = velocity
-        settings[f"initial.velocity[{i}].angular_velocity"] = random.normal(size=3) * 0.01
+        settings[f"initial.velocity[{i}].velocity"] = (speed * random.uniform(0.5, 1.5)
+                                                       * np.array([(1, -1)[i], *random.uniform(-0.2, 0.2, 2)]))
+        settings[f"initial.velocity[{i}].angular_velocity"] = random.normal(size=3) * speed / 2
         settings[f"initial.velocity[{i}].center"] = center
     return together(*blocks), settings
 
@@ -38,31 +35,73 @@ def vector(history, name):
     return np.stack([history[f"{name}_{axis}"] for axis in "xyz"], axis=1)
 
 
+@dataclass
+class Impact:
+    """Relative changes of what should stay."""
+
+    seed: int
+    times: np.ndarray
+    energy: np.ndarray  # by time
+    momentum: float
+    angular_momentum: float
+    most_contacts: int
+    contacts_left: int
+    deepest: float  # penetration in face sizes
+
+    def row(self):
+        return [self.seed, self.most_contacts, self.deepest, self.energy[-1], np.abs(self.energy).max(), self.momentum,
+                self.angular_momentum]
+
+
+def impact(lab, seed, label, settings=None, speed=0.002):
+    mesh, scene = random_impact(seed, speed)
+    history = lab.run(f"{label}{seed}", {**scene, **(settings or {})}, mesh=mesh).history
+    # Momenta of the parts may cancel in the sum: sqrt(2 K M) bounds them, with M below 6 and all within 3 of the origin.
+    scale = np.sqrt(2 * history["kinetic_energy"][0] * 6)
+    change = {name: np.linalg.norm(vector(history, name) - vector(history, name)[0], axis=1).max() / scale
+              for name in ("momentum", "angular_momentum")}
+    total = history["total_energy"][1:]  # known from the first full step on
+    return Impact(seed, history["time"][1:], total / total[0] - 1, change["momentum"], change["angular_momentum"] / 3,
+                  int(history["contacts"].max()), int(history["contacts"][-1]), history["max_penetration"].max())
+
+
+def final_errors(impacts):
+    """(root mean square, worst) of the relative energy error in the end."""
+    final = np.array([one.energy[-1] for one in impacts])
+    return np.sqrt(np.mean(final**2)), np.abs(final).max()
+
+
 def evaluate(lab):
-    seeds = range(4 if lab.quick else 40)
-    rows, histories = [], {}
-    for seed in seeds:
-        mesh, settings = random_impact(seed)
-        history = histories[seed] = lab.run(f"seed{seed}", settings, mesh=mesh).history
-        energy = history["total_energy"][1:] / history["total_energy"][1] - 1
-        # Momenta of the parts may cancel in the sum: sqrt(2 K M) bounds them, with M below 6 and all within 3 of the origin.
-        scale = np.sqrt(2 * history["kinetic_energy"][0] * 6)
-        momentum, angular = (np.linalg.norm(vector(history, name) - vector(history, name)[0], axis=1).max() / scale
-                             for name in ("momentum", "angular_momentum"))
-        rows.append([seed, history["contacts"].max(), history["contacts"][-1], energy[-1], np.abs(energy).max(), momentum,
-                     angular / 3])
-    final, largest = (np.abs([row[i] for row in rows]) for i in (3, 4))
-    lab.check(final.max(), 0, 1e-3)
-    lab.check(largest.max(), 0, 5e-3, "energy_over_time")
-    lab.check(max(row[5] for row in rows), 0, 1e-13, "momentum")
-    lab.check(max(row[6] for row in rows), 0, 1e-13, "angular_momentum")
-    lab.check(min(row[1] for row in rows) > 0, 1, 0, "all_have_met")
-    lab.check(max(row[2] for row in rows), 0, 0, "all_have_parted")
-    lab.note(f"Energy over {len(rows)} impacts: root mean square {np.sqrt(np.mean(final**2)):.2g} in the end, worst "
-             f"{final.max():.2g} (seed {final.argmax()}); at any time worst {largest.max():.2g} (seed {largest.argmax()}).")
-    lab.table("Relative changes:", ["seed", "most contacts", "contacts in the end", "energy, final", "energy, largest",
-                                    "momentum", "angular momentum"], rows)
+    impacts = [impact(lab, seed, "seed") for seed in range(4 if lab.quick else 40)]
+    lab.check(final_errors(impacts)[1], 0, 1e-3)
+    lab.check(max(np.abs(one.energy).max() for one in impacts), 0, 5e-3, "energy_over_time")
+    lab.check(max(one.momentum for one in impacts), 0, 1e-13, "momentum")
+    lab.check(max(one.angular_momentum for one in impacts), 0, 1e-13, "angular_momentum")
+    lab.check(min(one.most_contacts for one in impacts) > 0, 1, 0, "all_have_met")
+    lab.check(max(one.contacts_left for one in impacts), 0, 0, "all_have_parted")
+    lab.table("Relative changes; penetration in face sizes:", ["seed", "most contacts", "deepest", "energy, final",
+                                                               "energy, largest", "momentum", "angular momentum"],
+              [one.row() for one in impacts])
+    if not lab.quick:
+        tell_variants(lab, impacts)
     with lab.figure("Energy by time, over that of the start") as axes:
-        for history in histories.values():
-            axes.plot(history["time"][1:], history["total_energy"][1:] / history["total_energy"][1] - 1, linewidth=0.6)
+        for one in impacts:
+            axes.plot(one.times, one.energy, linewidth=0.6)
         axes.set(xlabel="t", ylabel="E/E_0 - 1")
+
+
+def tell_variants(lab, impacts):
+    """The same with other settings, and faster."""
+    seeds = range(12)
+    rows = [["as above, of 12", *final_errors(impacts[:12])]]
+    for name, settings in (("contact.edges = false", {"contact.edges": False}),
+                           ("contact.scheme = penalty", {"contact.scheme": "penalty"}),
+                           ("contact.edge_tolerance = 0.5", {"contact.edge_tolerance": 0.5})):
+        label = name.split(".")[1].split(" ")[0] + "_"
+        rows.append([name, *final_errors([impact(lab, seed, label, settings) for seed in seeds])])
+    fast = [impact(lab, seed, "fast_", {"time.end": 50.0}, speed=0.02) for seed in seeds]
+    rows.append(["ten times faster", *final_errors(fast)])
+    lab.table("Energy error in the end:", ["setting", "root mean square", "worst"], rows)
+    lab.weak_spot(f"corners and edges that hit first go in deep, by {max(one.deepest for one in fast):.1f} face sizes at closing "
+                  f"speeds of .02 to .06 c, because a lone node's penalty is softer than its element; energy then errs by "
+                  f"{100 * rows[-1][1]:.1g} % (root mean square)")
