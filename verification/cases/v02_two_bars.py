@@ -46,6 +46,9 @@ def evaluate(lab):
     lab.weak_spot(f"the penalty makes the impact of two bars longer by {100 * errors[meshes[0]]:.1f} % with {meshes[0]} "
                   f"elements a bar and {100 * errors[finest]:.1f} % with {finest}: the interface is compliant to first order "
                   "in the element size")
+    ringing = np.ptp(impacts[finest].force[1][(impacts[finest].times > 0.5) & (impacts[finest].times < 1.5)]) / exact_force
+    lab.weak_spot(f"the contact force rings from step to step by {100 * ringing / 2:.0f} % about its plateau, as undamped springs "
+                  "do; contact.damping calms it")
     with lab.figure("Contact force by time; error of the contact time by element length", panels=2) as (force, error):
         force.step([0, 0, 2, 2, 3], [0, 1, 1, 0, 0], label="exact", **EXACT)
         for n in (meshes[0], finest):

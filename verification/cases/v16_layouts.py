@@ -1,7 +1,8 @@
-"""V16: The same deck on several numbers of ranks and threads gives the same bits: forces are summed as 64-bit integers,
+"""V16: The same deck on several numbers of ranks and threads gives the same bits, with friction, viscosity and all damping: forces are summed as 64-bit integers,
 energies in limbs of integers, decisions come from exact reductions and ties are broken by global id. Compared are all bytes of
 history.csv and all bits of all variables of the joined Exodus files."""
 import numpy as np
+from v17_oblique_impact import random_impact
 
 NAME = "V16"
 TITLE = "the same bits on any ranks and threads"
@@ -20,23 +21,33 @@ def different_bits(one, other):
     return count, differing
 
 
-def evaluate(lab):
-    layouts = [(2, 1), (3, 2)] if lab.quick else [(1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (8, 1)]
-    settings = {"time.end": 5e-4} if lab.quick else {}
-    alone = lab.run("1x1", settings, ranks=1, threads=1)
+def compare(lab, scene, layouts, settings, **how):
+    """(differences, rows of the table, the run on one rank of one thread)."""
+    alone = lab.run(f"{scene}_1x1", settings, ranks=1, threads=1, **how)
     rows, total = [], 0
     for ranks, threads in layouts:
-        run = lab.run(f"{ranks}x{threads}", settings, ranks=ranks, threads=threads)
+        run = lab.run(f"{scene}_{ranks}x{threads}", settings, ranks=ranks, threads=threads, **how)
         count, differing = different_bits(alone.results, run.results)
         same_history = (alone.folder / "history.csv").read_bytes() == (run.folder / "history.csv").read_bytes()
-        rows.append([ranks, threads, count, differing, "yes" if same_history else "no"])
+        rows.append([scene, ranks, threads, count, differing, "yes" if same_history else "no"])
         total += differing + (not same_history)
-    lab.check(total, 0, 0)
+    return total, rows, alone
+
+
+def evaluate(lab):
+    layouts = [(2, 1), (3, 2)] if lab.quick else [(1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (8, 1)]
+    differing, rows, wall = compare(lab, "wall", layouts, {"time.end": 5e-4} if lab.quick else {})
+    lab.check(differing, 0, 0)
     # A wall at rest would be the same everywhere: it must have moved and touched.
-    lab.check(alone.history["contacts"].max() > 100, 1, 0, "there_are_contacts")
-    lab.table("Against one rank of one thread:", ["ranks", "threads", "values compared", "of other bits", "same history.csv"],
-              rows)
-    with lab.figure("Energies by time, the same on every layout") as axes:
+    lab.check(wall.history["contacts"].max() > 100, 1, 0, "contacts_of_the_wall")
+    mesh, scene = random_impact(0)
+    differing, more, impact = compare(lab, "impact", layouts[-2:], {**scene, "time.end": 60.0}, mesh=mesh,
+                                      deck=lab.deck_path.with_name("v17_oblique_impact.toml"))
+    lab.check(differing, 0, 0, "impact_from_a_mesh")
+    lab.check(impact.history["contacts"].max() > 0, 1, 0, "contacts_of_the_impact")
+    lab.table("Against one rank of one thread:",
+              ["scene", "ranks", "threads", "values compared", "of other bits", "same history.csv"], rows + more)
+    with lab.figure("Energies of the wall by time, the same on every layout") as axes:
         for name in ("kinetic_energy", "internal_energy", "contact_energy"):
-            axes.plot(alone.history["time"], alone.history[name], label=name.replace("_", " "))
+            axes.plot(wall.history["time"], wall.history[name], label=name.replace("_", " "))
         axes.set(xlabel="t (s)", ylabel="J")
