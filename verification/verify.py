@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Cases with exact or published answers: `./run.sh --study verification` and `--study stability`.
 
-A case is a module in the folder cases/ of its study: a docstring that says what is compared, NAME, TITLE, DECK (in decks/)
-and evaluate(lab), see framework/lab.py. Each prints one line, `V7 PASS computed=... exact=... error=... threshold=...`, and
-its further checks below it. The folder of -o gets report.md, plots/, and all runs.
+A case is a module in the folder cases/ of its study: a docstring that says what is compared, NAME, TITLE, DECK (in
+decks/) and evaluate(lab), see framework/lab.py. Each prints one line, `V7 PASS computed=... exact=... error=...
+threshold=...`, and its further checks below it. The folder of -o gets report.md, plots/, and all runs.
 """
 import argparse
 import concurrent.futures

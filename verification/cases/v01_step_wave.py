@@ -1,6 +1,6 @@
-"""V1: A pressure step p on the end of a bar (nu = 0, linear material, c = 1) runs into it as a front: sigma_xx = -p for
-x < t, else 0. Central differences with dt = h are exact; with dt < h the front is smeared over a width that shrinks more slowly
-than h, so the error in the mean (L1, over p and the length) falls with order 1/2."""
+"""V1: A pressure step p on the end of a bar (nu = 0, linear material, c = 1) runs into it as a front: sigma_xx = -p
+for x < t, else 0. Central differences with dt = h are exact; with dt < h the front is smeared over a width that
+shrinks more slowly than h, so the error in the mean (L1, over p and the length) falls with order 1/2."""
 import numpy as np
 from framework.figures import EXACT
 

@@ -1,6 +1,6 @@
-"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c v0 A until the waves return
-from the free ends, T = 2 L/c; then the bars leave with swapped velocities and no vibration. The penalty is a spring between
-them whose compliance is that of a part of an element, so T is too long by O(h)."""
+"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c v0 A until the
+waves return from the free ends, T = 2 L/c; then the bars leave with swapped velocities and no vibration. The penalty
+is a spring between them whose compliance is that of a part of an element, so T is too long by O(h)."""
 import numpy as np
 from _bars import histories, last_time, mean_between
 from framework.figures import EXACT, draw_slope
@@ -46,8 +46,9 @@ def evaluate(lab):
     lab.weak_spot(f"the penalty makes the impact of two bars longer by {100 * errors[meshes[0]]:.1f} % with {meshes[0]} "
                   f"elements a bar and {100 * errors[finest]:.1f} % with {finest}: the interface is compliant to first order "
                   "in the element size")
-    ringing = np.ptp(impacts[finest].force[1][(impacts[finest].times > 0.5) & (impacts[finest].times < 1.5)]) / exact_force
-    lab.weak_spot(f"the contact force rings from step to step by {100 * ringing / 2:.0f} % about its plateau, as undamped springs "
+    times, force = impacts[finest].times, impacts[finest].force[1]
+    ringing = np.ptp(force[(times > 0.5) & (times < 1.5)]) / 2 / exact_force
+    lab.weak_spot(f"the contact force rings from step to step by {100 * ringing:.0f} % about its plateau, as undamped springs "
                   "do; contact.damping calms it")
     with lab.figure("Contact force by time; error of the contact time by element length", panels=2) as (force, error):
         force.step([0, 0, 2, 2, 3], [0, 1, 1, 0, 0], label="exact", **EXACT)

@@ -1,6 +1,7 @@
-"""V2b: A bar with velocity v runs into one at rest (c = rho = 1, nu = 0). Lengths L1 = 1/2, L2 = 1 of one kind: the contact
-lasts T = 2 L1/c, then the short bar rests and the long one leaves with v L1/L2: restitution e = L1/L2, the rest is vibration.
-Impedances Z = rho c of 1 and 2, E2 = 4 E1: the stress is Z1 Z2 v/(Z1 + Z2) until the first wave returns."""
+"""V2b: A bar with velocity v runs into one at rest (c = rho = 1, nu = 0). Lengths L1 = 1/2, L2 = 1 of one kind: the
+contact lasts T = 2 L1/c, then the short bar rests and the long one leaves with v L1/L2: restitution e = L1/L2, the
+rest is vibration. Impedances Z = rho c of 1 and 2, E2 = 4 E1: the stress is Z1 Z2 v/(Z1 + Z2) until the first wave
+returns."""
 import numpy as np
 from _bars import crossings, histories, mean_between
 from framework.figures import EXACT

@@ -1,6 +1,6 @@
 """V3: A bar with velocity v0 runs into two bars like it (L = c = rho = 1, nu = 0) that rest end to end. The front of
-compression, v0/2 strong, passes the middle bar; relief follows from the free end of the first. So the first bar stops at 2 L/c,
-and the last leaves at 3 L/c, when its own relief is back, with v0 and without vibration."""
+compression, v0/2 strong, passes the middle bar; relief follows from the free end of the first. So the first bar stops
+at 2 L/c, and the last leaves at 3 L/c, when its own relief is back, with v0 and without vibration."""
 import numpy as np
 from _bars import crossings, histories
 from framework.figures import EXACT

@@ -1,5 +1,6 @@
-"""V4: A block of distorted hexahedra is turned by 2.1 rad as a rigid body: no force, no stress. Stretched and sheared evenly by
-F and then turned, it has the stress R sigma(F) R^T and the forces R f(F). The linear material is not objective and left out."""
+"""V4: A block of distorted hexahedra is turned by 2.1 rad as a rigid body: no force, no stress. Stretched and sheared
+evenly by F and then turned, it has the stress R sigma(F) R^T and the forces R f(F). The linear material is not
+objective and left out."""
 import numpy as np
 from _patch import VARIANTS, cauchy_stress, distorted_block, start_forces, settings_of
 from framework.meshes import rotation

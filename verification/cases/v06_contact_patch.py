@@ -1,6 +1,7 @@
-"""V6: The contact patch test. Two unit cubes, the lower one on rollers, the upper one under an even pressure p, at rest by
-damping. Exact is sigma_zz = -p everywhere, which matching meshes give. With meshes of 3:4 (6:8, 9:12) elements at the joint,
-node-face contact hands the pressure over at nodes, so the stress next to the joint is uneven; refinement does not help."""
+"""V6: The contact patch test. Two unit cubes, the lower one on rollers, the upper one under an even pressure p, at
+rest by damping. Exact is sigma_zz = -p everywhere, which matching meshes give. With meshes of 3:4 (6:8, 9:12)
+elements at the joint, node-face contact hands the pressure over at nodes, so the stress next to the joint is uneven;
+refinement does not help."""
 import numpy as np
 from framework.meshes import box, together
 
@@ -36,8 +37,8 @@ def evaluate(lab):
     lab.table("Error of sigma_zz over p:", ["elements, lower : upper", "largest", "root mean square", "speed left"],
               [[f"{lower}:{upper}", largest[lower, upper], root_mean_square[lower, upper], speed]
                for (lower, upper), (_, _, speed) in pressed.items()])
-    lab.weak_spot("node-face contact fails the contact patch test on meshes that do not match (Zavarise and De Lorenzis 2009): "
-                  f"stresses next to the joint err by up to {100 * worst:.1f} %, at any element size")
+    lab.weak_spot("node-face contact fails the contact patch test on meshes that do not match (Zavarise and De Lorenzis "
+                  f"2009): stresses next to the joint err by up to {100 * worst:.1f} %, at any element size")
     with lab.figure("Error of sigma_zz in each element by height; the joint is at z = 1") as axes:
         for (lower, upper), (z, error, _) in pressed.items():
             axes.plot(z, error, ".", label=f"{lower}:{upper}", markersize=4)

@@ -1,6 +1,7 @@
-"""V7: A cantilever of 10 x 1 x 1 (E = rho = 1, nu = 0.3), clamped at one end, starts with a turn about the clamp and swings.
-The angular frequency of its first bending mode is 0.010114 by converged three-dimensional elasticity (0.010150 for the Euler-Bernoulli beam,
-which neither shears nor has a clamped cross-section). Elements that lock in bending are far too stiff with one through the depth."""
+"""V7: A cantilever of 10 x 1 x 1 (E = rho = 1, nu = 0.3), clamped at one end, starts with a turn about the clamp and
+swings. The angular frequency of its first bending mode is 0.010114 by converged three-dimensional elasticity
+(0.010150 for the Euler-Bernoulli beam, which neither shears nor has a clamped cross-section). Elements that lock in
+bending are far too stiff with one through the depth."""
 import numpy as np
 from framework.figures import draw_slope
 from framework.meshes import box

@@ -1,9 +1,10 @@
-"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. Pressed so far that
-the contact has the radius a, Hertz' half-space gives the approach delta = a^2/R and the force F = 4/3 E* sqrt(R delta^3); flung with the
-velocity v that leads to this a, the contact lasts T = 2.868 (m^2/(R E*^2 v))^(1/5). The half-space is the limit a/B -> 0; elements
-are graded towards the contact and have the length a/8 there. A quarter is computed. The penalty is one more spring between the block
-and the plane. A pressure p presses it in by 2 p (dt/h)^2 h/(rho s), so with the step and the penalty of the defaults it is as soft as
-a tenth of a contact of eight elements: here the step is shorter and the penalty larger, and the defaults are told beside."""
+"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. Pressed
+so far that the contact has the radius a, Hertz' half-space gives the approach delta = a^2/R and the force F = 4/3 E*
+sqrt(R delta^3); flung with the velocity v that leads to this a, the contact lasts T = 2.868 (m^2/(R E*^2 v))^(1/5).
+The half-space is the limit a/B -> 0; elements are graded towards the contact and have the length a/8 there. A quarter
+is computed. The penalty is one more spring between the block and the plane. A pressure p presses it in by 2 p
+(dt/h)^2 h/(rho s), so with the step and the penalty of the defaults it is as soft as a tenth of a contact of eight
+elements: here the step is shorter and the penalty larger, and the defaults are told beside."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +66,8 @@ def impact(lab, a, per_radius, settings=None):
     velocity = np.sqrt(2 * 0.4 * largest * a**2 / RADIUS / mass)  # m v^2/2 = 2/5 F delta
     exact = 2.868 * (mass**2 / (RADIUS * E_STAR**2 * velocity))**0.2
     run = lab.run(f"impact_{a:g}_{per_radius}{'_defaults' if settings else ''}",
-                  {"initial.velocity[0].velocity": [0, 0, -velocity], "time.end": 1.15 * exact, **(settings or {})}, mesh=mesh)
+                  {"initial.velocity[0].velocity": [0, 0, -velocity], "time.end": 1.15 * exact, **(settings or {})},
+                  mesh=mesh)
     history, window = run.history, 101
     force = 4 * np.diff(history["momentum_z"]) / np.diff(history["time"]) / largest
     return Impact(history["time"][np.flatnonzero(history["contacts"])[-1]] / exact, history["time"][1:],
@@ -114,7 +116,7 @@ def tell_compliance(lab, a, stiff_time, stiff_force):
     lab.check_order([1 / n for n in meshes], added, least=0.8, exact=1, name="order_of_compliance")
     lab.table(f"Added to the contact time by the defaults, time.safety = 0.8 and contact.penalty = 0.5, a/B = {a}:",
               ["elements in a", "added"], zip(meshes, added))
-    lab.weak_spot(f"the penalty of the defaults makes a Hertz contact of 8 elements in its radius {100 * (1 - force / stiff_force):.0f} % "
-                  f"softer and an impact {100 * added[2]:.1f} % longer, of first order in the element size; a shorter step and a "
-                  "larger contact.penalty cure it, at the price of steps")
-
+    softer = 100 * (1 - force / stiff_force)
+    lab.weak_spot(f"the penalty of the defaults makes a Hertz contact of 8 elements in its radius {softer:.0f} % softer and an "
+                  f"impact {100 * added[2]:.1f} % longer, of first order in the element size; a shorter step and a larger "
+                  "contact.penalty cure it, at the price of steps")

@@ -31,6 +31,10 @@ class Lab:
             error = abs(computed - exact) / (abs(exact) or 1)
         self.outcome.checks.append(Check(name, computed, exact, float(error), float(threshold), tuple(orders)))
 
+    def require(self, condition, name):
+        """A check that is true or not, such as that something has happened at all."""
+        self.check(bool(condition), 1, 0, name)
+
     def check_order(self, sizes, errors, least, name="order", exact=None):
         """The exponent p of error = C size^p, fitted to all meshes, is at least `least`; those between successive meshes
         are told."""

@@ -6,7 +6,8 @@ from pathlib import Path
 
 
 def execute(command, log, limit, environment=None):
-    """Runs `command`, with more variables in its `environment`, and returns ("ok" | "failed" | "out of time", message, exit code or None)."""
+    """Runs `command`, with more variables in its `environment`, and returns ("ok" | "failed" | "out of time", message, exit
+    code or None)."""
     with open(log, "w") as file:
         # A group of its own, so that what run.sh started ends with it.
         process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True,

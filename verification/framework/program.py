@@ -33,6 +33,10 @@ class Run:
         table = np.genfromtxt(self.folder / "history.csv", delimiter=",", names=True)
         return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
 
+    def vector(self, name):
+        """Columns name_x, name_y, name_z of history.csv as [row][xyz]."""
+        return np.stack([self.history[f"{name}_{axis}"] for axis in "xyz"], axis=1)
+
     @cached_property
     def results(self):
         return Results(self.folder / f"{self.name}.exo")

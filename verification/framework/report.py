@@ -37,8 +37,8 @@ def section(outcome):
 
 def write(path, study, outcomes):
     passed = sum(outcome.passed for outcome in outcomes)
-    parts = [f"# {study['title']}\n\nWritten by `./run.sh --study {study['name']} --keep`: {passed} of {len(outcomes)} cases pass. {headline(study)}. "
-             f"{study['seconds']:.0f} s.{' The quick forms of the cases.' if study['quick'] else ''}\n",
+    parts = [f"# {study['title']}\n\nWritten by `./run.sh --study {study['name']} --keep`: {passed} of {len(outcomes)} cases "
+             f"pass{' in their quick forms' if study['quick'] else ''}, in {study['seconds']:.0f} s. {headline(study)}.\n",
              table(["case", "check", "computed", "exact", "error", "threshold", "observed orders", ""],
                    [row for outcome in outcomes for row in check_rows(outcome)])]
     published = [line for outcome in outcomes for line in outcome.published]
