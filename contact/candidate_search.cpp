@@ -68,7 +68,7 @@ void copyCoordinates(const exec_space& space, const Surface& surface,
 } // namespace
 
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
-    : _comm(comm), _margin(margin), _global(comm, withMargin(config, margin)),
+    : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
       _local(withMargin(config, margin)) {
   if (margin == 0)
     return;

@@ -4,6 +4,7 @@
 
 #include "contact/global_search.hpp"
 #include "contact/local_search.hpp"
+#include "contact/pair_audit.hpp"
 
 namespace brickwall::contact {
 
@@ -46,6 +47,12 @@ public:
     _global.sendToGhosts(space, surface, node_values, ghost_values);
   }
 
+  // Collective. Pairs over all ranks that pairs() lack, by a look at all pairs (pair_audit.hpp); `surface` as in the last
+  // update().
+  std::int64_t countMissedPairs(const exec_space& space, const Surface& surface) const {
+    return contact::countMissedPairs(space, _comm, surface, ghosts(), pairs(), _config);
+  }
+
   // The faces of this rank that the last search sent as ghosts, with their destinations. Not collective; host copies.
   std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const {
     return _global.sentFaces(space, surface);
@@ -61,6 +68,7 @@ private:
   void findGhosts(const exec_space& space, const Surface& surface);
 
   MPI_Comm _comm;
+  SearchConfig _config; // of a step, without the margin
   double _margin;
   double _allowed_motion = 0; // of a node since the last search, along an axis
   GlobalSearch _global;

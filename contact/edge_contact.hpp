@@ -32,6 +32,10 @@ public:
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
   // Of the candidates of this step (pair_motion.hpp). Collective.
   PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
+  // Of pairs of edges (CandidateSearch::countMissedPairs). Collective.
+  std::int64_t countMissedPairs(const exec_space& space) const {
+    return _search.countMissedPairs(space, _edges);
+  }
 
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }

@@ -281,6 +281,7 @@ void readMethods(const Deck& deck, Config& config) {
   config.search.drift = deck.real("search", "drift");
   config.search.repetitions = deck.integer("search", "repetitions");
   config.search.warmup = deck.integer("search", "warmup");
+  config.search.audit = deck.integer("search", "audit");
   config.search.seed = deck.integer("search", "seed");
   config.search.local = deck.boolean("search", "local");
   config.search.shuffle = deck.boolean("search", "shuffle");

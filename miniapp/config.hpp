@@ -137,6 +137,8 @@ struct SearchConfig {
   std::int64_t warmup = 2; // searches before them that are not counted
   std::int64_t seed = 1;
   bool local = true; // the local search too, `brickwall search` only
+  std::int64_t audit =
+      0; // every so many steps all pairs are looked at, to count those that the lists miss; 0: never
   bool shuffle = false; // local nodes and faces in no useful order, `brickwall search` only
 };
 

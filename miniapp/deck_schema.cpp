@@ -209,6 +209,12 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("2")
             .atLeast(0)
             .atMost(1e9),
+        integer("audit",
+                "every so many steps, look at all pairs by plain loops and count those that the "
+                "lists miss; 0: never")
+            .byDefault("0")
+            .atLeast(0)
+            .atMost(1e15),
         integer("seed", "of jitter, drift and shuffle").byDefault("1").atLeast(0),
         boolean("local", "the local search too, or the global one alone (brickwall search)")
             .byDefault("true"),

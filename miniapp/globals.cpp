@@ -38,6 +38,9 @@ Column vector(const char* name, Vec3 (*value)(const Moment&),
 bool hasViscosity(const Config& config) {
   return config.viscosity.any();
 }
+bool isAudited(const Config& config) {
+  return config.contact.enabled && config.search.audit > 0;
+}
 bool hasDamping(const Config& config) {
   return config.mass_damping > 0;
 }
@@ -82,6 +85,9 @@ const std::vector<Column>& columns() {
           "impulse_damping", [](const Moment& m) { return m.balance.impulse_damping; }, hasDamping),
       number("contacts", [](const Moment& m) { return static_cast<double>(m.counts.active); }),
       number("lost_contacts", [](const Moment& m) { return static_cast<double>(m.counts.lost); }),
+      number(
+          "missed_pairs",
+          [](const Moment& m) { return static_cast<double>(m.counts.missed_pairs); }, isAudited),
       number("max_penetration", [](const Moment& m) { return m.counts.max_penetration; }),
       number("searches", [](const Moment& m) { return static_cast<double>(m.counts.searches); }),
   };

@@ -139,6 +139,10 @@ std::string reportJson(const RunReport& r) {
                     {"candidate_pairs", r.search.candidate_pairs},
                     {"active_contacts", r.search.active_contacts},
                     {"drops_same_body", r.search.drops_same_body}};
+  if (r.search.audit > 0) {
+    json["search"]["audit"] = r.search.audit;
+    json["search"]["missed_pairs"] = r.search.missed_pairs;
+  }
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = {{"energy_error", r.balance.energy_error},
@@ -212,6 +216,10 @@ void printReport(std::ostream& out, const RunReport& r) {
                 r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
                 static_cast<long long>(r.search.candidate_pairs),
                 static_cast<long long>(r.search.active_contacts));
+  if (r.search.audit > 0)
+    out << format("audit: %lld pairs missed, all pairs looked at in every %lld steps\n",
+                  static_cast<long long>(r.search.missed_pairs),
+                  static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
   out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
                 "kinetic %.6e, peak stored %.6e\n",

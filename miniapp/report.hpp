@@ -36,6 +36,8 @@ struct SearchReport {
   double seconds_per_step = 0; // PhaseRecorder::medianPerStep("search")
   // Of the last step, all ranks.
   std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;
+  std::int64_t audit = 0; // search.audit
+  std::int64_t missed_pairs = 0; // in the audited steps
   bool drops_same_body = false; // pairs of a node and a face of its own body are dropped
 };
 

@@ -214,6 +214,8 @@ private:
     report.search.ghost_faces = counts.ghost_faces;
     report.search.candidate_pairs = counts.candidate_pairs;
     report.search.active_contacts = counts.active;
+    report.search.audit = _config.contact.enabled ? _config.search.audit : 0;
+    report.search.missed_pairs = counts.missed_pairs;
     report.search.drops_same_body = _simulation.dropsSameBody();
     report.time_step = stepReport();
     const auto& balance = _simulation.balance();

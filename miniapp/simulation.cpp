@@ -29,6 +29,7 @@ void Simulation::step() {
   moveNodes();
   findContactCandidates();
   guardAgainstTunnelling();
+  auditCandidates();
   adaptTimeStep();
   computeForces(_clock.time);
   watchCompression();
@@ -40,6 +41,7 @@ void Simulation::step() {
 
 void Simulation::start() {
   findContactCandidates();
+  auditCandidates();
   computeForces(_clock.time);
   watchCompression();
   sumSharedNodes();
@@ -64,6 +66,15 @@ void Simulation::findContactCandidates() {
   _search->update(_space, _coupling->surface());
   if (_edges)
     _edges->findCandidates(_space, _coupling->surface());
+}
+
+void Simulation::auditCandidates() {
+  if (!_coupling || _config.search.audit == 0 || _clock.step % _config.search.audit != 0)
+    return;
+  const Region region("step::audit of pairs");
+  _missed_pairs += _search->countMissedPairs(_space, _coupling->surface());
+  if (_edges)
+    _missed_pairs += _edges->countMissedPairs(_space);
 }
 
 void Simulation::computeForces(double time) {
@@ -258,6 +269,7 @@ ContactCounts Simulation::contactCounts() const {
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
   counts.lost = sums[3];
+  counts.missed_pairs = _missed_pairs;
   counts.max_penetration = allReduce(
       _comm, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration), MPI_MAX);
   return counts;

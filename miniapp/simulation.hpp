@@ -55,6 +55,7 @@ struct ContactCounts {
   std::int64_t candidate_pairs = 0;
   std::int64_t active = 0;
   std::int64_t lost = 0; // since the start: loaded contacts deeper than the search reaches
+  std::int64_t missed_pairs = 0; // since the start, of the steps that were audited
   double max_penetration = 0; // of the square root of a face's area
 };
 
@@ -104,6 +105,7 @@ private:
   void watchCompression();
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
+  void auditCandidates(); // collective
   void computeForces(double time);
   void enforceContact(double dt);
   void sumSharedNodes();
@@ -142,6 +144,7 @@ private:
   ContactLedger _contact_ledger;
   TunnellingGuard _guard; // off without contact
   std::int64_t _lost = 0; // this rank's, since the start
+  std::int64_t _missed_pairs = 0; // of all ranks, since the start
 
   std::vector<StepCut> _step_cuts;
   std::int64_t _guarded_steps = 0;
