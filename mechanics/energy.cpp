@@ -152,8 +152,9 @@ void EnergyLedger::gaugeHalfStep() {
   }
   raise(b.peak_stored, held);
   raise(b.peak_total, b.kinetic + held);
+  const double size = std::max(b.peak_total, _scales.noise);
   raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
-  b.energy_error = quotient(_energy_gap, b.peak_total);
+  b.energy_error = quotient(_energy_gap, size);
 
   const double material = _material.half() - _material.initial() + b.work[material_force];
   const double hourglass = _hourglass.half() - _hourglass.initial() + b.work[hourglass_force];
@@ -161,10 +162,10 @@ void EnergyLedger::gaugeHalfStep() {
   raise(_hourglass_gap, std::fabs(hourglass));
   raise(_stored_gap, std::fabs(material + hourglass));
   raise(_contact_gap, std::fabs(in_contact + b.dissipated.inContact() + b.work[contact_force]));
-  b.stored_material_error = quotient(_material_gap, b.peak_total);
-  b.stored_hourglass_error = quotient(_hourglass_gap, b.peak_total);
-  b.stored_error = quotient(_stored_gap, b.peak_total);
-  b.contact_error = quotient(_contact_gap, b.peak_total);
+  b.stored_material_error = quotient(_material_gap, size);
+  b.stored_hourglass_error = quotient(_hourglass_gap, size);
+  b.stored_error = quotient(_stored_gap, size);
+  b.contact_error = quotient(_contact_gap, size);
 }
 
 void EnergyLedger::bookWorks(double dt_kick, const KickSums& kick) {
@@ -205,7 +206,10 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   // Without loads: the momenta of the parts, which may cancel in the sum, are at most sqrt(2 K M) (Cauchy-Schwarz).
   raise(_largest_other, std::max({std::sqrt(2 * b.kinetic * _total_mass), norm(b.impulse_gravity),
                                   norm(b.impulse_reaction)}));
-  b.momentum_error = quotient(_momentum_gap, _largest_load > 0 ? _largest_load : _largest_other);
+  // A load that has hardly begun is no measure.
+  b.momentum_error =
+      quotient(_momentum_gap,
+               _largest_load > 0 ? std::max(_largest_load, 1e-4 * _largest_other) : _largest_other);
 }
 
 void EnergyLedger::bookMoments(double dt_kick, const KickSums& kick) {

@@ -29,7 +29,7 @@ struct DissipatedEnergy {
 };
 
 // Everything global, equal on all ranks. "Half" values belong to the half step before the last forces; errors and peaks are
-// the largest so far.
+// the largest so far. Energies below LedgerScales::noise are no measure of errors.
 struct EnergyBalance {
   double kinetic = 0; // K(v^{n+1/2}) after the last kick
   double stored_material = 0; // U^n at the last evaluation
@@ -58,7 +58,7 @@ struct EnergyBalance {
   double stored_material_error = 0, stored_hourglass_error = 0; // the same of one kind
   double contact_error = 0; // |contact stored + dissipated + W_contact| / peak_total
   // |impulses - change of momentum| / impulse of loads; without loads, over the largest of sqrt(2 K M) and the other
-  // impulses.
+  // impulses, of which it is 1e-4 at least.
   double momentum_error = 0;
   // |moments of impulses - change of angular momentum| / largest of these moments and R sqrt(2 K M), R^2 = sum m |x|^2 / M
   double angular_momentum_error = 0;

@@ -59,10 +59,13 @@ LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh&
   constexpr double headroom = 1048576; // 2^20
   const double energy = headroom * e[0] * e[1], momentum = energy * e[3], mass = momentum * e[3];
   const double distance = e[4] + e[1];
-  return {
-      LimbScale::forLargest(energy),          LimbScale::forLargest(headroom * e[0] * e[2]),
-      LimbScale::forLargest(momentum),        LimbScale::forLargest(momentum * distance),
-      LimbScale::forLargest(mass * distance), LimbScale::forLargest(mass * distance * distance)};
+  return {LimbScale::forLargest(energy),
+          LimbScale::forLargest(headroom * e[0] * e[2]),
+          LimbScale::forLargest(momentum),
+          LimbScale::forLargest(momentum * distance),
+          LimbScale::forLargest(mass * distance),
+          LimbScale::forLargest(mass * distance * distance),
+          1e-24 * e[0] * e[1]};
 }
 
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,

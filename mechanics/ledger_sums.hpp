@@ -19,6 +19,8 @@ struct LedgerScales {
   LimbScale angular; // angular momenta
   LimbScale first_moment; // m x
   LimbScale inertia; // m x^2
+  // Energy: 1e-14 of the largest element's at a strain of one. Stored energies round to less of that at any strain.
+  double noise = 0;
 };
 
 // Terms up to 2^20 times those of an element at strain one moving at the speed of sound fit. Collective.

@@ -300,8 +300,11 @@ void readOutput(const Deck& deck, Config& config) {
       choice<FileFormat>(deck, "output", "file_format", {"classic", "64bit_offset", "netcdf4"});
   config.output.precision = choice<Precision>(deck, "output", "precision", {"single", "double"});
   config.output.processor_id = deck.boolean("output", "processor_id");
-  config.limits.energy_error = deck.real("limits", "energy_error");
-  config.limits.momentum_error = optionalReal(deck, "limits", "momentum_error");
+  for (int g = 0; g < num_gauges; ++g) {
+    const std::string key = gauge_rules[g].key;
+    config.limits.stop[g] = optionalReal(deck, "limits", key).value_or(HUGE_VAL);
+    config.limits.warn[g] = optionalReal(deck, "limits.warn", key).value_or(HUGE_VAL);
+  }
   config.limits.wall_time = optionalReal(deck, "limits", "wall_time");
 }
 

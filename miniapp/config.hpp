@@ -6,6 +6,7 @@
 #include "io/deck.hpp"
 #include "mechanics/bulk_viscosity.hpp"
 #include "mechanics/hex_mesh.hpp"
+#include "miniapp/limits.hpp"
 
 #include <mpi.h>
 
@@ -159,13 +160,6 @@ struct OutputConfig {
   FileFormat file_format = FileFormat::offset64;
   Precision precision = Precision::twofold;
   bool processor_id = false; // write the element field processor_id
-};
-
-// [limits]; a run that breaks one ends with FAIL
-struct LimitsConfig {
-  double energy_error = 0.1;
-  std::optional<double> momentum_error;
-  std::optional<double> wall_time; // s; the run ends in time, with its output written
 };
 
 struct Config {

@@ -243,8 +243,18 @@ std::vector<BlockRule> methodBlocks() {
   };
 }
 
+std::vector<KeyRule> limitKeys(const char* GaugeRule::*fallback) {
+  std::vector<KeyRule> keys;
+  for (const GaugeRule& gauge : gauge_rules) {
+    keys.push_back(real(gauge.key, "", gauge.help).above(0));
+    if (*(gauge.*fallback))
+      keys.back().byDefault(gauge.*fallback);
+  }
+  return keys;
+}
+
 std::vector<BlockRule> outputBlocks() {
-  return {
+  std::vector<BlockRule> blocks = {
       {"output",
        BlockKind::single,
        "what is written",
@@ -259,13 +269,14 @@ std::vector<BlockRule> outputBlocks() {
         word("precision", {"single", "double"}, "of fields in the Exodus files")
             .byDefault("double"),
         boolean("processor_id", "write each element's rank").byDefault("false")}},
-      {"limits",
-       BlockKind::single,
-       "what the run must keep, else it ends with FAIL",
-       {real("energy_error", "", "of the peak energy").byDefault("0.1").above(0),
-        real("momentum_error", "", "of the loads' impulse").above(0),
-        real("wall_time", "s", "wall clock time after which the run ends").above(0)}},
+      {"limits", BlockKind::single, "what the run must keep, else it ends with FAIL",
+       limitKeys(&GaugeRule::stop)},
+      {"limits.warn", BlockKind::single, "where the run only warns, once each",
+       limitKeys(&GaugeRule::warn)},
   };
+  blocks[1].keys.push_back(
+      real("wall_time", "s", "wall clock time after which the run ends").above(0));
+  return blocks;
 }
 
 } // namespace

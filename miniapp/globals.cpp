@@ -38,6 +38,18 @@ Column vector(const char* name, Vec3 (*value)(const Moment&),
 bool hasViscosity(const Config& config) {
   return config.viscosity.any();
 }
+bool hasContact(const Config& config) {
+  return config.contact.enabled;
+}
+bool hasFriction(const Config& config) {
+  return config.contact.enabled && config.contact.friction > 0;
+}
+bool hasContactDamping(const Config& config) {
+  return config.contact.enabled && config.contact.damping > 0;
+}
+bool hasEdges(const Config& config) {
+  return config.contact.enabled && config.contact.edges;
+}
 bool isAudited(const Config& config) {
   return config.contact.enabled && config.search.audit > 0;
 }
@@ -59,12 +71,28 @@ const std::vector<Column>& columns() {
           [](const Moment& m) { return m.balance.stored_material + m.balance.stored_hourglass; }),
       number("hourglass_energy", [](const Moment& m) { return m.balance.stored_hourglass; }),
       number("contact_energy", [](const Moment& m) { return m.balance.stored_contact; }),
+      number(
+          "friction_energy", [](const Moment& m) { return m.balance.stored_friction; },
+          hasFriction),
+      number(
+          "edge_energy", [](const Moment& m) { return m.balance.stored_edge; }, hasEdges),
       number("dissipated_energy", [](const Moment& m) { return m.balance.dissipated.total(); }),
       number("total_energy", [](const Moment& m) { return m.balance.total_half; }),
       number("external_work", [](const Moment& m) { return m.balance.external_work; }),
       number("internal_work", [](const Moment& m) { return m.balance.work[material_force]; }),
       number("hourglass_work", [](const Moment& m) { return m.balance.work[hourglass_force]; }),
       number("contact_work", [](const Moment& m) { return m.balance.work[contact_force]; }),
+      number(
+          "friction_work",
+          [](const Moment& m) {
+            return -m.balance.stored_friction - m.balance.dissipated.friction;
+          },
+          hasFriction),
+      number(
+          "contact_damping_work",
+          [](const Moment& m) { return -m.balance.dissipated.contact_damping; }, hasContactDamping),
+      number(
+          "edge_work", [](const Moment& m) { return m.balance.work_edge; }, hasEdges),
       number("load_work", [](const Moment& m) { return m.balance.work[external_force]; }),
       number("gravity_work", [](const Moment& m) { return m.balance.work_gravity; }),
       number("reaction_work", [](const Moment& m) { return m.balance.work_reaction; }),
@@ -75,6 +103,12 @@ const std::vector<Column>& columns() {
           "damping_work", [](const Moment& m) { return m.balance.work_damping; }, hasDamping),
       number("energy_error", [](const Moment& m) { return m.balance.energy_error; }),
       number("momentum_error", [](const Moment& m) { return m.balance.momentum_error; }),
+      number("angular_momentum_error",
+             [](const Moment& m) { return m.balance.angular_momentum_error; }),
+      number("stored_error", [](const Moment& m) { return m.balance.stored_error; }),
+      number(
+          "contact_error", [](const Moment& m) { return m.balance.contact_error; }, hasContact),
+      number("shadow_energy", [](const Moment& m) { return m.balance.shadow; }),
       number("ledger_residual", [](const Moment& m) { return m.balance.ledger_residual; }),
       vector("momentum", [](const Moment& m) { return m.balance.momentum; }),
       vector("angular_momentum", [](const Moment& m) { return m.balance.angular_momentum; }),

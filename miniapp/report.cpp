@@ -61,6 +61,27 @@ nlohmann::ordered_json toJson(const StepReport& steps) {
           {"cuts", cuts}};
 }
 
+nlohmann::ordered_json toJson(const BalanceReport& balance) {
+  nlohmann::ordered_json json = {{"energy_error", balance.energy_error},
+                                 {"momentum_error", balance.momentum_error},
+                                 {"angular_momentum_error", balance.angular_momentum_error},
+                                 {"ledger_residual", balance.ledger_residual},
+                                 {"stored_error", balance.stored_error},
+                                 {"stored_material_error", balance.stored_material_error},
+                                 {"stored_hourglass_error", balance.stored_hourglass_error},
+                                 {"hourglass_share", balance.hourglass_share}};
+  if (balance.has_contact) {
+    json["contact_error"] = balance.contact_error;
+    json["penetration"] = balance.penetration;
+  }
+  json["external_work"] = balance.external_work;
+  json["dissipated_energy"] = balance.dissipated_energy;
+  json["peak_kinetic_energy"] = balance.peak_kinetic_energy;
+  json["peak_stored_energy"] = balance.peak_stored_energy;
+  json["peak_energy"] = balance.peak_energy;
+  return json;
+}
+
 // "time step: 1e-3; 2 cuts: ..." with the first few cuts.
 void printSteps(std::ostream& out, const StepReport& steps) {
   out << format("time step: %.4g at the start, %.4g at the end, cut %zu times", steps.first,
@@ -75,7 +96,34 @@ void printSteps(std::ostream& out, const StepReport& steps) {
       << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
 }
 
+void printBalance(std::ostream& out, const BalanceReport& balance) {
+  out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
+                "kinetic %.6e, peak stored %.6e\n",
+                balance.energy_error, balance.momentum_error, balance.external_work,
+                balance.peak_kinetic_energy, balance.peak_stored_energy);
+  out << format("gauges: ledger residual %.1e, angular momentum error %.1e, stored error %.1e, "
+                "hourglass share %.2g",
+                balance.ledger_residual, balance.angular_momentum_error, balance.stored_error,
+                balance.hourglass_share);
+  if (balance.has_contact)
+    out << format(", contact error %.1e, penetration %.2g", balance.contact_error,
+                  balance.penetration);
+  out << "\n";
+}
+
 } // namespace
+
+void judgeFigures(RunReport& report) {
+  if (report.search.lost_contacts > 0)
+    report.warnings.push_back(
+        std::to_string(report.search.lost_contacts) +
+        " times a loaded contact was deeper than the search reaches and let go; a larger "
+        "contact.tolerance keeps it");
+  if (report.search.missed_pairs > 0)
+    report.failures.push_back("the audit of the search found " +
+                              std::to_string(report.search.missed_pairs) +
+                              " candidate pairs that the lists in use missed");
+}
 
 Provenance describeRun(MPI_Comm comm) {
   Provenance run;
@@ -145,11 +193,7 @@ std::string reportJson(const RunReport& r) {
   }
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
-  json["balance"] = {{"energy_error", r.balance.energy_error},
-                     {"momentum_error", r.balance.momentum_error},
-                     {"external_work", r.balance.external_work},
-                     {"peak_kinetic_energy", r.balance.peak_kinetic_energy},
-                     {"peak_stored_energy", r.balance.peak_stored_energy}};
+  json["balance"] = toJson(r.balance);
   json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
   json["pass"] = r.pass();
   json["warnings"] = r.warnings;
@@ -221,10 +265,7 @@ void printReport(std::ostream& out, const RunReport& r) {
                   static_cast<long long>(r.search.missed_pairs),
                   static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
-  out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
-                "kinetic %.6e, peak stored %.6e\n",
-                r.balance.energy_error, r.balance.momentum_error, r.balance.external_work,
-                r.balance.peak_kinetic_energy, r.balance.peak_stored_energy);
+  printBalance(out, r.balance);
   for (const std::string& warning : r.warnings)
     out << "warning: " << warning << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "

@@ -36,14 +36,22 @@ struct SearchReport {
   double seconds_per_step = 0; // PhaseRecorder::medianPerStep("search")
   // Of the last step, all ranks.
   std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;
+  std::int64_t lost_contacts = 0; // since the start
   std::int64_t audit = 0; // search.audit
   std::int64_t missed_pairs = 0; // in the audited steps
   bool drops_same_body = false; // pairs of a node and a face of its own body are dropped
 };
 
+// mechanics/energy.hpp says what they are.
 struct BalanceReport {
-  double energy_error = 0, momentum_error = 0;
-  double external_work = 0, peak_kinetic_energy = 0, peak_stored_energy = 0;
+  double energy_error = 0, momentum_error = 0, angular_momentum_error = 0;
+  double ledger_residual = 0;
+  double stored_error = 0, stored_material_error = 0, stored_hourglass_error = 0;
+  double hourglass_share = 0;
+  bool has_contact = false; // else these two are left out
+  double contact_error = 0, penetration = 0; // of the square root of a face's area
+  double external_work = 0, dissipated_energy = 0;
+  double peak_kinetic_energy = 0, peak_stored_energy = 0, peak_energy = 0;
 };
 
 // A step that was shortened, with all that follow it.
@@ -84,6 +92,9 @@ struct RunReport {
   double faceSearchesPerSecond() const;
   bool pass() const { return failures.empty(); }
 };
+
+// Adds the warnings and failures that follow from the figures alone: contacts that were lost, pairs that were missed.
+void judgeFigures(RunReport& report);
 
 // Collective. Peak resident memory of the largest rank so far, bytes.
 std::int64_t peakRankBytes(MPI_Comm comm);

@@ -5,9 +5,8 @@
 #include "miniapp/globals.hpp"
 #include "miniapp/history.hpp"
 #include "miniapp/phase_report.hpp"
-#include "miniapp/report.hpp"
 #include "miniapp/results.hpp"
-#include "miniapp/search_choice.hpp"
+#include "miniapp/run_report.hpp"
 #include "miniapp/simulation.hpp"
 
 #include <chrono>
@@ -58,7 +57,7 @@ public:
   Run(MPI_Comm comm, const Config& config, const Options& options)
       : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
         _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
-        _output_ticker(config.output.interval, false),
+        _limits(config.limits), _output_ticker(config.output.interval, false),
         _history_ticker(config.output.history_interval, true) {
     if (_options.write_output)
       openOutput();
@@ -94,10 +93,12 @@ private:
         const Region region("step");
         _simulation.step();
       }
-      if (first)
+      if (first) {
         _recorder.reset();
-      else
+        _searches_before = _simulation.searches();
+      } else {
         _recorder.endStep();
+      }
       first = false;
       const double time = _simulation.clock().time;
       if (_options.write_output && _history_ticker.due(time))
@@ -153,12 +154,10 @@ private:
   }
 
   void checkLimits() {
-    const auto& balance = _simulation.balance();
-    if (balance.energy_error > _config.limits.energy_error)
-      throw PhysicsError("energy error " + number(balance.energy_error) + " in step " +
-                         std::to_string(_simulation.clock().step) + " (time " +
-                         number(_simulation.clock().time) +
-                         ") exceeds limits.energy_error = " + number(_config.limits.energy_error));
+    const Clock& clock = _simulation.clock();
+    for (const std::string& warning : _limits.check(_simulation.gauges(), clock.step, clock.time))
+      if (rankOf(_comm) == 0)
+        std::cout << "warning: " << warning << std::endl;
   }
 
   bool wallTimeIsUp() {
@@ -183,86 +182,17 @@ private:
   }
 
   RunReport makeReport() {
-    RunReport report;
+    RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
     report.case_name = _options.caseName();
-    report.title = _config.title;
-    report.provenance = describeRun(_comm);
-    report.elements = _scene.part.num_global_elems;
-    report.nodes = _scene.part.num_global_nodes;
-    report.faces = _scene.num_faces;
-    report.steps = _simulation.clock().step;
-    report.end_time = _simulation.clock().time;
-    report.counted_steps = maxOf<std::int64_t>(report.steps - 1, 0);
-    const auto slowest = [&](double seconds) { return allReduce(_comm, seconds, MPI_MAX); };
-    report.loop_seconds = slowest(_recorder.seconds("step"));
-    report.search_seconds = slowest(_recorder.seconds("search"));
-    report.solver_seconds = slowest(_recorder.seconds("step") - _recorder.seconds("search") -
-                                    _recorder.seconds("step::contact enforcement"));
-    report.counted_searches =
-        _recorder.calls("findGhosts"); // steps that keep their lists have none
-    report.phases = _recorder.phases();
-    report.search_timers = _recorder.searchTimers();
-    const ContactCounts counts = _simulation.contactCounts();
-    report.search.method = nameOf(_config.search.method);
-    report.search.margin = _config.search.margin;
-    report.search.searches = counts.searches;
-    report.search.steps_per_search =
-        counts.searches == 0
-            ? 0
-            : static_cast<double>(counts.updates) / static_cast<double>(counts.searches);
-    report.search.seconds_per_step = _recorder.medianPerStep("search");
-    report.search.ghost_faces = counts.ghost_faces;
-    report.search.candidate_pairs = counts.candidate_pairs;
-    report.search.active_contacts = counts.active;
-    report.search.audit = _config.contact.enabled ? _config.search.audit : 0;
-    report.search.missed_pairs = counts.missed_pairs;
-    report.search.drops_same_body = _simulation.dropsSameBody();
-    report.time_step = stepReport();
-    const auto& balance = _simulation.balance();
-    report.balance = {balance.energy_error, balance.momentum_error, balance.external_work,
-                      balance.peak_kinetic, balance.peak_stored};
-    report.max_rank_bytes = peakRankBytes(_comm);
-    if (counts.lost > 0)
-      report.warnings.push_back(
-          std::to_string(counts.lost) +
-          " times a loaded contact was deeper than the search reaches and let go; a larger "
-          "contact.tolerance keeps it");
-    report.failures = failures();
-    return report;
-  }
-
-  StepReport stepReport() const {
-    StepReport steps;
-    const auto& cuts = _simulation.stepCuts();
-    steps.last = _simulation.clock().dt;
-    steps.first = cuts.empty() ? steps.last : cuts.front().from;
-    steps.guarded_steps = _simulation.guardedSteps();
-    for (const StepCut& cut : cuts)
-      steps.cuts.push_back({cut.reason == StepCut::Reason::tunnelling ? "tunnelling" : "stability",
-                            cut.step, cut.time, cut.from, cut.to});
-    return steps;
-  }
-
-  std::vector<std::string> failures() const {
-    std::vector<std::string> failures;
+    report.counted_searches = _simulation.searches() - _searches_before;
+    report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
+                           _limits.warnings().end());
     if (!_breakdown.empty())
-      failures.push_back(_breakdown);
-    const auto& balance = _simulation.balance();
-    if (_config.limits.momentum_error &&
-        !(balance.momentum_error <= *_config.limits.momentum_error))
-      failures.push_back(
-          "momentum error " + number(balance.momentum_error) +
-          " exceeds limits.momentum_error = " + number(*_config.limits.momentum_error));
+      report.failures.push_back(_breakdown);
     if (_out_of_time)
-      failures.push_back("stopped at limits.wall_time after " +
-                         std::to_string(_simulation.clock().step) + " steps");
-    return failures;
-  }
-
-  static std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
+      report.failures.push_back("stopped at limits.wall_time after " +
+                                std::to_string(_simulation.clock().step) + " steps");
+    return report;
   }
 
   MPI_Comm _comm;
@@ -272,9 +202,11 @@ private:
   PhaseRecorder _recorder;
   Scene _scene;
   Simulation _simulation;
+  LimitWatch _limits;
   Ticker _output_ticker, _history_ticker;
   std::unique_ptr<HistoryWriter> _history;
   std::unique_ptr<Results> _results;
+  std::int64_t _searches_before = 0; // of the steps that are not timed
   std::int64_t _last_written = -1, _last_row = -1;
   double _last_progress = 0;
   bool _out_of_time = false;

@@ -16,6 +16,10 @@ namespace brickwall::miniapp {
 
 namespace {
 
+// Of StepCounts::host: ranks with a penetration beyond a limit.
+enum HostCount : int { deeper_than_warned, deeper_than_allowed };
+static_assert(deeper_than_allowed < mechanics::num_host_counts);
+
 std::string reversingDamping(double damping, double dt) {
   std::ostringstream message;
   message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
@@ -116,6 +120,8 @@ void Simulation::enforceContact(double dt) {
   _contact = _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(),
                                    {dt, _clock.dt}, &neutral, _edges.get());
   _lost += _contact.lost();
+  _penetration =
+      maxOf(_penetration, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration));
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _forces);
 }
@@ -128,8 +134,12 @@ void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
 
 void Simulation::bookEnergies(double dt_kick) {
   const Region region("step::ledger");
+  mechanics::StepCounts counts;
+  counts.failures = _load_failures + _contact.failures();
+  counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
+  counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
-                   {_load_failures + _contact.failures()});
+                   counts);
   if (_ledger.balance().failures > 0) {
     const std::string failure = describeFailure();
     stepBack(dt_kick);
@@ -186,6 +196,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _internal_force = std::make_unique<mechanics::InternalForce>(_space, comm, mesh, kind,
                                                                _forces.quantum, _scales.energy);
   _loads = pressureLoads(_space, config, scene);
+  for (const MaterialConfig& material : config.materials)
+    _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
@@ -270,9 +282,29 @@ ContactCounts Simulation::contactCounts() const {
   counts.active = sums[2];
   counts.lost = sums[3];
   counts.missed_pairs = _missed_pairs;
+  counts.largest_penetration = allReduce(_comm, _penetration, MPI_MAX);
   counts.max_penetration = allReduce(
       _comm, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration), MPI_MAX);
   return counts;
+}
+
+GaugeValues Simulation::gauges() {
+  const mechanics::EnergyBalance& b = _ledger.balance();
+  const LimitsConfig& limits = _config.limits;
+  const bool is_deep = (b.host_counts[deeper_than_warned] > 0 &&
+                        _known_penetration <= limits.warn[gauge_penetration]) ||
+                       (b.host_counts[deeper_than_allowed] > 0 &&
+                        _known_penetration <= limits.stop[gauge_penetration]);
+  if (is_deep)
+    _known_penetration = allReduce(_comm, _penetration, MPI_MAX);
+  GaugeValues values;
+  values[gauge_energy] = b.energy_error;
+  values[gauge_momentum] = b.momentum_error;
+  values[gauge_angular_momentum] = _is_objective ? b.angular_momentum_error : 0;
+  values[gauge_contact] = b.contact_error;
+  values[gauge_hourglass] = b.hourglassShare();
+  values[gauge_penetration] = _known_penetration;
+  return values;
 }
 
 std::int64_t Simulation::numCongruentElems() const {

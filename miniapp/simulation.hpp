@@ -57,6 +57,7 @@ struct ContactCounts {
   std::int64_t lost = 0; // since the start: loaded contacts deeper than the search reaches
   std::int64_t missed_pairs = 0; // since the start, of the steps that were audited
   double max_penetration = 0; // of the square root of a face's area
+  double largest_penetration = 0; // since the start
 };
 
 class Simulation {
@@ -74,11 +75,15 @@ public:
   const std::vector<StepCut>& stepCuts() const { return _step_cuts; }
   // Steps whose pairs were looked at because some nodes moved fast.
   std::int64_t guardedSteps() const { return _guarded_steps; }
+  std::int64_t searches() const { return _search ? _search->searches() : 0; } // since the start
   // Steps in all until the end time (or the deck's number of steps).
   std::int64_t plannedSteps() const { return _planned_steps; }
   bool done() const { return _clock.step >= plannedSteps(); }
 
   const mechanics::EnergyBalance& balance() const { return _ledger.balance(); }
+  // For limits, after a step. The penetration is exact where it is beyond a limit that has not been told of, else a lower
+  // bound. Collective.
+  GaugeValues gauges();
   const mechanics::NodalState& state() const { return _state; }
   const mechanics::NodalForces& forces() const { return _forces; }
   const mechanics::BoundaryConditions& boundary() const { return _boundary; }
@@ -124,6 +129,8 @@ private:
 
   Clock _clock;
   std::int64_t _planned_steps = 0;
+  bool _is_objective =
+      true; // no material at small strain, whose stress makes a moment when it turns
   double _step_share = 1; // chi: dt over the elements' stable step
   // The rate is that which the step allows for; at first one that costs few per cent of the step.
   mechanics::StepViscosity _step_viscosity = {{}, 0.01, 1};
@@ -145,6 +152,8 @@ private:
   TunnellingGuard _guard; // off without contact
   std::int64_t _lost = 0; // this rank's, since the start
   std::int64_t _missed_pairs = 0; // of all ranks, since the start
+  double _penetration = 0; // largest since the start, this rank's
+  double _known_penetration = 0; // the largest of all ranks that they have agreed on
 
   std::vector<StepCut> _step_cuts;
   std::int64_t _guarded_steps = 0;

@@ -42,6 +42,14 @@ for ranks in 1 3; do
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
+  expect "a warning is told and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
+    "${small[@]}" --set limits.warn.energy_error=1e-14 --steps 200
+  grep -q 'exceeds limits.warn.energy_error' "$work/out/report.json" || { echo "FAILED: report.json lacks the warning"; failures=$((failures + 1)); }
+  expect "a deep contact stops the run where that is a limit" 3 'penetration .* exceeds limits.penetration' $ranks run "$inputs/two_bars.toml" \
+    --set limits.penetration=1e-4 --set contact.edges=false
+  expect "an audit of the search finds nothing" 0 'audit: 0 pairs missed' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3 \
+    --set search.reuse.margin=0.2 --steps 20
+  grep -q '^step,.*missed_pairs' "$work/out/history.csv" || { echo "FAILED: history.csv lacks missed_pairs"; failures=$((failures + 1)); }
   expect "a brick that is too fast for contact stops the run" 3 'node [0-9]+ .*of body [0-9]+ moves by .* against face [0-9]+ .*of body [0-9]+' \
     $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' --set 'initial.velocity[0].velocity=[0.5,0,0]' --set 'contact.guard="stop"'
   expect "a step that is cut for contact is told" 0 'time step: .* for tunnelling' $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' \

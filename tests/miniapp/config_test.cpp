@@ -77,8 +77,11 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.mass_damping, 0);
   EXPECT_EQ(config.time.safety, 0.8);
   EXPECT_FALSE(config.time.steps.has_value());
-  EXPECT_EQ(config.limits.energy_error, 0.1);
-  EXPECT_FALSE(config.limits.momentum_error.has_value());
+  EXPECT_EQ(config.limits.stop[gauge_energy], 0.1);
+  EXPECT_EQ(config.limits.stop[gauge_momentum], 1e-6);
+  EXPECT_EQ(config.limits.stop[gauge_contact], HUGE_VAL);
+  EXPECT_EQ(config.limits.warn[gauge_penetration], 0.1);
+  EXPECT_EQ(config.search.audit, 0);
 }
 
 TEST(Config, ReadsEveryKey) {
@@ -105,10 +108,12 @@ TEST(Config, ReadsEveryKey) {
       "lateral_tolerance = 0.2\nguard = \"stop\"\n"
       "[search]\nmethod = \"reference\"\nreuse = { margin = 0.25 }\njitter = 0.1\n"
       "drift = 0.2\nrepetitions = 3\nwarmup = 0\nseed = 9\nshuffle = true\nlocal = false\n"
+      "audit = 5\n"
       "[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
       "precision = \"single\"\nprocessor_id = true\n"
-      "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n",
+      "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n"
+      "[limits.warn]\nhourglass_share = 0.3\ncontact_error = 0.01\n",
       "/decks/a.toml");
   EXPECT_EQ(config.title, "All");
   EXPECT_EQ(config.mesh->file, "/decks/sub/m.exo"); // relative to the deck
@@ -150,6 +155,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.contact.guard, GuardAction::stop);
   EXPECT_EQ(config.search.method, SearchMethod::reference);
   EXPECT_EQ(config.search.seed, 9);
+  EXPECT_EQ(config.search.audit, 5);
   EXPECT_TRUE(config.search.shuffle);
   EXPECT_FALSE(config.search.local);
   EXPECT_EQ(config.search.margin, 0.25);
@@ -157,7 +163,10 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::single);
   EXPECT_TRUE(config.output.processor_id);
-  EXPECT_EQ(*config.limits.momentum_error, 1e-12);
+  EXPECT_EQ(config.limits.stop[gauge_energy], 0.2);
+  EXPECT_EQ(config.limits.stop[gauge_momentum], 1e-12);
+  EXPECT_EQ(config.limits.warn[gauge_hourglass], 0.3);
+  EXPECT_EQ(config.limits.warn[gauge_contact], 0.01);
   EXPECT_EQ(*config.limits.wall_time, 60);
   EXPECT_EQ(parseConfig(config.resolved_deck, "b.toml").resolved_deck, config.resolved_deck);
 }

@@ -280,9 +280,14 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   for (const char* name : {"method", "margin", "searches", "steps_per_search", "seconds_per_step",
                            "ghost_faces", "candidate_pairs", "active_contacts"})
     EXPECT_TRUE(json["search"].contains(name)) << name;
-  for (const char* name : {"energy_error", "momentum_error", "external_work", "peak_kinetic_energy",
-                           "peak_stored_energy"})
+  for (const char* name :
+       {"energy_error", "momentum_error", "angular_momentum_error", "ledger_residual",
+        "stored_error", "stored_material_error", "stored_hourglass_error", "hourglass_share",
+        "external_work", "dissipated_energy", "peak_kinetic_energy", "peak_stored_energy",
+        "peak_energy"})
     EXPECT_TRUE(json["balance"].contains(name)) << name;
+  EXPECT_FALSE(json["balance"].contains("contact_error")); // there is no contact
+  EXPECT_FALSE(json["search"].contains("missed_pairs")); // nothing was audited
   EXPECT_EQ(json["time_step"]["first"], 2.0);
   EXPECT_EQ(json["time_step"]["guarded_steps"], 7);
   EXPECT_EQ(json["time_step"]["cuts"][0]["reason"], "tunnelling");
@@ -356,6 +361,26 @@ TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
   report.failures = {"energy error 0.2 above 0.1", "momentum"};
   printReport(out, report);
   EXPECT_NE(out.str().find("\nFAIL: energy error 0.2 above 0.1; momentum\n"), std::string::npos);
+}
+
+TEST(Report, FailsForMissedPairsAndWarnsOfLostContacts) {
+  RunReport report = sampleReport();
+  judgeFigures(report);
+  EXPECT_TRUE(report.pass());
+  EXPECT_TRUE(report.warnings.empty());
+  report.search.audit = 10;
+  report.search.missed_pairs = 3;
+  report.search.lost_contacts = 2;
+  report.balance.has_contact = true;
+  judgeFigures(report);
+  EXPECT_FALSE(report.pass());
+  EXPECT_NE(report.failures.at(0).find("3 candidate pairs"), std::string::npos);
+  EXPECT_NE(report.warnings.at(0).find("2 times a loaded contact"), std::string::npos);
+  const auto json = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(json["search"]["missed_pairs"], 3);
+  EXPECT_EQ(json["pass"], false);
+  EXPECT_TRUE(json["balance"].contains("contact_error"));
+  EXPECT_TRUE(json["balance"].contains("penetration"));
 }
 
 TEST(Report, FindsAFullDisk) {
