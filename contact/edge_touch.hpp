@@ -167,9 +167,12 @@ struct EdgeTouch {
     return stiffness_share * config.penalty /
            (config.reference_step * config.reference_step * inverse_mass);
   }
-  KOKKOS_INLINE_FUNCTION double taper(const FaceAccess&, const Interaction&, const Hit& hit,
-                                      const ContactHistory&, FadingForce&) const {
-    return hit.place[1];
+  // The force grows in with the angles. It is not the gradient of an energy then: what the contact stored decides on what it
+  // gives back (energy_neutral.hpp).
+  KOKKOS_INLINE_FUNCTION void fade(const FaceAccess&, const Hit& hit, Interaction& now,
+                                   FadingForce&) const {
+    now.taper = hit.place[1];
+    now.first_force = now.stiffness * now.taper * now.depth;
   }
 };
 

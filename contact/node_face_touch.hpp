@@ -31,11 +31,12 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Hit& hit) const {
     const MeanPlane& plane = planes(planeOf(face));
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    if (plane.surelyOutside(x, maxOf(lateral_tolerance, edge_tolerance)) ||
+    if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest)) ||
         !isOpposed(node, plane.normal))
       return false;
-    const FacePoint point = project(faces.quad(face), x);
-    if (!(point.gap < 0) || !reachOf(faces, face).covers(point))
+    const Quad quad = faces.quad(face);
+    const FacePoint point = project(quad, x);
+    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -81,31 +82,36 @@ struct NodeFaceTouch {
     return scale * (by_area * inverse_mass < 1 ? by_area : 1.0 / inverse_mass);
   }
 
-  // w of the force beyond true edges, and the force that comes with it.
-  KOKKOS_INLINE_FUNCTION double taper(const FaceAccess& faces, const Interaction& now,
-                                      const Hit& hit, const ContactHistory&,
-                                      FadingForce& fading) const {
-    const EdgeReach reach = reachOf(faces, hit.face);
-    if (reach.mask == 0 || maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
-      return 1;
-    const LateralForce lateral =
-        lateralForce(faces.quad(hit.face), hit.place[0], hit.place[1], now.normal, hit.depth, reach,
-                     now.stiffness, maxOf(now.depth, 0.0));
+  // w of the force beyond true edges, and what comes with it.
+  KOKKOS_INLINE_FUNCTION void fade(const FaceAccess& faces, const Hit& hit, Interaction& now,
+                                   FadingForce& fading) const {
+    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
+      return;
+    const Quad quad = faces.quad(hit.face);
+    const EdgeReach reach = reachOf(faces, hit.face, quad);
+    if (reach.mask == 0)
+      return;
+    const LateralForce lateral = lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth,
+                                              reach, now.stiffness, maxOf(now.depth, 0.0));
+    now.taper = lateral.taper;
+    now.first_force += now.stiffness * now.depth * (lateral.taper - 1 + lateral.along_normal);
     fading.on_node = lateral.on_node;
     for (int j = 0; j < 4; ++j)
       fading.on_corner[j] = lateral.on_corner[j];
-    return lateral.taper;
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
     return face < num_faces ? face : face + num_remote;
   }
-  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face) const {
+  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face,
+                                            const Quad& quad) const {
     EdgeReach reach;
     reach.lateral_tolerance = lateral_tolerance;
     reach.edge_tolerance = edge_tolerance;
     if (faces.hasAttribute(NodeFaces::true_edges_column))
       reach.mask = static_cast<int>(faces.attribute(face, NodeFaces::true_edges_column));
+    if (reach.mask != 0)
+      reach.measure(quad);
     return reach;
   }
   KOKKOS_INLINE_FUNCTION bool opposes(const MeanPlane& plane, const Vec3& normal) const {

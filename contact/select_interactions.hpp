@@ -182,9 +182,9 @@ struct SelectInteractions {
     else
       bear(now, hit.depth, cap);
     now.depth = hit.depth - now.offset;
+    now.first_force = now.stiffness * now.depth;
     FadingForce fading;
-    now.taper = touch.taper(faces, now, hit, previous, fading);
-    now.first_force = now.stiffness * now.taper * now.depth;
+    touch.fade(faces, hit, now, fading);
     if (slid_here) {
       now.stored = 0.5 * now.first_force * now.depth;
       now.is_new = 0;
