@@ -31,10 +31,11 @@ struct EdgeReach {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
     return mask & (1 << edge);
   }
-  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point) const {
+  // A contact begins on the face, where w = 1: beyond a true edge it can only end.
+  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun) const {
     if (point.activeWithin(lateral_tolerance))
       return true;
-    return mask != 0 && point.valid && point.has_parameters && coversAlong(0, point.xi, point) &&
+    return has_begun && mask != 0 && point.valid && point.has_parameters && coversAlong(0, point.xi, point) &&
            coversAlong(1, point.eta, point);
   }
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter,

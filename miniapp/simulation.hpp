@@ -113,6 +113,7 @@ private:
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void auditCandidates(); // collective
+  void reachAsDeepAsContacts();
   void computeForces(double time);
   void enforceContact(double dt);
   void sumSharedNodes();
@@ -146,6 +147,7 @@ private:
   mechanics::EnergyLedger _ledger;
 
   bool _drops_same_body = true;
+  double _box_tolerance = 0, _reach = 0; // of nodes and of faces, length: of the deck; now
   std::unique_ptr<SurfaceCoupling> _coupling; // these are null without contact
   std::unique_ptr<contact::CandidateSearch> _search;
   std::unique_ptr<contact::Enforcement> _enforcement;
