@@ -48,8 +48,10 @@ struct EdgeTouch {
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
   static constexpr double least_sine = 0.05, full_sine = 0.15;
-  static constexpr double overhang = 0.5; // of an edge's length: how far it pushes on over the next one
-  static constexpr double full_outside = 0.5; // a contact that has begun ends when it is this far outside
+  static constexpr double overhang =
+      0.5; // of an edge's length: how far it pushes on over the next one
+  static constexpr double full_outside =
+      0.5; // a contact that has begun ends when it is this far outside
   static constexpr double stiffness_share = 0.5; // of a node's: edges act beside nodes
   static constexpr double deepest =
       0.5; // of the shorter edge: what is deeper did not come through these edges
@@ -64,8 +66,9 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, bool has_begun,
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
                                    Hit& hit) const {
+    const bool has_begun = stage == Stage::kept;
     const int own = edgeOf(node);
     const Quad a = faces.quad(own), b = faces.quad(other);
     const Vec3 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
@@ -85,7 +88,7 @@ struct EdgeTouch {
       normal = -normal;
     const double depth = -dot(between, normal);
     if (!(depth > 0 && depth * depth < deepest * deepest * minOf(aa, bb)) ||
-        !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), has_begun, true) ||
+        !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, true) ||
         !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), has_begun, false))
       return false;
     const EdgeCone cone_a(a, faces.attribute(own, cosine_column),
@@ -126,8 +129,7 @@ struct EdgeTouch {
   KOKKOS_INLINE_FUNCTION static int goesOn(const FaceAccess& faces, int edge) {
     return static_cast<int>(faces.attribute(edge, goes_on_column));
   }
-  KOKKOS_INLINE_FUNCTION Taper endTaper(int goes_on, double s, double depth,
-                                        double length) const {
+  KOKKOS_INLINE_FUNCTION Taper endTaper(int goes_on, double s, double depth, double length) const {
     Taper taper;
     const bool at_second = s > 0.5;
     const double beyond = (at_second ? s - 1 : -s) - start();
@@ -180,18 +182,15 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION void record(int, int, double) const {}
 
-  // By the masses alone, as of the lighter ends.
   KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
-                                                     const FaceAccess& faces,
-                                                     const ContactPoint& point,
+                                                     const FaceAccess&, const Interaction& now,
                                                      const Hit (&hits)[max_interactions], int,
                                                      int h) const {
-    const double own = minOf(node_mass(point.node[0]), node_mass(point.node[1]));
-    const double other = minOf(faces.attribute(hits[h].face, 0), faces.attribute(hits[h].face, 1));
     const double k = stiffness_share * config.penalty /
-                     (config.reference_step * config.reference_step * (1 / own + 1 / other));
+                     (config.reference_step * config.reference_step * now.inverse_mass);
     return {hits[h].place[1] * k, k};
   }
+
   // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that
   // a ds - b dt = -(D . d_own + r . delta d_own), b ds - c dt = -(D . d_other + r . delta d_other), with D the motion of the one
   // point from the other, a, b, c the products of d_own and d_other.
@@ -210,8 +209,9 @@ struct EdgeTouch {
     const Taper at_t = endTaper(goesOn(faces, hit.face), t, hit.depth, length_b);
     const double p = maxOf(now.depth, 0.0), energy = 0.5 * now.stiffness * p * p;
     now.taper = at_s.value * at_t.value;
-    now.first_force += now.stiffness * now.depth *
-                       (now.taper - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
+    now.first_force +=
+        now.stiffness * now.depth *
+        (now.taper - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
     const double g_s = energy * at_s.slope * at_t.value, g_t = energy * at_s.value * at_t.slope;
     const double determinant = a * c - b * b; // > 0: not parallel
     const double q_own = (g_s * c + g_t * b) / determinant;

@@ -28,16 +28,16 @@ struct NodeFaceTouch {
 
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, bool has_begun,
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Stage stage,
                                    Hit& hit) const {
     const MeanPlane& plane = planes(planeOf(face));
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest)) ||
-        !isOpposed(node, plane.normal, has_begun ? 0 : opposed_cosine))
+        !isOpposed(node, plane.normal, opposedCosine(stage)))
       return false;
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, x);
-    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, has_begun))
+    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, stage == Stage::kept))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -64,11 +64,11 @@ struct NodeFaceTouch {
     gap(node) = -deepest;
   }
 
-  // k = min(eps A_i, s m_red/dt_ref^2) at the birth, with m_red as of the corner of least mass, so that it is the same all over a
-  // face, and later no more than the second. A node's interactions of one normal direction share both.
+  // k = min(eps A_i, s m_red/dt_ref^2) at the birth, A_i shared by the node's interactions of one normal direction; later no
+  // more than the second.
   KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
                                                      const FaceAccess& faces,
-                                                     const ContactPoint& point,
+                                                     const Interaction& now,
                                                      const Hit (&hits)[max_interactions],
                                                      int num_hits, int h) const {
     const Hit& hit = hits[h];
@@ -76,21 +76,18 @@ struct NodeFaceTouch {
     for (int other = 0; other < num_hits; ++other)
       if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
         ++sharing;
-    const Tributary part = tributary(point.node[0], planes(planeOf(hit.face)).normal);
+    const Tributary part = tributary(now.node, planes(planeOf(hit.face)).normal);
     const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
-    double lightest = faces.attribute(hit.face, 0);
-    for (int j = 1; j < 4; ++j)
-      lightest = minOf(lightest, faces.attribute(hit.face, j));
-    const double scale = config.penalty / (config.reference_step * config.reference_step) / sharing;
-    const double by_mass = scale / (1.0 / node_mass(point.node[0]) + 1.0 / lightest);
-    const double by_area = scale * part.area / (1.0 / part.surface_mass + 1.0 / face_mass);
-    return {by_area < by_mass ? by_area : by_mass, by_mass};
+    const double scale = config.penalty / (config.reference_step * config.reference_step);
+    // eps A_i / scale
+    const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
+    const double by_mass = scale / now.inverse_mass;
+    return {by_area * now.inverse_mass < 1 ? scale * by_area : by_mass, by_mass};
   }
 
   // w of the force beyond true edges, and what comes with it.
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
-                                   const Hit& hit, Interaction& now,
-                                   FadingForce& fading) const {
+                                   const Hit& hit, Interaction& now, FadingForce& fading) const {
     now.taper = 1;
     if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
       return;
@@ -98,13 +95,14 @@ struct NodeFaceTouch {
     const EdgeReach reach = reachOf(faces, hit.face, quad);
     if (reach.mask == 0)
       return;
-    const LateralForce lateral = lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth,
-                                              reach, now.stiffness, maxOf(now.depth, 0.0));
+    const LateralForce lateral =
+        lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
+                     maxOf(now.depth, 0.0));
     now.taper = lateral.taper;
     now.first_force += now.stiffness * now.depth * (lateral.taper - 1 + lateral.along_normal);
     // What would move the pair by more than a fifth of the way in one step takes more energy than there is.
-    const double moves = norm(lateral.on_node) * config.reference_step * config.reference_step *
-                         now.inverse_mass;
+    const double moves =
+        norm(lateral.on_node) * config.reference_step * config.reference_step * now.inverse_mass;
     const double most = 0.2 * minOf(reach.way(0, hit.depth) * reach.half[0],
                                     reach.way(1, hit.depth) * reach.half[1]);
     const double scale = moves > most ? most / moves : 1;
@@ -117,7 +115,7 @@ struct NodeFaceTouch {
     return face < num_faces ? face : face + num_remote;
   }
   KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face,
-                                            const Quad& quad) const {
+                                           const Quad& quad) const {
     EdgeReach reach;
     reach.lateral_tolerance = lateral_tolerance;
     reach.edge_tolerance = edge_tolerance;
@@ -127,11 +125,14 @@ struct NodeFaceTouch {
       reach.measure(quad);
     return reach;
   }
+  // A contact goes on while a face of the node is turned towards the other at all.
+  KOKKOS_INLINE_FUNCTION double opposedCosine(Stage stage) const {
+    return stage == Stage::born ? opposed_cosine : stage == Stage::kept ? 0 : 0.1;
+  }
   KOKKOS_INLINE_FUNCTION static bool opposes(const MeanPlane& plane, const Vec3& normal,
                                              double cosine) {
     return dot(plane.normal, normal) < -cosine;
   }
-  // A contact that has begun goes on while a face of the node is turned towards the other at all.
   KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
       if (opposes(planes(around.rows(k)), normal, cosine))

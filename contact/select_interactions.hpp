@@ -26,6 +26,10 @@ struct Hit {
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
 };
 
+// What a face is tested for: to keep a contact, to bear one or to go on with it there; or, if no face is fit for that, to go on
+// with it where the surfaces are turned towards each other no more than a little.
+enum class Stage { kept, born, switched };
+
 // Of a contact that is born now, and the most that the stable step allows one that goes on.
 struct StiffnessCaps {
   double birth, kept; // force/length
@@ -99,14 +103,21 @@ struct SelectInteractions {
     findPreviousFace(node, body, end, pair, hit, seen, sums);
     if (!wanted)
       return false;
-    if (hit.previous_face >= 0 && isTouching(node, hit.previous_face, true, hit))
+    if (hit.previous_face >= 0 && isTouching(node, hit.previous_face, Stage::kept, hit))
       return true;
+    return findNearest(node, begin, pair, Stage::born, hit) ||
+           (hit.previous >= 0 && findNearest(node, begin, pair, Stage::switched, hit));
+  }
+
+  // The least penetrated of the candidates [begin, end), but for the previous face.
+  KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
+                                          Stage stage, Hit& hit) const {
     bool found = false;
     Hit nearest, other;
     other.previous = hit.previous;
-    for (std::int64_t p = begin; p < pair; ++p) {
+    for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
-      if (face == hit.previous_face || !isTouching(node, face, false, other))
+      if (face == hit.previous_face || !isTouching(node, face, stage, other))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -143,8 +154,8 @@ struct SelectInteractions {
   }
 
   // The cheap tests first.
-  KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, bool has_begun, Hit& hit) const {
-    return touch.test(faces, node, face, has_begun, hit) && isOfThisStep(node, face);
+  KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, Stage stage, Hit& hit) const {
+    return touch.test(faces, node, face, stage, hit) && isOfThisStep(node, face);
   }
   // Whether a search in this step would list the pair. Asked last and so of few pairs: with it the contacts do not depend
   // on the margin.
@@ -178,7 +189,7 @@ struct SelectInteractions {
     now.inverse_mass = touch.inverseMass(now.point);
     for (int j = 0; j < 4; ++j)
       now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
-    const StiffnessCaps caps = touch.stiffnessCaps(config, faces, now.point, hits, num_hits, h);
+    const StiffnessCaps caps = touch.stiffnessCaps(config, faces, now, hits, num_hits, h);
     if (hit.previous < 0)
       bear(now, hit.depth, caps);
     else
@@ -208,12 +219,13 @@ struct SelectInteractions {
 
   // What the motion of this step did not bring is taken as an offset: no energy comes from nowhere, and an initial
   // overlap, which is a birth at rest, gives no force.
-  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth, const StiffnessCaps& caps) {
+  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth,
+                                          const StiffnessCaps& caps) {
     now.stiffness = caps.birth;
     now.offset = depth - minOf(depth, maxOf(0.0, now.closing));
   }
 
-  // The spring keeps its force when the node moves to another face, and its energy when it must become softer: then e may be
+  // The spring keeps its energy when the node moves to another face, and when it must become softer: then e may be
   // below 0, and what is stored beyond P comes back in the last step before the node is outside.
   KOKKOS_INLINE_FUNCTION static void carryOn(Interaction& now, const Interaction& last,
                                              const Hit& hit, const StiffnessCaps& caps) {
@@ -221,7 +233,7 @@ struct SelectInteractions {
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
     now.offset = last.face == now.face ? minOf(last.offset, hit.depth)
-                                       : hit.depth - maxOf(last.depth, 0.0);
+                                       : hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper);
     now.stiffness = now.is_new ? caps.birth : last.stiffness;
     if (caps.kept < now.stiffness) {
       const double depth = hit.depth - now.offset;

@@ -13,7 +13,8 @@ namespace brickwall::contact {
 // is pressed in deep would else cross a narrow way in one step. At 2 P the lateral stiffness 6 (k p^2/2)/way^2 stays below k.
 struct EdgeReach {
   int mask = 0;
-  double lateral_tolerance = 0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
+  double lateral_tolerance =
+      0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
   double edge_tolerance = 0.1; // beyond true edges, at least
   double half[2] = {1, 1}; // half-lengths of the face along xi and eta
 
@@ -35,8 +36,8 @@ struct EdgeReach {
   KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun) const {
     if (point.activeWithin(lateral_tolerance))
       return true;
-    return has_begun && mask != 0 && point.valid && point.has_parameters && coversAlong(0, point.xi, point) &&
-           coversAlong(1, point.eta, point);
+    return has_begun && mask != 0 && point.valid && point.has_parameters &&
+           coversAlong(0, point.xi, point) && coversAlong(1, point.eta, point);
   }
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter,
                                           const FacePoint& point) const {

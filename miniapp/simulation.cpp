@@ -88,7 +88,8 @@ void Simulation::reachAsDeepAsContacts() {
   if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
     return;
   const double deepest = maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded);
-  const double wanted = minOf(0.75 * allReduce(_comm, deepest, MPI_MAX), 0.5 * _scene.shortest_edge);
+  const double wanted =
+      minOf(0.75 * allReduce(_comm, deepest, MPI_MAX), 0.5 * _scene.shortest_edge);
   _reach = maxOf(_box_tolerance, wanted);
   _search->setTolerances(_reach, _reach);
   if (_edges)
