@@ -94,7 +94,7 @@ struct SelectInteractions {
     return num_hits;
   }
 
-  // The face of `body` that the node is in contact with: the last one if it still is, else the least penetrated.
+  // The face of `body` that the node is in contact with: the last one if it still is under load, else the least penetrated.
   // Moves `pair` past the body's candidates.
   KOKKOS_INLINE_FUNCTION bool findHitOnBody(int node, global_id body, bool wanted, std::int64_t end,
                                             std::int64_t& pair, Hit& hit, int& seen,
@@ -103,21 +103,24 @@ struct SelectInteractions {
     findPreviousFace(node, body, end, pair, hit, seen, sums);
     if (!wanted)
       return false;
-    if (hit.previous_face >= 0 && isTouching(node, hit.previous_face, Stage::kept, hit))
+    // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
+    const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
+    if (is_loaded && hit.previous_face >= 0 &&
+        isTouching(node, hit.previous_face, Stage::kept, hit))
       return true;
-    return findNearest(node, begin, pair, Stage::born, hit) ||
-           (hit.previous >= 0 && findNearest(node, begin, pair, Stage::switched, hit));
+    return findNearest(node, begin, pair, Stage::born, is_loaded, hit) ||
+           (is_loaded && findNearest(node, begin, pair, Stage::switched, is_loaded, hit));
   }
 
-  // The least penetrated of the candidates [begin, end), but for the previous face.
+  // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
   KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
-                                          Stage stage, Hit& hit) const {
+                                          Stage stage, bool has_left, Hit& hit) const {
     bool found = false;
     Hit nearest, other;
     other.previous = hit.previous;
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
-      if (face == hit.previous_face || !isTouching(node, face, stage, other))
+      if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -190,10 +193,10 @@ struct SelectInteractions {
     for (int j = 0; j < 4; ++j)
       now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
     const StiffnessCaps caps = touch.stiffnessCaps(config, faces, now, hits, num_hits, h);
-    if (hit.previous < 0)
-      bear(now, hit.depth, caps);
-    else
+    if (goesOn(now, hit))
       carryOn(now, previous.interactions(hit.previous), hit, caps);
+    else
+      bear(now, hit.depth, caps);
     now.depth = hit.depth - now.offset;
     now.first_force = now.stiffness * now.depth;
     FadingForce fading;
@@ -215,6 +218,14 @@ struct SelectInteractions {
       fading.work = workOf(fading, motion, now, hit.face);
       next.fading(index) = fading;
     }
+  }
+
+  // A contact without load that comes to another face is a birth.
+  KOKKOS_INLINE_FUNCTION bool goesOn(const Interaction& now, const Hit& hit) const {
+    if (hit.previous < 0)
+      return false;
+    const Interaction& last = previous.interactions(hit.previous);
+    return last.depth > 0 || last.face == now.face;
   }
 
   // What the motion of this step did not bring is taken as an offset: no energy comes from nowhere, and an initial
