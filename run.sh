@@ -29,6 +29,8 @@ Studies are many runs; they leave tables and plots in their folder (default out/
   --study verification  cases with exact or published answers: a line a case, PASS or FAIL (--only V7,V8 --quick;
                       verification/README.md)
   --study stability   the hard cases, likewise
+  --study accuracy    speed against error: a wall and exact cases over meshes and settings (--quick;
+                      verification/accuracy/README.md)
 
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
@@ -69,7 +71,8 @@ choose_study() {
   case $1 in
     paper) driver=("$root/verification/performance/paper_study.py") ;;
     verification | stability) driver=("$root/verification/verify.py" "$1") ;;
-    *) die "no study \"$1\"; there are: paper, verification, stability" ;;
+    accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
+    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }

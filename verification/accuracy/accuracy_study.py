@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Speed against error: `./run.sh --study accuracy`.
+
+Runs a wall under smooth pulses and cases with exact answers over mesh size, time step, penalty, element, contact scheme,
+edges and margin of the search, and writes report.md and plots. Called again in the same folder, it takes over the finished
+runs of the same program. The exit code is 1 if a run fails, or if kept lists change a bit or miss a pair.
+"""
+import argparse
+import datetime
+import shutil
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+try:
+    import matplotlib
+    import netCDF4
+except ImportError as missing:
+    print(f"skipped: {sys.executable} lacks a module: {missing}")
+    sys.exit(77)  # ctest tells it as skipped
+import answers
+import charts
+import congruent
+import study_report
+from exact_scenes import Cantilever, SmoothWave, SpinningBlock, TwoBars
+from framework import machine
+from framework.checks import Check
+from framework.program import Program
+from measure import Bench
+from walls import PushedWall, StruckWall, audit, predictability
+
+WALLS = (StruckWall, PushedWall)
+SCENES = (*WALLS, TwoBars, SmoothWave, Cantilever, SpinningBlock)
+QUICK_SCENES = (StruckWall, TwoBars, SmoothWave)
+
+
+@dataclass
+class Result:
+    """A scene and its points."""
+
+    scene: object
+    points: list
+
+    @property
+    def uncertainty(self):
+        return getattr(self.scene, "uncertainty", 0.0)
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="./run.sh --study accuracy", description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="few meshes and settings, as in ctest")
+    parser.add_argument("--repetitions", type=int, help="timed runs of each point, the median counts (default 3, quick 1)")
+    parser.add_argument("-n", "--ranks", type=int, default=1, help="MPI ranks of each run (default 1)")
+    parser.add_argument("-t", "--threads", type=int, default=1, help="threads of each rank (default 1)")
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/study_accuracy"), help="folder (default %(default)s)")
+    parser.add_argument("--keep", action="store_true", help="copy report.md and plots to verification/accuracy")
+    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    arguments.repetitions = arguments.repetitions or (1 if arguments.quick else 3)
+    arguments.output = arguments.output.absolute()
+    return arguments
+
+
+def checks_of(bench, results, audits):
+    compared, changed = answers.changed_by_reuse(results)
+    return [Check("runs_that_failed", len(bench.failures), 0, len(bench.failures), 0),
+            Check("runs_with_kept_lists", compared, compared, 0 if compared else 1, 0),
+            Check("runs_changed_by_kept_lists", len(changed), 0, len(changed), 0),
+            Check("missed_pairs", sum(audits.values()), 0, sum(audits.values()), 0)]
+
+
+def keep(output):
+    shutil.copy(output / "report.md", HERE / "report.md")
+    shutil.rmtree(HERE / "plots", ignore_errors=True)
+    shutil.copytree(output / "plots", HERE / "plots")
+    print(f"kept     {HERE / 'report.md'}")
+
+
+def main():
+    arguments = parse_arguments()
+    place, begin = machine.describe(), time.monotonic()
+    program = Program(arguments.run_sh, arguments.program, arguments.ranks, arguments.threads)
+    if arguments.quick:
+        shutil.rmtree(arguments.output / "runs", ignore_errors=True)  # a test takes nothing over
+    bench = Bench(program, arguments.output / "runs", arguments.repetitions)
+    scenes = [scene(arguments.quick) for scene in (QUICK_SCENES if arguments.quick else SCENES)]
+    results = [Result(scene, scene.study(bench)) for scene in scenes]
+    walls = [scene for scene in scenes if isinstance(scene, WALLS)]
+    audits = audit(walls[0], bench)
+    growths = {wall.name: predictability(wall, bench, arguments.quick) for wall in walls}
+    general = congruent.compare(bench, 4 if arguments.quick else 16)
+
+    plots = [f"{result.scene.name.replace(' ', '_')}.png" for result in results]
+    for result, plot in zip(results, plots):
+        charts.draw(result.scene, result.points, arguments.output / "plots" / plot, result.uncertainty)
+    charts.draw_growth(growths, arguments.output / "plots/predictability.png")
+    study = {"machine": place, "program": bench.versions, "defaults": bench.defaults, "quick": arguments.quick,
+             "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d"), "ranks": arguments.ranks,
+             "threads": arguments.threads, "repetitions": arguments.repetitions, "seconds": time.monotonic() - begin}
+    study_report.write(arguments.output / "report.md", study, results, growths, general, audits, plots)
+    print(f"wrote    {arguments.output / 'report.md'}")
+    if arguments.keep:
+        keep(arguments.output)
+    for failure in bench.failures:
+        print(f"FAILED   {failure}")
+    checks = checks_of(bench, results, audits)
+    for check in checks:
+        print(f"{check.name} {'PASS' if check.passed else 'FAIL'} {check.text()}")
+    return 0 if all(check.passed for check in checks) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

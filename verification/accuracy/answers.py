@@ -1,0 +1,110 @@
+"""What the study answers, from its points: sentences and rows with figures."""
+import numpy as np
+from charts import COSTS
+from front import by_setting, cheapest, cost_at, digit_price, front
+from scene import DEFAULT, REUSE
+
+ELEMENT_STEPS, SECONDS = (cost for _, cost in COSTS)
+LEAST_RANGE = 3  # of errors, to tell an order
+
+
+def percent(value):
+    return f"{100 * value:.3g} %"
+
+
+def known_points(result):
+    """Those whose error is well above what is not known of the reference."""
+    return [point for point in result.points if point.error > 2 * result.uncertainty]
+
+
+def default_cost(result, error, cost):
+    series = by_setting(known_points(result)).get(DEFAULT)
+    return cost_at(series, error, cost) if series else None
+
+
+def loss_rows(result):
+    """Of each error that is reached: who is fastest, and what the default loses to it."""
+    rows = []
+    for error in (error for error in result.scene.targets if error > 2 * result.uncertainty):
+        row = [result.scene.name if not rows else "", percent(error)]
+        for cost in (SECONDS, ELEMENT_STEPS):
+            best, ours = cheapest(known_points(result), error, cost), default_cost(result, error, cost)
+            if best is None:
+                row = None
+                break
+            row += [best[1].name, f"{best[0]:.3g}", "not reached" if ours is None else f"{ours / best[0]:.2f}"]
+        rows += [row] if row else []
+    return rows
+
+
+LOSS_HEADER = ["", "error", "fastest setting", "s", "default / fastest", "setting of fewest element-steps", "element-steps",
+               "default / fewest"]
+
+
+def one_percent(result):
+    """Which setting gives 1 % fastest."""
+    if not min(result.scene.targets) <= 0.01 <= max(result.scene.targets):
+        return f"{result.scene.name}: below it with all settings and meshes of the study"
+    best, ours = cheapest(known_points(result), 0.01, SECONDS), default_cost(result, 0.01, SECONDS)
+    if best is None:
+        return f"{result.scene.name}: no setting on the meshes of the study"
+    series = sorted(by_setting(known_points(result))[best[1]], key=SECONDS)
+    mesh = next((f" (first mesh below it: {point.mesh})" for point in series if point.error <= 0.01), "")
+    default = f"the default takes {ours / best[0]:.2f} times as long" if ours else "the default does not reach it"
+    return f"{result.scene.name}: {best[1].name}, {best[0]:.3g} s{mesh}; {default}"
+
+
+def one_digit(result):
+    """What a tenth of the error costs."""
+    parts = []
+    for label, series in (("along the front", front(known_points(result), SECONDS)),
+                          ("with the default", by_setting(known_points(result)).get(DEFAULT, []))):
+        errors = [point.error for point in series]
+        if len(errors) > 2 and max(errors) > LEAST_RANGE * min(errors):
+            parts.append(f"{digit_price(series, SECONDS):.3g} times the seconds and {digit_price(series, ELEMENT_STEPS):.3g} times the "
+                         f"element-steps {label}")
+    return f"{result.scene.name}: " + ("; ".join(parts) or "the errors here span too little to tell")
+
+
+def reuse_rows(result):
+    """Of each mesh: time with kept lists over that with a search in every step, and whether they gave the same bits."""
+    found = {(point.setting, point.mesh): point for point in result.points}
+    rows = []
+    for mesh in result.scene.sizes:
+        base, kept = found.get((DEFAULT, mesh)), [found.get((setting, mesh)) for setting in REUSE]
+        if base is None or None in kept:
+            continue
+        rows.append([f"{result.scene.name}, {mesh}", f"{base.seconds:.3g}",
+                     *(f"{point.seconds / base.seconds:.3f} ({base.record['searches'] / point.record['searches']:.3g})" for point in kept),
+                     "yes" if all(same_course(base, point) for point in kept) else "**NO**"])
+    return rows
+
+
+REUSE_HEADER = ["", "search in every step, s", "margin .1: time over that (steps a search)", "margin .25", "margin .5", "same bits"]
+
+
+def same_course(one, other):
+    return one.record["course"] == other.record["course"] != ""
+
+
+def changed_by_reuse(results):
+    """How many pairs of runs were compared, and the points whose kept lists changed a bit."""
+    bases = {(id(result), point.mesh): point for result in results for point in result.points if point.setting == DEFAULT}
+    kept = [(bases.get((id(result), point.mesh)), point) for result in results for point in result.points if point.setting in REUSE]
+    return len(kept), [point for base, point in kept if base is None or not same_course(base, point)]
+
+
+def worst_loss(results):
+    """Largest default / fastest in seconds, over the scenes' errors, as a sentence."""
+    losses = []
+    for result in results:
+        for error in (error for error in result.scene.targets if error > 2 * result.uncertainty):
+            best, ours = cheapest(known_points(result), error, SECONDS), default_cost(result, error, SECONDS)
+            if best and ours:
+                losses.append((ours / best[0], result.scene.name, error))
+    if not losses:
+        return "nothing to compare"
+    within = sum(loss <= 1.1 for loss, _, _ in losses)
+    loss, name, error = max(losses)
+    return (f"within 10 % of the fastest setting at {within} of {len(losses)} errors; median {np.median([loss for loss, _, _ in losses]):.2f} "
+            f"times its seconds; at worst {loss:.3g} times ({name} at {percent(error)})")

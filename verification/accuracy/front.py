@@ -1,0 +1,47 @@
+"""Speed against error: the Pareto front, the cost of an error, the price of a digit."""
+import numpy as np
+
+
+def front(points, cost):
+    """Those that no other point beats in both, by rising cost."""
+    best, kept = np.inf, []
+    for point in sorted(points, key=lambda p: (cost(p), p.error)):
+        if point.error < best:
+            best = point.error
+            kept.append(point)
+    return kept
+
+
+def cost_at(series, error, cost):
+    """What a setting costs at an error: along its meshes, by straight lines of the logarithms. None where it is not reached.
+    Errors that cross zero on the way deceive, so the dearest mesh above the error decides."""
+    series = sorted(series, key=cost)
+    above = [i for i, point in enumerate(series) if point.error > error]
+    if not above:
+        return cost(series[0])
+    if above[-1] + 1 == len(series):
+        return None
+    a, b = series[above[-1]], series[above[-1] + 1]
+    share = np.log(a.error / error) / np.log(a.error / b.error)
+    return float(cost(a) * (cost(b) / cost(a))**share)
+
+
+def digit_price(series, cost):
+    """The factor of cost for a tenth of the error, by least squares over the meshes."""
+    slope = np.polyfit(np.log([point.error for point in series]), np.log([cost(point) for point in series]), 1)[0]
+    return float(10**-slope)
+
+
+def by_setting(points):
+    """{setting: its points}."""
+    families = {}
+    for point in points:
+        families.setdefault(point.setting, []).append(point)
+    return families
+
+
+def cheapest(points, error, cost):
+    """(cost, setting) of the setting that reaches an error at the least cost; None if none does."""
+    costs = [(cost_at(series, error, cost), setting.name, setting) for setting, series in by_setting(points).items()]
+    costs = sorted(entry for entry in costs if entry[0] is not None)
+    return (costs[0][0], costs[0][2]) if costs else None

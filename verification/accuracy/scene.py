@@ -1,0 +1,68 @@
+"""What the study asks of a scene, and the settings that it is run with."""
+from pathlib import Path
+
+from measure import Setting
+
+HERE = Path(__file__).resolve().parent
+DEFAULT = Setting()
+
+
+def setting(group, **changes):
+    """setting("penalty", penalty=1.0): short names of the keys below."""
+    return Setting(tuple((SHORT[name], value) for name, value in changes.items()), group)
+
+
+SHORT = {"safety": "time.safety", "penalty": "contact.penalty", "scheme": "contact.scheme", "edges": "contact.edges",
+         "element": "element.formulation", "margin": "search.reuse.margin"}
+STEPS = [setting("time step", safety=value) for value in (0.5, 0.65, 0.95)]
+PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.75, 0.9, 1.0)]
+SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) for value in (0.05, 0.1, 0.25, 0.5)]
+FULL = setting("element", element="full")
+PLAIN = setting("scheme, edges", scheme="penalty")
+NO_EDGES = setting("scheme, edges", edges=False)
+STIFF = PENALTIES[2:]
+REUSE = [setting("reuse", margin=value) for value in (0.1, 0.25, 0.5)]
+COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", penalty=1.0, margin=0.25),
+            setting("several", penalty=1.0, edges=False, margin=0.25),
+            setting("several", penalty=1.0, edges=False, scheme="penalty", margin=0.25)]
+
+
+class Scene:
+    """One problem with an error to measure. Subclasses say how."""
+
+    name = ""
+    text = ""  # what it is and what its error is
+    deck = None
+    sizes = {}  # {mesh: element length}
+    targets = (0.1, 0.03, 0.01, 0.003, 0.001)  # errors at which settings are compared
+
+    def settings(self, mesh):
+        """Of all its runs on this mesh, over the program's defaults."""
+        raise NotImplementedError
+
+    def geometry(self, mesh):
+        """A mesh that stands in for the deck's, or None."""
+
+    def variants(self, mesh):
+        """The settings to run on a mesh."""
+        raise NotImplementedError
+
+    def observe(self, run):
+        """{name: numbers} of a run, to be kept."""
+        raise NotImplementedError
+
+    def prepare(self, bench):
+        """Reference solutions, where no exact one is known."""
+
+    def errors(self, observed):
+        """{"error": ..., further figures}."""
+        return observed
+
+    def study(self, bench):
+        """All points, with errors; those that failed are told by the bench."""
+        self.prepare(bench)
+        points = [bench.point(self, mesh, variant) for mesh in self.sizes for variant in self.variants(mesh)]
+        points = [point for point in points if not point.failure]
+        for point in points:
+            point.errors = self.errors(point.record["observed"])
+        return points
