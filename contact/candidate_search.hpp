@@ -1,5 +1,5 @@
 // What a host code calls: global and local search together, with lists that may be kept over several steps by the
-// search-margin theorem of shared/physics.md, section 4. Lists kept this way miss no pair of any step.
+// search-margin theorem (proof in candidate_search.cpp). Lists kept this way miss no pair of any step.
 #pragma once
 
 #include "contact/global_search.hpp"

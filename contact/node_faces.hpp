@@ -1,6 +1,6 @@
 // The skin faces around each owned surface node, those of other ranks included: static lists, and
-// per step the mean planes of the faces. The area A_i and the opposed-normal rule of
-// shared/physics.md, section 4, come from them.
+// per step the mean planes of the faces. The area A_i of a contact and the opposed-normal
+// rule come from them.
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"

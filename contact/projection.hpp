@@ -1,6 +1,6 @@
 // Closest point of a face to a point: Newton's method with the full Hessian on the bilinear quad,
-// exact on triangles (a repeated corner), four triangles about the centroid where Newton fails
-// (shared/physics.md, section 4). All arithmetic is relative to the point, so that flat faces give
+// exact on triangles (a repeated corner), four triangles about the centroid where Newton fails.
+// All arithmetic is relative to the point, so that flat faces give
 // exactly flat normals.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Central differences with velocities at half steps (physics.md section 3): drift and kick, the kick together with the
+// Central differences with velocities at half steps: drift and kick, the kick together with the
 // sums of the energy ledger.
 #pragma once
 

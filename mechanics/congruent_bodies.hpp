@@ -1,5 +1,5 @@
 // Bodies whose elements are all the same parallelepiped of one material: their elements need no stored geometry
-// (physics.md section 1, box fast path). Decided per body from input data, the same on every rank.
+// Decided per body from input data, the same on every rank.
 #pragma once
 
 #include "contact/base/vec3.hpp"

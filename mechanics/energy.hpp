@@ -1,4 +1,4 @@
-// The energy and momentum ledger (physics.md section 3) and the half-step energy gauge (contact_energy.md).
+// The energy and momentum ledger and the half-step energy gauge.
 // Ledger: v+ M v+/2 - v- M v-/2 = sum over k of dt f_k . (v+ + v-)/2, one term per force kind, exact for any forces.
 // It is an identity, so it can not tell whether forces are right. Gauges of that, all of exact sums:
 //   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp) + contact stored + dissipated

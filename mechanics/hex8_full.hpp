@@ -1,5 +1,5 @@
 // Fully integrated (2x2x2 Gauss) total-Lagrangian hexahedron in Walsh-Hadamard modes; it has no hourglass share. Stiff
-// in bending and near incompressibility (physics.md section 1): an option for comparison. Templates on the scalar type.
+// in bending and near incompressibility: an option for comparison. Templates on the scalar type.
 #pragma once
 
 #include "mechanics/hex8_geometry.hpp"

@@ -1,4 +1,4 @@
-// Walsh-Hadamard modes of the eight corners of a hexahedron (sums.md, physics.md section 1): h_mI, m = 1..7, are xi,
+// Walsh-Hadamard modes of the eight corners of a hexahedron: h_mI, m = 1..7, are xi,
 // eta, zeta, eta zeta, zeta xi, xi eta, xi eta zeta at corner I; psi_m are the same as functions. With u_m =
 // sum_I h_mI u_I the trilinear field is u(xi) = u_mean + (1/8) sum_m u_m psi_m(xi). Modes are stored at m - 1.
 #pragma once

@@ -1,5 +1,5 @@
-// Total-Lagrangian one-point hexahedron with assumed-strain ("physical") hourglass stiffness (TL-PS, physics.md
-// section 1), in Walsh-Hadamard modes: U = V W(F) + U_h, forces are the exact gradient. Templates on the scalar type.
+// Total-Lagrangian one-point hexahedron with assumed-strain ("physical") hourglass stiffness (TL-PS),
+// in Walsh-Hadamard modes: U = V W(F) + U_h, forces are the exact gradient. Templates on the scalar type.
 #pragma once
 
 #include "mechanics/hex8_geometry.hpp"

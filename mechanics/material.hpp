@@ -1,6 +1,6 @@
 // Elastic materials: St.Venant-Kirchhoff, ln J neo-Hookean, and small-strain linear. Point-wise, templates on the
 // scalar type (double or Pack), from the displacement gradient H = du/dX (F = I + H is never formed from positions, and
-// strains come from H without cancellation: physics.md section 1).
+// strains come from H without cancellation).
 #pragma once
 
 #include "contact/base/portable_math.hpp"

@@ -60,7 +60,7 @@ KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem,
   return shape;
 }
 
-// The bound is exact on parallelepipeds; elsewhere hourglass modes couple in (physics.md section 2).
+// The bound is exact on parallelepipeds; elsewhere hourglass modes couple in.
 KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
   return (parallelepiped ? 2.0 : 2.0 * 0.98) / std::sqrt(omega_square);
 }
@@ -208,12 +208,11 @@ double contactStepShare(double safety, double penalty, double damping, bool edge
   const double left = 1 - 0.25 * mult * penalty - mult * damping * std::sqrt(penalty);
   constexpr double least = 0.01; // a tenth of the elements' step
   if (!(left >= least))
-    throw InputError("contactStepShare: contact of penalty " + std::to_string(penalty) +
-                     " and damping " + std::to_string(damping) +
-                     " leaves no stable step of use; damping of at most " +
-                     std::to_string((1 - least - 0.25 * mult * penalty) /
-                                    (mult * std::sqrt(penalty))) +
-                     " is needed");
+    throw InputError(
+        "contactStepShare: contact of penalty " + std::to_string(penalty) + " and damping " +
+        std::to_string(damping) + " leaves no stable step of use; damping of at most " +
+        std::to_string((1 - least - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
+        " is needed");
   return std::min(safety, std::sqrt(left));
 }
 

@@ -1,4 +1,4 @@
-// Stable step of central differences from the element bound of physics.md section 2: dt = 2/omega, omega^2 =
+// Stable step of central differences from the element bound: dt = 2/omega, omega^2 =
 // (8/rho) lambda_max of the elasticity tensor on the mean gradient; exact on parallelepipeds, times .98 on others.
 // It holds for both kinds of element: full integration adds hourglass modes that are softer than these.
 //

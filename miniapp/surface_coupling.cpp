@@ -9,7 +9,7 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// Mass per area that a face sets against contact: rho h_n/2 (shared/physics.md, section 4), with h_n the element's
+// Mass per area that a face sets against contact: rho h_n/2, with h_n the element's
 // thickness along the face's normal, between the centres of the face and of the opposite side.
 KOKKOS_INLINE_FUNCTION double surfaceMass(const Vec3 (&face)[4], const Vec3& element_centre,
                                           double density) {

@@ -1,4 +1,4 @@
-// Offset blocks with flush coplanar faces (finding 3 of shared/physics.md, last line of search.md): bricks in running
+// Offset blocks with flush coplanar faces: bricks in running
 // bond, pressed together. The side faces of neighbours lie in one plane with top and bottom edges of others; without
 // friction nothing may push along the joint's plane.
 #include "case.hpp"

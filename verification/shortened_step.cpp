@@ -1,4 +1,4 @@
-// A step that is shortened in the middle of a run (physics.md section 3: dt_n = (dt^- + dt^+)/2): the centre of a brick
+// A step that is shortened in the middle of a run (kicks last (dt^- + dt^+)/2): the centre of a brick
 // in free fall goes by g t^2/2 exactly, whatever the lengths of the steps, if each kick spans half of either step.
 #include "case.hpp"
 

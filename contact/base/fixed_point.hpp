@@ -1,4 +1,4 @@
-// Order-free sums (shared/sums.md): forces in 64-bit fixed point, energies and momenta in three 64-bit limbs. Integer
+// Order-free sums: forces in 64-bit fixed point, energies and momenta in three 64-bit limbs. Integer
 // addition is associative, so the result does not depend on threads, ranks or message order.
 #pragma once
 
@@ -16,7 +16,7 @@ struct Quantum {
   static Quantum powerOfTwo(int exponent) {
     return {std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent)};
   }
-  // The quantum 2^(ceil(log2 F) - 54) for the largest force scale F > 0 (shared/sums.md).
+  // The quantum 2^(ceil(log2 F) - 54) for the largest force scale F > 0.
   static Quantum forForceScale(double largest_force) {
     return powerOfTwo(static_cast<int>(std::ceil(std::log2(largest_force))) - 54);
   }

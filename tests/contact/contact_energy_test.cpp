@@ -58,7 +58,7 @@ TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
   EXPECT_LT(neutral, 1e-3);
 }
 
-// Measured: .28 / .011 % and 1.53 / .045 % (penalty / energy-neutral); contact_energy.md has .49 / .06 and 3.1 / .11.
+// Measured: .28 / .011 % and 1.53 / .045 % (penalty / energy-neutral).
 TEST(ContactEnergy, ObliqueImpactOfRotatedBrick) {
   Impact impact;
   impact.scene.addBox({0, 0, 0}, {2, 1, 1}, {8, 4, 4});

@@ -1,5 +1,5 @@
 // A time loop of contact tests: bricks of springs (every two corners of a hexahedron), leapfrog, contact by the code
-// under test, and the half-step energy of shared/contact_energy.md. One rank.
+// under test, and the half-step energy. One rank.
 #pragma once
 
 #include "contact/brick_scene.hpp"

@@ -1,4 +1,4 @@
-// The time integration on problems with exact answers (physics.md section 5): bar waves, cantilever, spinning block, and
+// The time integration on problems with exact answers: bar waves, cantilever, spinning block, and
 // the ledger of energy and momentum.
 #include "tests/mechanics/solver.hpp"
 
@@ -53,7 +53,7 @@ TEST(StepWave, ConvergesWithOrderOneHalfBelowIt) {
   const double coarse = stepWaveError(50, 0.9, 0.5), fine = stepWaveError(400, 0.9, 0.5);
   if (rankOf(world) == 0)
     std::printf("  V1 chi = .9: L1 error %.3g at N = 50, %.3g at N = 400\n", coarse, fine);
-  EXPECT_NEAR(coarse, 4.4e-2, 0.3e-2); // physics.md V1
+  EXPECT_NEAR(coarse, 4.4e-2, 0.3e-2);
   EXPECT_NEAR(fine, 1.8e-2, 0.2e-2);
 }
 
