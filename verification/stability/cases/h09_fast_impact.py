@@ -1,0 +1,55 @@
+"""H9: A cube of one element flies at another so fast that it moves by .05 to .9 of itself in a stable step: between two
+steps a node could pass a face, or the whole body. The guard must cut the step so that they collide, with momentum and energy
+kept, or the run must stop and say why; without it, the cube is on the far side and nobody has noticed."""
+import numpy as np
+from _hard import Block, check_stop, energy_change, mesh_of, vector
+
+NAME = "H9"
+TITLE = "impact at v dt near a brick"
+DECK = "h09_fast_impact.toml"
+SECONDS = 5
+STEP = 0.506  # stable step of the cube at safety .8, less a rest
+
+
+def throw(lab, label, share, settings=None, expect=None):
+    """`share` of the cube in a stable step of .506 edge lengths/c; the gap is .7 of a cube."""
+    speed = share / STEP
+    blocks = (Block("low", elements=(1, 1, 1)), Block("high", (0.1, 0.05, 1.7), elements=(1, 1, 1)))
+    run = lab.run(label, {"initial.velocity[0].velocity": [0, 0, -speed], "time.end": 3.0 / speed + 1.0, **(settings or {})},
+                  mesh=mesh_of(*blocks), expect=expect)
+    return run, speed
+
+
+def height(run, step=-1):
+    """Of the upper cube's centre above the lower one's."""
+    z = run.results.nodes[:, 2] + run.results.nodal("displacement_z", step)
+    return z[run.results.nodes_of_block(1)].mean() - z[run.results.nodes_of_block(0)].mean()
+
+
+def evaluate(lab):
+    rows, passed_through, stops = [], 0, []
+    for share in (0.05, 0.2, 0.5, 0.9):
+        run, speed = throw(lab, f"v_dt_{share}", share)
+        history = run.history
+        energy = energy_change(history)
+        momentum = np.abs(vector(history, "momentum")[:, 2] + speed).max() / speed
+        rows.append([share, speed, run.code, history["timestep"][0], history["timestep"].min(), height(run),
+                     np.abs(energy).max(), momentum, int(history["contacts"].max())])
+        # Ended by itself: they are not through each other. Stopped: with a reason.
+        passed_through += run.code == 0 and height(run) < 0.3
+        if run.code != 0:
+            stops.append((run, share))
+    lab.check(passed_through, 0, 0)
+    for run, share in stops:
+        check_stop(lab, run, ["step"], f"stop_at_{share}")
+    slow = [row for row in rows if row[2] == 0]
+    lab.check(len(slow) > 0, 1, 0, "some_collide")
+    lab.check(max(row[6] for row in slow), 0, 5e-3, "energy")
+    lab.check(max(row[7] for row in rows), 0, 1e-12, "momentum")
+    stopped, _ = throw(lab, "told_to_stop", 0.5, {"contact.guard": "stop"})
+    check_stop(lab, stopped, ["contact could be missed", "node", "body"], "guard_stop_names_the_pair")
+    off, _ = throw(lab, "without_guard", 2.5, {"contact.guard": "off"})
+    lab.check(off.code == 0 and height(off) < 0, 1, 0, "without_guard_it_passes_through")
+    lab.table("By share of the cube in a stable step:", ["v dt / cube", "v/c", "exit code", "first step", "least step",
+                                                         "height in the end", "energy error", "momentum error", "most contacts"],
+              rows)
