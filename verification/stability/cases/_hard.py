@@ -88,15 +88,6 @@ def largest_jump(history):
     return jumps.max(), int(history["step"][1 + jumps.argmax()])
 
 
-def vector(history, name):
-    return np.stack([history[f"{name}_{axis}"] for axis in "xyz"], axis=1)
-
-
-def momentum_scale(history, mass):
-    """Momenta of the parts may cancel in the sum: sqrt(2 K M) bounds them."""
-    return np.sqrt(2 * history["kinetic_energy"].max() * mass)
-
-
 def check_stop(lab, run, words, name):
     """The run ended with exit code 3, told why in `words`, and left readable results without NaN."""
     told = all(word in run.message for word in words)

@@ -2,7 +2,7 @@
 steps a node could pass a face, or the whole body. The guard must cut the step so that they collide, with momentum and energy
 kept, or the run must stop and say why; without it, the cube is on the far side and nobody has noticed."""
 import numpy as np
-from _hard import Block, check_stop, energy_change, mesh_of, vector
+from _hard import Block, check_stop, energy_change, mesh_of
 
 NAME = "H9"
 TITLE = "impact at v dt near a brick"
@@ -32,7 +32,7 @@ def evaluate(lab):
         run, speed = throw(lab, f"v_dt_{share}", share)
         history = run.history
         energy = energy_change(history)
-        momentum = np.abs(vector(history, "momentum")[:, 2] + speed).max() / speed
+        momentum = np.abs(run.vector("momentum")[:, 2] + speed).max() / speed
         rows.append([share, speed, run.code, history["timestep"][0], history["timestep"].min(), height(run),
                      np.abs(energy).max(), momentum, int(history["contacts"].max())])
         # Ended by itself: they are not through each other. Stopped: with a reason.

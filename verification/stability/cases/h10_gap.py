@@ -2,7 +2,7 @@
 in contact. At rest and parting there must be no force: no prestress, no adhesion. Closing it at .005 c, there must be no force in
 any step before the gap is closed, and one in the step in which it is. Faces, and edge over edge."""
 import numpy as np
-from _hard import Block, energy_change, lifted, mesh_of, turned, vector
+from _hard import Block, energy_change, lifted, mesh_of, turned
 
 NAME = "H10"
 TITLE = "gap below the tolerance"
@@ -24,7 +24,7 @@ def evaluate(lab):
             mesh = mesh_of(low, lifted(low, high, -gap * ELEMENT))
             for how, velocity in (("rest", [0, 0, 0]), ("apart", [SPEED, 0, SPEED]), ("along", [SPEED, 0, 0])):
                 run = lab.run(f"{name}_{gap}_{how}", {"initial.velocity[0].velocity": velocity, "time.steps": 100}, mesh=mesh)
-                impulse = np.abs(vector(run.history, "momentum") - velocity).max()
+                impulse = np.abs(run.vector("momentum") - velocity).max()
                 untouched.append(run.history["contacts"].max() + run.history["internal_energy"].max() + impulse)
             history = lab.run(f"{name}_{gap}_closing", {"initial.velocity[0].velocity": [0, 0, -SPEED]}, mesh=mesh).history
             pressed = np.flatnonzero(history["contacts"] > 0)
