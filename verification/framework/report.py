@@ -18,29 +18,38 @@ def headline(study):
             f"{study['ranks']} rank(s) of {study['threads']} thread(s) a run where a case does not say otherwise")
 
 
-def check_rows(outcome):
+def case_row(outcome):
+    verdict = "pass" if outcome.passed else "**FAIL**"
     if outcome.failure or not outcome.checks:
-        return [[f"**{outcome.name}**", outcome.title, "", "", "", "", "", f"**FAIL**: {outcome.failure or 'no check'}"]]
-    return [[f"**{outcome.name}**" if i == 0 else "", outcome.title if i == 0 else check.name.replace("_", " "),
-             f"{check.computed:.6g}", f"{check.exact:.6g}", f"{check.error:.2g}", f"{check.threshold:.2g}",
-             ", ".join(f"{order:.2f}" for order in check.orders), "pass" if check.passed else "**FAIL**"]
-            for i, check in enumerate(outcome.checks)]
+        return [outcome.name, outcome.title, "", "", "", "", "", f"{verdict}: {outcome.failure or 'no check'}"]
+    first, held = outcome.checks[0], sum(check.passed for check in outcome.checks)
+    return [outcome.name, outcome.title, *figures(first), f"{held} of {len(outcome.checks)}", verdict]
+
+
+def check_row(outcome, check):
+    return [check.name.replace("_", " ") or outcome.title, *figures(check), ", ".join(f"{order:.2f}" for order in check.orders),
+            "pass" if check.passed else "**FAIL**"]
+
+
+def figures(check):
+    return [f"{check.computed:.6g}", f"{check.exact:.6g}", f"{check.error:.2g}", f"{check.threshold:.2g}"]
 
 
 def section(outcome):
-    parts = [f"## {outcome.name}: {outcome.title}\n\n{outcome.text}\n\n{outcome.seconds:.0f} s.\n"]
+    parts = [f"## {outcome.name}: {outcome.title}\n\n{outcome.text}\n",
+             table(["check", "computed", "exact", "error", "threshold", "observed orders", ""],
+                   [check_row(outcome, check) for check in outcome.checks])]
     parts += [f"{caption}\n\n{table(header, rows)}" for caption, header, rows in outcome.tables]
     parts += [f"![{caption}](plots/{file})\n\n*{caption}*\n" for file, caption in outcome.figures]
     parts += [f"{note}\n" for note in outcome.notes]
-    return "\n".join(parts)
+    return "\n".join(parts + [f"{outcome.seconds:.0f} s.\n"])
 
 
 def write(path, study, outcomes):
     passed = sum(outcome.passed for outcome in outcomes)
     parts = [f"# {study['title']}\n\nWritten by `./run.sh --study {study['name']} --keep`: {passed} of {len(outcomes)} cases "
              f"pass{' in their quick forms' if study['quick'] else ''}, in {study['seconds']:.0f} s. {headline(study)}.\n",
-             table(["case", "check", "computed", "exact", "error", "threshold", "observed orders", ""],
-                   [row for outcome in outcomes for row in check_rows(outcome)])]
+             table(["case", "", "computed", "exact", "error", "threshold", "checks", ""], map(case_row, outcomes))]
     published = [line for outcome in outcomes for line in outcome.published]
     if published:
         parts.append("## Published figures\n\n" + table(["what", "computed", "published", "source"], published))
