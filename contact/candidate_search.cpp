@@ -70,9 +70,26 @@ void copyCoordinates(const exec_space& space, const Surface& surface,
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
     : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
       _local(withMargin(config, margin)) {
-  if (margin == 0)
+  configure(config);
+}
+
+void CandidateSearch::setTolerances(double node_tolerance, double face_tolerance) {
+  if (node_tolerance == _config.node_tolerance && face_tolerance == _config.face_tolerance)
     return;
-  const SearchConfig& wide = _global.config();
+  SearchConfig config = _config;
+  config.node_tolerance = node_tolerance;
+  config.face_tolerance = face_tolerance;
+  configure(config);
+  _has_lists = false;
+}
+
+void CandidateSearch::configure(const SearchConfig& config) {
+  _config = config;
+  const SearchConfig wide = withMargin(config, _margin);
+  _global.configure(wide);
+  _local.configure(wide);
+  if (_margin == 0)
+    return;
   _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
                                                   wide.face_tolerance - config.face_tolerance);
   _local.setStepTest({true, config.node_tolerance, config.face_tolerance});

@@ -33,6 +33,9 @@ public:
     _global.clusters().orderAgain();
   }
 
+  // The tolerances of SearchConfig from the next update() on, the same on all ranks; it searches if they have changed.
+  void setTolerances(double node_tolerance, double face_tolerance);
+
   const GhostFaces& ghosts() const { return _global.ghosts(); }
   const CandidatePairs& pairs() const { return _local.pairs(); }
 
@@ -64,6 +67,7 @@ public:
   double margin() const { return _margin; }
 
 private:
+  void configure(const SearchConfig& config);
   bool mayKeepLists(const exec_space& space, const Surface& surface) const;
   void findGhosts(const exec_space& space, const Surface& surface);
 

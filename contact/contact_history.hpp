@@ -60,6 +60,8 @@ struct FrictionSpring {
 struct FadingForce {
   Vec3 on_node; // each corner takes -N_j of it
   double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides
+  double on_end =
+      0; // along the normal, on the second node of the pushing point, and taken from the first
   double work = 0; // its work on the bodies over the motion of the step that led to it, energy
 };
 

@@ -34,6 +34,8 @@ void sumOverRanks(MPI_Comm comm, ContactSums& sums) {
   sums.interactions = rest[0], sums.active = rest[1], sums.lost = rest[2];
   sums.overflow = rest[3], sums.invalid = rest[4];
   sums.max_penetration = allReduce(comm, sums.max_penetration, MPI_MAX);
+  sums.deepest = allReduce(comm, sums.deepest, MPI_MAX);
+  sums.deepest_loaded = allReduce(comm, sums.deepest_loaded, MPI_MAX);
 }
 
 } // namespace brickwall::contact

@@ -172,10 +172,12 @@ void EdgeContact::gather(const exec_space& space, const Surface& surface) {
       KOKKOS_LAMBDA(const std::int64_t e) {
         const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
         for (int d = 0; d < 3; ++d) {
-          x_old(num_corners + e, d) =
-              minOf(minOf(x_old(a, d), x_new(a, d)), minOf(x_old(b, d), x_new(b, d)));
-          x_new(num_corners + e, d) =
-              maxOf(maxOf(x_old(a, d), x_new(a, d)), maxOf(x_old(b, d), x_new(b, d)));
+          const double over_old = EdgeTouch::overhang * (x_old(b, d) - x_old(a, d));
+          const double over_new = EdgeTouch::overhang * (x_new(b, d) - x_new(a, d));
+          const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
+                                  x_new(a, d) - over_new, x_new(b, d) + over_new};
+          x_old(num_corners + e, d) = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
+          x_new(num_corners + e, d) = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
         }
       });
 }
@@ -192,6 +194,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = access();
   select.touch.lateral_tolerance = _config.lateral_tolerance;
+  select.touch.edge_tolerance = _config.edge_tolerance;
   select.touch.num_corners = _num_corners;
   select.touch.node_mass = _corner_mass;
   return _set.select(space, _search.pairs(), select);

@@ -18,6 +18,9 @@ public:
               const SearchConfig& search, double margin, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);
 
+  // As CandidateSearch.
+  void setTolerance(double tolerance) { _search.setTolerances(tolerance, tolerance); }
+
   // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
   void findCandidates(const exec_space& space, const Surface& surface);
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "contact/select_interactions.hpp"
+#include "contact/true_edges.hpp"
 
 namespace brickwall::contact {
 
@@ -30,7 +31,7 @@ struct EdgeCone {
   // How far a unit vector across the edge lies inside the cone: the lesser sine of its angles to both normals (1 beyond a right
   // angle); negative outside.
   KOKKOS_INLINE_FUNCTION double depthOf(const Vec3& n) const {
-    if (dot(n, first + second) <= 0)
+    if (dot(n, first + second) <= 0) // to the inside of the body
       return -1;
     const double from_first = dot(cross(first, n), tangent);
     const double to_second = dot(cross(n, second), tangent);
@@ -40,18 +41,22 @@ struct EdgeCone {
 };
 
 struct EdgeTouch {
-  static constexpr bool has_fading = false;
+  static constexpr bool has_fading = true;
   static constexpr bool books_spring_work = true;
   // Of face attributes, behind the corner masses: FeatureEdge's.
   static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
   static constexpr double least_sine = 0.05, full_sine = 0.15;
+  static constexpr double overhang =
+      0.5; // of an edge's length: how far it pushes on over the next one
+  static constexpr double full_outside =
+      0.5; // a contact that has begun ends when it is this far outside
   static constexpr double stiffness_share = 0.5; // of a node's: edges act beside nodes
   static constexpr double deepest =
       0.5; // of the shorter edge: what is deeper did not come through these edges
 
-  double lateral_tolerance;
+  double lateral_tolerance, edge_tolerance;
   int num_corners; // rows below it are ends of edges, row num_corners + e is edge e
   View<const double*> node_mass; // [corner]
 
@@ -61,7 +66,9 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
+                                   Hit& hit) const {
+    const bool has_begun = stage == Stage::kept;
     const int own = edgeOf(node);
     const Quad a = faces.quad(own), b = faces.quad(other);
     const Vec3 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
@@ -72,8 +79,6 @@ struct EdgeTouch {
       return false;
     const double ra = dot(da, between), rb = dot(db, between);
     const double s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
-    if (!isOn(faces, own, s) || !isOn(faces, other, t))
-      return false;
     const EdgeCone cone_b(b, faces.attribute(other, cosine_column),
                           faces.attribute(other, sine_column));
     const Vec3 across = cross(da, db);
@@ -82,14 +87,18 @@ struct EdgeTouch {
     if (dot(normal, cone_b.first + cone_b.second) < 0)
       normal = -normal;
     const double depth = -dot(between, normal);
-    if (!(depth > 0 && depth * depth < deepest * deepest * minOf(aa, bb)))
+    if (!(depth > 0 && depth * depth < deepest * deepest * minOf(aa, bb)) ||
+        !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, true) ||
+        !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), has_begun, false))
       return false;
     const EdgeCone cone_a(a, faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
     const double inside = minOf(cone_a.depthOf(-normal), cone_b.depthOf(normal));
     const double taper = smoothStep(inside, least_sine, full_sine) *
                          smoothStep(size / std::sqrt(aa * bb), least_sine, full_sine);
-    if (!(taper > 0) || sharesNode(faces, own, other))
+    if (!(has_begun ? inside > -full_outside : taper > 0) || sharesNode(faces, own, other))
+      return false;
+    if (hit.previous < 0 && !wereApart(faces, own, other, normal))
       return false;
     hit.weight[0] = 1 - t, hit.weight[1] = t;
     hit.weight[2] = hit.weight[3] = 0;
@@ -102,34 +111,46 @@ struct EdgeTouch {
     return true;
   }
 
-  // Whether a point at share `s` of the edge's length is on it: exactly where another edge goes on, else with a tolerance.
-  KOKKOS_INLINE_FUNCTION bool isOn(const FaceAccess& faces, int edge, double s) const {
-    const int goes_on = static_cast<int>(faces.attribute(edge, goes_on_column));
-    const double beyond = 0.5 * lateral_tolerance;
-    return s >= (goes_on & 1 ? 0 : -beyond) && (goes_on & 2 ? s < 1 : s <= 1 + beyond);
+  // Beyond the end of a brick's edge a contact that has begun fades out, as beyond the edges of faces: from `start` on over `way`,
+  // in shares of the edge's length.
+  KOKKOS_INLINE_FUNCTION double start() const { return 0.1 * edge_tolerance; }
+  KOKKOS_INLINE_FUNCTION double way(double depth, double length) const {
+    return minOf(maxOf(0.4 * edge_tolerance, 1.5 * depth / length), 0.5);
+  }
+  // Whether a point at share `s` of the edge is on it: exactly where another edge goes on, else with a tolerance. A contact that
+  // has begun goes on a little over the next edge, since pressed edges are bent; the pushing one over half of it, so that a
+  // short slide does not end the contact.
+  KOKKOS_INLINE_FUNCTION bool isOn(int goes_on, double s, double depth, double length,
+                                   bool has_begun, bool pushes) const {
+    const double at_end = has_begun ? start() + way(depth, length) : 0.5 * lateral_tolerance;
+    const double over = !has_begun ? 0 : pushes ? overhang : lateral_tolerance;
+    return s >= -(goes_on & 1 ? over : at_end) && s <= 1 + (goes_on & 2 ? over : at_end);
+  }
+  KOKKOS_INLINE_FUNCTION static int goesOn(const FaceAccess& faces, int edge) {
+    return static_cast<int>(faces.attribute(edge, goes_on_column));
+  }
+  KOKKOS_INLINE_FUNCTION Taper endTaper(int goes_on, double s, double depth, double length) const {
+    Taper taper;
+    const bool at_second = s > 0.5;
+    const double beyond = (at_second ? s - 1 : -s) - start();
+    if (beyond <= 0 || (goes_on & (at_second ? 2 : 1)))
+      return taper;
+    const double all = way(depth, length), t = maxOf(1 - beyond / all, 0.0);
+    const double steepness = 6 * t * (1 - t) / all;
+    taper.value = t * t * (3 - 2 * t);
+    taper.slope = at_second ? -steepness : steepness;
+    if (all > 0.4 * edge_tolerance && all < 0.5)
+      taper.growth = steepness * beyond / all * 1.5 / length;
+    return taper;
   }
 
-  // A contact that slid here along its brick's edge from the edge before or behind it, not too deep: it goes on with what it
-  // stored there, as if its offset had been zero.
-  KOKKOS_INLINE_FUNCTION bool slidHere(const FaceAccess& faces, int node, const Hit& hit) const {
-    const int own = edgeOf(node);
-    const int goes_on = static_cast<int>(faces.attribute(own, goes_on_column));
-    const Vec3 a0 =
-        faces.corner(own, 0, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
-    const Vec3 a1 =
-        faces.corner(own, 1, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
-    const Vec3 b0 =
-        faces.corner(hit.face, 0, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
-    const Vec3 b1 =
-        faces.corner(hit.face, 1, faces.surface.coordinates_old, faces.ghosts.coordinates_old);
-    const Vec3 da = a1 - a0, db = b1 - b0, between = a0 - b0;
-    const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
-    const double determinant = aa * bb - ab * ab;
-    const double s = (ab * dot(db, between) - bb * dot(da, between)) / determinant;
-    const bool was_inside = dot(between, hit.unitNormal()) < 0;
-    constexpr double shallow = 0.1;
-    return was_inside && ((s < 0 && goes_on & 1) || (s >= 1 && goes_on & 2)) &&
-           hit.depth * hit.depth < shallow * shallow * minOf(aa, bb);
+  // Contacts begin when the edges come to cross, not when edges that have crossed come to lie side by side.
+  KOKKOS_INLINE_FUNCTION bool wereApart(const FaceAccess& faces, int own, int other,
+                                        const Vec3& normal) const {
+    const auto& nodes = faces.surface.coordinates_old;
+    const auto& ghosts = faces.ghosts.coordinates_old;
+    return dot(faces.corner(own, 0, nodes, ghosts) - faces.corner(other, 0, nodes, ghosts),
+               normal) >= 0;
   }
 
   // Neighbours on one body never push each other, and of two edges of one body only one pushes.
@@ -161,15 +182,51 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION void record(int, int, double) const {}
 
-  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config, const FaceAccess&,
-                                             int, const Hit (&)[max_interactions], int, int,
-                                             double inverse_mass) const {
-    return stiffness_share * config.penalty /
-           (config.reference_step * config.reference_step * inverse_mass);
+  KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
+                                                     const FaceAccess&, const Interaction& now,
+                                                     const Hit (&hits)[max_interactions], int,
+                                                     int h) const {
+    const double k = stiffness_share * config.penalty /
+                     (config.reference_step * config.reference_step * now.inverse_mass);
+    return {hits[h].place[1] * k, k};
   }
-  KOKKOS_INLINE_FUNCTION double taper(const FaceAccess&, const Interaction&, const Hit& hit,
-                                      const ContactHistory&, FadingForce&) const {
-    return hit.place[1];
+
+  // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that
+  // a ds - b dt = -(D . d_own + r . delta d_own), b ds - c dt = -(D . d_other + r . delta d_other), with D the motion of the one
+  // point from the other, a, b, c the products of d_own and d_other.
+  KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
+                                   const Hit& hit, Interaction& now, FadingForce& fading) const {
+    const int own = edgeOf(now.node);
+    const double s = hit.place[0], t = hit.weight[1];
+    now.taper = 1;
+    if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
+      return;
+    const Quad one = faces.quad(own), other = faces.quad(hit.face);
+    const Vec3 da = one.corner[1] - one.corner[0], db = other.corner[1] - other.corner[0];
+    const double a = dot(da, da), b = dot(da, db), c = dot(db, db);
+    const double length_a = std::sqrt(a), length_b = std::sqrt(c);
+    const Taper at_s = endTaper(goesOn(faces, own), s, hit.depth, length_a);
+    const Taper at_t = endTaper(goesOn(faces, hit.face), t, hit.depth, length_b);
+    const double p = maxOf(now.depth, 0.0), energy = 0.5 * now.stiffness * p * p;
+    now.taper = at_s.value * at_t.value;
+    now.first_force +=
+        now.stiffness * now.depth *
+        (now.taper - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
+    const double g_s = energy * at_s.slope * at_t.value, g_t = energy * at_s.value * at_t.slope;
+    const double determinant = a * c - b * b; // > 0: not parallel
+    const double q_own = (g_s * c + g_t * b) / determinant;
+    const double q_other = -(g_s * b + g_t * a) / determinant;
+    const Vec3 force = q_own * da + q_other * db;
+    // As for faces: no more than moves the pair by a fifth of the way.
+    const double moves =
+        norm(force) * config.reference_step * config.reference_step * now.inverse_mass;
+    const double most =
+        0.2 * minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
+    const double scale = moves > most ? most / moves : 1;
+    fading.on_node = scale * force;
+    fading.on_end = -scale * q_own * hit.depth; // r = -P n
+    fading.on_corner[0] = scale * q_other * hit.depth;
+    fading.on_corner[1] = -fading.on_corner[0];
   }
 };
 

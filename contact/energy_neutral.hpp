@@ -31,7 +31,9 @@ KOKKOS_INLINE_FUNCTION double neutralForce(const Interaction& pair, const Kicked
   const double energy = maxOf(pair.stored, 0.0);
   double force = first;
   const double closing_by_first = motion.next_closing + (present - first) * tau;
-  const bool is_last = pair.depth + motion.next_drift * closing_by_first <= 0;
+  const double way_out =
+      minOf(pair.depth, pair.depth + pair.offset); // the spring's end, or the face
+  const bool is_last = way_out + motion.next_drift * closing_by_first <= 0;
   if (is_last) { // gives back all that is stored
     force = pair.stored > 0 ? minOf(forceThatReturns(energy, D, tau), 4 * first) : 0.0;
     force = maxOf(force, 0.0);

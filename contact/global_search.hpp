@@ -63,6 +63,8 @@ public:
   const GhostFaces& ghosts() const { return _migration.ghosts; }
   SearchStatistics statistics() const; // of the last findGhosts(), this rank's
   const SearchConfig& config() const { return _config; }
+  // For the next findGhosts(); the method must stay. The same on all ranks.
+  void configure(const SearchConfig& config) { _config = config; }
 
 private:
   void findByClusters(const exec_space& space, const Surface& surface);

@@ -85,8 +85,10 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
         for (int d = 0; d < 3; ++d) {
           const double quanta = quantum.inverse * force[d];
           const std::int64_t whole = roundToFixed(quanta);
-          const std::int64_t second =
-              pair.point.isNode() ? 0 : roundToFixed(pair.point.share * quanta);
+          double on_second = pair.point.share * quanta;
+          if (is_fading)
+            on_second += quantum.inverse * pairs.fading(i).on_end * pair.normal[d];
+          const std::int64_t second = pair.point.isNode() ? 0 : roundToFixed(on_second);
           Kokkos::atomic_add(&forces.nodes(pair.point.node[0], d), whole - second);
           if (second != 0)
             Kokkos::atomic_add(&forces.nodes(pair.point.node[1], d), second);

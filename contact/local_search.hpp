@@ -10,6 +10,8 @@ namespace brickwall::contact {
 class LocalSearch {
 public:
   explicit LocalSearch(const SearchConfig& config) : _config(config) {}
+  // As GlobalSearch.
+  void configure(const SearchConfig& config) { _config = config; }
 
   // The candidate pairs of this step; valid until the next call. A node's own faces (those that list its global id
   // as a corner) are never listed; with drop_same_body neither are faces of the node's body. `global` has found the

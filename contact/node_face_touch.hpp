@@ -28,14 +28,16 @@ struct NodeFaceTouch {
 
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Stage stage,
+                                   Hit& hit) const {
     const MeanPlane& plane = planes(planeOf(face));
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    if (plane.surelyOutside(x, maxOf(lateral_tolerance, edge_tolerance)) ||
-        !isOpposed(node, plane.normal))
+    if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest)) ||
+        !isOpposed(node, plane.normal, opposedCosine(stage)))
       return false;
-    const FacePoint point = project(faces.quad(face), x);
-    if (!(point.gap < 0) || !reachOf(faces, face).covers(point))
+    const Quad quad = faces.quad(face);
+    const FacePoint point = project(quad, x);
+    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, stage == Stage::kept))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -51,7 +53,6 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node, const Hit&) const {
     return atNode(node);
   }
-  KOKKOS_INLINE_FUNCTION static bool slidHere(const FaceAccess&, int, const Hit&) { return false; }
   KOKKOS_INLINE_FUNCTION double inverseMass(const ContactPoint& point) const {
     return 1.0 / node_mass(point.node[0]);
   }
@@ -63,57 +64,78 @@ struct NodeFaceTouch {
     gap(node) = -deepest;
   }
 
-  // k = min(eps A_i, s m_red/dt_ref^2), A_i shared by the node's interactions of one normal direction.
-  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
-                                             const FaceAccess& faces, int node,
-                                             const Hit (&hits)[max_interactions], int num_hits,
-                                             int h, double inverse_mass) const {
+  // k = min(eps A_i, s m_red/dt_ref^2) at the birth, A_i shared by the node's interactions of one normal direction; later no
+  // more than the second.
+  KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
+                                                     const FaceAccess& faces,
+                                                     const Interaction& now,
+                                                     const Hit (&hits)[max_interactions],
+                                                     int num_hits, int h) const {
     const Hit& hit = hits[h];
     int sharing = 0;
     for (int other = 0; other < num_hits; ++other)
       if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
         ++sharing;
-    const Tributary part = tributary(node, planes(planeOf(hit.face)).normal);
+    const Tributary part = tributary(now.node, planes(planeOf(hit.face)).normal);
     const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
     const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
-    return scale * (by_area * inverse_mass < 1 ? by_area : 1.0 / inverse_mass);
+    const double by_mass = scale / now.inverse_mass;
+    return {by_area * now.inverse_mass < 1 ? scale * by_area : by_mass, by_mass};
   }
 
-  // w of the force beyond true edges, and the force that comes with it.
-  KOKKOS_INLINE_FUNCTION double taper(const FaceAccess& faces, const Interaction& now,
-                                      const Hit& hit, const ContactHistory&,
-                                      FadingForce& fading) const {
-    const EdgeReach reach = reachOf(faces, hit.face);
-    if (reach.mask == 0 || maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
-      return 1;
+  // w of the force beyond true edges, and what comes with it.
+  KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
+                                   const Hit& hit, Interaction& now, FadingForce& fading) const {
+    now.taper = 1;
+    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
+      return;
+    const Quad quad = faces.quad(hit.face);
+    const EdgeReach reach = reachOf(faces, hit.face, quad);
+    if (reach.mask == 0)
+      return;
     const LateralForce lateral =
-        lateralForce(faces.quad(hit.face), hit.place[0], hit.place[1], now.normal, hit.depth, reach,
-                     now.stiffness, maxOf(now.depth, 0.0));
-    fading.on_node = lateral.on_node;
+        lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
+                     maxOf(now.depth, 0.0));
+    now.taper = lateral.taper;
+    now.first_force += now.stiffness * now.depth * (lateral.taper - 1 + lateral.along_normal);
+    // What would move the pair by more than a fifth of the way in one step takes more energy than there is.
+    const double moves =
+        norm(lateral.on_node) * config.reference_step * config.reference_step * now.inverse_mass;
+    const double most = 0.2 * minOf(reach.way(0, hit.depth) * reach.half[0],
+                                    reach.way(1, hit.depth) * reach.half[1]);
+    const double scale = moves > most ? most / moves : 1;
+    fading.on_node = scale * lateral.on_node;
     for (int j = 0; j < 4; ++j)
-      fading.on_corner[j] = lateral.on_corner[j];
-    return lateral.taper;
+      fading.on_corner[j] = scale * lateral.on_corner[j];
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
     return face < num_faces ? face : face + num_remote;
   }
-  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face) const {
+  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face,
+                                           const Quad& quad) const {
     EdgeReach reach;
     reach.lateral_tolerance = lateral_tolerance;
     reach.edge_tolerance = edge_tolerance;
     if (faces.hasAttribute(NodeFaces::true_edges_column))
       reach.mask = static_cast<int>(faces.attribute(face, NodeFaces::true_edges_column));
+    if (reach.mask != 0)
+      reach.measure(quad);
     return reach;
   }
-  KOKKOS_INLINE_FUNCTION bool opposes(const MeanPlane& plane, const Vec3& normal) const {
-    return dot(plane.normal, normal) < -opposed_cosine;
+  // A contact goes on while a face of the node is turned towards the other at all.
+  KOKKOS_INLINE_FUNCTION double opposedCosine(Stage stage) const {
+    return stage == Stage::born ? opposed_cosine : stage == Stage::kept ? 0 : 0.1;
   }
-  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal) const {
+  KOKKOS_INLINE_FUNCTION static bool opposes(const MeanPlane& plane, const Vec3& normal,
+                                             double cosine) {
+    return dot(plane.normal, normal) < -cosine;
+  }
+  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
-      if (opposes(planes(around.rows(k)), normal))
+      if (opposes(planes(around.rows(k)), normal, cosine))
         return true;
     return false;
   }
@@ -121,7 +143,7 @@ struct NodeFaceTouch {
     Tributary part;
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
       const int row = around.rows(k);
-      if (!opposes(planes(row), normal))
+      if (!opposes(planes(row), normal, opposed_cosine))
         continue;
       const double area = around.corner_share(row) * planes(row).area;
       part.area += area;

@@ -26,6 +26,15 @@ struct Hit {
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
 };
 
+// What a face is tested for: to keep a contact, to bear one or to go on with it there; or, if no face is fit for that, to go on
+// with it where the surfaces are turned towards each other no more than a little.
+enum class Stage { kept, born, switched };
+
+// Of a contact that is born now, and the most that the stable step allows one that goes on.
+struct StiffnessCaps {
+  double birth, kept; // force/length
+};
+
 // One thread per row of candidates, which is one per surface node: tests the node against its candidates, chooses one face of
 // each opposing body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go
 // to the lower id.
@@ -85,7 +94,7 @@ struct SelectInteractions {
     return num_hits;
   }
 
-  // The face of `body` that the node is in contact with: the last one if it still is, else the least penetrated.
+  // The face of `body` that the node is in contact with: the last one if it still is under load, else the least penetrated.
   // Moves `pair` past the body's candidates.
   KOKKOS_INLINE_FUNCTION bool findHitOnBody(int node, global_id body, bool wanted, std::int64_t end,
                                             std::int64_t& pair, Hit& hit, int& seen,
@@ -94,13 +103,24 @@ struct SelectInteractions {
     findPreviousFace(node, body, end, pair, hit, seen, sums);
     if (!wanted)
       return false;
-    if (hit.previous_face >= 0 && isTouching(node, hit.previous_face, hit))
+    // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
+    const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
+    if (is_loaded && hit.previous_face >= 0 &&
+        isTouching(node, hit.previous_face, Stage::kept, hit))
       return true;
+    return findNearest(node, begin, pair, Stage::born, is_loaded, hit) ||
+           (is_loaded && findNearest(node, begin, pair, Stage::switched, is_loaded, hit));
+  }
+
+  // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
+  KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
+                                          Stage stage, bool has_left, Hit& hit) const {
     bool found = false;
     Hit nearest, other;
-    for (std::int64_t p = begin; p < pair; ++p) {
+    other.previous = hit.previous;
+    for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
-      if (face == hit.previous_face || !isTouching(node, face, other))
+      if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -108,7 +128,6 @@ struct SelectInteractions {
     }
     if (!found)
       return false;
-    nearest.previous = hit.previous;
     nearest.previous_face = hit.previous_face;
     nearest.contact_work = hit.contact_work;
     hit = nearest;
@@ -138,8 +157,8 @@ struct SelectInteractions {
   }
 
   // The cheap tests first.
-  KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, Hit& hit) const {
-    return touch.test(faces, node, face, hit) && isOfThisStep(node, face);
+  KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, Stage stage, Hit& hit) const {
+    return touch.test(faces, node, face, stage, hit) && isOfThisStep(node, face);
   }
   // Whether a search in this step would list the pair. Asked last and so of few pairs: with it the contacts do not depend
   // on the margin.
@@ -173,22 +192,15 @@ struct SelectInteractions {
     now.inverse_mass = touch.inverseMass(now.point);
     for (int j = 0; j < 4; ++j)
       now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
-    const double cap = touch.stiffnessCap(config, faces, node, hits, num_hits, h, now.inverse_mass);
-    const bool slid_here = hit.previous < 0 && touch.slidHere(faces, node, hit);
-    if (hit.previous >= 0)
-      carryOn(now, previous.interactions(hit.previous), hit, cap);
-    else if (slid_here)
-      now.stiffness = cap;
+    const StiffnessCaps caps = touch.stiffnessCaps(config, faces, now, hits, num_hits, h);
+    if (goesOn(now, hit))
+      carryOn(now, previous.interactions(hit.previous), hit, caps);
     else
-      bear(now, hit.depth, cap);
+      bear(now, hit.depth, caps);
     now.depth = hit.depth - now.offset;
+    now.first_force = now.stiffness * now.depth;
     FadingForce fading;
-    now.taper = touch.taper(faces, now, hit, previous, fading);
-    now.first_force = now.stiffness * now.taper * now.depth;
-    if (slid_here) {
-      now.stored = 0.5 * now.first_force * now.depth;
-      now.is_new = 0;
-    }
+    touch.fade(config, faces, hit, now, fading);
     now.force = now.first_force;
     if (config.damping > 0 && now.depth > 0)
       now.first_damping = maxOf(dampingOf(now), -now.first_force);
@@ -208,31 +220,44 @@ struct SelectInteractions {
     }
   }
 
+  // A contact without load that comes to another face is a birth.
+  KOKKOS_INLINE_FUNCTION bool goesOn(const Interaction& now, const Hit& hit) const {
+    if (hit.previous < 0)
+      return false;
+    const Interaction& last = previous.interactions(hit.previous);
+    return last.depth > 0 || last.face == now.face;
+  }
+
   // What the motion of this step did not bring is taken as an offset: no energy comes from nowhere, and an initial
   // overlap, which is a birth at rest, gives no force.
-  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth, double cap) {
-    now.stiffness = cap;
+  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth,
+                                          const StiffnessCaps& caps) {
+    now.stiffness = caps.birth;
     now.offset = depth - minOf(depth, maxOf(0.0, now.closing));
   }
 
+  // The spring keeps its energy when the node moves to another face, and when it must become softer: then e may be
+  // below 0, and what is stored beyond P comes back in the last step before the node is outside.
   KOKKOS_INLINE_FUNCTION static void carryOn(Interaction& now, const Interaction& last,
-                                             const Hit& hit, double cap) {
+                                             const Hit& hit, const StiffnessCaps& caps) {
     now.is_new = last.depth <= 0;
+    now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
-    now.offset =
-        last.face == now.face ? minOf(last.offset, hit.depth) : maxOf(0.0, hit.depth - last.depth);
-    now.stiffness = now.is_new ? cap : last.stiffness;
-    if (cap < now.stiffness) { // softer at equal stored energy
+    now.offset = last.face == now.face ? minOf(last.offset, hit.depth)
+                                       : hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper);
+    now.stiffness = now.is_new ? caps.birth : last.stiffness;
+    if (caps.kept < now.stiffness) {
       const double depth = hit.depth - now.offset;
-      now.offset = hit.depth - minOf(hit.depth, depth * std::sqrt(now.stiffness / cap));
-      now.stiffness = cap;
+      now.offset = hit.depth - depth * std::sqrt(now.stiffness / caps.kept);
+      now.stiffness = caps.kept;
     }
   }
 
-  // c d-/dt with c = 2 zeta sqrt(k m_red)
+  // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.
   KOKKOS_INLINE_FUNCTION double dampingOf(const Interaction& now) const {
-    return 2 * config.damping * std::sqrt(now.stiffness * now.taper / now.inverse_mass) *
-           now.closing / dt;
+    const double c = 2 * config.damping * now.stiffness * now.taper * config.reference_step /
+                     std::sqrt(config.penalty);
+    return c * now.closing / dt;
   }
 
   KOKKOS_INLINE_FUNCTION void rub(const Interaction& now, const Vec3& motion, int last_index,
@@ -259,6 +284,9 @@ struct SelectInteractions {
     double work = dot(force.on_node, relative_motion);
     for (int j = 0; j < 4; ++j)
       work += force.on_corner[j] * dot(pair.normal, faces.cornerMotion(face, j));
+    if (force.on_end != 0)
+      work += force.on_end * dot(pair.normal, faces.nodeMotion(pair.point.node[1]) -
+                                                  faces.nodeMotion(pair.point.node[0]));
     return work;
   }
 
@@ -296,6 +324,9 @@ struct SelectInteractions {
     ++sums.interactions;
     sums.active += now.depth > 0;
     sums.max_penetration = maxOf(sums.max_penetration, touch.relativeDepth(faces, hit));
+    sums.deepest = maxOf(sums.deepest, hit.depth);
+    if (now.depth > 0)
+      sums.deepest_loaded = maxOf(sums.deepest_loaded, hit.depth);
     if (hit.previous < 0)
       return;
     const Interaction& last = previous.interactions(hit.previous);

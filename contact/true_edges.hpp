@@ -8,41 +8,70 @@
 namespace brickwall::contact {
 
 // Bit j of a mask: edge j of a face, from corner j to corner j + 1, is a true edge: eta = -1, xi = 1, eta = 1, xi = -1.
+//
+// Beyond a true edge the force fades out over the way max(.8 edge_tolerance, 2 P) (in half-lengths, at most 1): a light node that
+// is pressed in deep would else cross a narrow way in one step. At 2 P the lateral stiffness 6 (k p^2/2)/way^2 stays below k.
 struct EdgeReach {
   int mask = 0;
   double lateral_tolerance =
       0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
-  double edge_tolerance = 0.1; // beyond true edges: there the force has faded out
+  double edge_tolerance = 0.1; // beyond true edges, at least
+  double half[2] = {1, 1}; // half-lengths of the face along xi and eta
 
-  KOKKOS_INLINE_FUNCTION double beyond(int edge) const {
-    return mask & (1 << edge) ? edge_tolerance : lateral_tolerance;
+  KOKKOS_INLINE_FUNCTION void measure(const Quad& face) {
+    half[0] = 0.25 * norm((face.corner[1] - face.corner[0]) + (face.corner[2] - face.corner[3]));
+    half[1] = 0.25 * norm((face.corner[3] - face.corner[0]) + (face.corner[2] - face.corner[1]));
   }
-  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point) const {
+  static constexpr double farthest = 1.1; // no contact farther beyond an edge, in half-lengths
+
+  KOKKOS_INLINE_FUNCTION double start() const { return 1 + 0.2 * edge_tolerance; }
+  KOKKOS_INLINE_FUNCTION double way(int direction, double depth) const {
+    return minOf(maxOf(0.8 * edge_tolerance, 2 * depth / half[direction]), 1.0);
+  }
+  KOKKOS_INLINE_FUNCTION bool isTrue(int direction, double parameter) const {
+    const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
+    return mask & (1 << edge);
+  }
+  // A contact begins on the face, where w = 1: beyond a true edge it can only end.
+  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun) const {
     if (point.activeWithin(lateral_tolerance))
       return true;
-    return mask != 0 && point.valid && point.has_parameters && point.xi < 1 + beyond(1) &&
-           -point.xi < 1 + beyond(3) && point.eta < 1 + beyond(2) && -point.eta < 1 + beyond(0);
+    return has_begun && mask != 0 && point.valid && point.has_parameters &&
+           coversAlong(0, point.xi, point) && coversAlong(1, point.eta, point);
+  }
+  KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter,
+                                          const FacePoint& point) const {
+    return std::fabs(parameter) < (isTrue(direction, parameter)
+                                       ? start() + way(direction, -point.gap)
+                                       : 1 + lateral_tolerance);
   }
 };
 
-// w along one parameter and its derivative: 1 up to a fifth of the reach beyond the edge, then t^2 (3 - 2 t) down to 0.
+// w along one parameter, 1 up to the start, then t^2 (3 - 2 t) down to 0, and its derivatives.
 struct Taper {
-  double value = 1, slope = 0;
+  double value = 1;
+  double slope = 0; // by the parameter
+  double growth = 0; // by the depth, 1/length
 };
-KOKKOS_INLINE_FUNCTION Taper taperAt(double parameter, bool is_true_edge, double reach) {
+KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, double parameter,
+                                     double depth) {
   Taper taper;
-  const double way = 0.8 * reach, left = 1 + reach - std::fabs(parameter);
-  if (!is_true_edge || left >= way)
+  const double beyond = std::fabs(parameter) - reach.start();
+  if (beyond <= 0 || !reach.isTrue(direction, parameter))
     return taper;
-  const double t = maxOf(left / way, 0.0);
+  const double way = reach.way(direction, depth), t = maxOf(1 - beyond / way, 0.0);
+  const double steepness = 6 * t * (1 - t) / way;
   taper.value = t * t * (3 - 2 * t);
-  taper.slope = (parameter > 0 ? -6 : 6) * t * (1 - t) / way;
+  taper.slope = parameter > 0 ? -steepness : steepness;
+  if (way > 0.8 * reach.edge_tolerance && way < 1)
+    taper.growth = steepness * beyond / way * 2 / reach.half[direction];
   return taper;
 }
 
 // The force that a changing w brings, beside the normal force k w p.
 struct LateralForce {
   double taper = 1; // w
+  double along_normal = 0; // of the normal force, over k p: (p/2) dw/dP
   Vec3 on_node; // on the node; each face corner takes -N_j of it
   double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides; sum 0
 };
@@ -52,9 +81,10 @@ KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, do
                                                  const Vec3& normal, double depth,
                                                  const EdgeReach& reach, double k, double p) {
   LateralForce force;
-  const Taper along_xi = taperAt(xi, (reach.mask & (xi > 0 ? 2 : 8)) != 0, reach.edge_tolerance);
-  const Taper along_eta = taperAt(eta, (reach.mask & (eta > 0 ? 4 : 1)) != 0, reach.edge_tolerance);
+  const Taper along_xi = taperAt(reach, 0, xi, depth), along_eta = taperAt(reach, 1, eta, depth);
   force.taper = along_xi.value * along_eta.value;
+  force.along_normal =
+      0.5 * p * (along_xi.growth * along_eta.value + along_xi.value * along_eta.growth);
   // G = (k p^2/2) dw/d(xi, eta); q = H^-1 G with the Hessian of |node - x(xi, eta)|^2/2
   const double energy = 0.5 * k * p * p;
   const double g_xi = energy * along_xi.slope * along_eta.value;

@@ -84,7 +84,7 @@ enum ContactEnergy : int {
 using ContactEnergySums = LimbSums<num_contact_energies>;
 
 // What a rank counts in a step; added up with the step's sums.
-constexpr int num_host_counts = 2;
+constexpr int num_host_counts = 3;
 struct StepCounts {
   std::int64_t failures = 0; // e.g. of loads: the step must not go on
   std::int64_t host[num_host_counts] = {}; // for the host code alone

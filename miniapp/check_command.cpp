@@ -96,6 +96,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
                                            : "bodies may touch themselves");
   else
     std::printf("  contact           off: nothing is searched\n");
+  if (config.contact.enabled && simulation.sureSpeed() < HUGE_VAL)
+    std::printf("  guard             bodies that meet at more than %.4g %s\n",
+                simulation.sureSpeed(),
+                config.contact.guard == GuardAction::cut ? "cut the step" : "stop the run");
   if (config.contact.enabled && config.search.margin > 0)
     std::printf("  search            %s, kept until a node has moved %g along an axis\n",
                 nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);

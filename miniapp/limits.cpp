@@ -43,8 +43,8 @@ std::string exceeds(const GaugeRule& gauge, const char* block, double value, dou
 
 } // namespace
 
-std::vector<std::string> LimitWatch::check(const GaugeValues& values, std::int64_t step,
-                                           double time) {
+std::vector<std::string> LimitWatch::newWarnings(const GaugeValues& values, std::int64_t step,
+                                                 double time) {
   std::vector<std::string> found;
   for (int g = 0; g < num_gauges; ++g)
     if (!_is_told[g] && isBeyond(values[g], _limits.warn[g])) {
@@ -53,10 +53,13 @@ std::vector<std::string> LimitWatch::check(const GaugeValues& values, std::int64
       _is_told[g] = true;
     }
   _warnings.insert(_warnings.end(), found.begin(), found.end());
+  return found;
+}
+
+void LimitWatch::stopBeyondLimits(const GaugeValues& values, std::int64_t step, double time) const {
   for (int g = 0; g < num_gauges; ++g)
     if (isBeyond(values[g], _limits.stop[g]))
       throw PhysicsError(exceeds(gauge_rules[g], "limits", values[g], _limits.stop[g], step, time));
-  return found;
 }
 
 } // namespace brickwall::miniapp

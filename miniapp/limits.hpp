@@ -47,9 +47,10 @@ class LimitWatch {
 public:
   explicit LimitWatch(const LimitsConfig& limits) : _limits(limits) {}
 
-  // After a step. Returns the warnings that are new. Throws PhysicsError where a stop limit is exceeded (or the value is NaN);
-  // the same on all ranks for equal values.
-  std::vector<std::string> check(const GaugeValues& values, std::int64_t step, double time);
+  // After a step: the warnings that are new. NaN is beyond any limit.
+  std::vector<std::string> newWarnings(const GaugeValues& values, std::int64_t step, double time);
+  // Throws PhysicsError where a stop limit is exceeded, the same on all ranks for equal values.
+  void stopBeyondLimits(const GaugeValues& values, std::int64_t step, double time) const;
 
   const std::vector<std::string>& warnings() const { return _warnings; } // all so far
 

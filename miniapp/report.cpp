@@ -266,8 +266,8 @@ void printReport(std::ostream& out, const RunReport& r) {
                   static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
   printBalance(out, r.balance);
-  for (const std::string& warning : r.warnings)
-    out << "warning: " << warning << '\n';
+  for (std::size_t i = r.warnings_told; i < r.warnings.size(); ++i)
+    out << "warning: " << r.warnings[i] << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "
                 "loop_seconds=%.6g\n",
                 r.elementStepsPerSecond(), r.faceSearchesPerSecond(), r.loop_seconds);

@@ -85,6 +85,8 @@ struct RunReport {
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings; // what the user should know of a run that passes
+  std::size_t warnings_told =
+      0; // of these the first ones, which the run has printed when they came up
   std::vector<std::string> failures; // why the run fails; empty: PASS
 
   double elementStepsPerSecond() const; // 0 where there is nothing to divide by

@@ -155,9 +155,11 @@ private:
 
   void checkLimits() {
     const Clock& clock = _simulation.clock();
-    for (const std::string& warning : _limits.check(_simulation.gauges(), clock.step, clock.time))
+    const GaugeValues values = _simulation.gauges();
+    for (const std::string& warning : _limits.newWarnings(values, clock.step, clock.time))
       if (rankOf(_comm) == 0)
         std::cout << "warning: " << warning << std::endl;
+    _limits.stopBeyondLimits(values, clock.step, clock.time);
   }
 
   bool wallTimeIsUp() {
@@ -187,6 +189,7 @@ private:
     report.counted_searches = _simulation.searches() - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
+    report.warnings_told = _limits.warnings().size();
     if (!_breakdown.empty())
       report.failures.push_back(_breakdown);
     if (_out_of_time)

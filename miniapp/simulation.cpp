@@ -17,8 +17,8 @@ namespace brickwall::miniapp {
 namespace {
 
 // Of StepCounts::host: ranks with a penetration beyond a limit.
-enum HostCount : int { deeper_than_warned, deeper_than_allowed };
-static_assert(deeper_than_allowed < mechanics::num_host_counts);
+enum HostCount : int { deeper_than_warned, deeper_than_allowed, deeper_than_boxes };
+static_assert(deeper_than_boxes < mechanics::num_host_counts);
 
 std::string reversingDamping(double damping, double dt) {
   std::ostringstream message;
@@ -67,6 +67,7 @@ void Simulation::findContactCandidates() {
   if (!_coupling)
     return;
   const Region region("search");
+  reachAsDeepAsContacts();
   _search->update(_space, _coupling->surface());
   if (_edges)
     _edges->findCandidates(_space, _coupling->surface());
@@ -79,6 +80,20 @@ void Simulation::auditCandidates() {
   _missed_pairs += _search->countMissedPairs(_space, _coupling->surface());
   if (_edges)
     _missed_pairs += _edges->countMissedPairs(_space);
+}
+
+// Boxes of node and face together reach half as far again as the deepest loaded contact of the last step, but no farther than an
+// edge: a node that is pressed in deep keeps its faces.
+void Simulation::reachAsDeepAsContacts() {
+  if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
+    return;
+  const double deepest = maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded);
+  const double wanted =
+      minOf(0.75 * allReduce(_comm, deepest, MPI_MAX), 0.5 * _scene.shortest_edge);
+  _reach = maxOf(_box_tolerance, wanted);
+  _search->setTolerances(_reach, _reach);
+  if (_edges)
+    _edges->setTolerance(_reach);
 }
 
 void Simulation::computeForces(double time) {
@@ -138,6 +153,8 @@ void Simulation::bookEnergies(double dt_kick) {
   counts.failures = _load_failures + _contact.failures();
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
   counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
+  counts.host[deeper_than_boxes] =
+      0.75 * maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded) > _box_tolerance;
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
                    counts);
   if (_ledger.balance().failures > 0) {
@@ -235,9 +252,9 @@ void Simulation::setUpContact() {
   _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
   _drops_same_body = _config.contact.self == SelfContact::never ||
                      (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
-  const contact::SearchConfig search = searchConfig(
-      _config, boxTolerance(_config.contact, _scene.shortest_edge, _scene.longest_edge),
-      _drops_same_body);
+  _box_tolerance = _reach =
+      boxTolerance(_config.contact, _scene.shortest_edge, _scene.longest_edge);
+  const contact::SearchConfig search = searchConfig(_config, _box_tolerance, _drops_same_body);
   const double margin = _config.search.margin * _scene.shortest_edge;
   _search = std::make_unique<contact::CandidateSearch>(_comm, search, margin);
   contact::EnforcementConfig enforcement;

@@ -75,6 +75,8 @@ public:
   const std::vector<StepCut>& stepCuts() const { return _step_cuts; }
   // Steps whose pairs were looked at because some nodes moved fast.
   std::int64_t guardedSteps() const { return _guarded_steps; }
+  // Speed of a node against a face up to which steps of the present length are not cut; infinite without a guard.
+  double sureSpeed() const { return _guard.allowedMotion(_clock.dt) / _clock.dt; }
   std::int64_t searches() const { return _search ? _search->searches() : 0; } // since the start
   // Steps in all until the end time (or the deck's number of steps).
   std::int64_t plannedSteps() const { return _planned_steps; }
@@ -111,6 +113,7 @@ private:
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void auditCandidates(); // collective
+  void reachAsDeepAsContacts();
   void computeForces(double time);
   void enforceContact(double dt);
   void sumSharedNodes();
@@ -144,6 +147,7 @@ private:
   mechanics::EnergyLedger _ledger;
 
   bool _drops_same_body = true;
+  double _box_tolerance = 0, _reach = 0; // of nodes and of faces, length: of the deck; now
   std::unique_ptr<SurfaceCoupling> _coupling; // these are null without contact
   std::unique_ptr<contact::CandidateSearch> _search;
   std::unique_ptr<contact::Enforcement> _enforcement;

@@ -126,7 +126,7 @@ TEST(ContactDamping, NeverPullsAndOpposesTheMotion) {
   };
   const Interaction rest = (normalForce(0), run->of(node)[0]);
   EXPECT_EQ(rest.damping, 0);
-  const double coefficient = 2 * c.damping * std::sqrt(rest.stiffness / rest.inverse_mass);
+  const double coefficient = 2 * c.damping * rest.stiffness * dt / std::sqrt(c.penalty);
   const double closing = normalForce(-0.001);
   EXPECT_NEAR(run->of(node)[0].damping, coefficient * 0.001 / dt, 1e-12);
   EXPECT_GT(closing, rest.stiffness * 0.021);

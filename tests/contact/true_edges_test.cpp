@@ -12,20 +12,20 @@ namespace {
 
 constexpr double stiffness = 3, offset = 0.02;
 
-EdgeReach allEdges() {
+EdgeReach allEdges(const Quad& face) {
   EdgeReach reach;
   reach.mask = 15;
   reach.edge_tolerance = 0.2;
+  reach.measure(face);
   return reach;
 }
 
 // U = k w p^2/2 of a node at `node` on the face, p = P - offset.
-double energyOf(const Quad& face, const Vec3& node) {
+double energyOf(const Quad& face, const Vec3& node, const EdgeReach& reach) {
   const FacePoint point = project(face, node);
-  const EdgeReach reach = allEdges();
-  EXPECT_TRUE(reach.covers(point));
-  const double w = taperAt(point.xi, true, reach.edge_tolerance).value *
-                   taperAt(point.eta, true, reach.edge_tolerance).value;
+  EXPECT_TRUE(reach.covers(point, true));
+  const double w = taperAt(reach, 0, point.xi, -point.gap).value *
+                   taperAt(reach, 1, point.eta, -point.gap).value;
   const double p = -point.gap - offset;
   return 0.5 * stiffness * w * p * p;
 }
@@ -46,20 +46,23 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
                          0.25 * (1 + xi) * (1 + eta), 0.25 * (1 - xi) * (1 + eta)};
     for (int j = 0; j < 4; ++j)
       node += N[j] * face.corner[j];
-    node.z -= 0.1;
+    node.z -= trial % 2 ? 0.05 : 0.15; // the fading way is the least one, or grows with the depth
     const FacePoint point = project(face, node);
     ASSERT_TRUE(point.has_parameters);
     const double p = -point.gap - offset;
+    // Half-lengths of the face enter as constants: they change by strains.
+    const EdgeReach reach = allEdges(face);
     const LateralForce lateral =
-        lateralForce(face, point.xi, point.eta, point.normal, -point.gap, allEdges(), stiffness, p);
-    const Vec3 on_node = stiffness * lateral.taper * p * point.normal + lateral.on_node;
+        lateralForce(face, point.xi, point.eta, point.normal, -point.gap, reach, stiffness, p);
+    const Vec3 on_node =
+        stiffness * p * (lateral.taper + lateral.along_normal) * point.normal + lateral.on_node;
     constexpr double step = 1e-5; // central differences: 1e-10 of third derivatives of order 1e3
     const auto slope = [&](Vec3& x, int d) {
       const double kept = x[d];
       x[d] = kept + step;
-      const double up = energyOf(face, node);
+      const double up = energyOf(face, node, reach);
       x[d] = kept - step;
-      const double down = energyOf(face, node);
+      const double down = energyOf(face, node, reach);
       x[d] = kept;
       return (up - down) / (2 * step);
     };
@@ -74,11 +77,14 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
 }
 
 TEST(Taper, IsOneOnTheFaceAndZeroAtTheReach) {
-  EXPECT_EQ(taperAt(1.02, true, 0.1).value, 1);
-  EXPECT_EQ(taperAt(-1.02, true, 0.1).slope, 0);
-  EXPECT_NEAR(taperAt(-1.06, true, 0.1).value, 0.5, 1e-12);
-  EXPECT_NEAR(taperAt(1.1, true, 0.1).value, 0, 1e-12);
-  EXPECT_EQ(taperAt(1.1, false, 0.1).value, 1);
+  EdgeReach reach;
+  reach.mask = 2 + 8; // xi = 1 and xi = -1
+  EXPECT_EQ(taperAt(reach, 0, 1.02, 0).value, 1);
+  EXPECT_EQ(taperAt(reach, 0, -1.02, 0).slope, 0);
+  EXPECT_NEAR(taperAt(reach, 0, -1.06, 0).value, 0.5, 1e-12);
+  EXPECT_NEAR(taperAt(reach, 0, 1.1, 0).value, 0, 1e-12);
+  EXPECT_EQ(taperAt(reach, 1, 1.1, 0).value, 1);
+  EXPECT_NEAR(taperAt(reach, 0, 1.12, 0.1).value, 0.5, 1e-12); // over twice the depth
 }
 
 // The edges of boxes, however cut: 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1) segments.
