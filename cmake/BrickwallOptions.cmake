@@ -15,7 +15,7 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 # Usage requirements that every target of ours shares, and nobody else's.
 add_library(brickwall_flags INTERFACE)
 # -ffp-contract=on contracts a*b+c within one expression only, as the source spells it: the element
-# arithmetic is then the same in every kernel that calls the same function (shared/sums.md). g++ 12 takes
+# arithmetic is then the same in every kernel that calls the same function. g++ 12 takes
 # "on" as "off"; clang and nvcc honour it.
 target_compile_options(brickwall_flags INTERFACE -Wall -Wextra -ffp-contract=on)
 if(BRICKWALL_WERROR)

@@ -48,6 +48,7 @@ struct EdgeTouch {
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
   static constexpr double least_sine = 0.05, full_sine = 0.15;
+  static constexpr double shallow = 0.01; // of the shorter edge: crossed no deeper than that, they may begin
   static constexpr double overhang =
       0.5; // of an edge's length: how far it pushes on over the next one
   static constexpr double full_outside =
@@ -98,7 +99,8 @@ struct EdgeTouch {
                          smoothStep(size / std::sqrt(aa * bb), least_sine, full_sine);
     if (!(has_begun ? inside > -full_outside : taper > 0) || sharesNode(faces, own, other))
       return false;
-    if (hit.previous < 0 && !wereApart(faces, own, other, normal))
+    if (hit.previous < 0 && depth * depth > shallow * shallow * minOf(aa, bb) &&
+        !wereApart(faces, own, other, normal))
       return false;
     hit.weight[0] = 1 - t, hit.weight[1] = t;
     hit.weight[2] = hit.weight[3] = 0;
@@ -144,13 +146,18 @@ struct EdgeTouch {
     return taper;
   }
 
-  // Contacts begin when the edges come to cross, not when edges that have crossed come to lie side by side.
+  // Contacts begin when edges come to cross, not when edges that have crossed come to lie side by side: whether they had not
+  // crossed at x^n, where their common normal pointed to the same side as `normal`.
   KOKKOS_INLINE_FUNCTION bool wereApart(const FaceAccess& faces, int own, int other,
                                         const Vec3& normal) const {
     const auto& nodes = faces.surface.coordinates_old;
     const auto& ghosts = faces.ghosts.coordinates_old;
-    return dot(faces.corner(own, 0, nodes, ghosts) - faces.corner(other, 0, nodes, ghosts),
-               normal) >= 0;
+    const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
+    Vec3 old_normal = cross(faces.corner(own, 1, nodes, ghosts) - a,
+                            faces.corner(other, 1, nodes, ghosts) - b);
+    if (dot(old_normal, normal) < 0)
+      old_normal = -old_normal;
+    return dot(a - b, old_normal) >= 0;
   }
 
   // Neighbours on one body never push each other, and of two edges of one body only one pushes.
@@ -186,6 +193,8 @@ struct EdgeTouch {
                                                      const FaceAccess&, const Interaction& now,
                                                      const Hit (&hits)[max_interactions], int,
                                                      int h) const {
+    if (!(now.inverse_mass > 0)) // all held
+      return {0, 0};
     const double k = stiffness_share * config.penalty /
                      (config.reference_step * config.reference_step * now.inverse_mass);
     return {hits[h].place[1] * k, k};

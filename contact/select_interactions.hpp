@@ -117,9 +117,9 @@ struct SelectInteractions {
                                           Stage stage, bool has_left, Hit& hit) const {
     bool found = false;
     Hit nearest, other;
-    other.previous = hit.previous;
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
+      other.previous = has_left || face == hit.previous_face ? hit.previous : -1;
       if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other))
         continue;
       if (!found || other.depth < nearest.depth)
@@ -128,6 +128,7 @@ struct SelectInteractions {
     }
     if (!found)
       return false;
+    nearest.previous = hit.previous;
     nearest.previous_face = hit.previous_face;
     nearest.contact_work = hit.contact_work;
     hit = nearest;
@@ -264,7 +265,7 @@ struct SelectInteractions {
                                   FrictionSpring& friction, ContactSums& sums) const {
     friction.stiffness = config.friction_stiffness * now.stiffness;
     friction.motion = along(motion, now.normal);
-    if (now.depth <= 0)
+    if (!(now.depth > 0 && friction.stiffness > 0))
       return;
     Vec3 held;
     if (last_index >= 0) {

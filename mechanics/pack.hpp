@@ -1,5 +1,5 @@
 // SIMD lanes of doubles: the element functions are templates on the scalar type, double for one element or Pack for
-// simd_width elements at once (sums.md). Each lane's arithmetic is that of a double, so results do not depend on the
+// simd_width elements at once. Each lane's arithmetic is that of a double, so results do not depend on the
 // lane. Host code only; GNU vector types (g++, clang).
 #pragma once
 

@@ -195,18 +195,19 @@ double contactStepShare(double safety, double penalty, double damping, bool edge
   // mult s/4 and, with C = 2 zeta sqrt(k m) taken at v^{n-1/2}, mult zeta sqrt(s). mult: how often a node's mass is pushed along
   // one direction.
   const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
-  constexpr double limit = 1.95; // 4/2.05
+  constexpr double least = 0.01; // a tenth of the elements' step
+  const double limit = 4 * (1 - least) / mult;
   if (!(safety > 0 && safety <= 1))
     throw InputError("contactStepShare: safety " + std::to_string(safety) +
                      "; a value in (0, 1] is needed");
   if (!(penalty >= 0 && penalty < limit))
     throw InputError("contactStepShare: penalty " + std::to_string(penalty) +
-                     "; a value in [0, 1.95) is needed");
+                     "; a value in [0, " + std::to_string(limit) +
+                     ") is needed" + (edges ? ", with contact.edges = false more" : ""));
   if (!(damping >= 0))
     throw InputError("contactStepShare: damping " + std::to_string(damping) +
                      "; a value >= 0 is needed");
   const double left = 1 - 0.25 * mult * penalty - mult * damping * std::sqrt(penalty);
-  constexpr double least = 0.01; // a tenth of the elements' step
   if (!(left >= least))
     throw InputError(
         "contactStepShare: contact of penalty " + std::to_string(penalty) + " and damping " +

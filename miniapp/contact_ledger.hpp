@@ -18,6 +18,8 @@ public:
       stored += sums->terms.sum[contact::friction_stored];
     }
     _edge_work += step.edges.terms.sum[contact::spring_work];
+    for (LimbSum* sum : {&_taken_by_friction, &_taken_by_damping, &_edge_work})
+      sum->carry();
     shares.sum[mechanics::contact_stored_half] = step.nodes.terms.sum[contact::spring_stored];
     shares.sum[mechanics::contact_edge_stored_half] = step.edges.terms.sum[contact::spring_stored];
     shares.sum[mechanics::contact_edge_work] = _edge_work;

@@ -82,15 +82,23 @@ void Simulation::auditCandidates() {
     _missed_pairs += _edges->countMissedPairs(_space);
 }
 
-// Boxes of node and face together reach half as far again as the deepest loaded contact of the last step, but no farther than an
-// edge: a node that is pressed in deep keeps its faces.
+// Boxes of node and face together reach as far as the deepest loaded contact may fade out beyond an edge (twice its depth, and a
+// little), but no farther than the shortest edge: a node that is pressed in deep keeps its faces. They grow with some reserve and
+// shrink late, so that lists that are kept stay of use.
+double Simulation::reachOf(double deepest) const {
+  const double wanted =
+      0.5 * (2.2 * deepest + 0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
+  return deepest > 0 ? minOf(wanted, 0.5 * _scene.shortest_edge) : 0;
+}
 void Simulation::reachAsDeepAsContacts() {
   if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
     return;
   const double deepest = maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded);
-  const double wanted =
-      minOf(0.75 * allReduce(_comm, deepest, MPI_MAX), 0.5 * _scene.shortest_edge);
-  _reach = maxOf(_box_tolerance, wanted);
+  const double wanted = reachOf(allReduce(_comm, deepest, MPI_MAX));
+  if (wanted > _reach)
+    _reach = 1.25 * wanted;
+  else if (wanted < 0.5 * _reach)
+    _reach = maxOf(_box_tolerance, wanted);
   _search->setTolerances(_reach, _reach);
   if (_edges)
     _edges->setTolerance(_reach);
@@ -154,7 +162,7 @@ void Simulation::bookEnergies(double dt_kick) {
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
   counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
   counts.host[deeper_than_boxes] =
-      0.75 * maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded) > _box_tolerance;
+      reachOf(maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded)) > _box_tolerance;
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
                    counts);
   if (_ledger.balance().failures > 0) {

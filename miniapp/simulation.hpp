@@ -113,7 +113,8 @@ private:
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void auditCandidates(); // collective
-  void reachAsDeepAsContacts();
+  double reachOf(double deepest) const;
+  void reachAsDeepAsContacts(); // collective
   void computeForces(double time);
   void enforceContact(double dt);
   void sumSharedNodes();

@@ -75,15 +75,21 @@ struct LimbSum {
     tail += b.tail;
     return *this;
   }
+  // The same sum with low and tail below 2^34: before more than 2^28 terms have been added.
+  void carry() {
+    constexpr std::int64_t base = std::int64_t(1) << 34;
+    low += tail / base;
+    tail %= base;
+    high += low / base;
+    low %= base;
+  }
   double value(const LimbScale& scale) const {
     // Carry first, so that the result is the double nearest to the exact sum but for two roundings.
-    constexpr std::int64_t base = std::int64_t(1) << 34;
-    const std::int64_t carry_tail = tail / base;
-    const std::int64_t whole_low = low + carry_tail;
-    const std::int64_t carry_low = whole_low / base;
-    return static_cast<double>(high + carry_low) * scale.high_quantum +
-           (static_cast<double>(whole_low - carry_low * base) * scale.low_quantum +
-            static_cast<double>(tail - carry_tail * base) * scale.tail_quantum);
+    LimbSum sum = *this;
+    sum.carry();
+    return static_cast<double>(sum.high) * scale.high_quantum +
+           (static_cast<double>(sum.low) * scale.low_quantum +
+            static_cast<double>(sum.tail) * scale.tail_quantum);
   }
 };
 
