@@ -33,14 +33,6 @@ struct Case {
         }
     return allReduce(MPI_COMM_WORLD, sum, MPI_SUM);
   }
-  double contactForce(global_id body, int component) const {
-    const auto forces =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.forces().values);
-    const double quantum = simulation.forces().quantum.value;
-    return quantum * sumOverBody(body, [&](int node) {
-             return static_cast<double>(forces(node, 3 * mechanics::contact_force + component));
-           });
-  }
   double momentum(global_id body, int component) const {
     const auto v =
         Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().velocity);

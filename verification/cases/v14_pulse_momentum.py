@@ -28,6 +28,9 @@ def evaluate(lab):
     lab.check(abs(load[-1]).max(), exact, 0.25 * angle**2, "impulse_of_the_load")
     lab.check(history["ledger_residual"].max(), 0, 1e-12, "ledger")
     lab.require(history["contacts"].max() > 0, "there_are_contacts")
+    # Before the pulse nothing may stir among the flush faces: not one bit.
+    waiting = lab.run("before_the_pulse", {**settings, "load.pressure[0].start": 1.0, "time.end": 5e-4}).results
+    lab.check(abs(waiting.nodal("displacement")).max(), 0, 0, "rest_without_load")
     with lab.figure("Impulses and momentum across the wall by time") as axes:
         direction = int(abs(load[-1]).argmax())
         for name, values in (("load", load), ("reaction of the fixed course", reaction), ("momentum", momentum)):
