@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import bricks
 import numpy as np
 from framework.program import ProgramError
 
 # What the study changes, one thing at a time or several. Each run is told all of them, so that a deck's own choice does not
 # stand for the program's default.
 KEYS = ("time.safety", "contact.penalty", "contact.scheme", "contact.edges", "element.formulation", "search.reuse.margin")
+PHYSICS = 3  # exit code of a run that broke down or passed a limit: a result, if a bad one
 FIELDS = ("displacement", "velocity", "force_contact", "contact_status", "contact_gap")
 
 
@@ -41,7 +43,8 @@ class Point:
 
     @property
     def failure(self):
-        return self.record["failure"]
+        """Why there is no error to tell: the physics broke down, or the run failed."""
+        return self.record["broke"] or self.record["failure"]
 
     @cached_property
     def seconds(self):
@@ -75,8 +78,8 @@ class Bench:
     def needed(self, *what, **how):
         """A record without which the study can not go on."""
         record = self.record(*what, **how)
-        if record["failure"]:
-            raise ProgramError(self.failures[-1])
+        if record["failure"] or record["broke"]:
+            raise ProgramError(f"{what[0].name}, {what[2]}: {record['failure'] or record['broke']}")
         return record
 
     def record(self, scene, mesh, label, changes, repetitions=None, threads=None, observe=None):
@@ -85,31 +88,33 @@ class Bench:
         settings = {**self.defaults, **scene.settings(mesh), **changes}
         repetitions, threads = repetitions or self.repetitions, threads or self.program.threads
         key = {"program": self.fingerprint, "deck": scene.deck.read_text(), "settings": settings, "threads": threads,
-               "evaluation": inspect.getsource(inspect.getmodule(type(scene)))}
+               "evaluation": inspect.getsource(observe) + inspect.getsource(bricks)}
         folder = self.folder / scene.name.replace(" ", "_") / label
         record = finished(folder, key)
-        if record is None or len(record["seconds"]) < repetitions:
+        if record is None or len(record["seconds"]) < repetitions and not record["broke"]:
             record = self._measure(scene, mesh, folder, settings, repetitions, threads, observe)
             (folder / "record.json").write_text(json.dumps({"key": key, **record}, indent=1) + "\n")
         self.versions = self.versions or record["versions"]
         if record["failure"]:
             self.failures.append(f"{scene.name}, {label}: {record['failure']}")
-        cost = f"{statistics.median(record['seconds']):9.3f} s" if record["seconds"] else record["failure"]
+        cost = record["failure"] or record["broke"] or f"{statistics.median(record['seconds']):9.3f} s"
         print(f"{scene.name:14} {label:50} {cost}", flush=True)
         return record
 
     def _measure(self, scene, mesh, folder, settings, repetitions, threads, observe):
-        record = {"failure": "", "seconds": [], "element_steps": 0, "observed": {}, "course": "", "phases": {}, "versions": {}}
+        record = {"failure": "", "broke": "", "seconds": [], "element_steps": 0, "observed": {}, "course": "", "phases": {}, "versions": {}}
         results = folder / "run" / f"{scene.deck.stem}.exo"
         for repetition in range(repetitions):
             if repetition == 1:  # those that follow are timed only
                 settings = {**settings, "output.interval": 0.0}
-            try:
-                run = self.program.run(scene.deck, folder / "run", settings, mesh=scene.geometry(mesh), threads=threads)
-            except ProgramError as error:
-                record["failure"] = str(error)
+            run = self.program.run(scene.deck, folder / "run", settings, mesh=scene.geometry(mesh), threads=threads, expect=None)
+            if run.code not in (0, PHYSICS):
+                record["failure"] = run.message
                 break
             report = run.report
+            record["broke"] = "; ".join(report["failures"])
+            if record["broke"]:
+                break
             record["seconds"].append(report["loop_seconds"])
             if repetition == 0:
                 record["element_steps"] = report["elements"] * report["steps"]

@@ -15,16 +15,18 @@ def setting(group, **changes):
 SHORT = {"safety": "time.safety", "penalty": "contact.penalty", "scheme": "contact.scheme", "edges": "contact.edges",
          "element": "element.formulation", "margin": "search.reuse.margin"}
 STEPS = [setting("time step", safety=value) for value in (0.5, 0.65, 0.95)]
-PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.75, 0.9, 1.0)]
+PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 0.9, 1.0)]
 SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) for value in (0.05, 0.1, 0.25, 0.5)]
 FULL = setting("element", element="full")
 PLAIN = setting("scheme, edges", scheme="penalty")
 NO_EDGES = setting("scheme, edges", edges=False)
-STIFF = PENALTIES[2:]
 REUSE = [setting("reuse", margin=value) for value in (0.1, 0.25, 0.5)]
-COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", penalty=1.0, margin=0.25),
-            setting("several", penalty=1.0, edges=False, margin=0.25),
-            setting("several", penalty=1.0, edges=False, scheme="penalty", margin=0.25)]
+COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", penalty=0.9, margin=0.25),
+            setting("several", penalty=0.75, safety=0.5, margin=0.25),
+            setting("several", penalty=0.75, edges=False, margin=0.25),
+            setting("several", penalty=0.75, edges=False, scheme="penalty", margin=0.25)]
+# What finer meshes are run with.
+FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75, 0.9)), *COMBINED[:2]]
 
 
 class Scene:
@@ -59,10 +61,9 @@ class Scene:
         return observed
 
     def study(self, bench):
-        """All points, with errors; those that failed are told by the bench."""
+        """All points, with the errors of those that came to an end."""
         self.prepare(bench)
         points = [bench.point(self, mesh, variant) for mesh in self.sizes for variant in self.variants(mesh)]
-        points = [point for point in points if not point.failure]
         for point in points:
-            point.errors = self.errors(point.record["observed"])
+            point.errors = {} if point.failure else self.errors(point.record["observed"])
         return points

@@ -40,14 +40,19 @@ def reference_text(scene):
              + f"; {answers.percent(np.linalg.norm(value.uncertainty) / np.linalg.norm(value.value))} not known\n"
              for name, value in reference.items()]
     return (f"Reference: three meshes at ratio 2, the finest {scene.reference_mesh}, with the same penalty and share of the stable step "
-            "(penalty 1; Richardson with the observed order):\n\n" + "".join(lines)
+            "(penalty .75, .5 of the stable step; Richardson with the observed order):\n\n" + "".join(lines)
             + "\nErrors below twice of what is not known are drawn, but not used in the answers.\n")
+
+
+def broken_text(result):
+    lines = [f"- {point.setting.name}, {point.mesh}: {point.failure}\n" for point in result.broken]
+    return "Broke down, and are not in the tables:\n\n" + "".join(lines) if lines else ""
 
 
 def section(result, plot):
     mesh = middle_mesh(result)
     return "\n".join([f"## {result.scene.name.capitalize()}\n\n{result.scene.text}\n", reference_text(result.scene),
-                      f"![{result.scene.name}](plots/{plot})\n", mesh_table(result), f"On {mesh}:\n", settings_table(result, mesh)])
+                      f"![{result.scene.name}](plots/{plot})\n", mesh_table(result), broken_text(result), f"On {mesh}:\n", settings_table(result, mesh)])
 
 
 def growth_text(growths):
@@ -73,7 +78,9 @@ def answers_text(study, results, general, audits):
     parts = [f"## Answers\n\nThe default is {default}.\n",
              f"**Which setting gives 1 % fastest?**\n\n{listed(answers.one_percent)}",
              f"**What does one digit more cost?**\n\n{listed(answers.one_digit)}",
-             f"**What does the default lose against the front?** It is {answers.worst_loss(results)}.\n\n"
+             f"**What does the default lose against the front?** Against all settings it is "
+             f"{answers.tell_losses(answers.losses(results))}; against those with edges and the energy-neutral scheme "
+             f"{answers.tell_losses(answers.losses(results, answers.same_contact))}.\n\n"
              + table(answers.LOSS_HEADER, losses),
              f"**What does reuse of lists gain at zero error?** {compared} runs with kept lists beside a search in every step: "
              f"{len(changed)} differ in any bit of the history or of the fields. {audit_text(audits)}\n\n" + table(answers.REUSE_HEADER, reuse),
