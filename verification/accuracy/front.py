@@ -2,10 +2,22 @@
 import numpy as np
 
 
+def settled(points):
+    """Those whose error no finer mesh of the same setting exceeds: the others are small by accident, as errors are that cross
+    zero."""
+    kept = []
+    for series in by_setting(points).values():
+        largest = 0
+        for point in sorted(series, key=lambda p: -p.element_steps):
+            largest = max(largest, point.error)
+            kept += [point] if point.error == largest else []
+    return kept
+
+
 def front(points, cost):
-    """Those that no other point beats in both, by rising cost."""
+    """Those that no other point beats in both, by rising cost; of settled points."""
     best, kept = np.inf, []
-    for point in sorted(points, key=lambda p: (cost(p), p.error)):
+    for point in sorted(settled(points), key=lambda p: (cost(p), p.error)):
         if point.error < best:
             best = point.error
             kept.append(point)
