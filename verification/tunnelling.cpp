@@ -108,8 +108,9 @@ std::string whyItStops(Case& bricks) {
 }
 
 TEST(TunnellingGuard, StopsInTheStateBeforeAndNamesThePair) {
-  Case bricks(
-      thrown(0.15, "[contact]\nguard = \"stop\"\nedges = false\n[gravity]\nacceleration = [0, 0.01, 0.02]\n"));
+  Case bricks(thrown(
+      0.15,
+      "[contact]\nguard = \"stop\"\nedges = false\n[gravity]\nacceleration = [0, 0.01, 0.02]\n"));
   auto& simulation = bricks.simulation;
   simulation.start();
   simulation.step(); // .12 of the gap of .3, too far for boxes that reach .1
