@@ -44,10 +44,11 @@ def evaluate(lab):
         check_stop(lab, run, ["step"], f"stop_at_{share}")
     slow = [row for row in rows if row[2] == 0]
     lab.check(len(slow) > 0, 1, 0, "some_collide")
-    lab.check(max(row[6] for row in slow), 0, 5e-3, "energy")
+    # A cut of the step under load changes what central differences conserve, by O(dt^2).
+    lab.check(max(row[6] for row in slow), 0, 1e-2, "energy")
     lab.check(max(row[7] for row in rows), 0, 1e-12, "momentum")
     stopped, _ = throw(lab, "told_to_stop", 0.5, {"contact.guard": "stop"})
-    check_stop(lab, stopped, ["contact could be missed", "node", "body"], "guard_stop_names_the_pair")
+    check_stop(lab, stopped, ["contact could be missed", "of body 0 moves by", "of body 1 in one step"], "guard_stop_names_the_pair")
     off, _ = throw(lab, "without_guard", 2.5, {"contact.guard": "off"})
     lab.check(off.code == 0 and height(off) < 0, 1, 0, "without_guard_it_passes_through")
     lab.table("By share of the cube in a stable step:", ["v dt / cube", "v/c", "exit code", "first step", "least step",
