@@ -48,7 +48,8 @@ struct EdgeTouch {
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
   static constexpr double least_sine = 0.05, full_sine = 0.15;
-  static constexpr double shallow = 0.01; // of the shorter edge: crossed no deeper than that, they may begin
+  static constexpr double shallow =
+      0.01; // of the shorter edge: crossed no deeper than that, they may begin
   static constexpr double overhang =
       0.5; // of an edge's length: how far it pushes on over the next one
   static constexpr double full_outside =
@@ -153,8 +154,8 @@ struct EdgeTouch {
     const auto& nodes = faces.surface.coordinates_old;
     const auto& ghosts = faces.ghosts.coordinates_old;
     const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
-    Vec3 old_normal = cross(faces.corner(own, 1, nodes, ghosts) - a,
-                            faces.corner(other, 1, nodes, ghosts) - b);
+    Vec3 old_normal =
+        cross(faces.corner(own, 1, nodes, ghosts) - a, faces.corner(other, 1, nodes, ghosts) - b);
     if (dot(old_normal, normal) < 0)
       old_normal = -old_normal;
     return dot(a - b, old_normal) >= 0;

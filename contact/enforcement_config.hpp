@@ -10,7 +10,8 @@ enum class Scheme {
 
 struct EnforcementConfig {
   Scheme scheme = Scheme::penalty;
-  double penalty = 0.5; // s: k = min(eps A, s m_red/dt_ref^2); stable if s <= 1.57 (1 - chi^2), 1.95 without edges
+  double penalty =
+      0.5; // s: k = min(eps A, s m_red/dt_ref^2); stable if s <= 1.57 (1 - chi^2), 1.95 without edges
   double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
   double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
   double edge_tolerance =

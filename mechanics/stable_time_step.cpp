@@ -201,9 +201,9 @@ double contactStepShare(double safety, double penalty, double damping, bool edge
     throw InputError("contactStepShare: safety " + std::to_string(safety) +
                      "; a value in (0, 1] is needed");
   if (!(penalty >= 0 && penalty < limit))
-    throw InputError("contactStepShare: penalty " + std::to_string(penalty) +
-                     "; a value in [0, " + std::to_string(limit) +
-                     ") is needed" + (edges ? ", with contact.edges = false more" : ""));
+    throw InputError("contactStepShare: penalty " + std::to_string(penalty) + "; a value in [0, " +
+                     std::to_string(limit) + ") is needed" +
+                     (edges ? ", with contact.edges = false more" : ""));
   if (!(damping >= 0))
     throw InputError("contactStepShare: damping " + std::to_string(damping) +
                      "; a value >= 0 is needed");
