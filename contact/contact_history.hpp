@@ -49,19 +49,33 @@ struct Interaction {
 };
 
 // Coulomb friction of an interaction: an elastic spring along the face that slips at mu F_n.
+//
+// Node and face point stand P apart, so that t on the one and -t on the other would turn the bodies: the couple P n x t. The face
+// takes it back by forces along the normal, -(q_xi N_j,xi + q_eta N_j,eta) on corner j with q = (lever . t), the parametric
+// components of P t; with edges, both edges do.
 struct FrictionSpring {
   Vec3 force; // t, on the node; what the spring holds
   Vec3 trial; // t of a sticking contact, of the current step
   Vec3 motion; // of the node along the face in the step that led to t, length
   double stiffness = 0; // k_t, force/length
+  Vec3 lever[2]; // P times the dual basis of the face (or of both edges)
+};
+
+// Forces along the normal on single nodes of a pair; their sum is zero.
+struct NormalForces {
+  double on_corner[4] = {0, 0, 0, 0}; // of the face
+  double on_end = 0; // on the second node of the pushing point, and taken from the first
+  KOKKOS_INLINE_FUNCTION void add(const NormalForces& b) {
+    for (int j = 0; j < 4; ++j)
+      on_corner[j] += b.on_corner[j];
+    on_end += b.on_end;
+  }
 };
 
 // Forces of an interaction that are neither along its normal nor friction: see true_edges.hpp.
 struct FadingForce {
   Vec3 on_node; // each corner takes -N_j of it
-  double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides
-  double on_end =
-      0; // along the normal, on the second node of the pushing point, and taken from the first
+  NormalForces normal; // besides
   double work = 0; // its work on the bodies over the motion of the step that led to it, energy
 };
 
@@ -69,8 +83,7 @@ struct FadingForce {
 struct ContactHistory {
   View<Interaction*> interactions; // [0, count); the View may be longer
   View<FrictionSpring*> friction; // [as interactions], empty without friction
-  View<FadingForce*>
-      fading; // [as interactions], valid where taper < 1; empty where there is no such force
+  View<FadingForce*> fading; // [as interactions], valid where taper < 1
   View<int*> row_begin; // [node]
   View<unsigned char*> row_count; // [node]
   std::int64_t count = 0;

@@ -35,7 +35,6 @@ void sumOverRanks(MPI_Comm comm, ContactSums& sums) {
   sums.overflow = rest[3], sums.invalid = rest[4];
   sums.max_penetration = allReduce(comm, sums.max_penetration, MPI_MAX);
   sums.deepest = allReduce(comm, sums.deepest, MPI_MAX);
-  sums.deepest_loaded = allReduce(comm, sums.deepest_loaded, MPI_MAX);
 }
 
 } // namespace brickwall::contact

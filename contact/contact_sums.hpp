@@ -28,8 +28,8 @@ struct ContactSums {
   std::int64_t lost = 0;
   std::int64_t overflow = 0; // interactions beyond max_interactions of a node
   std::int64_t invalid = 0; // forces that are not finite or too large for the quantum
-  double max_penetration = 0; // largest penetration / sqrt(face area)
-  double deepest = 0, deepest_loaded = 0; // largest penetration, and of those with a force, length
+  double max_penetration = 0; // largest penetration with a force / sqrt(face area)
+  double deepest = 0; // the same as a length
 
   KOKKOS_INLINE_FUNCTION ContactSums& operator+=(const ContactSums& b) {
     terms += b.terms;
@@ -40,7 +40,6 @@ struct ContactSums {
     invalid += b.invalid;
     max_penetration = maxOf(max_penetration, b.max_penetration);
     deepest = maxOf(deepest, b.deepest);
-    deepest_loaded = maxOf(deepest_loaded, b.deepest_loaded);
     return *this;
   }
   // What a run must not go on with, in words; empty if nothing.

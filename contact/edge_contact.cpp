@@ -150,8 +150,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
-  _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, EdgeTouch::has_fading, config,
-                        quantum);
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, config, quantum);
 }
 
 void EdgeContact::gather(const exec_space& space, const Surface& surface) {

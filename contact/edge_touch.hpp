@@ -10,12 +10,6 @@
 
 namespace brickwall::contact {
 
-// 0 up to `low`, 1 from `high` on, smooth between.
-KOKKOS_INLINE_FUNCTION double smoothStep(double value, double low, double high) {
-  const double t = minOf(maxOf((value - low) / (high - low), 0.0), 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 // The directions that stick out of an edge: between the normals of its two faces.
 struct EdgeCone {
   Vec3 tangent, first, second; // unit vectors: t, n_1, n_2
@@ -41,15 +35,15 @@ struct EdgeCone {
 };
 
 struct EdgeTouch {
-  static constexpr bool has_fading = true;
   static constexpr bool books_spring_work = true;
   // Of face attributes, behind the corner masses: FeatureEdge's.
   static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
-  // before the depth is a twentieth of a cell. The force grows in from `least_sine` on.
-  static constexpr double least_sine = 0.05, full_sine = 0.15;
-  static constexpr double shallow =
-      0.01; // of the shorter edge: crossed no deeper than that, they may begin
+  // before the depth is a twentieth of a cell.
+  static constexpr double least_sine = 0.05;
+  // Of the shorter edge: crossed no deeper than that, they may begin. Edges of bricks that lie flat on each other cross at no
+  // depth and at no angle; when they have turned by `least_sine`, nodes half a cell away have let them in by half of that.
+  static constexpr double shallow = 0.06;
   static constexpr double overhang =
       0.5; // of an edge's length: how far it pushes on over the next one
   static constexpr double full_outside =
@@ -96,9 +90,7 @@ struct EdgeTouch {
     const EdgeCone cone_a(a, faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
     const double inside = minOf(cone_a.depthOf(-normal), cone_b.depthOf(normal));
-    const double taper = smoothStep(inside, least_sine, full_sine) *
-                         smoothStep(size / std::sqrt(aa * bb), least_sine, full_sine);
-    if (!(has_begun ? inside > -full_outside : taper > 0) || sharesNode(faces, own, other))
+    if (!(inside > (has_begun ? -full_outside : least_sine)) || sharesNode(faces, own, other))
       return false;
     if (hit.previous < 0 && depth * depth > shallow * shallow * minOf(aa, bb) &&
         !wereApart(faces, own, other, normal))
@@ -108,7 +100,6 @@ struct EdgeTouch {
     for (int d = 0; d < 3; ++d)
       hit.normal[d] = normal[d];
     hit.place[0] = s;
-    hit.place[1] = taper;
     hit.depth = depth;
     hit.face = other;
     return true;
@@ -172,6 +163,21 @@ struct EdgeTouch {
     return faces.id(own) >= faces.id(other);
   }
 
+  // Edges end their contacts before they are apart again.
+  KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess&, int, int) const { return false; }
+  KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
+                                        Vec3 (&lever)[2]) const {
+    const Quad one = faces.quad(edgeOf(now.node)), other = faces.quad(now.face_index);
+    dualBasis(one.corner[1] - one.corner[0], other.corner[1] - other.corner[0], P, lever);
+  }
+  // Of the motion along the normal, by the share of each edge's second end.
+  KOKKOS_INLINE_FUNCTION void slopesOfMotion(const FaceAccess& faces, const Interaction& pair,
+                                             int face, double (&slope)[2]) const {
+    slope[0] = dot(pair.normal,
+                   faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
+    slope[1] = dot(pair.normal, faces.cornerMotion(face, 1) - faces.cornerMotion(face, 0));
+  }
+
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess& faces, int node,
                                               const Hit& hit) const {
     ContactPoint point;
@@ -192,13 +198,13 @@ struct EdgeTouch {
 
   KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
                                                      const FaceAccess&, const Interaction& now,
-                                                     const Hit (&hits)[max_interactions], int,
-                                                     int h) const {
+                                                     const Hit (&)[max_interactions], int,
+                                                     int) const {
     if (!(now.inverse_mass > 0)) // all held
       return {0, 0};
     const double k = stiffness_share * config.penalty /
                      (config.reference_step * config.reference_step * now.inverse_mass);
-    return {hits[h].place[1] * k, k};
+    return {k, k};
   }
 
   // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that
@@ -234,9 +240,9 @@ struct EdgeTouch {
         0.2 * minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
     const double scale = moves > most ? most / moves : 1;
     fading.on_node = scale * force;
-    fading.on_end = -scale * q_own * hit.depth; // r = -P n
-    fading.on_corner[0] = scale * q_other * hit.depth;
-    fading.on_corner[1] = -fading.on_corner[0];
+    fading.normal.on_end = -scale * q_own * hit.depth; // r = -P n
+    fading.normal.on_corner[0] = scale * q_other * hit.depth;
+    fading.normal.on_corner[1] = -fading.normal.on_corner[0];
   }
 };
 

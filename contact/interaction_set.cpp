@@ -31,9 +31,9 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
 } // namespace
 
 InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
-                               const Surface& surface, int face_corners, bool has_fading,
+                               const Surface& surface, int face_corners,
                                const EnforcementConfig& config, const Quantum& quantum)
-    : _config(config), _quantum(quantum), _face_corners(face_corners), _has_fading(has_fading),
+    : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
       _next_count(label + "::next_count") {
@@ -46,8 +46,7 @@ void InteractionSet::growInteractions(const exec_space& space, std::int64_t coun
   const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
   if (_config.friction > 0)
     growTo(space, _next.friction, room);
-  if (_has_fading)
-    growTo(space, _next.fading, room);
+  growTo(space, _next.fading, room);
 }
 
 std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess& faces) {
@@ -59,7 +58,7 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
   const ContactForces forces = _forces;
   const Quantum quantum = _quantum;
   const int face_corners = _face_corners;
-  const bool has_friction = _config.friction > 0, has_fading = _has_fading;
+  const bool has_friction = _config.friction > 0;
   Kokkos::parallel_reduce(
       "contact::addForces", over(space, pairs.count),
       KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& bad) {
@@ -68,14 +67,18 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
           return;
         Vec3 force = (pair.force + pair.damping) * pair.normal;
         double largest = pair.force + pair.damping;
+        NormalForces besides;
         if (has_friction) {
-          force += pairs.friction(i).force;
-          largest += norm(pairs.friction(i).force);
+          const FrictionSpring& friction = pairs.friction(i);
+          force += friction.force;
+          largest += norm(friction.force);
+          addCouple(friction, pair, face_corners, besides);
         }
-        const bool is_fading = has_fading && pair.taper < 1;
-        if (is_fading) {
-          force += pairs.fading(i).on_node;
-          largest += norm(pairs.fading(i).on_node);
+        if (pair.taper < 1) {
+          const FadingForce& fading = pairs.fading(i);
+          force += fading.on_node;
+          largest += norm(fading.on_node);
+          besides.add(fading.normal);
         }
         if (!fitsFixedPoint(4 * quantum.inverse * largest)) {
           ++bad;
@@ -85,18 +88,15 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
         for (int d = 0; d < 3; ++d) {
           const double quanta = quantum.inverse * force[d];
           const std::int64_t whole = roundToFixed(quanta);
-          double on_second = pair.point.share * quanta;
-          if (is_fading)
-            on_second += quantum.inverse * pairs.fading(i).on_end * pair.normal[d];
+          const double per_normal = quantum.inverse * pair.normal[d];
+          const double on_second = pair.point.share * quanta + per_normal * besides.on_end;
           const std::int64_t second = pair.point.isNode() ? 0 : roundToFixed(on_second);
           Kokkos::atomic_add(&forces.nodes(pair.point.node[0], d), whole - second);
           if (second != 0)
             Kokkos::atomic_add(&forces.nodes(pair.point.node[1], d), second);
           std::int64_t rest = -whole;
           for (int j = 0; j < face_corners; ++j) {
-            double share = -pair.weight[j] * quanta;
-            if (is_fading)
-              share += quantum.inverse * pairs.fading(i).on_corner[j] * pair.normal[d];
+            const double share = -pair.weight[j] * quanta + per_normal * besides.on_corner[j];
             const std::int64_t part = j < face_corners - 1 ? roundToFixed(share) : rest;
             rest -= part;
             std::int64_t* target =

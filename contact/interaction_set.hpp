@@ -32,10 +32,9 @@ struct StepLengths {
 class InteractionSet {
 public:
   InteractionSet() = default;
-  // `face_corners`: 4, or 2 where only the first two corners of a face carry weight. `has_fading`: there may be FadingForces.
+  // `face_corners`: 4, or 2 where only the first two corners of a face carry weight.
   InteractionSet(const exec_space& space, const std::string& label, const Surface& surface,
-                 int face_corners, bool has_fading, const EnforcementConfig& config,
-                 const Quantum& quantum);
+                 int face_corners, const EnforcementConfig& config, const Quantum& quantum);
 
   // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
   // Afterwards next() holds those of this step, history() those of the last one.
@@ -67,7 +66,6 @@ private:
   EnforcementConfig _config;
   Quantum _quantum;
   int _face_corners = 4;
-  bool _has_fading = false;
   ContactHistory _history, _next; // of the last step and of the present one, in turn
   View<std::int64_t> _next_count;
   ContactForces _forces;

@@ -8,7 +8,6 @@
 namespace brickwall::contact {
 
 struct NodeFaceTouch {
-  static constexpr bool has_fading = true;
   static constexpr bool books_spring_work =
       false; // it is the ledger's contact work, less that of edges, friction, damping
 
@@ -37,7 +36,7 @@ struct NodeFaceTouch {
       return false;
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, x);
-    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, stage == Stage::kept))
+    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, stage != Stage::born))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -48,6 +47,37 @@ struct NodeFaceTouch {
     hit.depth = -point.gap;
     hit.face = face;
     return true;
+  }
+
+  // Whether the node stands before the face, not behind or beside it.
+  KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess& faces, int node, int face) const {
+    const Quad quad = faces.quad(face);
+    const FacePoint point = project(quad, rowOf(faces.surface.coordinates_new, node));
+    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, true);
+  }
+  KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
+                                        Vec3 (&lever)[2]) const {
+    double along_xi[4], along_eta[4];
+    shapeSlopes(now.weight, along_xi, along_eta);
+    const Quad quad = faces.quad(now.face_index);
+    Vec3 t_xi, t_eta;
+    for (int j = 0; j < 4; ++j) {
+      t_xi += along_xi[j] * quad.corner[j];
+      t_eta += along_eta[j] * quad.corner[j];
+    }
+    dualBasis(t_xi, t_eta, P, lever);
+  }
+  // Of the motion along the normal, by xi and eta.
+  KOKKOS_INLINE_FUNCTION void slopesOfMotion(const FaceAccess& faces, const Interaction& pair,
+                                             int face, double (&slope)[2]) const {
+    double along_xi[4], along_eta[4];
+    shapeSlopes(pair.weight, along_xi, along_eta);
+    slope[0] = slope[1] = 0;
+    for (int j = 0; j < 4; ++j) {
+      const double motion = dot(pair.normal, faces.cornerMotion(face, j));
+      slope[0] += along_xi[j] * motion;
+      slope[1] += along_eta[j] * motion;
+    }
   }
 
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node, const Hit&) const {
@@ -108,7 +138,7 @@ struct NodeFaceTouch {
     const double scale = moves > most ? most / moves : 1;
     fading.on_node = scale * lateral.on_node;
     for (int j = 0; j < 4; ++j)
-      fading.on_corner[j] = scale * lateral.on_corner[j];
+      fading.normal.on_corner[j] = scale * lateral.on_corner[j];
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
@@ -121,8 +151,7 @@ struct NodeFaceTouch {
     reach.edge_tolerance = edge_tolerance;
     if (faces.hasAttribute(NodeFaces::true_edges_column))
       reach.mask = static_cast<int>(faces.attribute(face, NodeFaces::true_edges_column));
-    if (reach.mask != 0)
-      reach.measure(quad);
+    reach.measure(quad);
     return reach;
   }
   // A contact goes on while a face of the node is turned towards the other at all.

@@ -41,7 +41,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
       _node_faces(space, comm, surface),
       _planes(allocate<View<MeanPlane*>>(space, "contact::Enforcement::planes",
                                          surface.num_faces + _node_faces.numRemote())),
-      _set(space, "contact::Enforcement", surface, 4, true, config, quantum) {
+      _set(space, "contact::Enforcement", surface, 4, config, quantum) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
                                         std::to_string(config.reference_step) + ", penalty " +

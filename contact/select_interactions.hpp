@@ -15,19 +15,19 @@ namespace brickwall::contact {
 struct Hit {
   double weight[4];
   double normal[3];
-  double place
-      [2]; // of a node: xi, eta on the face; of an edge: share of its second node, taper at a birth
+  double place[2]; // of a node: xi, eta on the face; of an edge: share of its second node
   double depth; // P
   double contact_work; // energy that the last force put into the contact with the same body
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
+  bool has_ended; // that interaction: its node is outside the face again
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
 };
 
-// What a face is tested for: to keep a contact, to bear one or to go on with it there; or, if no face is fit for that, to go on
-// with it where the surfaces are turned towards each other no more than a little.
+// What a face is tested for: to keep a contact, to bear one (or to go on with it there as if it were born), or, if no face is
+// fit for that, to go on with a contact under load where the surfaces are turned towards each other no more than a little.
 enum class Stage { kept, born, switched };
 
 // Of a contact that is born now, and the most that the stable step allows one that goes on.
@@ -105,11 +105,14 @@ struct SelectInteractions {
       return false;
     // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
     const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
-    if (is_loaded && hit.previous_face >= 0 &&
-        isTouching(node, hit.previous_face, Stage::kept, hit))
+    const bool has_face = is_loaded && hit.previous_face >= 0;
+    if (has_face && isTouching(node, hit.previous_face, Stage::kept, hit))
       return true;
+    // Where it went out through the face, the contact has ended and given back its energy; what it touches now, it meets anew.
+    hit.has_ended = has_face && touch.isOutside(faces, node, hit.previous_face);
     return findNearest(node, begin, pair, Stage::born, is_loaded, hit) ||
-           (is_loaded && findNearest(node, begin, pair, Stage::switched, is_loaded, hit));
+           (is_loaded && !hit.has_ended &&
+            findNearest(node, begin, pair, Stage::switched, is_loaded, hit));
   }
 
   // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
@@ -120,7 +123,8 @@ struct SelectInteractions {
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
       other.previous = has_left || face == hit.previous_face ? hit.previous : -1;
-      if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other))
+      if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other) ||
+          !hasComeThrough(node, other))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -131,6 +135,7 @@ struct SelectInteractions {
     nearest.previous = hit.previous;
     nearest.previous_face = hit.previous_face;
     nearest.contact_work = hit.contact_work;
+    nearest.has_ended = hit.has_ended;
     hit = nearest;
     return true;
   }
@@ -144,6 +149,7 @@ struct SelectInteractions {
     hit.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
     hit.previous_face = -1;
     hit.contact_work = 0;
+    hit.has_ended = false;
     const global_id last_face = slot < 0 ? -1 : previous.interactions(hit.previous).face;
     for (; pair < end; ++pair) {
       const int face = pairs.faces(pair);
@@ -155,6 +161,20 @@ struct SelectInteractions {
         hit.contact_work = bookWork(hit.previous, face, sums);
       }
     }
+  }
+
+  // A node that is much deeper than it was, and than this step can have brought it, has not come through that face but through
+  // another one of the body.
+  KOKKOS_INLINE_FUNCTION bool hasComeThrough(int node, const Hit& hit) const {
+    double known = config.deepest_birth;
+    if (hit.depth <= known)
+      return true;
+    if (hit.previous >= 0) {
+      const Interaction& last = previous.interactions(hit.previous);
+      known += maxOf(last.depth + last.offset, 0.0);
+    }
+    const Vec3 motion = faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
+    return hit.depth <= known - dot(hit.unitNormal(), motion);
   }
 
   // The cheap tests first.
@@ -209,13 +229,13 @@ struct SelectInteractions {
     addTo(sums, now, hit);
     FrictionSpring friction;
     if (config.friction > 0)
-      rub(now, motion, hit.previous, friction, sums);
+      rub(now, hit, motion, friction, sums);
     if (index < 0)
       return;
     next.interactions(index) = now;
     if (config.friction > 0)
       next.friction(index) = friction;
-    if (Touch::has_fading && now.taper < 1) {
+    if (now.taper < 1) {
       fading.work = workOf(fading, motion, now, hit.face);
       next.fading(index) = fading;
     }
@@ -223,7 +243,7 @@ struct SelectInteractions {
 
   // A contact without load that comes to another face is a birth.
   KOKKOS_INLINE_FUNCTION bool goesOn(const Interaction& now, const Hit& hit) const {
-    if (hit.previous < 0)
+    if (hit.previous < 0 || hit.has_ended)
       return false;
     const Interaction& last = previous.interactions(hit.previous);
     return last.depth > 0 || last.face == now.face;
@@ -261,15 +281,16 @@ struct SelectInteractions {
     return c * now.closing / dt;
   }
 
-  KOKKOS_INLINE_FUNCTION void rub(const Interaction& now, const Vec3& motion, int last_index,
+  KOKKOS_INLINE_FUNCTION void rub(const Interaction& now, const Hit& hit, const Vec3& motion,
                                   FrictionSpring& friction, ContactSums& sums) const {
     friction.stiffness = config.friction_stiffness * now.stiffness;
-    friction.motion = along(motion, now.normal);
     if (!(now.depth > 0 && friction.stiffness > 0))
       return;
+    touch.setLevers(faces, now, hit.depth, friction.lever);
+    friction.motion = along(slipOf(friction, motion, now, hit.face), now.normal);
     Vec3 held;
-    if (last_index >= 0) {
-      const FrictionSpring& last = previous.friction(last_index);
+    if (hit.previous >= 0 && !hit.has_ended) {
+      const FrictionSpring& last = previous.friction(hit.previous);
       held = turnedInto(last.force, now.normal);
       if (friction.stiffness < last.stiffness) // softer at equal stored energy
         held = std::sqrt(friction.stiffness / last.stiffness) * held;
@@ -280,14 +301,23 @@ struct SelectInteractions {
                    energy_scale);
   }
 
+  // What the friction force works on: the motion of the node, and that of the face's corners along the normal, which the
+  // couple acts on.
+  KOKKOS_INLINE_FUNCTION Vec3 slipOf(const FrictionSpring& friction, const Vec3& motion,
+                                     const Interaction& pair, int face) const {
+    double slope[2];
+    touch.slopesOfMotion(faces, pair, face, slope);
+    return motion - slope[0] * friction.lever[0] - slope[1] * friction.lever[1];
+  }
+
   KOKKOS_INLINE_FUNCTION double workOf(const FadingForce& force, const Vec3& relative_motion,
                                        const Interaction& pair, int face) const {
     double work = dot(force.on_node, relative_motion);
     for (int j = 0; j < 4; ++j)
-      work += force.on_corner[j] * dot(pair.normal, faces.cornerMotion(face, j));
-    if (force.on_end != 0)
-      work += force.on_end * dot(pair.normal, faces.nodeMotion(pair.point.node[1]) -
-                                                  faces.nodeMotion(pair.point.node[0]));
+      work += force.normal.on_corner[j] * dot(pair.normal, faces.cornerMotion(face, j));
+    if (force.normal.on_end != 0)
+      work += force.normal.on_end * dot(pair.normal, faces.nodeMotion(pair.point.node[1]) -
+                                                         faces.nodeMotion(pair.point.node[0]));
     return work;
   }
 
@@ -300,7 +330,7 @@ struct SelectInteractions {
     const double closing =
         kick * 0.5 * (last.closing / previous_dt - dot(last.normal, motion) / dt);
     double on_spring = last.force * closing;
-    if (Touch::has_fading && last.taper < 1) {
+    if (last.taper < 1) {
       const FadingForce& fading = previous.fading(index);
       on_spring -=
           kick * 0.5 * (fading.work / previous_dt + workOf(fading, motion, last, last_face) / dt);
@@ -314,7 +344,7 @@ struct SelectInteractions {
       sums.terms.add(friction_work,
                      kick * 0.5 *
                          (dot(friction.force, friction.motion) / previous_dt +
-                          dot(friction.force, motion) / dt),
+                          dot(friction.force, slipOf(friction, motion, last, last_face)) / dt),
                      energy_scale);
     }
     return on_spring;
@@ -324,11 +354,11 @@ struct SelectInteractions {
                                     const Hit& hit) const {
     ++sums.interactions;
     sums.active += now.depth > 0;
-    sums.max_penetration = maxOf(sums.max_penetration, touch.relativeDepth(faces, hit));
-    sums.deepest = maxOf(sums.deepest, hit.depth);
-    if (now.depth > 0)
-      sums.deepest_loaded = maxOf(sums.deepest_loaded, hit.depth);
-    if (hit.previous < 0)
+    if (now.depth > 0) {
+      sums.max_penetration = maxOf(sums.max_penetration, touch.relativeDepth(faces, hit));
+      sums.deepest = maxOf(sums.deepest, hit.depth);
+    }
+    if (hit.previous < 0 || hit.has_ended)
       return;
     const Interaction& last = previous.interactions(hit.previous);
     const double stiffness = std::sqrt(last.stiffness * now.stiffness);

@@ -32,18 +32,23 @@ struct EdgeReach {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
     return mask & (1 << edge);
   }
+  // Beyond other edges the neighbour takes over; of a contact that has begun, farther off the deeper it is: between faces that
+  // are bent away from each other there is a wedge that neither covers.
+  KOKKOS_INLINE_FUNCTION double pastInner(int direction, double depth) const {
+    return lateral_tolerance + minOf(0.25 * depth / half[direction], 0.25);
+  }
   // A contact begins on the face, where w = 1: beyond a true edge it can only end.
   KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun) const {
     if (point.activeWithin(lateral_tolerance))
       return true;
-    return has_begun && mask != 0 && point.valid && point.has_parameters &&
-           coversAlong(0, point.xi, point) && coversAlong(1, point.eta, point);
+    return has_begun && point.valid && point.has_parameters && coversAlong(0, point.xi, point) &&
+           coversAlong(1, point.eta, point);
   }
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter,
                                           const FacePoint& point) const {
     return std::fabs(parameter) < (isTrue(direction, parameter)
                                        ? start() + way(direction, -point.gap)
-                                       : 1 + lateral_tolerance);
+                                       : 1 + pastInner(direction, -point.gap));
   }
 };
 

@@ -14,6 +14,11 @@ inline double boxTolerance(const ContactConfig& contact, double shortest_edge,
   return maxOf(contact.tolerance * shortest_edge, 0.5 * 1.5 * beyond * longest_edge);
 }
 
+// How deep a node may be found in a body that it was not in before: what tolerances of the shortest edge reach.
+inline double deepestBirth(const ContactConfig& contact, double shortest_edge) {
+  return 2 * contact.tolerance * shortest_edge;
+}
+
 inline contact::SearchConfig searchConfig(const Config& config, double tolerance,
                                           bool drop_same_body) {
   contact::SearchConfig search;

@@ -2,9 +2,11 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "contact/initial_overlap.hpp"
 #include "mechanics/central_difference.hpp"
 #include "mechanics/lumped_mass.hpp"
 #include "mechanics/stable_time_step.hpp"
+#include "miniapp/face_name.hpp"
 #include "miniapp/loads.hpp"
 #include "miniapp/search_choice.hpp"
 #include "miniapp/undo_step.hpp"
@@ -24,6 +26,16 @@ std::string reversingDamping(double damping, double dt) {
   std::ostringstream message;
   message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
           << dt << "; expected less than 2 over the step, " << 2 / dt;
+  return message.str();
+}
+
+std::string describeOverlap(const contact::InitialOverlap& overlap, double reach) {
+  std::ostringstream message;
+  message << "bodies overlap at the start: " << nodeName(overlap.node) << " of body "
+          << overlap.node_body << " is " << overlap.depth << " deep in body " << overlap.face_body
+          << ", behind " << faceName(overlap.face) << "; expected no more than " << reach
+          << ", 2 contact.tolerance of the shortest edge, for contact sees no deeper. Move them "
+             "apart, or raise contact.tolerance: contact then counts from the overlap on";
   return message.str();
 }
 
@@ -93,7 +105,7 @@ double Simulation::reachOf(double deepest) const {
 void Simulation::reachAsDeepAsContacts() {
   if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
     return;
-  const double deepest = maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded);
+  const double deepest = maxOf(_contact.nodes.deepest, _contact.edges.deepest);
   const double wanted = reachOf(allReduce(_comm, deepest, MPI_MAX));
   if (wanted > _reach)
     _reach = 1.25 * wanted;
@@ -162,7 +174,7 @@ void Simulation::bookEnergies(double dt_kick) {
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
   counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
   counts.host[deeper_than_boxes] =
-      reachOf(maxOf(_contact.nodes.deepest_loaded, _contact.edges.deepest_loaded)) > _box_tolerance;
+      reachOf(maxOf(_contact.nodes.deepest, _contact.edges.deepest)) > _box_tolerance;
   _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
                    counts);
   if (_ledger.balance().failures > 0) {
@@ -277,8 +289,10 @@ void Simulation::setUpContact() {
   enforcement.friction_stiffness = _config.contact.friction_stiffness;
   enforcement.damping = _config.contact.damping;
   enforcement.self_contact = !_drops_same_body;
+  enforcement.deepest_birth = deepestBirth(_config.contact, _scene.shortest_edge);
   _guard = TunnellingGuard(_config, search.node_tolerance + search.face_tolerance, _clock.dt);
   _coupling->resetCoordinates(_space, _state.displacement);
+  refuseDeepOverlaps(enforcement.deepest_birth);
   const contact::FeatureEdges features = contact::findFeatureEdges(_comm, _coupling->surface());
   _coupling->setTrueEdges(_space, features.true_edges);
   _enforcement = std::make_unique<contact::Enforcement>(_space, _comm, _coupling->surface(),
@@ -291,6 +305,14 @@ void Simulation::setUpContact() {
                                                   enforcement, _forces.quantum, _scales.energy);
   if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
     _edges.reset(); // nothing but smooth bodies
+}
+
+// Contact would not see them, and let the bodies pass through each other.
+void Simulation::refuseDeepOverlaps(double reach) const {
+  const contact::InitialOverlap overlap =
+      contact::deepestOverlap(_space, _comm, _coupling->surface(), 0.5 * _scene.longest_edge);
+  if (overlap.depth > reach)
+    throw InputError(describeOverlap(overlap, reach));
 }
 
 ContactCounts Simulation::contactCounts() const {

@@ -124,6 +124,7 @@ private:
   double stableStepAtStart() const; // collective
   void planSteps(double longest);
   void setUpContact();
+  void refuseDeepOverlaps(double reach) const;
   std::string describeFailure();
 
   MPI_Comm _comm;

@@ -1,6 +1,7 @@
 #include "miniapp/tunnelling_guard.hpp"
 
 #include "contact/base/error.hpp"
+#include "miniapp/face_name.hpp"
 
 #include <sstream>
 
@@ -10,19 +11,13 @@ namespace {
 
 constexpr double least_share_of_stable_step = 1e-3;
 
-// Faces of the skin are numbered 6 * element + side (mechanics/skin.hpp).
-std::string faceName(global_id face) {
-  return "face " + std::to_string(face) + " (side " + std::to_string(face % 6 + 1) +
-         " of the element with 1-based id " + std::to_string(face / 6 + 1) + ")";
-}
-
 std::string describe(const contact::PairMotion& pair) {
   const auto edge = [](global_id id) { return "an edge of " + faceName(id / 4); };
   std::ostringstream text;
   if (pair.is_of_edges)
     text << edge(pair.node);
   else
-    text << "node " << pair.node << " (1-based id " << pair.node + 1 << ")";
+    text << nodeName(pair.node);
   text << " of body " << pair.node_body << " moves by " << pair.motion << " against "
        << (pair.is_of_edges ? edge(pair.face) : faceName(pair.face)) << " of body "
        << pair.face_body << " in one step";

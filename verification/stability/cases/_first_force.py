@@ -41,6 +41,11 @@ def check_all(lab, found):
     lab.check(max(result.largest for result in found.values()), 0, 5e-3, "energy_over_time")
     lab.check(max(result.jump for result in found.values()), 0, 1e-3, "energy_in_one_step")
     lab.check(max(result.lost for result in found.values()), 0, 0, "contacts_let_go")
+    for name, result in found.items():
+        if result.largest > 5e-3:
+            lab.weak_spot(f"{name}: {100 * result.jump:.2g} % of the energy goes in step {result.jump_step}, where a loaded contact ends: "
+                          "its face or edge is bent so far that the one next to it does not take it over, or two edges have turned "
+                          "nearly parallel")
 
 
 def draw(lab, found):

@@ -55,4 +55,7 @@ def evaluate(lab):
 def check_refusal(lab, run):
     """Bodies that overlap by more than contact can see: they would pass through each other without a word."""
     lab.check(run.code in (2, 3), 1, 0, "too_deep_is_told")
+    if run.code == 0:
+        lab.weak_spot("bodies that overlap at the start by more than the search reaches pass through each other; the run passes and says "
+                      "nothing")
     lab.note(f"Overlap of .8 elements, sent on: exit code {run.code}, “{run.message}”; the search reaches .5 elements.")
