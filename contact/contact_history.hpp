@@ -36,6 +36,7 @@ struct Interaction {
   double damping = 0; // F_d, force along the normal; F + F_d >= 0
   double closing = 0; // d-, length: closing motion of the step that led to the last force
   Vec3 normal; // of that step
+  int is_held = 0; // 1: an edge that goes on at a fixed point, until it has no load
   double weight[4] = {0, 0, 0, 0}; // N_j of that step
 
   // Of the current step only.
@@ -77,6 +78,16 @@ struct FadingForce {
   Vec3 on_node; // each corner takes -N_j of it
   NormalForces normal; // besides
   double work = 0; // its work on the bodies over the motion of the step that led to it, energy
+  double work_to_end = 0; // its work until w = 0 and the contact ends, energy
+
+  KOKKOS_INLINE_FUNCTION void multiply(double factor) {
+    on_node = factor * on_node;
+    normal.on_end *= factor;
+    for (int j = 0; j < 4; ++j)
+      normal.on_corner[j] *= factor;
+    work *= factor;
+    work_to_end *= factor;
+  }
 };
 
 // Rows by surface node; a row's place in `interactions` follows no order, its contents do: ascending body.

@@ -196,6 +196,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   select.touch.edge_tolerance = _config.edge_tolerance;
   select.touch.num_corners = _num_corners;
   select.touch.node_mass = _corner_mass;
+  select.touch.previous = _set.history().interactions;
   return _set.select(space, _search.pairs(), select);
 }
 

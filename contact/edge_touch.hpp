@@ -55,6 +55,7 @@ struct EdgeTouch {
   double lateral_tolerance, edge_tolerance;
   int num_corners; // rows below it are ends of edges, row num_corners + e is edge e
   View<const double*> node_mass; // [corner]
+  View<const Interaction*> previous;
 
   // Each pair of edges once: the one of the lower body pushes.
   KOKKOS_INLINE_FUNCTION bool pushes(global_id own_body, global_id body) const {
@@ -64,11 +65,16 @@ struct EdgeTouch {
 
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
                                    Hit& hit) const {
-    const bool has_begun = stage == Stage::kept;
     const int own = edgeOf(node);
     const Quad a = faces.quad(own), b = faces.quad(other);
     const Vec3 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
     const Vec3 between = a.corner[0] - b.corner[0];
+    hit.is_held = stage == Stage::held;
+    if (hit.is_held)
+      return isHeld(da, db, between, previous(hit.previous), other, hit);
+    const bool is_kept = stage == Stage::kept;
+    if (is_kept && previous(hit.previous).is_held)
+      return false;
     const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
     const double determinant = aa * bb - ab * ab; // |da x db|^2
     if (!(determinant > least_sine * least_sine * aa * bb))
@@ -78,23 +84,27 @@ struct EdgeTouch {
     const EdgeCone cone_b(b, faces.attribute(other, cosine_column),
                           faces.attribute(other, sine_column));
     const Vec3 across = cross(da, db);
-    const double size = std::sqrt(dot(across, across));
-    Vec3 normal = (1 / size) * across;
+    Vec3 normal = (1 / norm(across)) * across;
     if (dot(normal, cone_b.first + cone_b.second) < 0)
       normal = -normal;
     const double depth = -dot(between, normal);
     if (!(depth > 0 && depth * depth < deepest * deepest * minOf(aa, bb)) ||
-        !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, true) ||
-        !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), has_begun, false))
+        !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, overhang) ||
+        !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), is_kept, lateral_tolerance))
       return false;
     const EdgeCone cone_a(a, faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
     const double inside = minOf(cone_a.depthOf(-normal), cone_b.depthOf(normal));
-    if (!(inside > (has_begun ? -full_outside : least_sine)) || sharesNode(faces, own, other))
+    if (!(inside > (is_kept ? -full_outside : least_sine)) || sharesNode(faces, own, other))
       return false;
     if (hit.previous < 0 && depth * depth > shallow * shallow * minOf(aa, bb) &&
         !wereApart(faces, own, other, normal))
       return false;
+    setHit(s, t, normal, depth, other, hit);
+    return true;
+  }
+  KOKKOS_INLINE_FUNCTION static void setHit(double s, double t, const Vec3& normal, double depth,
+                                            int other, Hit& hit) {
     hit.weight[0] = 1 - t, hit.weight[1] = t;
     hit.weight[2] = hit.weight[3] = 0;
     for (int d = 0; d < 3; ++d)
@@ -102,6 +112,20 @@ struct EdgeTouch {
     hit.place[0] = s;
     hit.depth = depth;
     hit.face = other;
+  }
+  // Under load edges may turn parallel, and the place where they cross runs away. The contact then holds between the two points where
+  // it was last, along the way from one to the other (no couple, and the force of an energy), until that way has gone or
+  // turned round.
+  KOKKOS_INLINE_FUNCTION static bool isHeld(const Vec3& da, const Vec3& db, const Vec3& between,
+                                            const Interaction& last, int other, Hit& hit) {
+    const double s = last.point.share, t = last.weight[1];
+    const Vec3 way = (t * db - s * da) - between;
+    const double square = dot(way, way);
+    if (!(dot(way, last.normal) > 0 &&
+          square < deepest * deepest * minOf(dot(da, da), dot(db, db))))
+      return false;
+    const double depth = std::sqrt(square);
+    setHit(s, t, (1 / depth) * way, depth, other, hit);
     return true;
   }
 
@@ -115,9 +139,9 @@ struct EdgeTouch {
   // has begun goes on a little over the next edge, since pressed edges are bent; the pushing one over half of it, so that a
   // short slide does not end the contact.
   KOKKOS_INLINE_FUNCTION bool isOn(int goes_on, double s, double depth, double length,
-                                   bool has_begun, bool pushes) const {
+                                   bool has_begun, double past_inner) const {
     const double at_end = has_begun ? start() + way(depth, length) : 0.5 * lateral_tolerance;
-    const double over = !has_begun ? 0 : pushes ? overhang : lateral_tolerance;
+    const double over = has_begun ? past_inner : 0;
     return s >= -(goes_on & 1 ? over : at_end) && s <= 1 + (goes_on & 2 ? over : at_end);
   }
   KOKKOS_INLINE_FUNCTION static int goesOn(const FaceAccess& faces, int edge) {
@@ -133,6 +157,7 @@ struct EdgeTouch {
     const double steepness = 6 * t * (1 - t) / all;
     taper.value = t * t * (3 - 2 * t);
     taper.slope = at_second ? -steepness : steepness;
+    taper.left = t * all;
     if (all > 0.4 * edge_tolerance && all < 0.5)
       taper.growth = steepness * beyond / all * 1.5 / length;
     return taper;
@@ -210,6 +235,16 @@ struct EdgeTouch {
   // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that
   // a ds - b dt = -(D . d_own + r . delta d_own), b ds - c dt = -(D . d_other + r . delta d_other), with D the motion of the one
   // point from the other, a, b, c the products of d_own and d_other.
+  KOKKOS_INLINE_FUNCTION double taperOf(const FaceAccess& faces, int node, const Hit& hit) const {
+    const int own = edgeOf(node);
+    const Quad one = faces.quad(own), other = faces.quad(hit.face);
+    return endTaper(goesOn(faces, own), hit.place[0], hit.depth,
+                    norm(one.corner[1] - one.corner[0]))
+               .value *
+           endTaper(goesOn(faces, hit.face), hit.weight[1], hit.depth,
+                    norm(other.corner[1] - other.corner[0]))
+               .value;
+  }
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
                                    const Hit& hit, Interaction& now, FadingForce& fading) const {
     const int own = edgeOf(now.node);
@@ -229,7 +264,7 @@ struct EdgeTouch {
         now.stiffness * now.depth *
         (now.taper - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
     const double g_s = energy * at_s.slope * at_t.value, g_t = energy * at_s.value * at_t.slope;
-    const double determinant = a * c - b * b; // > 0: not parallel
+    const double determinant = maxOf(a * c - b * b, least_sine * least_sine * a * c);
     const double q_own = (g_s * c + g_t * b) / determinant;
     const double q_other = -(g_s * b + g_t * a) / determinant;
     const Vec3 force = q_own * da + q_other * db;
@@ -240,6 +275,8 @@ struct EdgeTouch {
         0.2 * minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
     const double scale = moves > most ? most / moves : 1;
     fading.on_node = scale * force;
+    fading.work_to_end =
+        scale * energy * minOf(at_s.toEnd() * at_t.value, at_t.toEnd() * at_s.value);
     fading.normal.on_end = -scale * q_own * hit.depth; // r = -P n
     fading.normal.on_corner[0] = scale * q_other * hit.depth;
     fading.normal.on_corner[1] = -fading.normal.on_corner[0];

@@ -54,4 +54,31 @@ KOKKOS_INLINE_FUNCTION double neutralForce(const Interaction& pair, const Kicked
   return force;
 }
 
+// A contact that fades out beyond an edge, with the work of its fading force on the pair: `before` and `after` over the kick's
+// length at the speeds before and after the kick, and `gain`, by how much the force itself raises the second.
+struct KickedFading {
+  double before, after, gain; // energy
+  double next_drift; // length of the drift to come, of dt
+};
+
+// By how much to multiply the fading force. In the last step, after which w = 0, it gives back what is stored beyond what the
+// normal force gives back; before, no more than that.
+KOKKOS_INLINE_FUNCTION double neutralFading(const Interaction& pair, const KickedPair& motion,
+                                            const KickedFading& fading, double work_to_end) {
+  if (!(fading.gain > 0))
+    return 1;
+  // The normal force's work on the pair; next_closing is that of the force before its correction, first in.
+  const double closing = motion.next_closing;
+  const double by_normal = -0.5 * pair.force * (motion.closing + closing);
+  const double left = pair.stored - by_normal;
+  const double linear = 0.5 * (fading.before + fading.after - fading.gain);
+  const double all =
+      left > 0 ? (-linear + std::sqrt(linear * linear + 2 * fading.gain * left)) / fading.gain
+               : 0.0;
+  // With some reserve, for w falls faster where the depth or the face turns.
+  const bool is_last = fading.after * fading.next_drift >= 0.6 * work_to_end;
+  const bool gives = linear + 0.5 * fading.gain > 0;
+  return is_last ? all : gives ? minOf(1.0, all) : 1.0;
+}
+
 } // namespace brickwall::contact

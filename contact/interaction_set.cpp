@@ -18,6 +18,21 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
       });
 }
 
+// The fading force times accelerations of the pair: `relative`, of the pushing point against the face point, and of single nodes.
+template <class NodeView, class GhostView>
+KOKKOS_INLINE_FUNCTION double powerOf(const FadingForce& fading, const Interaction& pair,
+                                      const FaceAccess& faces, const Vec3& relative,
+                                      const NodeView& of_nodes, const GhostView& of_ghosts) {
+  double power = dot(fading.on_node, relative);
+  for (int j = 0; j < 4; ++j)
+    power += fading.normal.on_corner[j] *
+             dot(pair.normal, faces.corner(pair.face_index, j, of_nodes, of_ghosts));
+  if (fading.normal.on_end != 0)
+    power += fading.normal.on_end * dot(pair.normal, rowOf(of_nodes, pair.point.node[1]) -
+                                                         rowOf(of_nodes, pair.point.node[0]));
+  return power;
+}
+
 ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
   ContactHistory history;
   history.interactions = View<Interaction*>(label + "::interactions", 0);
@@ -131,7 +146,20 @@ void InteractionSet::correctForces(const exec_space& space, const FaceAccess& fa
         motion.next_closing = motion.closing - kick * kick * dot(pair.normal, relative);
         motion.next_drift = next_dt / kick;
         motion.mobility = kick * kick * pair.inverse_mass;
+        const double before = pair.force;
         pair.force = neutralForce(pair, motion);
+        if (pair.taper < 1) {
+          motion.next_closing += (before - pair.force) * motion.mobility;
+          FadingForce& fading = pairs.fading(i);
+          KickedFading kicked;
+          kicked.before = kick / dt * fading.work;
+          kicked.after = kicked.before + kick * kick *
+                                             powerOf(fading, pair, faces, relative, accelerations,
+                                                     ghost_accelerations);
+          kicked.gain = motion.mobility * dot(fading.on_node, fading.on_node);
+          kicked.next_drift = motion.next_drift;
+          fading.multiply(neutralFading(pair, motion, kicked, fading.work_to_end));
+        }
         pair.damping = maxOf(pair.first_damping, -pair.force);
         if (limit > 0)
           pairs.friction(i).force =

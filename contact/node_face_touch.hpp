@@ -36,7 +36,8 @@ struct NodeFaceTouch {
       return false;
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, x);
-    if (!(point.gap < 0) || !reachOf(faces, face, quad).covers(point, stage != Stage::born))
+    if (!(point.gap < 0) ||
+        !reachOf(faces, face, quad).covers(point, stage != Stage::born, pastInner(stage)))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -46,6 +47,7 @@ struct NodeFaceTouch {
     hit.place[1] = point.eta;
     hit.depth = -point.gap;
     hit.face = face;
+    hit.is_held = false;
     return true;
   }
 
@@ -53,7 +55,7 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess& faces, int node, int face) const {
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, rowOf(faces.surface.coordinates_new, node));
-    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, true);
+    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, true, lateral_tolerance);
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
@@ -115,6 +117,11 @@ struct NodeFaceTouch {
     return {by_area * now.inverse_mass < 1 ? scale * by_area : by_mass, by_mass};
   }
 
+  KOKKOS_INLINE_FUNCTION double taperOf(const FaceAccess& faces, int, const Hit& hit) const {
+    const EdgeReach reach = reachOf(faces, hit.face, faces.quad(hit.face));
+    return taperAt(reach, 0, hit.place[0], hit.depth).value *
+           taperAt(reach, 1, hit.place[1], hit.depth).value;
+  }
   // w of the force beyond true edges, and what comes with it.
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
                                    const Hit& hit, Interaction& now, FadingForce& fading) const {
@@ -137,6 +144,7 @@ struct NodeFaceTouch {
                                     reach.way(1, hit.depth) * reach.half[1]);
     const double scale = moves > most ? most / moves : 1;
     fading.on_node = scale * lateral.on_node;
+    fading.work_to_end = scale * lateral.work_to_end;
     for (int j = 0; j < 4; ++j)
       fading.normal.on_corner[j] = scale * lateral.on_corner[j];
   }
@@ -154,9 +162,12 @@ struct NodeFaceTouch {
     reach.measure(quad);
     return reach;
   }
+  KOKKOS_INLINE_FUNCTION double pastInner(Stage stage) const {
+    return stage == Stage::held ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
+  }
   // A contact goes on while a face of the node is turned towards the other at all.
   KOKKOS_INLINE_FUNCTION double opposedCosine(Stage stage) const {
-    return stage == Stage::born ? opposed_cosine : stage == Stage::kept ? 0 : 0.1;
+    return stage == Stage::born ? opposed_cosine : stage == Stage::switched ? 0.1 : 0;
   }
   KOKKOS_INLINE_FUNCTION static bool opposes(const MeanPlane& plane, const Vec3& normal,
                                              double cosine) {

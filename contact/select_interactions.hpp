@@ -21,14 +21,17 @@ struct Hit {
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
+  bool is_held; // Stage::held, for good
   bool has_ended; // that interaction: its node is outside the face again
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
 };
 
 // What a face is tested for: to keep a contact, to bear one (or to go on with it there as if it were born), or, if no face is
-// fit for that, to go on with a contact under load where the surfaces are turned towards each other no more than a little.
-enum class Stage { kept, born, switched };
+// fit for that, to go on with a contact under load where the surfaces are turned towards each other no more than a little; or, if
+// there is none, to hold on to the last one: between faces or edges that are bent away from each other is a wedge that neither
+// covers.
+enum class Stage { kept, born, switched, held };
 
 // Of a contact that is born now, and the most that the stable step allows one that goes on.
 struct StiffnessCaps {
@@ -41,6 +44,8 @@ struct StiffnessCaps {
 template <class Touch>
 struct SelectInteractions {
   using value_type = ContactSums;
+
+  static constexpr double least_taper = 0.01; // below it a switch does not keep the energy
 
   EnforcementConfig config;
   LimbScale energy_scale;
@@ -110,9 +115,12 @@ struct SelectInteractions {
       return true;
     // Where it went out through the face, the contact has ended and given back its energy; what it touches now, it meets anew.
     hit.has_ended = has_face && touch.isOutside(faces, node, hit.previous_face);
-    return findNearest(node, begin, pair, Stage::born, is_loaded, hit) ||
-           (is_loaded && !hit.has_ended &&
-            findNearest(node, begin, pair, Stage::switched, is_loaded, hit));
+    if (findNearest(node, begin, pair, Stage::born, is_loaded, hit))
+      return true;
+    if (!is_loaded || hit.has_ended)
+      return false;
+    return findNearest(node, begin, pair, Stage::switched, is_loaded, hit) ||
+           (has_face && isTouching(node, hit.previous_face, Stage::held, hit));
   }
 
   // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
@@ -205,6 +213,7 @@ struct SelectInteractions {
     now.node = node;
     now.point = touch.pointOf(faces, node, hit);
     now.face_index = hit.face;
+    now.is_held = hit.is_held;
     now.normal = hit.unitNormal();
     for (int j = 0; j < 4; ++j)
       now.weight[j] = hit.weight[j];
@@ -226,7 +235,9 @@ struct SelectInteractions {
     if (config.damping > 0 && now.depth > 0)
       now.first_damping = maxOf(dampingOf(now), -now.first_force);
     now.damping = now.first_damping;
-    addTo(sums, now, hit);
+    if (now.taper < 1)
+      fading.work = workOf(fading, motion, now, hit.face);
+    addTo(sums, now, hit, fading.work);
     FrictionSpring friction;
     if (config.friction > 0)
       rub(now, hit, motion, friction, sums);
@@ -235,10 +246,8 @@ struct SelectInteractions {
     next.interactions(index) = now;
     if (config.friction > 0)
       next.friction(index) = friction;
-    if (now.taper < 1) {
-      fading.work = workOf(fading, motion, now, hit.face);
+    if (now.taper < 1)
       next.fading(index) = fading;
-    }
   }
 
   // A contact without load that comes to another face is a birth.
@@ -259,19 +268,33 @@ struct SelectInteractions {
 
   // The spring keeps its energy when the node moves to another face, and when it must become softer: then e may be
   // below 0, and what is stored beyond P comes back in the last step before the node is outside.
-  KOKKOS_INLINE_FUNCTION static void carryOn(Interaction& now, const Interaction& last,
-                                             const Hit& hit, const StiffnessCaps& caps) {
+  KOKKOS_INLINE_FUNCTION void carryOn(Interaction& now, const Interaction& last, const Hit& hit,
+                                      const StiffnessCaps& caps) const {
     now.is_new = last.depth <= 0;
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
-    now.offset = last.face == now.face ? minOf(last.offset, hit.depth)
-                                       : hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper);
+    now.offset = minOf(last.offset, hit.depth);
+    if (last.face != now.face) {
+      const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
+      now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
+    }
     now.stiffness = now.is_new ? caps.birth : last.stiffness;
     if (caps.kept < now.stiffness) {
       const double depth = hit.depth - now.offset;
       now.offset = hit.depth - depth * std::sqrt(now.stiffness / caps.kept);
       now.stiffness = caps.kept;
     }
+    if (last.taper < 1)
+      matchStored(now, hit);
+  }
+
+  // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has.
+  KOKKOS_INLINE_FUNCTION void matchStored(Interaction& now, const Hit& hit) const {
+    const double depth = hit.depth - now.offset;
+    const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
+    const double square = 2 * maxOf(now.stored, 0.0) / (now.stiffness * taper);
+    if (depth > 0 && depth * depth > 2 * square)
+      now.offset = hit.depth - std::sqrt(square);
   }
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.
@@ -350,8 +373,8 @@ struct SelectInteractions {
     return on_spring;
   }
 
-  KOKKOS_INLINE_FUNCTION void addTo(ContactSums& sums, const Interaction& now,
-                                    const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION void addTo(ContactSums& sums, const Interaction& now, const Hit& hit,
+                                    double fading_work) const {
     ++sums.interactions;
     sums.active += now.depth > 0;
     if (now.depth > 0) {
@@ -360,10 +383,26 @@ struct SelectInteractions {
     }
     if (hit.previous < 0 || hit.has_ended)
       return;
-    const Interaction& last = previous.interactions(hit.previous);
+    sums.terms.add(spring_stored,
+                   storedBetween(previous.interactions(hit.previous), now, hit, fading_work),
+                   energy_scale);
+  }
+  // At the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, U = k w p^2/2, W^n the work of the forces of x^n over the motion between the two;
+  // without fading that is k p^n p^{n+1}/2.
+  KOKKOS_INLINE_FUNCTION double storedBetween(const Interaction& last, const Interaction& now,
+                                              const Hit& hit, double fading_work) const {
     const double stiffness = std::sqrt(last.stiffness * now.stiffness);
-    const double taper = 0.5 * (last.taper + now.taper);
-    sums.terms.add(spring_stored, 0.5 * stiffness * taper * last.depth * now.depth, energy_scale);
+    if ((last.taper == 1 && now.taper == 1) || last.face != now.face ||
+        !(last.depth > 0 && now.depth > 0))
+      return 0.25 * stiffness * (last.taper + now.taper) * last.depth * now.depth;
+    const Vec3 motion = faces.relativeMotion(last.point, hit.face, last.weight);
+    double last_work = -last.first_force * -dot(last.normal, motion);
+    if (last.taper < 1)
+      last_work += workOf(previous.fading(hit.previous), motion, last, hit.face);
+    const double work = fading_work - now.first_force * now.closing;
+    return 0.25 * stiffness *
+               (last.taper * last.depth * last.depth + now.taper * now.depth * now.depth) -
+           0.25 * (last_work - work);
   }
 
   // A loaded contact cannot leave the candidates (boxes hold x^n and x^{n+1}) unless it is deeper than their tolerance.

@@ -32,23 +32,20 @@ struct EdgeReach {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
     return mask & (1 << edge);
   }
-  // Beyond other edges the neighbour takes over; of a contact that has begun, farther off the deeper it is: between faces that
-  // are bent away from each other there is a wedge that neither covers.
-  KOKKOS_INLINE_FUNCTION double pastInner(int direction, double depth) const {
-    return lateral_tolerance + minOf(0.25 * depth / half[direction], 0.25);
-  }
   // A contact begins on the face, where w = 1: beyond a true edge it can only end.
-  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun) const {
+  // Beyond other edges the neighbour takes over within `past_inner`.
+  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun,
+                                     double past_inner) const {
     if (point.activeWithin(lateral_tolerance))
       return true;
-    return has_begun && point.valid && point.has_parameters && coversAlong(0, point.xi, point) &&
-           coversAlong(1, point.eta, point);
+    return has_begun && point.valid && point.has_parameters &&
+           coversAlong(0, point.xi, point, past_inner) &&
+           coversAlong(1, point.eta, point, past_inner);
   }
-  KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter,
-                                          const FacePoint& point) const {
-    return std::fabs(parameter) < (isTrue(direction, parameter)
-                                       ? start() + way(direction, -point.gap)
-                                       : 1 + pastInner(direction, -point.gap));
+  KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter, const FacePoint& point,
+                                          double past_inner) const {
+    return std::fabs(parameter) <
+           (isTrue(direction, parameter) ? start() + way(direction, -point.gap) : 1 + past_inner);
   }
 };
 
@@ -57,6 +54,12 @@ struct Taper {
   double value = 1;
   double slope = 0; // by the parameter
   double growth = 0; // by the depth, 1/length
+  double left = 0; // of the parameter, until w = 0
+
+  // The change of w, by its present slope, that ends it.
+  KOKKOS_INLINE_FUNCTION double toEnd() const {
+    return value < 1 ? std::fabs(slope) * left : HUGE_VAL;
+  }
 };
 KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, double parameter,
                                      double depth) {
@@ -68,6 +71,7 @@ KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, doub
   const double steepness = 6 * t * (1 - t) / way;
   taper.value = t * t * (3 - 2 * t);
   taper.slope = parameter > 0 ? -steepness : steepness;
+  taper.left = t * way;
   if (way > 0.8 * reach.edge_tolerance && way < 1)
     taper.growth = steepness * beyond / way * 2 / reach.half[direction];
   return taper;
@@ -79,6 +83,7 @@ struct LateralForce {
   double along_normal = 0; // of the normal force, over k p: (p/2) dw/dP
   Vec3 on_node; // on the node; each face corner takes -N_j of it
   double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides; sum 0
+  double work_to_end = 0; // of these forces, until w = 0
 };
 
 // At the point (xi, eta) of the face, which the node stands at with gap -depth; `k` stiffness, `p` what the spring feels.
@@ -92,6 +97,8 @@ KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, do
       0.5 * p * (along_xi.growth * along_eta.value + along_xi.value * along_eta.growth);
   // G = (k p^2/2) dw/d(xi, eta); q = H^-1 G with the Hessian of |node - x(xi, eta)|^2/2
   const double energy = 0.5 * k * p * p;
+  force.work_to_end =
+      energy * minOf(along_xi.toEnd() * along_eta.value, along_eta.toEnd() * along_xi.value);
   const double g_xi = energy * along_xi.slope * along_eta.value;
   const double g_eta = energy * along_xi.value * along_eta.slope;
   if (g_xi == 0 && g_eta == 0)

@@ -109,7 +109,7 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
 TEST(EdgeContact, BeginsWhenEdgesComeToCrossAndEndsWhenTheyPart) {
   EdgeRun crossed(crossedRidges(-0.02), MPI_COMM_SELF, onOne);
   crossed.step();
-  EXPECT_EQ(crossed.sums.interactions, 0); // an initial overlap gives no force
+  EXPECT_EQ(crossed.sums.active, 0); // an initial overlap gives no force
   EdgeRun run(crossedRidges(0.001), MPI_COMM_SELF, onOne);
   run.move(1, {0, 0, -0.01});
   run.step();

@@ -42,7 +42,7 @@ class Impact:
     momentum: float
     angular_momentum: float
     most_contacts: int
-    contacts_left: int
+    contacts_left: int  # the fewest after the first; spinning blocks may meet again
     deepest: float  # penetration in face sizes
 
     def row(self):
@@ -60,7 +60,7 @@ def impact(lab, seed, label, settings=None, speed=0.002):
               for name in ("momentum", "angular_momentum")}
     total = history["total_energy"][1:]  # known from the first full step on
     return Impact(seed, history["time"][1:], total / total[0] - 1, change["momentum"], change["angular_momentum"] / 3,
-                  int(history["contacts"].max()), int(history["contacts"][-1]), history["max_penetration"].max())
+                  int(history["contacts"].max()), int(history["contacts"][np.argmax(history["contacts"] > 0):].min()), history["max_penetration"].max())
 
 
 def final_errors(impacts):
