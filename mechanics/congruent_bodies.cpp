@@ -1,11 +1,11 @@
 #include "mechanics/congruent_bodies.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "mechanics/combine_by_body.hpp"
 #include "mechanics/hex8_geometry.hpp"
 #include "mechanics/host_mesh.hpp"
 
 #include <limits>
-#include <unordered_map>
 
 namespace brickwall::mechanics {
 
@@ -67,35 +67,6 @@ bool isCongruent(const CornerCoordinates& X, const Reference& reference) {
     }
   }
   return true;
-}
-
-// Each rank sends one value a body to the body's rendezvous rank (body modulo ranks), which combines them; the
-// combined values come back in the order sent.
-template <class T, class CombineTwo>
-std::vector<T> combineByBody(MPI_Comm comm, const std::vector<T>& values, CombineTwo combine) {
-  const int size = sizeOf(comm);
-  std::vector<std::vector<T>> questions(size);
-  for (const T& value : values)
-    questions[value.body % size].push_back(value);
-  auto received = exchangeByRank(comm, questions);
-  std::unordered_map<global_id, T> combined;
-  for (const auto& list : received)
-    for (const T& value : list) {
-      const auto [entry, is_new] = combined.emplace(value.body, value);
-      if (!is_new)
-        combine(entry->second, value);
-    }
-  for (auto& list : received)
-    for (T& value : list)
-      value = combined.at(value.body);
-  const auto answers = exchangeByRank(comm, received);
-  std::vector<std::size_t> next(size, 0);
-  std::vector<T> result;
-  for (const T& value : values) {
-    const auto rank = static_cast<std::size_t>(value.body % size);
-    result.push_back(answers[rank][next[rank]++]);
-  }
-  return result;
 }
 
 struct Verdict {

@@ -1,8 +1,7 @@
 #include "mechanics/stable_time_step.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "mechanics/material_tangent.hpp"
-#include "mechanics/symmetric_eigenvalue.hpp"
+#include "mechanics/step_bounds.hpp"
 
 #include <cmath>
 
@@ -10,20 +9,27 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Smallest dt and, of equals, the lowest global element id.
-struct Smallest {
+// Smallest dt of elements and, of equals, the lowest global element id; and the largest of what changes the frequencies of
+// whole bodies.
+struct Limits {
   double dt = HUGE_VAL;
   global_id elem = INT64_MAX;
-  KOKKOS_INLINE_FUNCTION Smallest& operator+=(const Smallest& b) {
+  double viscous = 0; // c
+  double growth = 0; // of omega^2
+  double turn = 0; // theta
+  KOKKOS_INLINE_FUNCTION Limits& operator+=(const Limits& b) {
     if (b.dt < dt || (b.dt == dt && b.elem < elem)) {
       dt = b.dt;
       elem = b.elem;
     }
+    viscous = maxOf(viscous, b.viscous);
+    growth = maxOf(growth, b.growth);
+    turn = maxOf(turn, b.turn);
     return *this;
   }
 };
 
-StableTimeStep agree(MPI_Comm comm, const Smallest& local) {
+StableTimeStep agree(MPI_Comm comm, const Limits& local) {
   StableTimeStep result;
   result.dt = allReduce(comm, local.dt, MPI_MIN);
   const global_id none = INT64_MAX;
@@ -32,60 +38,24 @@ StableTimeStep agree(MPI_Comm comm, const Smallest& local) {
   return result;
 }
 
-// The element's geometry as the bound needs it.
-struct ElementShape {
-  double b[num_modes][3]; // modes of the mean gradient
-  Mat3 gram; // G
-  double length; // l of bulk viscosity
-  bool parallelepiped;
-};
-KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem,
-                                            double (&corners)[8][3]) {
-  ElementShape shape;
-  double modes[3][num_modes];
-  gatherCorners(mesh.elem_to_nodes, mesh.reference_coordinates, elem, corners);
-  coordinateModes(corners, modes);
-  meanGradientModes(modes, hexVolume(corners).volume, shape.b);
-  shape.gram = gradientGram(shape.b);
-  FullGeometry<double> geometry;
-  coordinateModes(corners, geometry.X);
-  shape.length = elementLength(geometry);
-  double linear = 0, bent = 0;
-  for (int j = 0; j < 3; ++j)
-    for (int m = 0; m < num_modes; ++m) {
-      double& largest = m < 3 ? linear : bent;
-      largest = maxOf(largest, std::fabs(modes[j][m]));
-    }
-  shape.parallelepiped = bent <= 1e-9 * linear;
-  return shape;
+// The step that whole bodies allow; 0 where it is not known.
+double stepOfBodies(MPI_Comm comm, const Limits& local, const StepViscosity& viscous,
+                    const RestFrequency& rest) {
+  if (!(rest.bodies < HUGE_VAL))
+    return 0;
+  double largest[3] = {local.viscous, local.growth, local.turn};
+  allReduce(comm, largest, 3, MPI_MAX);
+  const double omega =
+      std::sqrt(rest.bodies + largest[1]) + largest[2] * std::sqrt(rest.elements + largest[1]);
+  const double step = viscousStep(2 / omega, largest[0], viscous.share);
+  return step > 0 ? step : 0; // not for NaN
 }
 
-// The bound is exact on parallelepipeds; elsewhere hourglass modes couple in.
-KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
-  return (parallelepiped ? 2.0 : 2.0 * 0.98) / std::sqrt(omega_square);
-}
-
-// c = (8/rho) l rho c_d xi tr G, G of the present configuration: the viscous stress is proportional to tr D alone, so
-// the element's C has this one eigenvalue.
-KOKKOS_INLINE_FUNCTION double viscousRate(const StepViscosity& viscous, const Material& material,
-                                          double length, double gram_trace) {
-  const BulkViscosity& b = viscous.viscosity;
-  const double xi = b.linear + b.quadratic * b.quadratic * viscous.rate;
-  return 8 * length * material.dilatationalSpeed() * xi * gram_trace;
-}
-
-// The root of dt^2 omega^2/4 + dt c/2 = share^2 over the share; `step` is 2/omega.
-KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c, double share) {
-  const double xi = 0.25 * c * step;
-  return step * share / (xi + std::sqrt(xi * xi + share * share));
-}
-
-struct StepAtRest {
+struct LimitsAtRest {
   MeshViews mesh;
   StepViscosity viscous;
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
-    double X[8][3];
-    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem), X);
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
     const Material material = mesh.materials(mesh.elem_block(elem));
     double gram[3][3], eigenvalues[3], normal[3][3];
     for (int k = 0; k < 9; ++k)
@@ -96,56 +66,36 @@ struct StepAtRest {
         normal[i][j] = (material.lambda() + (i == j ? 2 * material.mu() : 0.0)) *
                        std::sqrt(eigenvalues[i] * eigenvalues[j]);
     const double omega_square = 8 / material.density * largestEigenvalue(normal);
-    double dt = stepOf(omega_square, shape.parallelepiped);
-    if (viscous.viscosity.any())
-      dt = viscousStep(dt,
-                       viscousRate(viscous, material, shape.length,
-                                   shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2)),
-                       viscous.share);
-    smallest += Smallest{dt, mesh.elem_ids(elem)};
+    Limits mine;
+    mine.elem = mesh.elem_ids(elem);
+    mine.dt = stepOf(omega_square, shape.parallelepiped);
+    if (viscous.viscosity.any()) {
+      mine.viscous = viscousRate(viscous, material, shape.length,
+                                 shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
+      mine.dt = viscousStep(mine.dt, mine.viscous, viscous.share);
+    }
+    limits += mine;
   }
 };
 
-// lambda_max of L^T A L with G = L L^T: the tangent dP/dH on the mean gradients (9x9).
-KOKKOS_INLINE_FUNCTION double tangentEigenvalue(const double (&A)[9][9], const Mat3& gram) {
-  double L[3][3], matrix[9][9];
-  cholesky(gram, L);
-  for (int i = 0; i < 3; ++i)
-    for (int p = 0; p < 3; ++p)
-      for (int k = 0; k < 3; ++k)
-        for (int q = 0; q < 3; ++q) {
-          double sum = 0;
-          for (int j = 0; j < 3; ++j)
-            for (int l = 0; l < 3; ++l)
-              sum += L[j][p] * A[3 * i + j][3 * k + l] * L[l][q];
-          matrix[3 * i + p][3 * k + q] = sum;
-        }
-  return largestEigenvalue(matrix);
-}
-
-// tr(F^-T G F^-1); of G itself for the small-strain material.
-KOKKOS_INLINE_FUNCTION double deformedTrace(const double (&H)[3][3], const Mat3& gram,
-                                            MaterialModel model) {
-  double F[3][3], c[3][3], sum = 0;
-  if (model == MaterialModel::linear)
-    return gram(0, 0) + gram(1, 1) + gram(2, 2);
-  deformationGradient(H, F);
-  cofactors(F, c);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k)
-        sum += c[i][j] * gram(j, k) * c[i][k];
-  const double J = 1 + volumeChange(H);
-  return sum / (J * J);
-}
-
-struct StepAtDeformation {
+// With `is_quick` norms stand for eigenvalues, and the elements' own step is not found (unless they failed).
+struct LimitsAtDeformation {
   MeshViews mesh;
   StepViscosity viscous;
   View<const double* [3]> displacement;
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Smallest& smallest) const {
-    double X[8][3], u[8][3], modes[3][num_modes], H[3][3], A[9][9];
-    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem), X);
+  bool is_quick, is_for_bodies;
+
+  // 8/rho times an upper bound of the largest eigenvalue.
+  KOKKOS_INLINE_FUNCTION double omegaSquare(const double (&A)[9][9], const Mat3& gram,
+                                            double density) const {
+    double matrix[9][9];
+    onMeanGradients(A, gram, matrix);
+    return 8 / density * (is_quick ? largestRow(matrix) : largestEigenvalue(matrix));
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
+    double u[8][3], modes[3][num_modes], H[3][3], A[9][9];
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
     gatherCorners(mesh.elem_to_nodes, displacement, static_cast<int>(elem), u);
     coordinateModes(u, modes);
     for (int i = 0; i < 3; ++i)
@@ -155,39 +105,73 @@ struct StepAtDeformation {
           H[i][j] += 0.125 * modes[i][m] * shape.b[m][j];
       }
     const Material material = mesh.materials(mesh.elem_block(elem));
-    double dt = 0;
-    if (materialTangent(H, material, A)) {
-      dt = stepOf(8 / material.density * tangentEigenvalue(A, shape.gram), shape.parallelepiped);
-      if (viscous.viscosity.any())
-        dt = viscousStep(dt,
-                         viscousRate(viscous, material, shape.length,
-                                     deformedTrace(H, shape.gram, material.model)),
-                         viscous.share);
+    Limits mine;
+    mine.elem = mesh.elem_ids(elem);
+    if (!materialTangent(H, material, A)) {
+      mine.dt = 0;
+      mine.growth = HUGE_VAL;
+      limits += mine;
+      return;
     }
-    smallest += Smallest{dt == dt ? dt : 0.0, mesh.elem_ids(elem)};
+    if (viscous.viscosity.any())
+      mine.viscous = viscousRate(viscous, material, shape.length,
+                                 deformedTrace(H, shape.gram, material.model));
+    if (!is_quick) {
+      mine.dt = stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped);
+      if (viscous.viscosity.any())
+        mine.dt = viscousStep(mine.dt, mine.viscous, viscous.share);
+      mine.dt = mine.dt == mine.dt ? mine.dt : 0.0;
+    }
+    if (is_for_bodies) {
+      double change[9][9];
+      changeOfModuli(A, H, material, change);
+      const double growth = maxOf(omegaSquare(change, shape.gram, material.density),
+                                  hourglassGrowth(H, material, shape));
+      mine.growth = growth == growth ? maxOf(growth, 0.0) : HUGE_VAL;
+      mine.turn = turnOfCorners(modes, H, shape);
+    }
+    limits += mine;
   }
 };
 
 } // namespace
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepViscosity& viscous) {
-  Smallest smallest;
+                              const StepViscosity& viscous, const RestFrequency& rest) {
+  Limits limits;
   Kokkos::parallel_reduce("mechanics::stableTimeStep::at_rest", over(space, mesh.num_elems),
-                          StepAtRest{viewsOf(mesh), viscous}, Combine<Smallest>(smallest));
+                          LimitsAtRest{viewsOf(mesh), viscous}, Combine<Limits>(limits));
   space.fence();
-  return agree(comm, smallest);
+  StableTimeStep stable = agree(comm, limits);
+  stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, viscous, rest));
+  return stable;
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                               const View<const double* [3]>& displacement,
-                              const StepViscosity& viscous) {
-  Smallest smallest;
-  Kokkos::parallel_reduce("mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
-                          StepAtDeformation{viewsOf(mesh), viscous, displacement},
-                          Combine<Smallest>(smallest));
-  space.fence();
-  return agree(comm, smallest);
+                              const StepViscosity& viscous, const RestFrequency& rest,
+                              double enough) {
+  const bool is_for_bodies = rest.bodies < HUGE_VAL;
+  const auto limitsOf = [&](bool is_quick) {
+    Limits limits;
+    Kokkos::parallel_reduce(
+        "mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
+        LimitsAtDeformation{viewsOf(mesh), viscous, displacement, is_quick, is_for_bodies},
+        Combine<Limits>(limits));
+    space.fence();
+    return limits;
+  };
+  if (is_for_bodies && enough < HUGE_VAL) {
+    StableTimeStep stable;
+    stable.dt = stepOfBodies(comm, limitsOf(true), viscous, rest);
+    if (stable.dt >= enough)
+      return stable;
+  }
+  const Limits limits = limitsOf(false);
+  StableTimeStep stable = agree(comm, limits);
+  if (stable.dt > 0)
+    stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, viscous, rest));
+  return stable;
 }
 
 double contactStepShare(double safety, double penalty, double damping, bool edges) {
