@@ -14,16 +14,28 @@ namespace {
 
 using Vectors = View<double* [3]>;
 
-constexpr int least_products = 20, most_products = 60;
-constexpr double residual_wanted = 0.005; // of omega^2: .25 % of the step
+// Small bodies have more of them: all products of an element together take about a second.
+int productsFor(std::int64_t num_elems) {
+  constexpr std::int64_t least = 60, most = 120, elem_products = 1 << 22;
+  return static_cast<int>(
+      minOf(most, maxOf(least, elem_products / maxOf<std::int64_t>(num_elems, 1))));
+}
+
+// eps: see the header.
+double shareMissed(std::int64_t unknowns, int products) {
+  constexpr double chance = 1e-3;
+  const double root =
+      std::log(1.648 * std::sqrt(static_cast<double>(unknowns)) / chance) / (2 * products - 1);
+  return root * root;
+}
 
 // One body a type, as a mesh of its own.
 struct Representatives {
   HexMesh mesh;
   SharedNodeSum shared;
   View<double*> mass; // [node]
-  View<global_id*>
-      seeds; // [node]: node id less the body's lowest, the same for every copy of a body
+  View<global_id*> seeds; // [node]: node id less the body's lowest, so that copies are alike
+  std::int64_t num_elems = 0, num_nodes = 0; // of all ranks
 };
 
 Representatives representativesOf(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
@@ -60,6 +72,11 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
       elem_ids.push_back(host.elem_ids(elem));
     }
   }
+  chosen.num_elems = static_cast<std::int64_t>(elem_ids.size());
+  for (const unsigned char is_mine : owned)
+    chosen.num_nodes += is_mine;
+  chosen.num_elems = allReduce(comm, chosen.num_elems, MPI_SUM);
+  chosen.num_nodes = allReduce(comm, chosen.num_nodes, MPI_SUM);
   SharedNodeLists lists;
   for (std::size_t p = 0; p < shared.ranks.size(); ++p) {
     std::vector<int> nodes; // both sharers keep the same ones, in the same order
@@ -166,12 +183,8 @@ public:
   template <class Geometry>
   void iterate(const View<Geometry*>& geometries, double omega_square);
 
-  // Few products might not have seen the largest value; none is left where the space is used up.
-  bool mustGoOn() const {
-    const bool is_close = residual() <= residual_wanted * _ritz.value;
-    return residual() > 1e-12 * _ritz.value && products() < most_products &&
-           (!is_close || products() < least_products);
-  }
+  // An eigenvalue to rounding. The start vector would have to lack a larger one to a dozen digits.
+  bool isConverged() const { return residual() <= 1e-12 * _ritz.value; }
 
   const RitzValue& ritz() const { return _ritz; }
   double residual() const { return _beta.back() * _ritz.last; }
@@ -310,15 +323,16 @@ LargestFrequency converge(const exec_space& space, MPI_Comm comm, Representative
   if (!lanczos.begin())
     return result;
   const auto geometries = geometriesOf<Geometry>(space, bodies.mesh);
-  do
+  const int products = productsFor(bodies.num_elems);
+  while (lanczos.products() == 0 || (lanczos.products() < products && !lanczos.isConverged()))
     lanczos.iterate(geometries, omega_square);
-  while (lanczos.mustGoOn());
   space.fence();
   constexpr double rounding = 1e-9;
+  const double missed =
+      lanczos.isConverged() ? 0 : shareMissed(3 * bodies.num_nodes, lanczos.products());
   result.ritz = omega_square * lanczos.ritz().value;
   result.bound.elements = omega_square;
-  result.bound.bodies =
-      omega_square * minOf(1.0, lanczos.ritz().value + lanczos.residual() + rounding);
+  result.bound.bodies = omega_square * minOf(1.0, lanczos.ritz().value / (1 - missed) + rounding);
   result.products = lanczos.products();
   return result;
 }

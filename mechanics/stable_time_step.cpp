@@ -38,10 +38,10 @@ StableTimeStep agree(MPI_Comm comm, const Limits& local) {
   return result;
 }
 
-// The step that whole bodies allow; 0 where it is not known.
+// The step that whole bodies allow; 0 where it is not known to be longer than that of elements.
 double stepOfBodies(MPI_Comm comm, const Limits& local, const StepViscosity& viscous,
                     const RestFrequency& rest) {
-  if (!(rest.bodies < HUGE_VAL))
+  if (!(rest.bodies < rest.elements))
     return 0;
   double largest[3] = {local.viscous, local.growth, local.turn};
   allReduce(comm, largest, 3, MPI_MAX);
@@ -151,7 +151,7 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
                               const View<const double* [3]>& displacement,
                               const StepViscosity& viscous, const RestFrequency& rest,
                               double enough) {
-  const bool is_for_bodies = rest.bodies < HUGE_VAL;
+  const bool is_for_bodies = rest.bodies < rest.elements;
   const auto limitsOf = [&](bool is_quick) {
     Limits limits;
     Kokkos::parallel_reduce(

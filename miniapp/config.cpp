@@ -288,6 +288,7 @@ void readMethods(const Deck& deck, Config& config) {
 
   config.time.end = deck.real("time", "end");
   config.time.safety = deck.real("time", "safety");
+  config.time.bound = choice<StepBound>(deck, "time", "bound", {"lanczos", "element"});
   if (deck.isGood("time", "steps"))
     config.time.steps = deck.integer("time", "steps");
   config.time.check_interval = deck.integer("time", "check_interval");

@@ -144,9 +144,12 @@ struct SearchConfig {
 };
 
 // [time]
+// What the stable step is that of: whole bodies (mechanics/largest_frequency.hpp), or the worst element by itself.
+enum class StepBound { lanczos, element };
 struct TimeConfig {
   double end = 0; // time
   double safety = 0.8; // chi: of the stable step
+  StepBound bound = StepBound::lanczos;
   std::optional<std::int64_t> steps; // stop after so many, even before `end`
   std::int64_t check_interval = 500; // steps between checks of the stable step
 };

@@ -234,6 +234,10 @@ std::vector<BlockRule> methodBlocks() {
        "steps in time",
        {real("end", "s", "time at which the run ends").mustBeGiven().above(0),
         real("safety", "", "step over the stable step").byDefault("0.8").above(0).atMost(1),
+        word("bound", {"lanczos", "element"},
+             "stable step of whole bodies by their largest frequency, or of the worst element by "
+             "itself")
+            .byDefault("lanczos"),
         integer("steps", "end after so many steps").atLeast(1).atMost(1e15),
         integer("check_interval", "steps between checks of the stable step")
             .byDefault("500")

@@ -57,6 +57,10 @@ nlohmann::ordered_json toJson(const StepReport& steps) {
                     {"to", cut.to}});
   return {{"first", steps.first},
           {"last", steps.last},
+          {"bound", steps.bound},
+          {"gain", steps.gain},
+          {"products", steps.products},
+          {"body_types", steps.body_types},
           {"guarded_steps", steps.guarded_steps},
           {"cuts", cuts}};
 }
@@ -92,8 +96,12 @@ void printSteps(std::ostream& out, const StepReport& steps) {
     out << format("%s to %.4g in step %lld for %s", i == 0 ? ":" : ",", cut.to,
                   static_cast<long long>(cut.step), cut.reason.c_str());
   }
-  out << (steps.cuts.size() > most ? ", and so on" : "")
-      << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
+  out << (steps.cuts.size() > most ? ", and so on" : "");
+  if (steps.bound == "lanczos")
+    out << format("; %.1f %% longer than by elements (Lanczos, %lld products, %lld types of body)",
+                  100 * (steps.gain - 1), static_cast<long long>(steps.products),
+                  static_cast<long long>(steps.body_types));
+  out << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
 }
 
 void printBalance(std::ostream& out, const BalanceReport& balance) {

@@ -62,6 +62,9 @@ struct StepCutReport {
   double from = 0, to = 0; // dt
 };
 struct StepReport {
+  std::string bound; // time.bound
+  double gain = 1; // stable step over that of the worst element, at rest
+  std::int64_t products = 0, body_types = 0; // of Lanczos; 0 with bound = "element"
   double first = 0, last = 0; // dt
   std::vector<StepCutReport> cuts;
   std::int64_t guarded_steps = 0; // steps whose pairs were looked at because some nodes moved fast

@@ -26,8 +26,12 @@ SearchReport searchReport(const Config& config, const Simulation& simulation,
   return search;
 }
 
-StepReport stepReport(const Simulation& simulation) {
+StepReport stepReport(const Config& config, const Simulation& simulation) {
   StepReport steps;
+  steps.bound = config.time.bound == StepBound::lanczos ? "lanczos" : "element";
+  steps.gain = simulation.stepGain().step;
+  steps.products = simulation.stepGain().products;
+  steps.body_types = simulation.stepGain().body_types;
   const auto& cuts = simulation.stepCuts();
   steps.last = simulation.clock().dt;
   steps.first = cuts.empty() ? steps.last : cuts.front().from;
@@ -83,7 +87,7 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   const ContactCounts counts = simulation.contactCounts();
   report.search = searchReport(config, simulation, counts);
   report.search.seconds_per_step = recorder.medianPerStep("search");
-  report.time_step = stepReport(simulation);
+  report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
   report.max_rank_bytes = peakRankBytes(comm);
   judgeFigures(report);

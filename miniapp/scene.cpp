@@ -142,6 +142,15 @@ io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config) {
                      : io::readMesh(comm, config.mesh->file);
 }
 
+mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part) {
+  mechanics::SharedNodeLists shared;
+  for (const auto& list : part.shared_nodes) {
+    shared.ranks.push_back(list.rank);
+    shared.nodes.push_back(list.nodes);
+  }
+  return shared;
+}
+
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   Scene scene;
   scene.part = makeMeshPart(comm, config);
@@ -152,11 +161,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
     scene.node_is_owned.push_back(owner == rankOf(comm));
   scene.mesh = toHexMesh(space, scene.part, scene.node_is_owned, materials);
 
-  mechanics::SharedNodeLists shared;
-  for (const auto& list : scene.part.shared_nodes) {
-    shared.ranks.push_back(list.rank);
-    shared.nodes.push_back(list.nodes);
-  }
+  const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
   scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
   scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);

@@ -31,6 +31,9 @@ struct Scene {
 // for a mesh that cannot be read and for a bad element.
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
 
+// The nodes that this rank shares, as the mechanics lists them.
+mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part);
+
 // The mesh alone, still on the host. Collective.
 io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config);
 

@@ -238,12 +238,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   setInitialDeformations(_space, config, scene, _shared, _state);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
-  _step_share = config.contact.enabled
-                    ? mechanics::contactStepShare(config.time.safety, config.contact.penalty,
-                                                  config.contact.damping, config.contact.edges)
-                    : config.time.safety;
-  _step_viscosity.viscosity = config.viscosity;
-  _step_viscosity.share = _step_share;
+  setStepShares();
   planSteps(_step_share * stableStepAtStart());
   if (config.mass_damping * _clock.dt >= 2)
     throw InputError(reversingDamping(config.mass_damping, _clock.dt));
@@ -252,20 +247,6 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
                                     mechanics::totalMass(_space, comm, mesh, scene.mass),
                                     mechanics::motionOf(_space, mesh, _state, _scales));
-}
-
-// Of the bodies as they start, and at rest, through which deformed ones swing.
-double Simulation::stableStepAtStart() const {
-  const double at_rest = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _step_viscosity).dt;
-  if (_config.initial_deformations.empty())
-    return at_rest;
-  const auto stable =
-      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
-  if (!(stable.dt > 0))
-    throw InputError(
-        "initial.deformation: element " + std::to_string(stable.elem) +
-        " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
-  return minOf(at_rest, stable.dt);
 }
 
 void Simulation::setUpContact() {

@@ -7,6 +7,7 @@
 #include "mechanics/boundary_conditions.hpp"
 #include "mechanics/energy.hpp"
 #include "mechanics/internal_force.hpp"
+#include "mechanics/largest_frequency.hpp"
 #include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
 #include "mechanics/stable_time_step.hpp"
@@ -60,6 +61,13 @@ struct ContactCounts {
   double largest_penetration = 0; // since the start
 };
 
+// What the bound of whole bodies is worth (time.bound).
+struct StepGain {
+  double step = 1; // stable step over that of the worst element by itself, both at rest
+  int products = 0; // with the stiffness, to find it; 0: the element bound
+  std::int64_t body_types = 0;
+};
+
 class Simulation {
 public:
   // Collective. `scene` must outlive the simulation. Positions and velocities are the initial ones, forces zero.
@@ -73,6 +81,7 @@ public:
   const Config& config() const { return _config; }
   const Clock& clock() const { return _clock; }
   const std::vector<StepCut>& stepCuts() const { return _step_cuts; }
+  const StepGain& stepGain() const { return _step_gain; }
   // Steps whose pairs were looked at because some nodes moved fast.
   std::int64_t guardedSteps() const { return _guarded_steps; }
   // Speed of a node against a face up to which steps of the present length are not cut; infinite without a guard.
@@ -121,7 +130,9 @@ private:
   void kickVelocities(double dt_kick, double time_of_velocity);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);
-  double stableStepAtStart() const; // collective
+  void setStepShares();
+  double stableStepAtRest(); // collective
+  double stableStepAtStart(); // collective
   void planSteps(double longest);
   void setUpContact();
   void refuseDeepOverlaps(double reach) const;
@@ -136,7 +147,10 @@ private:
   std::int64_t _planned_steps = 0;
   bool _is_objective =
       true; // no material at small strain, whose stress makes a moment when it turns
-  double _step_share = 1; // chi: dt over the elements' stable step
+  double _step_share = 1; // chi: dt over the stable step of the bodies
+  double _largest_share = 1; // of the deformed bodies' stable step, beyond which a step is cut
+  mechanics::LargestFrequency _frequency; // of the bodies at rest
+  StepGain _step_gain;
   // The rate is that which the step allows for; at first one that costs few per cent of the step.
   mechanics::StepViscosity _step_viscosity = {{}, 0.01, 1};
   mechanics::NodalState _state;

@@ -12,6 +12,50 @@
 
 namespace brickwall::miniapp {
 
+// What safety and contact leave of the stable step at the start. Later a step may take half of the reserve that the safety
+// keeps: bodies are never quite at rest, and cuts should be few.
+void Simulation::setStepShares() {
+  const ContactConfig& contact = _config.contact;
+  const auto shareOf = [&](double safety) {
+    return contact.enabled ? mechanics::contactStepShare(safety, contact.penalty, contact.damping,
+                                                         contact.edges)
+                           : safety;
+  };
+  _step_share = shareOf(_config.time.safety);
+  _largest_share = 0.5 * (_step_share + shareOf(1));
+  _step_viscosity.viscosity = _config.viscosity;
+  _step_viscosity.share = _step_share;
+}
+
+// The longer of what elements and whole bodies allow.
+double Simulation::stableStepAtRest() {
+  const auto& mesh = _scene.mesh;
+  const double by_elements = mechanics::stableTimeStep(_space, _comm, mesh, _step_viscosity).dt;
+  if (_config.time.bound == StepBound::element)
+    return by_elements;
+  const double elastic = mechanics::stableTimeStep(_space, _comm, mesh).dt;
+  _frequency = mechanics::largestFrequency(_space, _comm, mesh, sharedNodes(_scene.part),
+                                           _scene.mass, _internal_force->kind(), elastic);
+  const double stable =
+      mechanics::stableTimeStep(_space, _comm, mesh, _step_viscosity, _frequency.bound).dt;
+  _step_gain = {stable / by_elements, _frequency.products, _frequency.body_types};
+  return stable;
+}
+
+// Of the bodies as they start, and at rest, through which deformed ones swing.
+double Simulation::stableStepAtStart() {
+  const double at_rest = stableStepAtRest();
+  if (_config.initial_deformations.empty())
+    return at_rest;
+  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement,
+                                                _step_viscosity, _frequency.bound);
+  if (!(stable.dt > 0))
+    throw InputError(
+        "initial.deformation: element " + std::to_string(stable.elem) +
+        " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
+  return minOf(at_rest, stable.dt);
+}
+
 // Whole steps of equal length from now to the end, none longer than `longest`.
 void Simulation::planSteps(double longest) {
   const double left = _config.time.end - _clock.time;
@@ -58,9 +102,10 @@ void Simulation::watchCompression() {
 
 void Simulation::shortenStepIfUnstable() {
   const auto stable =
-      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity);
+      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity,
+                                _frequency.bound, _clock.dt / _largest_share);
   constexpr double reserve = 0.9;
-  if (_step_share * stable.dt < _clock.dt && stable.dt > 0)
+  if (_largest_share * stable.dt < _clock.dt && stable.dt > 0)
     shortenSteps(reserve * _step_share * stable.dt, StepCut::Reason::stability);
 }
 

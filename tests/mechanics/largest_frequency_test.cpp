@@ -56,7 +56,7 @@ TEST(LargestFrequency, OfBricksIsKnown) {
         << brick.poisson << " " << brick.n;
     EXPECT_LE(2 / std::sqrt(found.bound.bodies) / unit, brick.step + 0.0006);
     EXPECT_GE(2 / std::sqrt(found.bound.bodies) / unit, brick.step * 0.9965);
-    EXPECT_LE(found.products, 30);
+    EXPECT_LE(found.products, 120);
   }
 }
 

@@ -258,7 +258,7 @@ RunReport sampleReport() {
   report.counted_searches = 10;
   report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
   report.search.method = "paper";
-  report.time_step = {2.0, 0.5, {{"tunnelling", 3, 4.0, 2.0, 0.5}}, 7};
+  report.time_step = {"lanczos", 1.25, 20, 2, 2.0, 0.5, {{"tunnelling", 3, 4.0, 2.0, 0.5}}, 7};
   return report;
 }
 
@@ -290,6 +290,10 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   EXPECT_FALSE(json["search"].contains("missed_pairs")); // nothing was audited
   EXPECT_EQ(json["time_step"]["first"], 2.0);
   EXPECT_EQ(json["time_step"]["guarded_steps"], 7);
+  EXPECT_EQ(json["time_step"]["bound"], "lanczos");
+  EXPECT_EQ(json["time_step"]["gain"], 1.25);
+  EXPECT_EQ(json["time_step"]["products"], 20);
+  EXPECT_EQ(json["time_step"]["body_types"], 2);
   EXPECT_EQ(json["time_step"]["cuts"][0]["reason"], "tunnelling");
   EXPECT_EQ(json["time_step"]["cuts"][0]["step"], 3);
   EXPECT_EQ(json["time_step"]["cuts"][0]["to"], 0.5);
