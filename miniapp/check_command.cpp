@@ -107,7 +107,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
     std::printf("  search            %s, in every step\n", nameOf(config.search.method));
   if (config.time.bound == StepBound::lanczos)
     std::printf(
-        "  time step         %g, %.1f %% longer than by elements (Lanczos, %lld types of body)\n",
+        "  time step         %g, %.1f %% longer than by elements (Lanczos, body types: %lld)\n",
         simulation.clock().dt, 100 * (simulation.stepGain().step - 1),
         count(simulation.stepGain().body_types));
   else

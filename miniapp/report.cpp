@@ -98,7 +98,7 @@ void printSteps(std::ostream& out, const StepReport& steps) {
   }
   out << (steps.cuts.size() > most ? ", and so on" : "");
   if (steps.bound == "lanczos")
-    out << format("; %.1f %% longer than by elements (Lanczos, %lld products, %lld types of body)",
+    out << format("; %.1f %% longer than by elements (Lanczos, %lld products, body types: %lld)",
                   100 * (steps.gain - 1), static_cast<long long>(steps.products),
                   static_cast<long long>(steps.body_types));
   out << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));

@@ -29,15 +29,23 @@ void Simulation::setStepShares() {
 
 // The longer of what elements and whole bodies allow.
 double Simulation::stableStepAtRest() {
-  const auto& mesh = _scene.mesh;
-  const double by_elements = mechanics::stableTimeStep(_space, _comm, mesh, _step_viscosity).dt;
+  const auto stepOf = [&](const mechanics::StepViscosity& viscous,
+                          const mechanics::RestFrequency& rest) {
+    return mechanics::stableTimeStep(_space, _comm, _scene.mesh, viscous, rest).dt;
+  };
+  const bool is_viscous = _config.viscosity.any();
+  const double by_elements = stepOf(_step_viscosity, {});
   if (_config.time.bound == StepBound::element)
     return by_elements;
-  const double elastic = mechanics::stableTimeStep(_space, _comm, mesh).dt;
-  _frequency = mechanics::largestFrequency(_space, _comm, mesh, sharedNodes(_scene.part),
-                                           _scene.mass, _internal_force->kind(), elastic);
-  const double stable =
-      mechanics::stableTimeStep(_space, _comm, mesh, _step_viscosity, _frequency.bound).dt;
+  _frequency = mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part),
+                                           _scene.mass, _internal_force->kind(),
+                                           is_viscous ? stepOf({}, {}) : by_elements);
+  const mechanics::RestFrequency& rest = _frequency.bound;
+  double stable = by_elements;
+  if (is_viscous)
+    stable = stepOf(_step_viscosity, rest);
+  else if (rest.bodies < rest.elements)
+    stable = 2 / std::sqrt(rest.bodies);
   _step_gain = {stable / by_elements, _frequency.products, _frequency.body_types};
   return stable;
 }

@@ -76,6 +76,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_FALSE(config.viscosity.any());
   EXPECT_EQ(config.mass_damping, 0);
   EXPECT_EQ(config.time.safety, 0.8);
+  EXPECT_EQ(config.time.bound, StepBound::lanczos);
   EXPECT_FALSE(config.time.steps.has_value());
   EXPECT_EQ(config.limits.stop[gauge_energy], 0.1);
   EXPECT_EQ(config.limits.stop[gauge_momentum], 1e-6);
@@ -109,7 +110,7 @@ TEST(Config, ReadsEveryKey) {
       "[search]\nmethod = \"reference\"\nreuse = { margin = 0.25 }\njitter = 0.1\n"
       "drift = 0.2\nrepetitions = 3\nwarmup = 0\nseed = 9\nshuffle = true\nlocal = false\n"
       "audit = 5\n"
-      "[time]\nend = 1\nsafety = 0.5\nsteps = 7\ncheck_interval = 11\n"
+      "[time]\nend = 1\nsafety = 0.5\nbound = \"element\"\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
       "precision = \"single\"\nprocessor_id = true\n"
       "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n"
@@ -160,6 +161,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FALSE(config.search.local);
   EXPECT_EQ(config.search.margin, 0.25);
   EXPECT_EQ(*config.time.steps, 7);
+  EXPECT_EQ(config.time.bound, StepBound::element);
   EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::single);
   EXPECT_TRUE(config.output.processor_id);
