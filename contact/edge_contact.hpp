@@ -43,6 +43,8 @@ public:
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }
   const ContactHistory& history() const { return _set.history(); }
+  // Of the nodes that the history names: corners, then edges by numbers of their own.
+  View<const global_id*> nodeIds() const { return _edges.node_ids; }
 
   // Set-up and updates, public only for their kernels.
   void gather(const exec_space& space, const Surface& surface);

@@ -1,36 +1,14 @@
 #include "mechanics/body_types.hpp"
 
+#include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/combine_by_body.hpp"
 #include "mechanics/hex8_geometry.hpp"
 #include "mechanics/host_mesh.hpp"
 
-#include <cstring>
-
 namespace brickwall::mechanics {
 
 namespace {
-
-// Spreads the bits of all words that it has taken (splitmix64).
-class Hash {
-public:
-  void take(std::uint64_t word) {
-    _state += word + 0x9E3779B97F4A7C15ull;
-    _state = (_state ^ (_state >> 30)) * 0xBF58476D1CE4E5B9ull;
-    _state = (_state ^ (_state >> 27)) * 0x94D049BB133111EBull;
-    _state ^= _state >> 31;
-  }
-  void take(double value) {
-    std::uint64_t word;
-    std::memcpy(&word, &value, sizeof word);
-    take(word);
-  }
-  void take(std::int64_t value) { take(static_cast<std::uint64_t>(value)); }
-  std::uint64_t value() const { return _state; }
-
-private:
-  std::uint64_t _state = 0;
-};
 
 // Where a body's numbers begin and how large its elements are.
 struct BodyOrigin {

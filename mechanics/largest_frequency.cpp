@@ -1,5 +1,6 @@
 #include "mechanics/largest_frequency.hpp"
 
+#include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/body_types.hpp"
 #include "mechanics/host_mesh.hpp"
@@ -158,14 +159,6 @@ struct AddProduct {
     }
   }
 };
-
-// A number in [-1, 1) that depends on the seed alone (splitmix64).
-KOKKOS_INLINE_FUNCTION double randomOf(std::uint64_t seed) {
-  seed += 0x9E3779B97F4A7C15ull;
-  seed = (seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9ull;
-  seed = (seed ^ (seed >> 27)) * 0x94D049BB133111EBull;
-  return static_cast<double>((seed ^ (seed >> 31)) >> 11) * 0x1p-52 - 1;
-}
 
 // Everything of the iteration: w is the next direction, v the present one.
 class Lanczos {

@@ -202,6 +202,13 @@ std::string reportJson(const RunReport& r) {
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = toJson(r.balance);
+  // As text: a number of JSON need not have 64 bits.
+  const auto hex = [](std::uint64_t sum) {
+    return format("%016llx", static_cast<unsigned long long>(sum));
+  };
+  json["checksums"] = {{"nodes", hex(r.checksums.nodes)},
+                       {"contacts", hex(r.checksums.contacts)},
+                       {"interactions", r.checksums.interactions}};
   json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
   json["pass"] = r.pass();
   json["warnings"] = r.warnings;

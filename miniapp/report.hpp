@@ -70,6 +70,12 @@ struct StepReport {
   std::int64_t guarded_steps = 0; // steps whose pairs were looked at because some nodes moved fast
 };
 
+// Simulation::checksums.
+struct ChecksumReport {
+  std::uint64_t nodes = 0, contacts = 0;
+  std::int64_t interactions = 0;
+};
+
 struct RunReport {
   std::string case_name, title;
   Provenance provenance;
@@ -85,6 +91,7 @@ struct RunReport {
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
   SearchReport search;
   StepReport time_step;
+  ChecksumReport checksums;
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings; // what the user should know of a run that passes

@@ -89,6 +89,8 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
+  const Checksums sums = simulation.checksums();
+  report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);
   judgeFigures(report);
   return report;

@@ -61,6 +61,13 @@ struct ContactCounts {
   double largest_penetration = 0; // since the start
 };
 
+// Sums modulo 2^64 of hashes (contact/base/hash.hpp).
+struct Checksums {
+  std::uint64_t nodes = 0; // displacement and velocity of every node
+  std::uint64_t contacts = 0; // of nodes with faces and of edges (contact/history_checksum.hpp)
+  std::int64_t interactions = 0;
+};
+
 // What the bound of whole bodies is worth (time.bound).
 struct StepGain {
   double step = 1; // stable step over that of the worst element by itself, both at rest
@@ -103,6 +110,8 @@ public:
   const contact::Enforcement* enforcement() const { return _enforcement.get(); }
   // Counts of the last step. Collective.
   ContactCounts contactCounts() const;
+  // Of all bits of the state at the last step, over all ranks; equal on any layout. Collective.
+  Checksums checksums() const;
   bool dropsSameBody() const { return _drops_same_body; }
   std::int64_t numCongruentElems() const; // of all ranks; collective
 

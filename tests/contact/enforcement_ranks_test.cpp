@@ -1,11 +1,13 @@
 // Contact enforcement on ranks: the same integers however the bricks are cut, exact momentum, values to ghosts and back.
 #include "contact/global_search.hpp"
+#include "contact/history_checksum.hpp"
 #include "contact/local_search.hpp"
 #include "contact/scene_run.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 namespace brickwall::contact::testing {
 namespace {
@@ -70,6 +72,60 @@ TEST(Enforcement, AnyCutGivesTheSameIntegersAndTheyAddUpToZero) {
         shake(run->scene, 100 * seed + step);
     }
   }
+}
+
+std::uint64_t checksum(const SceneRun& run, MPI_Comm comm) {
+  const std::uint64_t mine =
+      historyChecksum(exec_space(), run.part.surface().node_ids, run.enforcement.history());
+  return static_cast<std::uint64_t>(allReduce(comm, static_cast<std::int64_t>(mine), MPI_SUM));
+}
+
+TEST(HistoryChecksum, IsTheSameOnAnyCutAndTellsEveryStep) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  EnforcementConfig c = config();
+  c.friction = 0.3;
+  const Scene scene = heap(5);
+  SceneRun one(scene, MPI_COMM_SELF, onOneRank, c);
+  SceneRun many(
+      scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+  std::set<std::uint64_t> seen = {checksum(one, MPI_COMM_SELF)};
+  EXPECT_EQ(*seen.begin(), 0u); // nothing has touched
+  for (int step = 0; step < 4; ++step) {
+    one.step();
+    many.step();
+    const std::uint64_t expected = checksum(one, MPI_COMM_SELF);
+    EXPECT_EQ(checksum(many, MPI_COMM_WORLD), expected);
+    EXPECT_TRUE(seen.insert(expected).second);
+    for (SceneRun* run : {&one, &many})
+      shake(run->scene, step);
+  }
+}
+
+TEST(HistoryChecksum, SeesTheLastBitOfEachValueAndNoOrder) {
+  const exec_space space;
+  SceneRun run(heap(5), MPI_COMM_SELF, onOneRank);
+  run.step();
+  const ContactHistory& history = run.enforcement.history();
+  const auto all = Kokkos::create_mirror_view(history.interactions);
+  Kokkos::deep_copy(all, history.interactions);
+  const auto sum = [&] {
+    Kokkos::deep_copy(history.interactions, all);
+    return historyChecksum(space, run.part.surface().node_ids, history);
+  };
+  const std::uint64_t before = sum();
+  ASSERT_GT(history.count, 2);
+  std::swap(all(0), all(2));
+  EXPECT_EQ(sum(), before);
+  for (double Interaction::*value :
+       {&Interaction::offset, &Interaction::depth, &Interaction::stiffness, &Interaction::taper,
+        &Interaction::stored, &Interaction::force, &Interaction::damping, &Interaction::closing}) {
+    const double kept = all(1).*value;
+    all(1).*value = std::nextafter(kept, 1e9);
+    EXPECT_NE(sum(), before);
+    all(1).*value = kept;
+  }
+  all(1).face += 1;
+  EXPECT_NE(sum(), before);
 }
 
 TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersOnAnyCutToo) {

@@ -2,6 +2,7 @@
 // the whole mesh in numbers and keeps its part, so tests can compare with the whole.
 #pragma once
 
+#include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/vec3.hpp"
 #include "mechanics/hex_mesh.hpp"
@@ -42,14 +43,6 @@ inline Material steelLike(MaterialModel model = MaterialModel::neo_hookean, doub
 }
 inline Vec3 asIs(const Vec3& x) {
   return x;
-}
-
-// A number in [-1, 1) that depends on the seed alone.
-inline double randomOf(std::uint64_t seed) {
-  seed += 0x9E3779B97F4A7C15ull;
-  seed = (seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9ull;
-  seed = (seed ^ (seed >> 27)) * 0x94D049BB133111EBull;
-  return static_cast<double>((seed ^ (seed >> 31)) >> 11) * 0x1p-52 - 1;
 }
 
 inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,

@@ -8,7 +8,6 @@
 namespace brickwall::mechanics {
 namespace {
 
-using testing::randomOf;
 
 TEST(PulseShape, ImpulsesAreTheClosedForms) {
   constexpr double T = 0.8, pi = 3.14159265358979323846;

@@ -258,6 +258,7 @@ RunReport sampleReport() {
   report.counted_searches = 10;
   report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
   report.search.method = "paper";
+  report.checksums = {255, 0x8000000000000001ull, 3};
   report.time_step = {"lanczos", 1.25, 20, 2, 2.0, 0.5, {{"tunnelling", 3, 4.0, 2.0, 0.5}}, 7};
   return report;
 }
@@ -288,6 +289,9 @@ TEST(Report, NamesItsFieldsAsAgreed) {
     EXPECT_TRUE(json["balance"].contains(name)) << name;
   EXPECT_FALSE(json["balance"].contains("contact_error")); // there is no contact
   EXPECT_FALSE(json["search"].contains("missed_pairs")); // nothing was audited
+  EXPECT_EQ(json["checksums"]["nodes"], "00000000000000ff");
+  EXPECT_EQ(json["checksums"]["contacts"], "8000000000000001");
+  EXPECT_EQ(json["checksums"]["interactions"], 3);
   EXPECT_EQ(json["time_step"]["first"], 2.0);
   EXPECT_EQ(json["time_step"]["guarded_steps"], 7);
   EXPECT_EQ(json["time_step"]["bound"], "lanczos");
