@@ -31,6 +31,7 @@ Studies are many runs; they leave tables and plots in their folder (default out/
   --study stability   the hard cases, likewise
   --study accuracy    speed against error: a wall and exact cases over meshes and settings (--quick;
                       verification/accuracy/README.md)
+  --study same-bits   the default wall on many ranks and threads, with kept lists and without: the same bits (--quick)
 
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
@@ -72,7 +73,8 @@ choose_study() {
     paper) driver=("$root/verification/performance/paper_study.py") ;;
     verification | stability) driver=("$root/verification/verify.py" "$1") ;;
     accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
-    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy" ;;
+    same-bits) driver=("$root/verification/same_bits.py") ;;
+    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy, same-bits" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }

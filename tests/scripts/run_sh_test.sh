@@ -44,7 +44,7 @@ expect 2 run -n none
 
 # Studies: an unknown one is refused with those that there are, decks are not for them, each has a help of its own.
 expect 2 --study papers
-grep -q 'no study "papers"; there are: paper, verification, stability, accuracy' log || fail "an unknown study is not refused by name"
+grep -q 'no study "papers"; there are: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
 expect 2 --study
 expect 2 --study paper "$inputs/one_brick.toml"
 expect 2 --study paper --sizes none -o study

@@ -2,24 +2,13 @@
 damping: forces are summed as 64-bit integers, energies in limbs of integers, decisions come from exact reductions and
 ties are broken by global id. Compared are all bytes of history.csv and all bits of all variables of the joined Exodus
 files."""
-import numpy as np
+from framework.bits import different_bits
 from v17_oblique_impact import random_impact
 
 NAME = "V16"
 TITLE = "the same bits on any ranks and threads"
 DECK = "v16_layouts.toml"
 SECONDS = 60
-
-
-def different_bits(one, other):
-    """(values, values whose bits differ) over all result variables of two files."""
-    count = differing = 0
-    names = [name for name in one.variables if name.startswith("vals_") or name == "time_whole"]
-    for name in names:
-        a, b = (np.asarray(results.variables[name][:], dtype=np.float64) for results in (one, other))
-        count += a.size
-        differing += a.size if a.shape != b.shape else np.count_nonzero(a.view(np.int64) != b.view(np.int64))
-    return count, differing
 
 
 def compare(lab, scene, layouts, settings, **how):
