@@ -22,17 +22,17 @@ std::string ContactSums::problem() const {
 
 void sumOverRanks(MPI_Comm comm, ContactSums& sums) {
   constexpr int num_limbs = LimbSums<num_contact_terms>::size();
-  std::int64_t counts[num_limbs + 5];
+  std::int64_t counts[num_limbs + 6];
   for (int i = 0; i < num_limbs; ++i)
     counts[i] = sums.terms.data()[i];
   std::int64_t* rest = counts + num_limbs;
   rest[0] = sums.interactions, rest[1] = sums.active, rest[2] = sums.lost;
-  rest[3] = sums.overflow, rest[4] = sums.invalid;
-  allReduce(comm, counts, num_limbs + 5, MPI_SUM);
+  rest[3] = sums.overflow, rest[4] = sums.invalid, rest[5] = sums.touching;
+  allReduce(comm, counts, num_limbs + 6, MPI_SUM);
   for (int i = 0; i < num_limbs; ++i)
     sums.terms.data()[i] = counts[i];
   sums.interactions = rest[0], sums.active = rest[1], sums.lost = rest[2];
-  sums.overflow = rest[3], sums.invalid = rest[4];
+  sums.overflow = rest[3], sums.invalid = rest[4], sums.touching = rest[5];
   sums.max_penetration = allReduce(comm, sums.max_penetration, MPI_MAX);
   sums.deepest = allReduce(comm, sums.deepest, MPI_MAX);
 }

@@ -22,7 +22,9 @@ enum ContactTerm : int {
 // This rank's sums over its interactions; sumOverRanks adds those of all ranks.
 struct ContactSums {
   LimbSums<num_contact_terms> terms;
-  std::int64_t interactions = 0; // nodes in touch with a body, with or without a force
+  std::int64_t touching =
+      0; // nodes (or edges) inside a body, with or without a force, for each body
+  std::int64_t interactions = 0; // those that are remembered: under load, or just relieved of it
   std::int64_t active = 0; // interactions with a force
   // Loaded interactions whose face is no longer a candidate: deeper than the search reaches.
   std::int64_t lost = 0;
@@ -33,6 +35,7 @@ struct ContactSums {
 
   KOKKOS_INLINE_FUNCTION ContactSums& operator+=(const ContactSums& b) {
     terms += b.terms;
+    touching += b.touching;
     interactions += b.interactions;
     active += b.active;
     lost += b.lost;

@@ -147,6 +147,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
   _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_nodes);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
+  _totals = View<std::int64_t* [3]>("contact::EdgeContact::totals", num_nodes);
   _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
@@ -200,28 +201,31 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   return _set.select(space, _search.pairs(), select);
 }
 
-std::int64_t EdgeContact::addForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
-  const std::int64_t invalid = _set.addForces(space, access());
+std::int64_t EdgeContact::addForces(const exec_space& space) {
+  return _set.addForces(space, access());
+}
+
+void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
   const auto statistics = _search.statistics();
-  const ContactForces& forces = _set.forces();
+  View<std::int64_t* [3]> of_corners = _set.forces().nodes;
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {
     Kokkos::deep_copy(space, _returned, 0);
-    _search.returnToOwners(space, forces.ghost_corners, _returned);
-    addFaceForces(space, _edges, _returned, forces.nodes);
+    _search.returnToOwners(space, _set.forces().ghost_corners, _returned);
+    Kokkos::deep_copy(space, _totals, of_corners);
+    addFaceForces(space, _edges, _returned, _totals);
+    of_corners = _totals;
   }
   const auto corner_to_node = _corner_to_node;
-  const auto of_corners = forces.nodes;
   Kokkos::parallel_for(
       "contact::EdgeContact::toNodes", over(space, _num_corners),
       KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           nodes(corner_to_node(i), d) += of_corners(i, d); // no two corners are one node
       });
-  return invalid;
 }
 
-void EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
-                                const View<double* [3]>& node_accelerations) {
+std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                        const View<double* [3]>& node_accelerations) {
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
   Kokkos::parallel_for(
@@ -232,7 +236,7 @@ void EdgeContact::correctForces(const exec_space& space, const StepLengths& step
       });
   growTo(space, _ghost_accelerations, _search.ghosts().count);
   _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
-  _set.correctForces(space, access(), steps, _accelerations, _ghost_accelerations);
+  return _set.correctForces(space, access(), steps, _accelerations, _ghost_accelerations);
 }
 
 PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {

@@ -24,12 +24,13 @@ public:
   // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
   void findCandidates(const exec_space& space, const Surface& surface);
 
-  // The parts of Enforcement::enforce, which calls them. addForces is collective: it adds the forces of all edges to `nodes`
-  // [surface node][xyz] in quanta, as partial sums.
+  // The parts of Enforcement::enforce, which calls them. collectForces is collective: it adds the forces of all edges to `nodes`
+  // [surface node][xyz] in quanta, as partial sums. addForces and correctForces return the number of forces that do not fit.
   ContactSums select(const exec_space& space, double dt);
-  std::int64_t addForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  void correctForces(const exec_space& space, const StepLengths& steps,
-                     const View<double* [3]>& node_accelerations);
+  std::int64_t addForces(const exec_space& space);
+  void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
+  std::int64_t correctForces(const exec_space& space, const StepLengths& steps,
+                             const View<double* [3]>& node_accelerations);
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
@@ -64,6 +65,7 @@ private:
   EnforcementConfig _config;
   LimbScale _energy_scale;
   double _previous_dt = 0;
+  View<std::int64_t* [3]> _totals; // [corner and edge] forces, quanta, with those from ghosts
   View<std::int64_t* [12]> _returned; // [edge] forces from ghosts, quanta
   View<double* [3]> _accelerations; // [corner and edge]
   View<double* [12]> _ghost_accelerations;

@@ -41,6 +41,7 @@ struct EdgeTouch {
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell.
   static constexpr double least_sine = 0.05;
+  static constexpr double parallel_sine = 0.2; // below it a contact may be held
   // Of the shorter edge: crossed no deeper than that, they may begin. Edges of bricks that lie flat on each other cross at no
   // depth and at no angle; when they have turned by `least_sine`, nodes half a cell away have let them in by half of that.
   static constexpr double shallow = 0.06;
@@ -66,9 +67,12 @@ struct EdgeTouch {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
                                    Hit& hit) const {
     const int own = edgeOf(node);
-    const Quad a = faces.quad(own), b = faces.quad(other);
-    const Vec3 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
-    const Vec3 between = a.corner[0] - b.corner[0];
+    const auto& nodes = faces.surface.coordinates_new;
+    const auto& ghosts = faces.ghosts.coordinates_new;
+    const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
+    const Vec3 da = faces.corner(own, 1, nodes, ghosts) - a;
+    const Vec3 db = faces.corner(other, 1, nodes, ghosts) - b;
+    const Vec3 between = a - b;
     hit.is_held = stage == Stage::held;
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);
@@ -81,18 +85,24 @@ struct EdgeTouch {
       return false;
     const double ra = dot(da, between), rb = dot(db, between);
     const double s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
-    const EdgeCone cone_b(b, faces.attribute(other, cosine_column),
-                          faces.attribute(other, sine_column));
+    if (maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > start() + 0.5) // more than isOn() takes
+      return false;
     const Vec3 across = cross(da, db);
     Vec3 normal = (1 / norm(across)) * across;
-    if (dot(normal, cone_b.first + cone_b.second) < 0)
+    double depth = -dot(between, normal);
+    if (!(depth * depth < deepest * deepest * minOf(aa, bb)))
+      return false;
+    const EdgeCone cone_b(faces.quad(other), faces.attribute(other, cosine_column),
+                          faces.attribute(other, sine_column));
+    if (dot(normal, cone_b.first + cone_b.second) < 0) {
       normal = -normal;
-    const double depth = -dot(between, normal);
-    if (!(depth > 0 && depth * depth < deepest * deepest * minOf(aa, bb)) ||
+      depth = -depth;
+    }
+    if (!(depth > 0) ||
         !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, overhang) ||
         !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), is_kept, lateral_tolerance))
       return false;
-    const EdgeCone cone_a(a, faces.attribute(own, cosine_column),
+    const EdgeCone cone_a(faces.quad(own), faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
     const double inside = minOf(cone_a.depthOf(-normal), cone_b.depthOf(normal));
     if (!(inside > (is_kept ? -full_outside : least_sine)) || sharesNode(faces, own, other))
@@ -123,6 +133,9 @@ struct EdgeTouch {
     const double square = dot(way, way);
     if (!(dot(way, last.normal) > 0 &&
           square < deepest * deepest * minOf(dot(da, da), dot(db, db))))
+      return false;
+    const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
+    if (aa * bb - ab * ab > parallel_sine * parallel_sine * aa * bb)
       return false;
     const double depth = std::sqrt(square);
     setHit(s, t, (1 / depth) * way, depth, other, hit);
@@ -221,15 +234,17 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION void record(int, int, double) const {}
 
-  KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
-                                                     const FaceAccess&, const Interaction& now,
-                                                     const Hit (&)[max_interactions], int,
-                                                     int) const {
+  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
+                                             const Interaction& now) const {
     if (!(now.inverse_mass > 0)) // all held
-      return {0, 0};
-    const double k = stiffness_share * config.penalty /
-                     (config.reference_step * config.reference_step * now.inverse_mass);
-    return {k, k};
+      return 0;
+    return stiffness_share * config.penalty /
+           (config.reference_step * config.reference_step * now.inverse_mass);
+  }
+  KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config, const FaceAccess&,
+                                                 const Interaction& now,
+                                                 const Hit (&)[max_interactions], int, int) const {
+    return stiffnessCap(config, now);
   }
 
   // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that

@@ -63,13 +63,13 @@ struct KickedFading {
 
 // By how much to multiply the fading force. In the last step, after which w = 0, it gives back what is stored beyond what the
 // normal force gives back; before, no more than that.
-KOKKOS_INLINE_FUNCTION double neutralFading(const Interaction& pair, const KickedPair& motion,
-                                            const KickedFading& fading, double work_to_end) {
+// `force`: the normal one, corrected; `motion.next_closing` goes with it.
+KOKKOS_INLINE_FUNCTION double neutralFading(const Interaction& pair, double force,
+                                            const KickedPair& motion, const KickedFading& fading,
+                                            double work_to_end) {
   if (!(fading.gain > 0))
     return 1;
-  // The normal force's work on the pair; next_closing is that of the force before its correction, first in.
-  const double closing = motion.next_closing;
-  const double by_normal = -0.5 * pair.force * (motion.closing + closing);
+  const double by_normal = -0.5 * force * (motion.closing + motion.next_closing);
   const double left = pair.stored - by_normal;
   const double linear = 0.5 * (fading.before + fading.after - fading.gain);
   const double all =

@@ -23,6 +23,7 @@ struct EnforcementConfig {
       1; // k_t/k; up to 1 it needs no smaller step: the spring acts across the normal one
   double damping =
       0; // zeta: F_d = 2 zeta sqrt(k m) times the closing speed, k = s m/dt_ref^2; F + F_d >= 0
+  double least_depth = 0; // no contact is shallower, length: above the rounding of coordinates
   double deepest_birth =
       HUGE_VAL; // how deep a contact may be found, beyond the way of its first step, length
   double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this

@@ -29,6 +29,8 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
+struct PairForces;
+
 class InteractionSet {
 public:
   InteractionSet() = default;
@@ -41,15 +43,14 @@ public:
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
 
-  // forces() = those of all interactions of next(), as integers: rounded once per pair, plus on the pushing node, minus shared
-  // by the corners, of which the last takes the remainder, so that the sum is zero exactly. Returns the number of forces that
-  // do not fit.
+  // forces() = those of all interactions of next() (pair_forces.hpp). Returns the number of forces that do not fit.
   std::int64_t addForces(const exec_space& space, const FaceAccess& faces);
 
-  // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones.
-  void correctForces(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
-                     const View<double* [3]>& accelerations,
-                     const View<double* [12]>& ghost_accelerations);
+  // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
+  // is changed where they are. Returns the number that does not fit.
+  std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
+                             const StepLengths& steps, const View<double* [3]>& accelerations,
+                             const View<double* [12]>& ghost_accelerations);
 
   // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; the others keep theirs.
   void setReferenceStep(double dt) { _config.reference_step = dt; }
@@ -59,8 +60,11 @@ public:
 
   const ContactForces& forces() const { return _forces; }
   const ContactHistory& history() const { return _history; }
+  std::int64_t count() const { return _next.count; } // of next()
 
 private:
+  void zeroForces(const exec_space& space, const FaceAccess& faces);
+  PairForces pairForces(const FaceAccess& faces) const;
   void growInteractions(const exec_space& space, std::int64_t count);
 
   EnforcementConfig _config;

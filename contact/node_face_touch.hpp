@@ -11,7 +11,7 @@ struct NodeFaceTouch {
   static constexpr bool books_spring_work =
       false; // it is the ledger's contact work, less that of edges, friction, damping
 
-  double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine;
+  double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
   NodeFaceLists around;
   View<const MeanPlane*> planes; // own, remote, ghost faces
   int num_faces, num_remote;
@@ -31,13 +31,15 @@ struct NodeFaceTouch {
                                    Hit& hit) const {
     const MeanPlane& plane = planes(planeOf(face));
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest)) ||
+    if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest), least_depth) ||
         !isOpposed(node, plane.normal, opposedCosine(stage)))
       return false;
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, x);
-    if (!(point.gap < 0) ||
-        !reachOf(faces, face, quad).covers(point, stage != Stage::born, pastInner(stage)))
+    if (!(point.gap < -least_depth))
+      return false;
+    if (!point.activeWithin(lateral_tolerance) &&
+        (stage == Stage::born || !reachOf(faces, face, quad).covers(point, pastInner(stage))))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -55,7 +57,7 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess& faces, int node, int face) const {
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, rowOf(faces.surface.coordinates_new, node));
-    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, true, lateral_tolerance);
+    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, lateral_tolerance);
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
@@ -98,11 +100,14 @@ struct NodeFaceTouch {
 
   // k = min(eps A_i, s m_red/dt_ref^2) at the birth, A_i shared by the node's interactions of one normal direction; later no
   // more than the second.
-  KOKKOS_INLINE_FUNCTION StiffnessCaps stiffnessCaps(const EnforcementConfig& config,
-                                                     const FaceAccess& faces,
-                                                     const Interaction& now,
-                                                     const Hit (&hits)[max_interactions],
-                                                     int num_hits, int h) const {
+  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
+                                             const Interaction& now) const {
+    return config.penalty / (config.reference_step * config.reference_step) / now.inverse_mass;
+  }
+  KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config,
+                                                 const FaceAccess& faces, const Interaction& now,
+                                                 const Hit (&hits)[max_interactions], int num_hits,
+                                                 int h) const {
     const Hit& hit = hits[h];
     int sharing = 0;
     for (int other = 0; other < num_hits; ++other)
@@ -113,8 +118,7 @@ struct NodeFaceTouch {
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
     const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
-    const double by_mass = scale / now.inverse_mass;
-    return {by_area * now.inverse_mass < 1 ? scale * by_area : by_mass, by_mass};
+    return by_area * now.inverse_mass < 1 ? scale * by_area : stiffnessCap(config, now);
   }
 
   KOKKOS_INLINE_FUNCTION double taperOf(const FaceAccess& faces, int, const Hit& hit) const {

@@ -46,6 +46,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
                                         std::to_string(config.reference_step) + ", penalty " +
                                         std::to_string(config.penalty) + "; both must be > 0");
+  _forces.nodes = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
+  _forces.ghost_corners = _set.forces().ghost_corners;
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
   _accelerations =
@@ -65,9 +67,12 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
   if (edges != nullptr)
     sums.edges = edges->select(space, steps.dt);
-  sums.nodes.invalid += addForces(space, faces, edges);
+  sums.nodes.invalid += _set.addForces(space, faces);
+  if (edges != nullptr)
+    sums.edges.invalid += edges->addForces(space);
   if (_config.scheme == Scheme::energy_neutral)
-    sums.nodes.invalid += makeNeutral(space, faces, steps, neutral, edges);
+    makeNeutral(space, faces, steps, neutral, edges, sums);
+  collectForces(space, faces, edges);
   _set.advance();
   if (edges != nullptr)
     edges->advance(steps.dt);
@@ -94,6 +99,7 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   touch.edge_tolerance = _config.edge_tolerance;
   touch.opposed_cosine = _config.opposed_cosine;
   touch.shared_cosine = _config.shared_cosine;
+  touch.least_depth = _config.least_depth;
   touch.around = _node_faces.lists();
   touch.planes = _planes;
   touch.num_faces = faces.surface.num_faces;
@@ -104,33 +110,40 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   return _set.select(space, pairs, select);
 }
 
-std::int64_t Enforcement::addForces(const exec_space& space, const FaceAccess& faces,
-                                    EdgeContact* edges) {
-  std::int64_t invalid = _set.addForces(space, faces);
+// forces() = those of the nodes and edges of this rank.
+void Enforcement::collectForces(const exec_space& space, const FaceAccess& faces,
+                                EdgeContact* edges) {
+  const auto of_set = _set.forces().nodes;
+  const auto nodes = _forces.nodes;
+  Kokkos::parallel_for(
+      "contact::collectForces", over(space, faces.surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int d = 0; d < 3; ++d)
+          nodes(node, d) = of_set(node, d);
+      });
+  _forces.ghost_corners = _set.forces().ghost_corners;
   if (edges != nullptr)
-    invalid += edges->addForces(space, _set.forces().nodes);
-  return invalid;
+    edges->collectForces(space, _forces.nodes);
 }
 
-std::int64_t Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
-                                      const StepLengths& steps, const NeutralInput* neutral,
-                                      EdgeContact* edges) {
+void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
+                              const StepLengths& steps, const NeutralInput* neutral,
+                              EdgeContact* edges, EnforcementSums& sums) {
   if (neutral == nullptr)
     throw Error(ExitCode::internal,
                 "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   growTo(space, _ghost_accelerations, faces.ghosts.count);
-  std::int64_t invalid = 0;
   for (int round = 0; round < _config.corrections; ++round) {
-    neutral->sum_forces(_set.forces());
-    accelerate(space, faces.surface.num_nodes, neutral->acceleration, _set.forces().nodes, _quantum,
+    collectForces(space, faces, edges);
+    neutral->sum_forces(_forces);
+    accelerate(space, faces.surface.num_nodes, neutral->acceleration, _forces.nodes, _quantum,
                _node_mass, _accelerations);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
-    _set.correctForces(space, faces, steps, _accelerations, _ghost_accelerations);
+    sums.nodes.invalid +=
+        _set.correctForces(space, faces, steps, _accelerations, _ghost_accelerations);
     if (edges != nullptr)
-      edges->correctForces(space, steps, _accelerations);
-    invalid += addForces(space, faces, edges);
+      sums.edges.invalid += edges->correctForces(space, steps, _accelerations);
   }
-  return invalid;
 }
 
 } // namespace brickwall::contact

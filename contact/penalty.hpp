@@ -64,7 +64,7 @@ public:
 
   // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
   // ranks that share a node.
-  const ContactForces& forces() const { return _set.forces(); }
+  const ContactForces& forces() const { return _forces; }
   // [surface node] interactions of the node; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
   // [surface node] least gap, length: minus the deepest penetration, or 0.
@@ -73,14 +73,15 @@ public:
   // The interactions, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
+  // A step of enforce(), public only for its kernel.
+  void collectForces(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
+
 private:
   void updatePlanes(const exec_space& space, const FaceAccess& faces);
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
-  std::int64_t addForces(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
-  std::int64_t makeNeutral(const exec_space& space, const FaceAccess& faces,
-                           const StepLengths& steps, const NeutralInput* neutral,
-                           EdgeContact* edges);
+  void makeNeutral(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
+                   const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
 
   EnforcementConfig _config;
   Quantum _quantum;
@@ -89,6 +90,7 @@ private:
   NodeFaces _node_faces;
   View<MeanPlane*> _planes; // own, remote, ghost faces
   InteractionSet _set;
+  ContactForces _forces;
   double _previous_dt = 0;
   View<unsigned char*> _status;
   View<double*> _gap;

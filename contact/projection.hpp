@@ -181,11 +181,11 @@ struct MeanPlane {
   double warp = 0; // greatest distance of a corner from the plane, length
   double area = 0; // |half the cross product of the diagonals|
 
-  // True if a point that projects onto the face within `lateral_tolerance` cannot have a negative
-  // gap.
-  KOKKOS_INLINE_FUNCTION bool surelyOutside(const Vec3& point, double lateral_tolerance) const {
+  // True if a point that projects onto the face within `lateral_tolerance` cannot be deeper than `depth` behind it.
+  KOKKOS_INLINE_FUNCTION bool surelyOutside(const Vec3& point, double lateral_tolerance,
+                                            double depth) const {
     const double stretch = (1 + lateral_tolerance) * (1 + lateral_tolerance);
-    return dot(normal, point) - offset > warp * stretch;
+    return dot(normal, point) - offset > warp * stretch - depth;
   }
 };
 

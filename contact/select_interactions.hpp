@@ -17,11 +17,13 @@ struct Hit {
   double normal[3];
   double place[2]; // of a node: xi, eta on the face; of an edge: share of its second node
   double depth; // P
+  Vec3 motion; // of the node in this step as seen from the face point
   double contact_work; // energy that the last force put into the contact with the same body
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
   bool is_held; // Stage::held, for good
+  bool is_loaded;
   bool has_ended; // that interaction: its node is outside the face again
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
@@ -32,11 +34,6 @@ struct Hit {
 // there is none, to hold on to the last one: between faces or edges that are bent away from each other is a wedge that neither
 // covers.
 enum class Stage { kept, born, switched, held };
-
-// Of a contact that is born now, and the most that the stable step allows one that goes on.
-struct StiffnessCaps {
-  double birth, kept; // force/length
-};
 
 // One thread per row of candidates, which is one per surface node: tests the node against its candidates, chooses one face of
 // each opposing body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go
@@ -63,19 +60,28 @@ struct SelectInteractions {
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
     const int num_hits = findHits(row, node, hits, seen, sums);
     countLost(node, seen, sums);
-    next.row_count(node) = static_cast<unsigned char>(num_hits);
     double deepest = 0;
-    if (num_hits > 0) {
-      const std::int64_t begin =
-          Kokkos::atomic_fetch_add(next_count.data(), static_cast<std::int64_t>(num_hits));
-      next.row_begin(node) = static_cast<int>(begin);
-      for (int h = 0; h < num_hits; ++h) {
-        const bool has_room = begin + h < static_cast<std::int64_t>(next.interactions.extent(0));
-        interact(node, hits, num_hits, h, has_room ? begin + h : -1, sums);
-        deepest = maxOf(deepest, hits[h].depth);
-      }
+    int num_loaded = 0;
+    for (int h = 0; h < num_hits; ++h) {
+      deepest = maxOf(deepest, hits[h].depth);
+      hits[h].is_loaded = bearsLoad(node, hits[h]);
+      num_loaded += hits[h].is_loaded;
     }
     touch.record(node, num_hits, deepest);
+    sums.touching += num_hits;
+    next.row_count(node) = static_cast<unsigned char>(num_loaded);
+    if (num_loaded == 0)
+      return;
+    std::int64_t index =
+        Kokkos::atomic_fetch_add(next_count.data(), static_cast<std::int64_t>(num_loaded));
+    next.row_begin(node) = static_cast<int>(index);
+    for (int h = 0; h < num_hits; ++h) {
+      if (!hits[h].is_loaded)
+        continue;
+      const bool has_room = index < static_cast<std::int64_t>(next.interactions.extent(0));
+      interact(node, hits, num_hits, h, has_room ? index : -1, sums);
+      ++index;
+    }
   }
 
   // One hit per opposing body. Returns their number.
@@ -121,6 +127,16 @@ struct SelectInteractions {
       return false;
     return findNearest(node, begin, pair, Stage::switched, is_loaded, hit) ||
            (has_face && isTouching(node, hit.previous_face, Stage::held, hit));
+  }
+
+  // Whether the contact has a force, for all that is known yet. One without is forgotten: the next step chooses its face anew, and
+  // takes the penetration that it finds as the offset.
+  KOKKOS_INLINE_FUNCTION bool bearsLoad(int node, Hit& hit) const {
+    hit.motion = faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
+    if (!goesOn(hit))
+      return dot(hit.unitNormal(), hit.motion) < 0;
+    const Interaction& last = previous.interactions(hit.previous);
+    return last.face != faces.id(hit.face) || hit.depth > last.offset;
   }
 
   // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
@@ -217,16 +233,16 @@ struct SelectInteractions {
     now.normal = hit.unitNormal();
     for (int j = 0; j < 4; ++j)
       now.weight[j] = hit.weight[j];
-    const Vec3 motion = faces.relativeMotion(now.point, hit.face, now.weight);
+    const Vec3 motion = hit.motion;
     now.closing = -dot(now.normal, motion);
     now.inverse_mass = touch.inverseMass(now.point);
     for (int j = 0; j < 4; ++j)
-      now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
-    const StiffnessCaps caps = touch.stiffnessCaps(config, faces, now, hits, num_hits, h);
-    if (goesOn(now, hit))
-      carryOn(now, previous.interactions(hit.previous), hit, caps);
+      if (hit.weight[j] != 0)
+        now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
+    if (goesOn(hit))
+      carryOn(now, previous.interactions(hit.previous), hit, touch.stiffnessCap(config, now));
     else
-      bear(now, hit.depth, caps);
+      bear(now, hit.depth, touch.stiffnessAtBirth(config, faces, now, hits, num_hits, h));
     now.depth = hit.depth - now.offset;
     now.first_force = now.stiffness * now.depth;
     FadingForce fading;
@@ -250,27 +266,23 @@ struct SelectInteractions {
       next.fading(index) = fading;
   }
 
-  // A contact without load that comes to another face is a birth.
-  KOKKOS_INLINE_FUNCTION bool goesOn(const Interaction& now, const Hit& hit) const {
-    if (hit.previous < 0 || hit.has_ended)
-      return false;
-    const Interaction& last = previous.interactions(hit.previous);
-    return last.depth > 0 || last.face == now.face;
+  // All others are births.
+  KOKKOS_INLINE_FUNCTION bool goesOn(const Hit& hit) const {
+    return hit.previous >= 0 && !hit.has_ended && previous.interactions(hit.previous).depth > 0;
   }
 
   // What the motion of this step did not bring is taken as an offset: no energy comes from nowhere, and an initial
   // overlap, which is a birth at rest, gives no force.
-  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth,
-                                          const StiffnessCaps& caps) {
-    now.stiffness = caps.birth;
+  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth, double stiffness) {
+    now.stiffness = stiffness;
     now.offset = depth - minOf(depth, maxOf(0.0, now.closing));
   }
 
   // The spring keeps its energy when the node moves to another face, and when it must become softer: then e may be
   // below 0, and what is stored beyond P comes back in the last step before the node is outside.
   KOKKOS_INLINE_FUNCTION void carryOn(Interaction& now, const Interaction& last, const Hit& hit,
-                                      const StiffnessCaps& caps) const {
-    now.is_new = last.depth <= 0;
+                                      double stiffness_cap) const {
+    now.is_new = 0;
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
     now.offset = minOf(last.offset, hit.depth);
@@ -278,11 +290,11 @@ struct SelectInteractions {
       const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
       now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
     }
-    now.stiffness = now.is_new ? caps.birth : last.stiffness;
-    if (caps.kept < now.stiffness) {
+    now.stiffness = last.stiffness;
+    if (stiffness_cap < now.stiffness) {
       const double depth = hit.depth - now.offset;
-      now.offset = hit.depth - depth * std::sqrt(now.stiffness / caps.kept);
-      now.stiffness = caps.kept;
+      now.offset = hit.depth - depth * std::sqrt(now.stiffness / stiffness_cap);
+      now.stiffness = stiffness_cap;
     }
     if (last.taper < 1)
       matchStored(now, hit);
@@ -312,7 +324,7 @@ struct SelectInteractions {
     touch.setLevers(faces, now, hit.depth, friction.lever);
     friction.motion = along(slipOf(friction, motion, now, hit.face), now.normal);
     Vec3 held;
-    if (hit.previous >= 0 && !hit.has_ended) {
+    if (goesOn(hit)) {
       const FrictionSpring& last = previous.friction(hit.previous);
       held = turnedInto(last.force, now.normal);
       if (friction.stiffness < last.stiffness) // softer at equal stored energy
@@ -381,7 +393,7 @@ struct SelectInteractions {
       sums.max_penetration = maxOf(sums.max_penetration, touch.relativeDepth(faces, hit));
       sums.deepest = maxOf(sums.deepest, hit.depth);
     }
-    if (hit.previous < 0 || hit.has_ended)
+    if (!goesOn(hit))
       return;
     sums.terms.add(spring_stored,
                    storedBetween(previous.interactions(hit.previous), now, hit, fading_work),

@@ -32,14 +32,10 @@ struct EdgeReach {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
     return mask & (1 << edge);
   }
-  // A contact begins on the face, where w = 1: beyond a true edge it can only end.
-  // Beyond other edges the neighbour takes over within `past_inner`.
-  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, bool has_begun,
-                                     double past_inner) const {
-    if (point.activeWithin(lateral_tolerance))
-      return true;
-    return has_begun && point.valid && point.has_parameters &&
-           coversAlong(0, point.xi, point, past_inner) &&
+  // Of a contact that has begun; one begins on the face, where w = 1: beyond a true edge it can only end. Beyond other edges the
+  // neighbour takes over within `past_inner`.
+  KOKKOS_INLINE_FUNCTION bool covers(const FacePoint& point, double past_inner) const {
+    return point.valid && point.has_parameters && coversAlong(0, point.xi, point, past_inner) &&
            coversAlong(1, point.eta, point, past_inner);
   }
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter, const FacePoint& point,

@@ -158,7 +158,7 @@ void Simulation::enforceContact(double dt) {
   _penetration =
       maxOf(_penetration, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration));
   sum_forces(_enforcement->forces());
-  _coupling->storeContactForces(_space, _forces);
+  _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
 }
 
 void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
@@ -194,7 +194,7 @@ void Simulation::stepBack(double dt_kick) {
   computeForces(_clock.time);
   sumSharedNodes();
   if (_coupling)
-    _coupling->storeContactForces(_space, _forces);
+    _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
 }
 
 std::string Simulation::describeFailure() {
@@ -270,6 +270,7 @@ void Simulation::setUpContact() {
   enforcement.friction_stiffness = _config.contact.friction_stiffness;
   enforcement.damping = _config.contact.damping;
   enforcement.self_contact = !_drops_same_body;
+  enforcement.least_depth = 1e-12 * _scene.shortest_edge;
   enforcement.deepest_birth = deepestBirth(_config.contact, _scene.shortest_edge);
   _guard = TunnellingGuard(_config, search.node_tolerance + search.face_tolerance, _clock.dt);
   _coupling->resetCoordinates(_space, _state.displacement);

@@ -165,17 +165,16 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
     search.returnToOwners(space, forces.ghost_corners, _corner_forces);
     contact::addFaceForces(space, surface(), _corner_forces, forces.nodes);
   }
+  if (shared.partners().empty())
+    return;
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
-  const auto totals = _contact_forces;
-  Kokkos::deep_copy(space, totals, 0);
+  const auto totals = _contact_forces; // 0 inside the bodies for ever
   Kokkos::parallel_for(
       "coupling::toMesh", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           totals(surface_to_node(i), d) = nodes(i, d);
       });
-  if (shared.partners().empty())
-    return;
   shared.sum(space, totals);
   Kokkos::parallel_for(
       "coupling::toSurface", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
@@ -185,14 +184,15 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
 }
 
 void SurfaceCoupling::storeContactForces(const exec_space& space,
+                                         const contact::ContactForces& forces,
                                          const mechanics::NodalForces& target) const {
-  const auto totals = _contact_forces;
+  const auto surface_to_node = _surface_to_node;
+  const auto totals = forces.nodes;
   const auto values = target.values;
   Kokkos::parallel_for(
-      "coupling::storeContactForces", over(space, static_cast<std::int64_t>(totals.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t node) {
+      "coupling::storeContactForces", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
-          values(node, 3 * mechanics::contact_force + d) = totals(node, d);
+          values(surface_to_node(i), 3 * mechanics::contact_force + d) = totals(i, d);
       });
 }
 

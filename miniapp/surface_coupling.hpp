@@ -33,8 +33,9 @@ public:
   // back to their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
-  // The totals of the last sumContactForces() as contact_force columns.
-  void storeContactForces(const exec_space& space, const mechanics::NodalForces& target) const;
+  // The totals that sumContactForces() made of them, as contact_force columns.
+  void storeContactForces(const exec_space& space, const contact::ContactForces& forces,
+                          const mechanics::NodalForces& target) const;
 
   // Accelerations of the surface nodes by all forces in `forces` (totals), gravity and damping in the kick over `dt` to
   // come; 0 where prescribed.

@@ -47,7 +47,8 @@ struct EdgeRun {
     edges->findCandidates(exec_space(), part.surface());
     sums = edges->select(exec_space(), dt);
     Kokkos::deep_copy(total, 0);
-    sums.invalid += edges->addForces(exec_space(), total);
+    sums.invalid += edges->addForces(exec_space());
+    edges->collectForces(exec_space(), total);
     edges->advance(dt);
     sumOverRanks(part.comm(), sums);
     ContactForces forces{total, View<std::int64_t* [12]>("test::none", part.ghosts().count)};

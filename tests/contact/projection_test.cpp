@@ -144,7 +144,7 @@ TEST(MeanPlane, NeverRejectsAPenetratingPoint) {
                         0.3 * uniform(random)};
     const FacePoint p = project(f, point);
     if (p.activeWithin(tolerance) && p.gap < -1e-15) {
-      EXPECT_FALSE(meanPlane(f).surelyOutside(point, tolerance)) << trial;
+      EXPECT_FALSE(meanPlane(f).surelyOutside(point, tolerance, 0)) << trial;
     }
   }
 }

@@ -23,7 +23,7 @@ EdgeReach allEdges(const Quad& face) {
 // U = k w p^2/2 of a node at `node` on the face, p = P - offset.
 double energyOf(const Quad& face, const Vec3& node, const EdgeReach& reach) {
   const FacePoint point = project(face, node);
-  EXPECT_TRUE(reach.covers(point, true, reach.lateral_tolerance));
+  EXPECT_TRUE(reach.covers(point, reach.lateral_tolerance));
   const double w = taperAt(reach, 0, point.xi, -point.gap).value *
                    taperAt(reach, 1, point.eta, -point.gap).value;
   const double p = -point.gap - offset;

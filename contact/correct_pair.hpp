@@ -1,0 +1,96 @@
+// The energy-neutral correction of one interaction (energy_neutral.hpp), from the accelerations by the present forces.
+#pragma once
+
+#include "contact/coulomb_friction.hpp"
+#include "contact/energy_neutral.hpp"
+#include "contact/face_access.hpp"
+
+namespace brickwall::contact {
+
+struct CorrectPair {
+  FaceAccess faces;
+  View<const double* [12]> ghost_accelerations;
+  View<const double* [3]> accelerations;
+  double dt, next_dt; // drifts before and after the kick
+  double friction_limit; // mu
+
+  struct Correction {
+    double force, damping;
+    Vec3 friction;
+    double fading = 1; // factor
+    bool has_friction = false;
+    KOKKOS_INLINE_FUNCTION bool changes(const Interaction& pair) const {
+      return has_friction || force != pair.force || damping != pair.damping || fading != 1;
+    }
+  };
+
+  KOKKOS_INLINE_FUNCTION Correction of(const ContactHistory& pairs, std::int64_t i) const {
+    const Interaction& pair = pairs.interactions(i);
+    const double kick = 0.5 * (dt + next_dt);
+    const Vec3 relative = relativeAcceleration(pair);
+    KickedPair motion;
+    motion.closing = kick / dt * pair.closing;
+    motion.next_closing = motion.closing - kick * kick * dot(pair.normal, relative);
+    motion.next_drift = next_dt / kick;
+    motion.mobility = kick * kick * pair.inverse_mass;
+    Correction corrected;
+    corrected.force = neutralForce(pair, motion);
+    corrected.damping = maxOf(pair.first_damping, -corrected.force);
+    if (friction_limit > 0) {
+      const FrictionSpring& spring = pairs.friction(i);
+      corrected.friction =
+          slipped(spring.trial, friction_limit * (corrected.force + corrected.damping));
+      const Vec3 change = corrected.friction - spring.force;
+      corrected.has_friction = change.x != 0 || change.y != 0 || change.z != 0;
+    }
+    if (pair.taper < 1) {
+      motion.next_closing += (pair.force - corrected.force) * motion.mobility;
+      const FadingForce& fading = pairs.fading(i);
+      KickedFading kicked;
+      kicked.before = kick / dt * fading.work;
+      kicked.after = kicked.before + kick * kick * power(fading, pair, relative);
+      kicked.gain = motion.mobility * dot(fading.on_node, fading.on_node);
+      kicked.next_drift = motion.next_drift;
+      corrected.fading = neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end);
+    }
+    return corrected;
+  }
+  KOKKOS_INLINE_FUNCTION void apply(const Correction& corrected, const ContactHistory& pairs,
+                                    std::int64_t i) const {
+    pairs.interactions(i).force = corrected.force;
+    pairs.interactions(i).damping = corrected.damping;
+    if (friction_limit > 0)
+      pairs.friction(i).force = corrected.friction;
+    if (corrected.fading != 1)
+      pairs.fading(i).multiply(corrected.fading);
+  }
+
+  // Of the pushing point against the face point.
+  KOKKOS_INLINE_FUNCTION Vec3 relativeAcceleration(const Interaction& pair) const {
+    const double share = pair.point.share;
+    Vec3 relative = rowOf(accelerations, pair.point.node[0]);
+    if (!pair.point.isNode())
+      relative = (1 - share) * relative + share * rowOf(accelerations, pair.point.node[1]);
+    for (int j = 0; j < 4; ++j)
+      if (pair.weight[j] != 0)
+        relative -= pair.weight[j] * ofCorner(pair, j);
+    return relative;
+  }
+  // The fading force times the accelerations of what it acts on.
+  KOKKOS_INLINE_FUNCTION double power(const FadingForce& fading, const Interaction& pair,
+                                      const Vec3& relative) const {
+    double power = dot(fading.on_node, relative);
+    for (int j = 0; j < 4; ++j)
+      power += fading.normal.on_corner[j] * dot(pair.normal, ofCorner(pair, j));
+    if (fading.normal.on_end != 0)
+      power +=
+          fading.normal.on_end * dot(pair.normal, rowOf(accelerations, pair.point.node[1]) -
+                                                      rowOf(accelerations, pair.point.node[0]));
+    return power;
+  }
+  KOKKOS_INLINE_FUNCTION Vec3 ofCorner(const Interaction& pair, int j) const {
+    return faces.corner(pair.face_index, j, accelerations, ghost_accelerations);
+  }
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,84 @@
+// The forces of one interaction on its nodes, as integers: rounded once, plus on the pushing node, minus shared by the corners, of
+// which the last takes the remainder, so that the sum is zero exactly. Kernel part.
+#pragma once
+
+#include "contact/coulomb_friction.hpp"
+#include "contact/face_access.hpp"
+#include "contact/interaction_set.hpp"
+
+namespace brickwall::contact {
+
+// [node of the pushing point][xyz], [corner][xyz]; corners from `face_corners` on are not set.
+struct PairQuanta {
+  std::int64_t on_point[2][3];
+  std::int64_t on_corner[4][3];
+};
+
+struct PairForces {
+  FaceAccess faces;
+  ContactForces target;
+  double inverse_quantum;
+  int face_corners; // 4, or 2 where only the first two corners of a face carry weight
+  bool has_friction;
+
+  // False if a force is not finite or too large.
+  KOKKOS_INLINE_FUNCTION bool round(const ContactHistory& pairs, std::int64_t i,
+                                    PairQuanta& quanta) const {
+    const Interaction& pair = pairs.interactions(i);
+    Vec3 force = (pair.force + pair.damping) * pair.normal;
+    double largest = pair.force + pair.damping;
+    NormalForces besides;
+    if (has_friction) {
+      const FrictionSpring& friction = pairs.friction(i);
+      force += friction.force;
+      largest += norm(friction.force);
+      addCouple(friction, pair, face_corners, besides);
+    }
+    if (pair.taper < 1) {
+      const FadingForce& fading = pairs.fading(i);
+      force += fading.on_node;
+      largest += norm(fading.on_node);
+      besides.add(fading.normal);
+    }
+    if (!fitsFixedPoint(4 * inverse_quantum * largest))
+      return false;
+    for (int d = 0; d < 3; ++d) {
+      const double whole = inverse_quantum * force[d];
+      const double per_normal = inverse_quantum * pair.normal[d];
+      const std::int64_t rounded = roundToFixed(whole);
+      quanta.on_point[1][d] =
+          pair.point.isNode()
+              ? 0
+              : roundToFixed(pair.point.share * whole + per_normal * besides.on_end);
+      quanta.on_point[0][d] = rounded - quanta.on_point[1][d];
+      std::int64_t rest = -rounded;
+      for (int j = 0; j < face_corners - 1; ++j) {
+        quanta.on_corner[j][d] =
+            roundToFixed(-pair.weight[j] * whole + per_normal * besides.on_corner[j]);
+        rest -= quanta.on_corner[j][d];
+      }
+      quanta.on_corner[face_corners - 1][d] = rest;
+    }
+    return true;
+  }
+
+  // `sign` 1 adds, -1 takes back.
+  KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
+                                  int sign) const {
+    addTo(&target.nodes(pair.point.node[0], 0), quanta.on_point[0], sign);
+    if (!pair.point.isNode())
+      addTo(&target.nodes(pair.point.node[1], 0), quanta.on_point[1], sign);
+    const bool own = faces.isOwn(pair.face_index);
+    for (int j = 0; j < face_corners; ++j)
+      addTo(own ? &target.nodes(faces.surface.face_to_nodes(pair.face_index, j), 0)
+                : &target.ghost_corners(faces.ghostOf(pair.face_index), 3 * j),
+            quanta.on_corner[j], sign);
+  }
+  KOKKOS_INLINE_FUNCTION static void addTo(std::int64_t* row, const std::int64_t (&values)[3],
+                                           int sign) {
+    for (int d = 0; d < 3; ++d)
+      Kokkos::atomic_add(row + d, sign * values[d]);
+  }
+};
+
+} // namespace brickwall::contact
