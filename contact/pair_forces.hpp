@@ -65,19 +65,21 @@ struct PairForces {
   // `sign` 1 adds, -1 takes back.
   KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
                                   int sign) const {
-    addTo(&target.nodes(pair.point.node[0], 0), quanta.on_point[0], sign);
+    addTo(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign);
     if (!pair.point.isNode())
-      addTo(&target.nodes(pair.point.node[1], 0), quanta.on_point[1], sign);
-    const bool own = faces.isOwn(pair.face_index);
+      addTo(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign);
+    const int face = pair.face_index;
     for (int j = 0; j < face_corners; ++j)
-      addTo(own ? &target.nodes(faces.surface.face_to_nodes(pair.face_index, j), 0)
-                : &target.ghost_corners(faces.ghostOf(pair.face_index), 3 * j),
-            quanta.on_corner[j], sign);
+      if (faces.isOwn(face))
+        addTo(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j], sign);
+      else
+        addTo(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign);
   }
-  KOKKOS_INLINE_FUNCTION static void addTo(std::int64_t* row, const std::int64_t (&values)[3],
-                                           int sign) {
+  template <class ViewType>
+  KOKKOS_INLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,
+                                           const std::int64_t (&values)[3], int sign) {
     for (int d = 0; d < 3; ++d)
-      Kokkos::atomic_add(row + d, sign * values[d]);
+      Kokkos::atomic_add(&rows(row, first + d), sign * values[d]);
   }
 };
 
