@@ -65,13 +65,23 @@ KOKKOS_INLINE_FUNCTION void viscousStress(const Real (&H)[3][3], const Real (&H_
 }
 
 // l of the elements, twice the least norm of the columns of dX/dxi at the centre.
+// Rows of Q are unit vectors over the norms.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real lengthByFrame(const Real (&Q)[3][3]) {
+  Real square[3]; // of inverse norms
+  for (int k = 0; k < 3; ++k)
+    square[k] = Q[k][0] * Q[k][0] + Q[k][1] * Q[k][1] + Q[k][2] * Q[k][2];
+  return 2.0 / squareRoot(maxMagnitude(square[0], maxMagnitude(square[1], square[2])));
+}
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real elementLength(const TlpsGeometry<Real>& geometry) {
-  const auto& l = geometry.inverse_length;
-  return 2.0 / maxMagnitude(l[0], maxMagnitude(l[1], l[2]));
+  return lengthByFrame(geometry.Q);
 }
 KOKKOS_INLINE_FUNCTION double elementLength(const TlpsBox& box) {
-  const auto& l = box.inverse_length;
+  return lengthByFrame(box.Q);
+}
+KOKKOS_INLINE_FUNCTION double elementLength(const TlpsBrick& brick) {
+  const auto& l = brick.inverse_length;
   return 2.0 / maxMagnitude(l[0], maxMagnitude(l[1], l[2]));
 }
 template <class Real>
@@ -90,6 +100,16 @@ struct ViscousForces {
   Real rate; // largest of the points
 };
 
+// P_i . B_m
+template <class Real, class Geometry>
+KOKKOS_INLINE_FUNCTION Real gradientForce(const Real (&P)[3], const Geometry& geometry, int m) {
+  return P[0] * geometry.B[m][0] + P[1] * geometry.B[m][1] + P[2] * geometry.B[m][2];
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real gradientForce(const Real (&P)[3], const TlpsBrick& brick, int m) {
+  return P[m] * brick.b[m];
+}
+
 template <MaterialModel model, class Real, class Geometry>
 KOKKOS_INLINE_FUNCTION void viscousForces(const Real (&u)[3][num_modes],
                                           const Real (&v)[3][num_modes], const Geometry& geometry,
@@ -104,9 +124,7 @@ KOKKOS_INLINE_FUNCTION void viscousForces(const Real (&u)[3][num_modes],
   const auto factor = -scale * geometry.volume;
   for (int i = 0; i < 3; ++i)
     for (int m = 0; m < Geometry::gradient_modes; ++m)
-      out.force[i][m] =
-          factor * (point.P[i][0] * geometry.B[m][0] + point.P[i][1] * geometry.B[m][1] +
-                    point.P[i][2] * geometry.B[m][2]);
+      out.force[i][m] = factor * gradientForce(point.P[i], geometry, m);
 }
 
 // Full integration: at each of the 2x2x2 points.

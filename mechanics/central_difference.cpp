@@ -1,5 +1,7 @@
 #include "mechanics/central_difference.hpp"
 
+#include "mechanics/kick_kernel.hpp"
+
 #include <type_traits>
 
 namespace brickwall::mechanics {
@@ -7,6 +9,14 @@ namespace brickwall::mechanics {
 void drift(const exec_space& space, double dt, const NodalState& state) {
   const auto u = state.displacement;
   const auto v = state.velocity;
+  if (u.span_is_contiguous() && v.span_is_contiguous()) { // and of one layout
+    double* const to = u.data();
+    const double* const from = v.data();
+    Kokkos::parallel_for(
+        "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(u.span())),
+        KOKKOS_LAMBDA(const std::int64_t k) { to[k] += dt * from[k]; });
+    return;
+  }
   Kokkos::parallel_for(
       "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(state.mass.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t node) {
@@ -17,136 +27,59 @@ void drift(const exec_space& space, double dt, const NodalState& state) {
 
 namespace {
 
-KOKKOS_INLINE_FUNCTION bool isZero(const Vec3& a) {
-  return a.x == 0 && a.y == 0 && a.z == 0;
-}
+// Runs of nodes on a host, in packs of W. Nodes that anything but the internal force acts on are kicked one by one.
+constexpr int nodes_per_run = 1024;
+template <int kinds, int W>
+struct KickRuns {
+  KickNode<kinds> node_kick;
+  std::int64_t num_nodes;
 
-KOKKOS_INLINE_FUNCTION void addVector(KickSums& sums, int first, const Vec3& value,
-                                      const LimbScale& scale) {
-  for (int i = 0; i < 3; ++i)
-    sums.add(first + i, value[i], scale);
-}
+  void operator()(const std::int64_t run, KickSums& sums) const {
+    PackKicker<kinds, W> kicker(node_kick, sums);
+    const std::int64_t end = minOf((run + 1) * nodes_per_run, num_nodes);
+    for (std::int64_t first = run * nodes_per_run; first < end; first += W)
+      if (end - first < W || !kicker.isFree(first) || !kickPack(kicker, first))
+        for (std::int64_t node = first; node < minOf(first + W, end); ++node)
+          node_kick(node, sums);
+  }
 
-// The first `kinds` of the force kinds have columns.
-template <int kinds>
-struct KickNode {
-  View<const double*[3]> reference, displacement;
-  View<double* [3]> velocity;
-  View<const double*> mass;
-  View<const unsigned char*> is_owned;
-  View<std::int64_t**> forces;
-  double quantum, dt;
-  BoundaryConditions::AtTime boundary;
-  LedgerScales scales;
-  SpeedTest test;
-
-  // Sum of all columns, exact, and each kind's force.
-  KOKKOS_INLINE_FUNCTION Vec3 totalForce(std::int64_t node, Vec3 (&force)[kinds]) const {
-    Vec3 total;
-    for (int i = 0; i < 3; ++i) {
-      std::int64_t sum = 0;
-      for (int kind = 0; kind < kinds; ++kind) {
-        const std::int64_t column = forces(node, 3 * kind + i);
-        sum += column;
-        force[kind][i] = quantum * static_cast<double>(column);
-      }
-      total[i] = quantum * static_cast<double>(sum);
+  // Does nothing and returns false when other forces act.
+  bool kickPack(PackKicker<kinds, W>& kicker, std::int64_t first) const {
+    const std::int64_t* const rows = &node_kick.forces(first, 0);
+    std::int64_t force[3][W], is_owned[W], others = 0;
+    for (int lane = 0; lane < W; ++lane) {
+      const std::int64_t* const row = rows + 3 * kinds * lane;
+      for (int i = 0; i < 3; ++i)
+        force[i][lane] = row[i];
+      for (int i = 3; i < 3 * kinds; ++i)
+        others |= row[i];
+      is_owned[lane] = -static_cast<std::int64_t>(node_kick.is_owned(first + lane) != 0);
     }
-    return total;
-  }
-
-  // The impulse of damping by mass between two velocities: -dt alpha m (old + v)/2.
-  KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
-    return (-0.5 * dt * boundary.mass_damping * m) * (old + v);
-  }
-
-  // The new velocity; `reaction` is the impulse that a prescribed motion needed.
-  KOKKOS_INLINE_FUNCTION Vec3 newVelocity(std::int64_t node, const Vec3& old, const Vec3& total,
-                                          Vec3& reaction) const {
-    const double m = mass(node);
-    const double per_mass = m > 0 ? dt / m : 0.0; // a node without elements has no mass
-    Vec3 v = old + per_mass * total + dt * boundary.gravity;
-    if (boundary.mass_damping > 0) {
-      const double half = 0.5 * dt * boundary.mass_damping;
-      v = (1 / (1 + half)) * (v - half * old);
-    }
-    if (boundary.any)
-      for (int i = 0; i < 3; ++i) {
-        const int motion = boundary.motion(node, i);
-        if (motion == 0)
-          continue;
-        v[i] = boundary.velocity[motion][i];
-        reaction[i] = m * (v[i] - old[i]) - dt * (total[i] + m * boundary.gravity[i]);
-        if (boundary.mass_damping > 0)
-          reaction[i] -= dampingImpulse(m, old, v)[i];
-      }
-    return v;
-  }
-
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
-    const Vec3 old = rowOf(velocity, node);
-    Vec3 force[kinds], reaction;
-    const Vec3 total = totalForce(node, force);
-    const Vec3 v = newVelocity(node, old, total, reaction);
+    if (others != 0)
+      return false;
+    IntPackOf<W> f[3], owned;
     for (int i = 0; i < 3; ++i)
-      velocity(node, i) = v[i];
-    if (!is_owned(node))
-      return;
-    const Vec3 x = rowOf(reference, node) + rowOf(displacement, node), mean = 0.5 * (old + v);
-    addEnergies(sums, old, v, mass(node), force);
-    addMomenta(sums, x, mass(node) * v, force);
-    if (!isZero(reaction))
-      addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
-                 kick_moment_reaction);
-    if (boundary.mass_damping > 0)
-      addImpulse(sums, x, dampingImpulse(mass(node), old, v), mean, kick_work_damping,
-                 kick_impulse_damping, kick_moment_damping);
-    const Vec3 apart = v - test.around;
-    if (!(dot(apart, apart) <= test.limit * test.limit))
-      ++sums.sum[kick_fast_nodes].high;
-  }
-
-  KOKKOS_INLINE_FUNCTION void addEnergies(KickSums& sums, const Vec3& old, const Vec3& v, double m,
-                                          const Vec3 (&force)[kinds]) const {
-    const Vec3 mean = 0.5 * (old + v), half_momentum = (0.5 * m) * v;
-    sums.add(kick_kinetic, dot(half_momentum, v), scales.energy);
-    sums.add(kick_shadow, dot(half_momentum, old), scales.energy);
-    for (int kind = 0; kind < kinds; ++kind)
-      if (!isZero(force[kind]))
-        sums.add(kick_work + kind, dt * dot(force[kind], mean), scales.energy);
-    if (!isZero(force[material_force]))
-      sums.add(kick_power_material, -dot(force[material_force], old), scales.power);
-    if (!isZero(force[hourglass_force]))
-      sums.add(kick_power_hourglass, -dot(force[hourglass_force], old), scales.power);
-  }
-  KOKKOS_INLINE_FUNCTION void addMomenta(KickSums& sums, const Vec3& x, const Vec3& momentum,
-                                         const Vec3 (&force)[kinds]) const {
-    addVector(sums, kick_momentum, momentum, scales.momentum);
-    addVector(sums, kick_angular, cross(x, momentum), scales.angular);
-    if (!isZero(force[external_force])) {
-      const Vec3 impulse = dt * force[external_force];
-      addVector(sums, kick_impulse_external, impulse, scales.momentum);
-      addVector(sums, kick_moment_external, cross(x, impulse), scales.angular);
-    }
-    if (!isZero(force[contact_force]))
-      addVector(sums, kick_impulse_contact, dt * force[contact_force], scales.momentum);
-  }
-  // Of what is no force column, with its work and its moment.
-  KOKKOS_INLINE_FUNCTION void addImpulse(KickSums& sums, const Vec3& x, const Vec3& impulse,
-                                         const Vec3& mean_velocity, int work_term, int impulse_term,
-                                         int moment_term) const {
-    sums.add(work_term, dot(impulse, mean_velocity), scales.energy);
-    addVector(sums, impulse_term, impulse, scales.momentum);
-    addVector(sums, moment_term, cross(x, impulse), scales.angular);
+      memcpy(&f[i].v, force[i], sizeof f[i].v);
+    memcpy(&owned.v, is_owned, sizeof owned.v);
+    PackOf<W> u[3];
+    loadTriples(&node_kick.displacement(first, 0), u);
+    kicker.kickPlain(first, f, u, owned);
+    return true;
   }
 };
 
 template <int kinds>
 KickSums launchKick(const exec_space& space, int num_nodes, const KickNode<kinds>& functor) {
   KickSums sums;
-  Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, num_nodes), functor,
-                          Combine<KickSums>(sums));
+  if constexpr (simd_width > 1)
+    Kokkos::parallel_reduce(
+        "mechanics::kick::nodes", over(space, (num_nodes + nodes_per_run - 1) / nodes_per_run),
+        KickRuns<kinds, simd_width>{functor, num_nodes}, Combine<KickSums>(sums));
+  else
+    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, num_nodes), functor,
+                            Combine<KickSums>(sums));
   space.fence();
+  sums.carry();
   return sums;
 }
 

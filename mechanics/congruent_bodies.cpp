@@ -72,6 +72,7 @@ bool isCongruent(const CornerCoordinates& X, const Reference& reference) {
 struct Verdict {
   global_id body = -1;
   std::int64_t congruent = 1;
+  std::int64_t ranges = 1; // of elements, on all ranks
 };
 
 } // namespace
@@ -97,7 +98,7 @@ std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm com
 
   std::vector<Verdict> verdicts;
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
-    Verdict verdict{mesh.bodies[b].body, 1};
+    Verdict verdict{mesh.bodies[b].body, 1, 1};
     for (int elem = mesh.bodies[b].first;
          verdict.congruent && elem < mesh.bodies[b].first + mesh.bodies[b].count; ++elem) {
       CornerCoordinates X;
@@ -107,12 +108,15 @@ std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm com
     }
     verdicts.push_back(verdict);
   }
-  verdicts = combineByBody(comm, verdicts,
-                           [](Verdict& a, const Verdict& b) { a.congruent &= b.congruent; });
+  verdicts = combineByBody(comm, verdicts, [](Verdict& a, const Verdict& b) {
+    a.congruent &= b.congruent;
+    a.ranges += b.ranges;
+  });
 
   std::vector<BodyShape> shapes(mesh.bodies.size());
   for (std::size_t b = 0; b < shapes.size(); ++b) {
     shapes[b].congruent = verdicts[b].congruent != 0;
+    shapes[b].whole = verdicts[b].ranges == 1;
     for (int k = 0; k < 9; ++k)
       shapes[b].jacobian(k / 3, k % 3) = references[b].jacobian[k / 3][k % 3];
   }

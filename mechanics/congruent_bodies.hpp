@@ -9,6 +9,7 @@ namespace brickwall::mechanics {
 
 struct BodyShape {
   bool congruent = false;
+  bool whole = false; // all elements of the body are on this rank
   Mat3
       jacobian; // dX/dxi of every element, half-edges as columns; of the body's element of lowest global id
 };

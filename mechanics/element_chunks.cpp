@@ -59,7 +59,8 @@ std::vector<char> nodesOfSeveralChunks(const HexMesh& mesh, const HostMesh& host
 } // namespace
 
 ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
-                            const std::vector<BodyShape>& shapes, int threads) {
+                            const std::vector<BodyShape>& shapes,
+                            const std::vector<BrickLattice>& lattices, int threads) {
   const HostMesh host = copyToHost(space, mesh);
   std::vector<Cut> cuts = cutBodies(mesh, host, largestChunk(mesh.num_elems, threads));
   std::stable_sort(cuts.begin(), cuts.end(), [&](const Cut& a, const Cut& b) {
@@ -69,6 +70,10 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
   const std::vector<char> several = threads > 1 || !host_accessible
                                         ? nodesOfSeveralChunks(mesh, host, cuts)
                                         : std::vector<char>(mesh.num_nodes, 0);
+
+  std::vector<char> is_lattice(mesh.bodies.size(), 0);
+  for (const BrickLattice& lattice : lattices)
+    is_lattice[lattice.body] = 1;
 
   ElementChunks result;
   std::vector<ElementChunk> chunks;
@@ -81,6 +86,8 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
     ElementChunk chunk;
     chunk.first_pack = static_cast<int>(packs.size());
     chunk.block = cut.block;
+    chunk.in_lattice = is_lattice[cut.body];
+    result.all_in_lattices = result.all_in_lattices && chunk.in_lattice;
     for (int first = cut.first; first < cut.first + cut.count; first += simd_width) {
       ElementPack pack{first, std::min(simd_width, cut.first + cut.count - first), 0};
       for (int elem = first; elem < first + pack.count; ++elem)

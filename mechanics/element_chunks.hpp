@@ -3,7 +3,7 @@
 // and only packs whose nodes another chunk touches add atomically. On a device every element is a chunk.
 #pragma once
 
-#include "mechanics/congruent_bodies.hpp"
+#include "mechanics/brick_lattice.hpp"
 #include "mechanics/hex_mesh.hpp"
 
 namespace brickwall::mechanics {
@@ -18,6 +18,7 @@ struct ElementPack {
 struct ElementChunk {
   int first_pack = 0, num_packs = 0;
   int block = 0;
+  int in_lattice = 0; // of elements that sweeps over lattices may handle instead
   int shape = -1; // the body's row in the table of shapes when it is congruent, else -1
   int geometry_row = -1; // of its first pack, else
 };
@@ -32,11 +33,13 @@ struct ElementChunks {
   View<ElementChunk*> chunks;
   View<ElementPack*> packs;
   std::vector<ChunkGroup> groups;
+  bool all_in_lattices = true;
   int num_geometry_rows = 0; // packs of bodies that are not congruent
 };
 
 // `threads`: how many work at once. Host code for set-up; not collective.
 ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
-                            const std::vector<BodyShape>& shapes, int threads);
+                            const std::vector<BodyShape>& shapes,
+                            const std::vector<BrickLattice>& lattices, int threads);
 
 } // namespace brickwall::mechanics

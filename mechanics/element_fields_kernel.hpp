@@ -9,14 +9,14 @@ namespace brickwall::mechanics {
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION double storedEnergy(const double (&u)[3][num_modes],
                                            const Geometry& geometry, const Material& material) {
-  TlpsForces<double, Geometry> forces;
-  const ElementModuli moduli = ElementModuli::of(material);
+  TlpsForces<double> forces;
+  const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), 1.0);
   if (material.model == MaterialModel::neo_hookean)
-    tlpsForces<MaterialModel::neo_hookean>(u, geometry, moduli, 1.0, true, forces);
+    tlpsForces<MaterialModel::neo_hookean>(u, geometry, stiffness, true, forces);
   else if (material.model == MaterialModel::svk)
-    tlpsForces<MaterialModel::svk>(u, geometry, moduli, 1.0, true, forces);
+    tlpsForces<MaterialModel::svk>(u, geometry, stiffness, true, forces);
   else
-    tlpsForces<MaterialModel::linear>(u, geometry, moduli, 1.0, true, forces);
+    tlpsForces<MaterialModel::linear>(u, geometry, stiffness, true, forces);
   return forces.material_energy + forces.hourglass_energy;
 }
 KOKKOS_INLINE_FUNCTION double storedEnergy(const double (&u)[3][num_modes],
@@ -79,14 +79,26 @@ struct FieldFunctor {
   }
 
   // A congruent body's element has the body's shape, any other its own geometry.
-  template <class General, class Shapes>
-  KOKKOS_INLINE_FUNCTION void fieldsOf(const ElementChunk& chunk, const Shapes& shapes, int row,
-                                       int lane, int elem, const Material& material) const {
-    if (chunk.shape >= 0) {
-      oneElement(elem, shapes(chunk.shape), material);
-      return;
+  KOKKOS_INLINE_FUNCTION void fieldsOf(const ElementChunk& chunk, int row, int lane, int elem,
+                                       const Material& material) const {
+    if constexpr (kind == ElementKind::one_point) {
+      if (chunk.shape < 0)
+        ownGeometry<TlpsGeometry<double>>(row, lane, elem, material);
+      else if (tables.boxes(chunk.shape).is_brick)
+        oneElement(elem, tables.boxes(chunk.shape).brick, material);
+      else
+        oneElement(elem, tables.boxes(chunk.shape).box, material);
+    } else {
+      if (chunk.shape < 0)
+        ownGeometry<FullGeometry<double>>(row, lane, elem, material);
+      else
+        oneElement(elem, tables.full_shapes(chunk.shape), material);
     }
-    General geometry;
+  }
+  template <class Geometry>
+  KOKKOS_INLINE_FUNCTION void ownGeometry(int row, int lane, int elem,
+                                          const Material& material) const {
+    Geometry geometry;
     loadGeometry(tables, row, lane, geometry);
     oneElement(elem, geometry, material);
   }
@@ -97,13 +109,8 @@ struct FieldFunctor {
     for (int p = 0; p < chunk.num_packs; ++p) {
       const ElementPack pack = tables.packs(chunk.first_pack + p);
       const int row = chunk.geometry_row + p;
-      for (int lane = 0; lane < pack.count; ++lane) {
-        const int elem = pack.first + lane;
-        if constexpr (kind == ElementKind::one_point)
-          fieldsOf<TlpsGeometry<double>>(chunk, tables.boxes, row, lane, elem, material);
-        else
-          fieldsOf<FullGeometry<double>>(chunk, tables.full_shapes, row, lane, elem, material);
-      }
+      for (int lane = 0; lane < pack.count; ++lane)
+        fieldsOf(chunk, row, lane, pack.first + lane, material);
     }
   }
 };

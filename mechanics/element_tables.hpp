@@ -22,7 +22,7 @@ KOKKOS_INLINE_FUNCTION void visitGeometry(TlpsGeometry<Real>& g, const Visit& vi
     for (int j = 0; j < 3; ++j)
       visit(next++, g.Q[i][j]);
   for (int i = 0; i < 3; ++i)
-    visit(next++, g.inverse_length[i]);
+    visit(next++, g.thinness[i]);
   visit(next++, g.volume);
 }
 template <class Real, class Visit>

@@ -66,7 +66,7 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
   // The half step before these forces: kinetic energy and works are still those of the last kick.
   bookStored(dt_kick, dt, internal, step.stored, step.kick);
   bookContact(step.contact);
-  if (_material.hasHalf())
+  if (_stored.hasHalf())
     gaugeHalfStep();
 
   const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
@@ -89,12 +89,8 @@ void EnergyLedger::bookCorrection(MPI_Comm comm, double dt_kick, double dt, cons
   _balance.failures = sums.invalid;
   if (_balance.failures > 0)
     return;
-  const auto correct = [&](StoredGauge& gauge, int force, int power) {
-    gauge.correct(sums.sum[power].value(_scales.power),
-                  sums.sum[kick_work + force].value(_scales.energy), dt_kick, dt);
-  };
-  correct(_material, material_force, kick_power_material);
-  correct(_hourglass, hourglass_force, kick_power_hourglass);
+  _stored.correct(sums.sum[kick_power].value(_scales.power),
+                  sums.sum[kick_work + internal_force].value(_scales.energy), dt_kick, dt);
   bookWorks(dt_kick, sums);
   bookImpulses(dt_kick, sums);
   bookMoments(dt_kick, sums);
@@ -107,20 +103,20 @@ Vec3 EnergyLedger::meanVelocity() const {
 
 void EnergyLedger::bookStored(double dt_kick, double dt, const InternalForceResult& internal,
                               const LimbSums<num_stored_energies>& stored, const KickSums& kick) {
-  const auto book = [&](StoredGauge& gauge, int kind, int force, int power) {
-    gauge.book(internal.has_energy, stored.sum[kind].value(_scales.energy),
-               kick.sum[power].value(_scales.power),
-               kick.sum[kick_work + force].value(_scales.energy), dt_kick, dt);
-  };
-  book(_material, stored_material, material_force, kick_power_material);
-  book(_hourglass, stored_hourglass, hourglass_force, kick_power_hourglass);
-  if (_steps == 0)
+  const double material = stored.sum[stored_material].value(_scales.energy);
+  const double hourglass = stored.sum[stored_hourglass].value(_scales.energy);
+  _stored.book(internal.has_energy, material + hourglass, kick.sum[kick_power].value(_scales.power),
+               kick.sum[kick_work + internal_force].value(_scales.energy), dt_kick, dt);
+  if (_steps == 0) {
     _has_initial_energy = internal.has_energy;
+    _initial_hourglass = hourglass;
+  }
   if (!internal.has_energy)
     return;
   EnergyBalance& b = _balance;
-  b.stored_material = _material.stored();
-  b.stored_hourglass = _hourglass.stored();
+  b.stored_material = material;
+  b.stored_hourglass = hourglass;
+  b.work_hourglass = _initial_hourglass - hourglass;
   raise(b.peak_internal, b.stored_material + b.stored_hourglass);
   raise(b.peak_hourglass, b.stored_hourglass);
 }
@@ -141,11 +137,11 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
 void EnergyLedger::gaugeHalfStep() {
   EnergyBalance& b = _balance;
   const double in_contact = b.stored_contact + b.stored_friction + b.stored_edge;
-  b.stored_half = _material.half() + _hourglass.half();
+  b.stored_half = _stored.half();
   const double held = b.stored_half + in_contact;
   b.total_half = b.kinetic + held + b.dissipated.total();
   if (_has_initial_energy && _steps == 1) // a correction of the start has changed its gauge
-    _initial_energy = _initial_kinetic + _material.initial() + _hourglass.initial();
+    _initial_energy = _initial_kinetic + _stored.initial();
   if (!_has_initial_energy) {
     _initial_energy = b.total_half - b.external_work;
     _has_initial_energy = true;
@@ -156,14 +152,8 @@ void EnergyLedger::gaugeHalfStep() {
   raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
   b.energy_error = quotient(_energy_gap, size);
 
-  const double material = _material.half() - _material.initial() + b.work[material_force];
-  const double hourglass = _hourglass.half() - _hourglass.initial() + b.work[hourglass_force];
-  raise(_material_gap, std::fabs(material));
-  raise(_hourglass_gap, std::fabs(hourglass));
-  raise(_stored_gap, std::fabs(material + hourglass));
+  raise(_stored_gap, std::fabs(_stored.half() - _stored.initial() + b.work[internal_force]));
   raise(_contact_gap, std::fabs(in_contact + b.dissipated.inContact() + b.work[contact_force]));
-  b.stored_material_error = quotient(_material_gap, size);
-  b.stored_hourglass_error = quotient(_hourglass_gap, size);
   b.stored_error = quotient(_stored_gap, size);
   b.contact_error = quotient(_contact_gap, size);
 }

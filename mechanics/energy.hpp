@@ -43,6 +43,8 @@ struct EnergyBalance {
   double shadow =
       0; // H^n of the last step that began with v^{n-1/2}: elastic and kinetic energy only
   double work[num_force_kinds] = {}; // W_k since the start
+  double work_hourglass =
+      0; // of hourglass stiffness up to the positions of step n, by its energy; part of work[internal_force]
   double work_edge = 0; // of edge-edge contact; part of work[contact_force]
   double work_gravity = 0;
   double work_reaction = 0; // of prescribed motions
@@ -54,8 +56,7 @@ struct EnergyBalance {
   // x cross impulse, about the origin, since the start
   Vec3 moment_external, moment_gravity, moment_reaction, moment_damping;
   double energy_error = 0; // |total_half - external work - E_0| / peak_total
-  double stored_error = 0; // |stored_half - U_0 + W_material + W_hourglass| / peak_total
-  double stored_material_error = 0, stored_hourglass_error = 0; // the same of one kind
+  double stored_error = 0; // |stored_half - U_0 + W_internal| / peak_total
   double contact_error = 0; // |contact stored + dissipated + W_contact| / peak_total
   // |impulses - change of momentum| / impulse of loads; without loads, over the largest of sqrt(2 K M) and the other
   // impulses, of which it is 1e-4 at least.
@@ -116,10 +117,11 @@ private:
   double _radius_of_gyration = 0; // of the start, about the origin
   std::int64_t _steps = 0; // booked, the start included
   bool _has_initial_energy = false;
-  StoredGauge _material, _hourglass;
+  StoredGauge _stored;
+  double _initial_hourglass = 0; // energy
   double _dt = 0; // of the drift after the last kick
   // The largest so far of what errors are made of.
-  double _energy_gap = 0, _stored_gap = 0, _material_gap = 0, _hourglass_gap = 0, _contact_gap = 0;
+  double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
   double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;
   double _angular_gap = 0, _largest_moment = 0;
 };

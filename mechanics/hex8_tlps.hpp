@@ -26,18 +26,27 @@ struct TlpsGeometry {
   static constexpr int size = 46; // numbers stored
   Real B[num_modes][3]; // b_m / 8: H_ij = sum_m u_mi B_mj
   Real M[num_hourglass_modes][3]; // h_a . X
-  Real Q[3][3]; // rows: local axes, the polar factor of dX/dxi, transposed
-  Real inverse_length[3]; // 1 / norms of the columns of dX/dxi
+  // Rows: local axes (the polar factor of dX/dxi, transposed), each divided by the norm of its column of dX/dxi.
+  Real Q[3][3];
+  Real thinness[3]; // squares of the other two norms' inverses over that of this one's
   Real volume;
 };
 
 // Parallelepiped: b has linear modes only and h_a . X = 0 (gamma = h/8).
 struct TlpsBox {
   static constexpr int gradient_modes = 3;
-  static constexpr int size = 22;
   double B[3][3];
   double Q[3][3];
-  double inverse_length[3];
+  double thinness[3];
+  double volume;
+};
+
+// Parallelepiped whose edges are along the axes of space, in their order: B is diagonal and the local axes are those of
+// space. Its forces are those of TlpsBox but for rounding.
+struct TlpsBrick {
+  static constexpr int gradient_modes = 3;
+  double b[3]; // diagonal of B
+  double inverse_length[3]; // of the half-edges
   double volume;
 };
 
@@ -45,12 +54,16 @@ struct TlpsBox {
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION void setFrame(const Mat3& jacobian, Geometry& geometry) {
   const Mat3 r = polarFactor(jacobian);
+  double square[3]; // of inverse lengths
   for (int i = 0; i < 3; ++i) {
     const Vec3 column = {jacobian(0, i), jacobian(1, i), jacobian(2, i)};
-    geometry.inverse_length[i] = 1.0 / norm(column);
+    const double inverse_length = 1.0 / norm(column);
+    square[i] = inverse_length * inverse_length;
     for (int j = 0; j < 3; ++j)
-      geometry.Q[i][j] = r(j, i);
+      geometry.Q[i][j] = inverse_length * r(j, i);
   }
+  for (int i = 0; i < 3; ++i)
+    geometry.thinness[i] = (square[(i + 1) % 3] + square[(i + 2) % 3]) / square[i];
 }
 KOKKOS_INLINE_FUNCTION TlpsGeometry<double> tlpsGeometry(const CornerCoordinates& X) {
   TlpsGeometry<double> geometry;
@@ -78,6 +91,23 @@ KOKKOS_INLINE_FUNCTION TlpsBox tlpsBox(const Mat3& jacobian) {
   setFrame(jacobian, box);
   return box;
 }
+KOKKOS_INLINE_FUNCTION bool isTlpsBrick(const Mat3& jacobian) {
+  bool is_brick = true;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      is_brick = is_brick && (i == j ? jacobian(i, j) > 0 : jacobian(i, j) == 0);
+  return is_brick;
+}
+// Needs isTlpsBrick(jacobian).
+KOKKOS_INLINE_FUNCTION TlpsBrick tlpsBrick(const Mat3& jacobian) {
+  TlpsBrick brick;
+  brick.volume = 8 * (jacobian(0, 0) * jacobian(1, 1) * jacobian(2, 2));
+  for (int k = 0; k < 3; ++k) {
+    brick.inverse_length[k] = 1 / jacobian(k, k);
+    brick.b[k] = 0.125 * brick.inverse_length[k];
+  }
+  return brick;
+}
 
 // H_ij = sum_m u_mi B_mj, u [xyz][mode].
 template <class Real, class Geometry>
@@ -91,121 +121,234 @@ KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const Ge
       H[i][j] = sum;
     }
 }
+template <class Real>
+KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const TlpsBrick& brick,
+                                         Real (&H)[3][3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      H[i][j] = u[i][j] * brick.b[j];
+}
 
-// g_a = sum_I gamma_aI u_I = (u_a - H M_a)/8, g [a][xyz].
+// 8 g_a = 8 sum_I gamma_aI u_I = u_a - H M_a, [a][xyz].
 template <class Real>
 KOKKOS_INLINE_FUNCTION void
 hourglassStrains(const Real (&u)[3][num_modes], const TlpsGeometry<Real>& geometry,
                  const Real (&H)[3][3], Real (&g)[num_hourglass_modes][3]) {
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int i = 0; i < 3; ++i)
-      g[a][i] = 0.125 * (u[i][3 + a] - (H[i][0] * geometry.M[a][0] + H[i][1] * geometry.M[a][1] +
-                                        H[i][2] * geometry.M[a][2]));
+      g[a][i] = u[i][3 + a] - (H[i][0] * geometry.M[a][0] + H[i][1] * geometry.M[a][1] +
+                               H[i][2] * geometry.M[a][2]);
 }
-template <class Real>
-KOKKOS_INLINE_FUNCTION void hourglassStrains(const Real (&u)[3][num_modes], const TlpsBox&,
+template <class Real, class Box>
+KOKKOS_INLINE_FUNCTION void hourglassStrains(const Real (&u)[3][num_modes], const Box&,
                                              const Real (&)[3][3],
                                              Real (&g)[num_hourglass_modes][3]) {
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int i = 0; i < 3; ++i)
-      g[a][i] = 0.125 * u[i][3 + a];
+      g[a][i] = u[i][3 + a];
 }
 
-// s = d(U_h/V)/dq for the corotated hourglass strains q [a][local axis]; U_h/V = (1/2) sum q s. `l` = 1/(a, b, c).
-template <class Real, class Length>
-KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes][3],
-                                            const Length (&l)[3], const ElementModuli& moduli,
-                                            Real (&s)[num_hourglass_modes][3]) {
-  const double bend = 2 * moduli.bending, twist = 2 * moduli.torsion, nu = moduli.poisson;
-  // Bending: modes (a, i) and (b, j) of the pairs (q3x, q1z), (q2x, q1y), (q3y, q2z).
-  const Real p0 = q[2][0] * l[0], r0 = q[0][2] * l[2];
-  const Real p1 = q[1][0] * l[0], r1 = q[0][1] * l[1];
-  const Real p2 = q[2][1] * l[1], r2 = q[1][2] * l[2];
-  s[2][0] = (bend * l[0]) * (p0 + nu * r0), s[0][2] = (bend * l[2]) * (r0 + nu * p0);
-  s[1][0] = (bend * l[0]) * (p1 + nu * r1), s[0][1] = (bend * l[1]) * (r1 + nu * p1);
-  s[2][1] = (bend * l[1]) * (p2 + nu * r2), s[1][2] = (bend * l[2]) * (r2 + nu * p2);
-  const Real t1 = q[0][0] * l[1] + q[1][1] * l[0];
-  const Real t2 = q[1][1] * l[2] + q[2][2] * l[1];
-  const Real t3 = q[2][2] * l[0] + q[0][0] * l[2];
-  s[0][0] = twist * (t1 * l[1] + t3 * l[2]);
-  s[1][1] = twist * (t1 * l[0] + t2 * l[2]);
-  s[2][2] = twist * (t2 * l[1] + t3 * l[0]);
-  for (int i = 0; i < 3; ++i)
-    s[3][i] = (2 * moduli.fourth * l[i] * l[i]) * q[3][i];
-}
-
-// Forces by modes (minus dU/du_m), multiplied by `scale` (1/quantum), and energies.
-template <class Real, class Geometry>
-struct TlpsForces {
-  Real material[3][Geometry::gradient_modes]; // [xyz][mode]
-  Real hourglass[3][num_modes];
-  Real J;
-  Real material_energy, hourglass_energy; // only when asked for
+// What an element's stiffness adds to its geometry: moduli times -volume/quantum, so that forces come in quanta; those of
+// the hourglass part also over 64, since strains are 8 g. Modulus is double where all lanes share it.
+template <class Modulus>
+struct TlpsStiffness {
+  Modulus lambda, mu;
+  Modulus bend, bend_cross; // of a pair of bending modes: E/(1 - nu^2)/3, and nu times that
+  Modulus twist, twist_own[3]; // mu/3; what each mode has besides the sum of the three
+  Modulus fourth; // E/9
+  double inverse_factor; // energy = inverse_factor * (energy by these moduli)
+};
+struct BrickStiffness {
+  double lambda, mu;
+  double own[3][3]; // [mode a][axis]: of bending on the off-diagonal, of torsion on the diagonal
+  double cross[3][3]; // of mode (a, i) with (i, a): bending; symmetric
+  double twist[3]; // of modes (i, i) and (j, j), i, j other than the index
+  double fourth[3];
+  double inverse_factor;
+};
+template <class Geometry>
+struct StiffnessOf;
+template <class Real>
+struct StiffnessOf<TlpsGeometry<Real>> {
+  using type = TlpsStiffness<Real>;
+};
+template <>
+struct StiffnessOf<TlpsBox> {
+  using type = TlpsStiffness<double>;
+};
+template <>
+struct StiffnessOf<TlpsBrick> {
+  using type = BrickStiffness;
 };
 
-template <MaterialModel model, class Real, class Geometry>
-KOKKOS_INLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
-                                       const ElementModuli& moduli, double scale, bool with_energy,
-                                       TlpsForces<Real, Geometry>& out) {
-  Real H[3][3];
-  meanGradient(u, geometry, H);
-  StressPoint<Real> point;
-  evaluateMaterial<model>(H, moduli.lambda, moduli.mu, with_energy, point);
-  out.J = point.J;
+// `scale` is 1/quantum.
+template <class Geometry>
+KOKKOS_INLINE_FUNCTION typename StiffnessOf<Geometry>::type
+stiffnessOf(const Geometry& geometry, const ElementModuli& moduli, double scale) {
+  typename StiffnessOf<Geometry>::type result;
   const auto factor = -scale * geometry.volume;
+  result.lambda = factor * moduli.lambda;
+  result.mu = factor * moduli.mu;
+  result.bend = factor * (moduli.bending / 32);
+  result.bend_cross = factor * (moduli.bending / 32 * moduli.poisson);
+  result.twist = factor * (moduli.torsion / 32);
   for (int i = 0; i < 3; ++i)
-    for (int m = 0; m < Geometry::gradient_modes; ++m)
-      out.material[i][m] =
-          factor * (point.P[i][0] * geometry.B[m][0] + point.P[i][1] * geometry.B[m][1] +
-                    point.P[i][2] * geometry.B[m][2]);
+    result.twist_own[i] = result.twist * (geometry.thinness[i] - 1.0);
+  result.fourth = factor * (moduli.fourth / 32);
+  result.inverse_factor = -1 / scale;
+  return result;
+}
+KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const TlpsBrick& brick,
+                                                  const ElementModuli& moduli, double scale) {
+  BrickStiffness result;
+  const double(&l)[3] = brick.inverse_length;
+  const double factor = -scale * brick.volume;
+  const double bend = factor * (moduli.bending / 32), twist = factor * (moduli.torsion / 32);
+  result.lambda = factor * moduli.lambda;
+  result.mu = factor * moduli.mu;
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    for (int i = 0; i < 3; ++i) {
+      result.own[a][i] = a == i ? twist * (l[b] * l[b] + l[c] * l[c]) : bend * (l[i] * l[i]);
+      result.cross[a][i] = bend * moduli.poisson * (l[a] * l[i]);
+    }
+    result.twist[a] = twist * (l[b] * l[c]);
+    result.fourth[a] = factor * (moduli.fourth / 32) * (l[a] * l[a]);
+  }
+  result.inverse_factor = -1 / scale;
+  return result;
+}
 
-  // q_a = Q F^T g_a = A^T g_a with A = F Q^T
-  Real g[num_hourglass_modes][3], A[3][3], q[num_hourglass_modes][3], s[num_hourglass_modes][3];
-  hourglassStrains(u, geometry, H, g);
+// s = d(U_h/V)/dq for the corotated hourglass strains q [a][local axis], each over the length of its axis: U_h/V is the sum of
+//   bending  E/(1 - nu^2)/6 (p^2 + r^2 + 2 nu p r), (p, r) = (q3x/a, q1z/c), (q2x/a, q1y/b), (q3y/b, q2z/c)
+//   torsion  mu/6 (t1^2 + t2^2 + t3^2), t1 = q1x/b + q2y/a, t2 = q2y/c + q3z/b, t3 = q3z/a + q1x/c
+//   fourth   E/18 [(q4x/a)^2 + (q4y/b)^2 + (q4z/c)^2]
+template <class Real, class Modulus>
+KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes][3],
+                                            const TlpsStiffness<Modulus>& k,
+                                            Real (&s)[num_hourglass_modes][3]) {
+  const Real sum = k.twist * (q[0][0] + q[1][1] + q[2][2]);
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i)
+      s[a][i] = a == i ? Real(k.twist_own[a] * q[a][a] + sum)
+                       : Real(k.bend * q[a][i] + k.bend_cross * q[i][a]);
+  for (int i = 0; i < 3; ++i)
+    s[3][i] = k.fourth * q[3][i];
+}
+// The same with q not divided by lengths.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes][3],
+                                            const BrickStiffness& k,
+                                            Real (&s)[num_hourglass_modes][3]) {
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    for (int i = 0; i < 3; ++i)
+      s[a][i] = a == i ? Real(k.own[a][a] * q[a][a] + (k.twist[c] * q[b][b] + k.twist[b] * q[c][c]))
+                       : Real(k.own[a][i] * q[a][i] + k.cross[a][i] * q[i][a]);
+  }
+  for (int i = 0; i < 3; ++i)
+    s[3][i] = k.fourth[i] * q[3][i];
+}
+
+// A = F Q^T, so that q_a = Q F^T g_a = A^T g_a.
+template <class Real, class Geometry>
+KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& geometry,
+                                         Real (&A)[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       A[i][k] = geometry.Q[k][i] + (H[i][0] * geometry.Q[k][0] + H[i][1] * geometry.Q[k][1] +
                                     H[i][2] * geometry.Q[k][2]);
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const TlpsBrick&, Real (&A)[3][3]) {
+  deformationGradient(H, A);
+}
+
+// Forces by modes from dU/dF = P, T = sum_a g_a (x) s_a and r_a = A s_a: f_m = (P + T Q - sum_a r_a (x) M_a) B_m + r_m.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void
+modeForces(const Real (&P)[3][3], const Real (&T)[3][3], const Real (&r)[num_hourglass_modes][3],
+           const TlpsGeometry<Real>& geometry, Real (&force)[3][num_modes]) {
+  for (int i = 0; i < 3; ++i) {
+    Real D[3];
+    for (int j = 0; j < 3; ++j)
+      D[j] = P[i][j] +
+             (T[i][0] * geometry.Q[0][j] + T[i][1] * geometry.Q[1][j] + T[i][2] * geometry.Q[2][j]);
+    for (int j = 0; j < 3; ++j)
+      D[j] -= r[0][i] * geometry.M[0][j] + r[1][i] * geometry.M[1][j] +
+              (r[2][i] * geometry.M[2][j] + r[3][i] * geometry.M[3][j]);
+    for (int m = 0; m < num_modes; ++m) {
+      const Real share =
+          D[0] * geometry.B[m][0] + D[1] * geometry.B[m][1] + D[2] * geometry.B[m][2];
+      force[i][m] = m >= 3 ? Real(share + r[m >= 3 ? m - 3 : 0][i]) : share;
+    }
+  }
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION void modeForces(const Real (&P)[3][3], const Real (&T)[3][3],
+                                       const Real (&r)[num_hourglass_modes][3], const TlpsBox& box,
+                                       Real (&force)[3][num_modes]) {
+  for (int i = 0; i < 3; ++i) {
+    Real D[3];
+    for (int j = 0; j < 3; ++j)
+      D[j] = P[i][j] + (T[i][0] * box.Q[0][j] + T[i][1] * box.Q[1][j] + T[i][2] * box.Q[2][j]);
+    for (int m = 0; m < 3; ++m)
+      force[i][m] = D[0] * box.B[m][0] + D[1] * box.B[m][1] + D[2] * box.B[m][2];
+    for (int a = 0; a < num_hourglass_modes; ++a)
+      force[i][3 + a] = r[a][i];
+  }
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION void modeForces(const Real (&P)[3][3], const Real (&T)[3][3],
+                                       const Real (&r)[num_hourglass_modes][3],
+                                       const TlpsBrick& brick, Real (&force)[3][num_modes]) {
+  for (int i = 0; i < 3; ++i) {
+    for (int m = 0; m < 3; ++m)
+      force[i][m] = (P[i][m] + T[i][m]) * brick.b[m];
+    for (int a = 0; a < num_hourglass_modes; ++a)
+      force[i][3 + a] = r[a][i];
+  }
+}
+
+template <class Real>
+struct TlpsForces {
+  Real force[3][num_modes]; // [xyz][mode], minus dU/du_m in quanta
+  Real J;
+  Real material_energy, hourglass_energy; // only when asked for
+};
+
+template <MaterialModel model, class Real, class Geometry, class Stiffness>
+KOKKOS_INLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
+                                       const Stiffness& stiffness, bool with_energy,
+                                       TlpsForces<Real>& out) {
+  Real H[3][3];
+  meanGradient(u, geometry, H);
+  StressPoint<Real> point;
+  evaluateMaterial<model>(H, stiffness.lambda, stiffness.mu, with_energy, point);
+  out.J = point.J;
+
+  Real g[num_hourglass_modes][3], A[3][3], q[num_hourglass_modes][3], s[num_hourglass_modes][3];
+  hourglassStrains(u, geometry, H, g);
+  deformedAxes(H, geometry, A);
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int k = 0; k < 3; ++k)
       q[a][k] = A[0][k] * g[a][0] + A[1][k] * g[a][1] + A[2][k] * g[a][2];
-  hourglassStress(q, geometry.inverse_length, moduli, s);
+  hourglassStress(q, stiffness, s);
 
-  // dU_h/dF = [sum_a g_a (x) s_a] Q less (1/8) sum_a r_a (x) M_a; r_a = A s_a goes to the modes themselves
-  Real r[num_hourglass_modes][3], T[3][3], D[3][3];
+  Real r[num_hourglass_modes][3], T[3][3];
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int i = 0; i < 3; ++i)
       r[a][i] = A[i][0] * s[a][0] + A[i][1] * s[a][1] + A[i][2] * s[a][2];
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       T[i][k] = g[0][i] * s[0][k] + g[1][i] * s[1][k] + (g[2][i] * s[2][k] + g[3][i] * s[3][k]);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      D[i][j] =
-          T[i][0] * geometry.Q[0][j] + T[i][1] * geometry.Q[1][j] + T[i][2] * geometry.Q[2][j];
-      if constexpr (Geometry::gradient_modes == num_modes)
-        D[i][j] -= 0.125 * (r[0][i] * geometry.M[0][j] + r[1][i] * geometry.M[1][j] +
-                            (r[2][i] * geometry.M[2][j] + r[3][i] * geometry.M[3][j]));
-    }
-  for (int i = 0; i < 3; ++i)
-    for (int m = 0; m < num_modes; ++m) {
-      Real sum;
-      if (m >= 3)
-        sum = 0.125 * r[m >= 3 ? m - 3 : 0][i];
-      if (m < Geometry::gradient_modes) {
-        const int n = m < Geometry::gradient_modes ? m : 0;
-        const Real share =
-            D[i][0] * geometry.B[n][0] + D[i][1] * geometry.B[n][1] + D[i][2] * geometry.B[n][2];
-        sum = m >= 3 ? Real(sum + share) : share;
-      }
-      out.hourglass[i][m] = factor * sum;
-    }
+  modeForces(point.P, T, r, geometry, out.force);
   if (with_energy) {
-    out.material_energy = geometry.volume * point.W;
+    out.material_energy = stiffness.inverse_factor * point.W;
     Real product = q[0][0] * s[0][0];
     for (int k = 1; k < 3 * num_hourglass_modes; ++k)
       product += q[k / 3][k % 3] * s[k / 3][k % 3];
-    out.hourglass_energy = (0.5 * geometry.volume) * product;
+    out.hourglass_energy = (0.5 * stiffness.inverse_factor) * product;
   }
 }
 

@@ -4,8 +4,10 @@
 #include "contact/base/mpi.hpp"
 #include "mechanics/element_fields_kernel.hpp"
 #include "mechanics/host_mesh.hpp"
-#include "mechanics/internal_force_kernel.hpp"
+#include "mechanics/lattice_force.hpp"
 #include "mechanics/viscous_force.hpp"
+
+#include <algorithm>
 
 namespace brickwall::mechanics {
 
@@ -41,11 +43,18 @@ std::int64_t countCongruent(const HexMesh& mesh, const std::vector<BodyShape>& s
 } // namespace
 
 InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                             ElementKind kind, Quantum quantum, LimbScale energy_scale, int threads)
-    : _kind(kind), _quantum(quantum), _energy_scale(energy_scale) {
+                             ElementKind kind, Quantum quantum, LimbScale energy_scale, int threads,
+                             bool with_lattices)
+    : _threads(threads > 0 ? threads : concurrency(space)), _kind(kind), _quantum(quantum),
+      _energy_scale(energy_scale) {
   const std::vector<BodyShape> shapes = markCongruentBodies(space, comm, mesh);
-  const ElementChunks cut =
-      cutIntoChunks(space, mesh, shapes, threads > 0 ? threads : concurrency(space));
+  if (with_lattices && simd_width > 1 && kind == ElementKind::one_point) {
+    const auto lattices = findBrickLattices(space, mesh, shapes);
+    _lattices = latticeTables(space, lattices, latticeScratch(lattices));
+  }
+  leaveOut(space, {});
+  const ElementChunks cut = cutIntoChunks(space, mesh, shapes, _lattices.on_host, _threads);
+  _all_in_lattices = cut.all_in_lattices;
   _groups = cut.groups;
   _num_congruent_elems = countCongruent(mesh, shapes);
   _tables.mesh = viewsOf(mesh);
@@ -53,10 +62,10 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
   _tables.chunks = cut.chunks;
   _tables.packs = cut.packs;
   if (kind == ElementKind::one_point) {
-    std::vector<TlpsBox> boxes(shapes.size());
+    std::vector<CongruentShape> boxes(shapes.size());
     for (std::size_t b = 0; b < shapes.size(); ++b)
       if (shapes[b].congruent)
-        boxes[b] = tlpsBox(shapes[b].jacobian);
+        boxes[b] = CongruentShape::of(shapes[b].jacobian);
     _tables.boxes = copyToDevice(space, "mechanics::InternalForce::boxes", boxes);
     storeGeometry<TlpsGeometry<double>>(space, cut.num_geometry_rows, _tables);
   } else {
@@ -84,17 +93,55 @@ InternalForceResult InternalForce::add(const exec_space& space,
     throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
   InternalForceResult result;
   result.has_energy = with_energy;
+  const bool skips_lattices = !viscosity.any() && !_lattices.on_host.empty();
+  ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
+                           viscosity,   _quantum.inverse, _energy_scale, 0,
+                           with_energy, skips_lattices};
   for (const ChunkGroup& group : _groups) {
-    const ForceArguments arguments{_tables,       displacement, velocity,
-                                   forces.values, viscosity,    _quantum.inverse,
-                                   _energy_scale, group.first,  with_energy};
+    if (skips_lattices && _all_in_lattices)
+      break;
+    arguments.first_chunk = group.first;
     const ForceSums sums = viscosity.any() ? addWithViscosity(space, _kind, group, arguments)
                                            : launchForces<false>(space, _kind, group, arguments);
     result.energy += sums.energy;
     result.failure += sums.failure;
     result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);
   }
+  if (skips_lattices) {
+    const ForceSums sums = addLatticeForces(space, _lattices, _slabs, arguments);
+    result.energy += sums.energy;
+    result.failure += sums.failure;
+  }
+  result.energy.carry();
   return result;
+}
+
+void InternalForce::leaveOut(const exec_space& space, const std::vector<int>& free_lattices) {
+  std::vector<int> others;
+  for (int row = 0; row < static_cast<int>(_lattices.on_host.size()); ++row)
+    if (std::find(free_lattices.begin(), free_lattices.end(), row) == free_lattices.end())
+      others.push_back(row);
+  const auto slabsOf = [&](const std::string& name, const std::vector<int>& rows) {
+    return copyToDevice(space, "mechanics::InternalForce::" + name,
+                        cutIntoSlabs(_lattices.on_host, rows, _threads));
+  };
+  _slabs = slabsOf("slabs", others);
+  _left_out = slabsOf("left_out", free_lattices);
+}
+
+void InternalForce::addLeftOut(const exec_space& space, const View<const double* [3]>& displacement,
+                               const NodalForces& forces) const {
+  addLatticeForces(space, _lattices, _left_out,
+                   {_tables,
+                    displacement,
+                    {},
+                    forces.values,
+                    {},
+                    _quantum.inverse,
+                    _energy_scale,
+                    0,
+                    false,
+                    true});
 }
 
 void InternalForce::computeFields(const exec_space& space,

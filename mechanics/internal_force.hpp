@@ -3,6 +3,7 @@
 // the corners in integers, so an element's corner forces sum to exactly zero and totals depend on no order.
 #pragma once
 
+#include "mechanics/brick_lattice.hpp"
 #include "mechanics/bulk_viscosity.hpp"
 #include "mechanics/element_chunks.hpp"
 #include "mechanics/element_failure.hpp"
@@ -41,16 +42,31 @@ struct ElementFields {
   View<double*> energy_density; // stored energy (hourglass included) per reference volume
 };
 
+// The shape of a congruent body's elements.
+struct CongruentShape {
+  bool is_brick = false;
+  TlpsBrick brick;
+  TlpsBox box;
+  static CongruentShape of(const Mat3& jacobian) {
+    CongruentShape shape;
+    shape.is_brick = isTlpsBrick(jacobian);
+    shape.box = tlpsBox(jacobian);
+    if (shape.is_brick)
+      shape.brick = tlpsBrick(jacobian);
+    return shape;
+  }
+};
+
 class InternalForce {
 public:
   // Finds congruent bodies, stores what the general elements need (about 370 B each) and cuts the bodies into chunks.
   // `energy_scale` is the scale of the stored-energy sums. `threads`: how many share the work (0: as many as run at
-  // once); no result depends on it. Collective.
+  // once); no result depends on it, nor on `with_lattices`: whether lattices are swept as such. Collective.
   InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh, ElementKind kind,
-                Quantum quantum, LimbScale energy_scale, int threads = 0);
+                Quantum quantum, LimbScale energy_scale, int threads = 0,
+                bool with_lattices = true);
 
-  // Adds the elements' forces at X + u to the columns material_force and hourglass_force (full integration has no
-  // hourglass share). `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the range) add
+  // Adds the elements' forces at X + u to the columns internal_force. `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the range) add
   // nothing and are reported. Not collective; fences.
   InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
                           const NodalForces& forces, bool with_energy);
@@ -60,6 +76,10 @@ public:
                           const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
                           const NodalForces& forces, bool with_energy);
 
+  // The elements of free bricks, which add() leaves out, as add() would.
+  void addLeftOut(const exec_space& space, const View<const double* [3]>& displacement,
+                  const NodalForces& forces) const;
+
   // Stress and energy density of every element at X + u; Views are grown. Not collective.
   void computeFields(const exec_space& space, const View<const double* [3]>& displacement,
                      ElementFields& fields) const;
@@ -67,20 +87,32 @@ public:
   ElementKind kind() const { return _kind; }
   std::int64_t numCongruentElems() const { return _num_congruent_elems; }
 
+  // Lattices, and those whose elements add() leaves to others (free_bricks.hpp) from now on: rows of lattices().
+  const LatticeTables& lattices() const { return _lattices; }
+  void leaveOut(const exec_space& space, const std::vector<int>& free_lattices);
+  int threads() const { return _threads; }
+  LimbScale energyScale() const { return _energy_scale; }
+  const Quantum& quantum() const { return _quantum; }
+
   // What the kernels read (public: device code may not name private types).
   struct Tables {
     MeshViews mesh;
     int num_elems = 0;
     View<ElementChunk*> chunks;
     View<ElementPack*> packs;
-    View<TlpsBox*> boxes; // [body], one-point; rows of congruent bodies are set
+    View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
     View<FullGeometry<double>*> full_shapes; // [body], full integration; "
     View<double** [simd_width]> geometry; // [pack][component][lane] of TlpsGeometry or FullGeometry
   };
+  const Tables& tables() const { return _tables; }
 
 private:
   Tables _tables;
+  LatticeTables _lattices; // empty on devices and for full integration
+  View<LatticeSlab*> _slabs, _left_out; // of what add() sweeps, and of what it leaves out
   std::vector<ChunkGroup> _groups;
+  bool _all_in_lattices = false;
+  int _threads = 1;
   ElementKind _kind;
   Quantum _quantum;
   LimbScale _energy_scale;

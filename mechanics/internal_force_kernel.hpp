@@ -49,6 +49,7 @@ struct ForceArguments {
   LimbScale energy_scale;
   int first_chunk;
   bool with_energy;
+  bool skips_lattices;
 };
 
 struct ForceSums {
@@ -72,73 +73,70 @@ KOKKOS_INLINE_FUNCTION int failureReason(double J, double largest) {
 }
 
 // A pack's forces and energies, ready to be added.
-template <class Real, class Integer, int kinds>
+template <class Real, class Integer>
 struct PackForces {
-  CornerForces<Integer> corners[kinds]; // material, hourglass
-  Real energy[kinds];
+  CornerForces<Integer> corners;
+  Real energy[num_stored_energies];
   Real J;
   Real largest; // magnitude of any mode
 };
 
-template <MaterialModel model, class Real, class Integer, class Geometry>
+template <MaterialModel model, class Real, class Integer, class Geometry, class Stiffness>
 KOKKOS_INLINE_FUNCTION void packForces(const Real (&u)[3][num_modes], const Geometry& geometry,
-                                       const ElementModuli& moduli, const ForceArguments& a,
-                                       PackForces<Real, Integer, 2>& out) {
-  TlpsForces<Real, Geometry> forces;
-  tlpsForces<model>(u, geometry, moduli, a.inverse_quantum, a.with_energy, forces);
+                                       const Stiffness& stiffness, const ForceArguments& a,
+                                       PackForces<Real, Integer>& out) {
+  TlpsForces<Real> forces;
+  tlpsForces<model>(u, geometry, stiffness, a.with_energy, forces);
   out.J = forces.J;
   out.largest = Real(0.0);
-  roundToCorners(forces.material, out.largest, out.corners[0]);
-  roundToCorners(forces.hourglass, out.largest, out.corners[1]);
-  out.energy[0] = forces.material_energy;
-  out.energy[1] = forces.hourglass_energy;
+  roundToCorners(forces.force, out.largest, out.corners);
+  out.energy[stored_material] = forces.material_energy;
+  out.energy[stored_hourglass] = forces.hourglass_energy;
 }
 template <MaterialModel model, class Real, class Integer>
-KOKKOS_INLINE_FUNCTION void packForces(const Real (&u)[3][num_modes],
-                                       const FullGeometry<Real>& geometry,
-                                       const ElementModuli& moduli, const ForceArguments& a,
-                                       PackForces<Real, Integer, 1>& out) {
+KOKKOS_INLINE_FUNCTION void
+packForces(const Real (&u)[3][num_modes], const FullGeometry<Real>& geometry,
+           const ElementModuli& moduli, const ForceArguments& a, PackForces<Real, Integer>& out) {
   FullForces<Real> forces;
   fullForces<model>(u, geometry, moduli.lambda, moduli.mu, a.inverse_quantum, a.with_energy,
                     forces);
   out.J = forces.J;
   out.largest = Real(0.0);
-  roundToCorners(forces.material, out.largest, out.corners[0]);
-  out.energy[0] = forces.material_energy;
+  roundToCorners(forces.material, out.largest, out.corners);
+  out.energy[stored_material] = forces.material_energy;
+  out.energy[stored_hourglass] = Real(0.0);
 }
 
-// Adds to the columns of `kinds` force kinds from `first_kind` on.
-template <class Integer, int kinds>
+// Adds to the columns of a force kind.
+template <class Integer>
 KOKKOS_INLINE_FUNCTION void addCorners(const Tables& tables, const View<std::int64_t**>& forces,
-                                       const ElementPack& pack, int lane, int first_kind,
-                                       const CornerForces<Integer> (&corners)[kinds]) {
+                                       const ElementPack& pack, int lane, int kind,
+                                       const CornerForces<Integer>& corners) {
   for (int c = 0; c < 8; ++c) {
     const int node = tables.mesh.elem_to_nodes(pack.first + lane, c);
-    for (int kind = 0; kind < kinds; ++kind)
-      for (int i = 0; i < 3; ++i) {
-        std::int64_t* const target = &forces(node, 3 * (first_kind + kind) + i);
-        const std::int64_t value = laneOf(corners[kind].value[i][c], lane);
-        if (pack.atomic)
-          Kokkos::atomic_add(target, value);
-        else
-          *target += value;
-      }
+    for (int i = 0; i < 3; ++i) {
+      std::int64_t* const target = &forces(node, 3 * kind + i);
+      const std::int64_t value = laneOf(corners.value[i][c], lane);
+      if (pack.atomic)
+        Kokkos::atomic_add(target, value);
+      else
+        *target += value;
+    }
   }
 }
 
-template <class Real, class Integer, int kinds>
+template <class Real, class Integer>
 KOKKOS_INLINE_FUNCTION void addPack(const ForceArguments& a, const ElementPack& pack,
-                                    const PackForces<Real, Integer, kinds>& forces,
-                                    ForceSums& sums) {
+                                    const PackForces<Real, Integer>& forces, ForceSums& sums) {
   for (int lane = 0; lane < pack.count; ++lane) {
     const int reason = failureReason(laneOf(forces.J, lane), laneOf(forces.largest, lane));
     if (reason != no_failure) {
       sums.failure.add(a.tables.mesh.elem_ids(pack.first + lane), reason);
       continue;
     }
-    addCorners(a.tables, a.forces, pack, lane, material_force, forces.corners);
+    addCorners(a.tables, a.forces, pack, lane, internal_force, forces.corners);
     if (a.with_energy)
-      for (int kind = 0; kind < kinds; ++kind)
+      for (int kind = 0; kind < num_stored_energies; ++kind)
         sums.energy.add(kind, laneOf(forces.energy[kind], lane), a.energy_scale);
   }
 }
@@ -146,7 +144,7 @@ KOKKOS_INLINE_FUNCTION void addPack(const ForceArguments& a, const ElementPack& 
 // A pack's viscous forces.
 template <class Real, class Integer>
 struct ViscousPack {
-  CornerForces<Integer> corners[1];
+  CornerForces<Integer> corners;
   Real rate;
 };
 
@@ -160,7 +158,7 @@ KOKKOS_INLINE_FUNCTION void viscousPack(const ForceArguments& a, const ElementPa
   gatherModes(a.tables, a.velocity, pack, v);
   ViscousForces<Real, Geometry::gradient_modes> forces;
   viscousForces<model>(u, v, geometry, moduli, a.inverse_quantum, forces);
-  roundToCorners(forces.force, largest, out.corners[0]);
+  roundToCorners(forces.force, largest, out.corners);
   out.rate = forces.rate;
 }
 
@@ -177,33 +175,22 @@ addViscousPack(const ForceArguments& a, const ElementPack& pack, const Real& J, 
   }
 }
 
-struct ModuliWithViscosity : ElementModuli {
-  ViscousModuli viscous;
-};
-
 template <ElementKind kind, MaterialModel model, bool with_viscosity>
 struct ForceFunctor {
-  static constexpr int kinds = kind == ElementKind::one_point ? 2 : 1;
-  using Moduli = std::conditional_t<with_viscosity, ModuliWithViscosity, ElementModuli>;
   ForceArguments a;
 
-  KOKKOS_INLINE_FUNCTION Moduli moduliOf(const Material& material) const {
-    if constexpr (with_viscosity)
-      return {ElementModuli::of(material), ViscousModuli::of(material, a.viscosity)};
-    else
-      return ElementModuli::of(material);
-  }
-
-  template <class Geometry>
+  template <class Geometry, class Stiffness>
   KOKKOS_INLINE_FUNCTION void onePack(const ElementPack& pack, const Geometry& geometry,
-                                      const Moduli& moduli, ForceSums& sums) const {
+                                      const Stiffness& stiffness, const Material& material,
+                                      ForceSums& sums) const {
     Lanes u[3][num_modes];
     gatherModes(a.tables, a.displacement, pack, u);
-    PackForces<Lanes, IntLanes, kinds> forces;
-    packForces<model>(u, geometry, moduli, a, forces);
+    PackForces<Lanes, IntLanes> forces;
+    packForces<model>(u, geometry, stiffness, a, forces);
     if constexpr (with_viscosity) {
       ViscousPack<Lanes, IntLanes> viscous;
-      viscousPack<model>(a, pack, u, geometry, moduli.viscous, forces.largest, viscous);
+      viscousPack<model>(a, pack, u, geometry, ViscousModuli::of(material, a.viscosity),
+                         forces.largest, viscous);
       addPack(a, pack, forces, sums);
       addViscousPack(a, pack, forces.J, forces.largest, viscous, sums);
     } else {
@@ -212,34 +199,49 @@ struct ForceFunctor {
   }
 
   template <class Geometry>
-  KOKKOS_INLINE_FUNCTION void congruent(const ElementChunk& chunk, const Geometry& shape,
-                                        const Moduli& moduli, ForceSums& sums) const {
-    for (int p = 0; p < chunk.num_packs; ++p)
-      onePack(a.tables.packs(chunk.first_pack + p), shape, moduli, sums);
+  KOKKOS_INLINE_FUNCTION auto stiffness(const Geometry& geometry,
+                                        const ElementModuli& moduli) const {
+    if constexpr (kind == ElementKind::one_point)
+      return stiffnessOf(geometry, moduli, a.inverse_quantum);
+    else
+      return moduli;
   }
   template <class Geometry>
-  KOKKOS_INLINE_FUNCTION void general(const ElementChunk& chunk, const Moduli& moduli,
+  KOKKOS_INLINE_FUNCTION void congruent(const ElementChunk& chunk, const Geometry& shape,
+                                        const Material& material, ForceSums& sums) const {
+    const auto shared = stiffness(shape, ElementModuli::of(material));
+    for (int p = 0; p < chunk.num_packs; ++p)
+      onePack(a.tables.packs(chunk.first_pack + p), shape, shared, material, sums);
+  }
+  template <class Geometry>
+  KOKKOS_INLINE_FUNCTION void general(const ElementChunk& chunk, const Material& material,
                                       ForceSums& sums) const {
+    const ElementModuli moduli = ElementModuli::of(material);
     for (int p = 0; p < chunk.num_packs; ++p) {
       Geometry geometry;
       loadGeometry(a.tables, chunk.geometry_row + p, 0, geometry);
-      onePack(a.tables.packs(chunk.first_pack + p), geometry, moduli, sums);
+      onePack(a.tables.packs(chunk.first_pack + p), geometry, stiffness(geometry, moduli), material,
+              sums);
     }
   }
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c, ForceSums& sums) const {
     const ElementChunk chunk = a.tables.chunks(a.first_chunk + c);
-    const Moduli moduli = moduliOf(a.tables.mesh.materials(chunk.block));
+    if (a.skips_lattices && chunk.in_lattice)
+      return;
+    const Material material = a.tables.mesh.materials(chunk.block);
     if constexpr (kind == ElementKind::one_point) {
-      if (chunk.shape >= 0)
-        congruent(chunk, a.tables.boxes(chunk.shape), moduli, sums);
+      if (chunk.shape < 0)
+        general<TlpsGeometry<Lanes>>(chunk, material, sums);
+      else if (a.tables.boxes(chunk.shape).is_brick)
+        congruent(chunk, a.tables.boxes(chunk.shape).brick, material, sums);
       else
-        general<TlpsGeometry<Lanes>>(chunk, moduli, sums);
+        congruent(chunk, a.tables.boxes(chunk.shape).box, material, sums);
     } else {
       if (chunk.shape >= 0)
-        congruent(chunk, inAllLanes<Lanes>(a.tables.full_shapes(chunk.shape)), moduli, sums);
+        congruent(chunk, inAllLanes<Lanes>(a.tables.full_shapes(chunk.shape)), material, sums);
       else
-        general<FullGeometry<Lanes>>(chunk, moduli, sums);
+        general<FullGeometry<Lanes>>(chunk, material, sums);
     }
   }
 };

@@ -33,8 +33,7 @@ enum KickTerm : int {
   kick_work, // dt f_k.(v- + v+)/2 for each force kind k
   kick_work_reaction = kick_work + num_force_kinds,
   kick_work_damping, // of damping by mass: -dt alpha m |(v- + v+)/2|^2
-  kick_power_material, // dU/du . v- (minus the nodal forces)
-  kick_power_hourglass,
+  kick_power, // dU/du . v- (minus the nodal forces)
   kick_momentum, // m v+
   kick_angular = kick_momentum + 3, // x^n x m v+
   kick_impulse_external = kick_angular + 3, // dt f_external

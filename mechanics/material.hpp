@@ -9,37 +9,30 @@
 
 namespace brickwall::mechanics {
 
-// ln(1 + d) = 2 artanh(s), s = d/(2 + d); eight terms of the series are exact to rounding for |d| <= 1/8. The same
+// ln(1 + d) = 2 artanh(s), s = d/(2 + d); seven terms of the series are exact to rounding for |d| <= 1/8. The same
 // arithmetic on every back end; log1p beyond.
-KOKKOS_INLINE_FUNCTION double logSeries(double s, double t) {
-  return s *
-         (2.0 + t * (2.0 / 3 +
-                     t * (2.0 / 5 +
-                          t * (2.0 / 7 +
-                               t * (2.0 / 9 + t * (2.0 / 11 + t * (2.0 / 13 + t * (2.0 / 15))))))));
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real logSeries(const Real& s, const Real& t) {
+  return s * (2.0 + t * (2.0 / 3 +
+                         t * (2.0 / 5 +
+                              t * (2.0 / 7 + t * (2.0 / 9 + t * (2.0 / 11 + t * (2.0 / 13)))))));
+}
+// With s known.
+KOKKOS_INLINE_FUNCTION double logOnePlus(double d, double s) {
+  return std::fabs(d) <= 0.125 ? logSeries(s, s * s) : portableLog1p(d);
 }
 template <int W>
-inline PackOf<W> logSeries(const PackOf<W>& s, const PackOf<W>& t) {
-  return s *
-         (2.0 + t * (2.0 / 3 +
-                     t * (2.0 / 5 +
-                          t * (2.0 / 7 +
-                               t * (2.0 / 9 + t * (2.0 / 11 + t * (2.0 / 13 + t * (2.0 / 15))))))));
-}
-KOKKOS_INLINE_FUNCTION double logOnePlus(double d) {
-  if (!(std::fabs(d) <= 0.125))
-    return portableLog1p(d);
-  const double s = d / (2.0 + d);
-  return logSeries(s, s * s);
-}
-template <int W>
-inline PackOf<W> logOnePlus(const PackOf<W>& d) {
-  const PackOf<W> s = d / (2.0 + d);
-  PackOf<W> result = logSeries(s, s * s);
-  for (int lane = 0; lane < W; ++lane)
-    if (!(std::fabs(d.v[lane]) <= 0.125))
-      result.v[lane] = portableLog1p(d.v[lane]);
+inline PackOf<W> logOnePlus(const PackOf<W>& d, const PackOf<W>& s) {
+  PackOf<W> result = logSeries(s, PackOf<W>(s * s));
+  if (anyBeyond(d, 0.125))
+    for (int lane = 0; lane < W; ++lane)
+      if (!(std::fabs(d.v[lane]) <= 0.125))
+        result.v[lane] = portableLog1p(d.v[lane]);
   return result;
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real logOnePlus(const Real& d) {
+  return logOnePlus(d, Real(d / (2.0 + d)));
 }
 
 // Cofactors of F = I + H, so that F^-T = cofactor / J.
@@ -80,42 +73,44 @@ struct StressPoint {
   Real W; // energy per reference volume; only when asked for
 };
 
-// neo-Hookean: W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = tau F^-T, tau = mu (b - I) + lambda ln J I,
-// b - I = H + H^T + H H^T.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void neoHookean(const Real (&H)[3][3], double lambda, double mu, bool with_W,
-                                       StressPoint<Real>& out) {
-  Real F[3][3], cofactor[3][3], tau[3][3];
-  deformationGradient(H, F);
-  cofactors(F, cofactor);
-  const Real d = volumeChange(H);
+// neo-Hookean: W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = mu (F - F^-T) + lambda ln J F^-T. With C = cof H,
+// t = tr H, e = tr C + det H = J - 1 - t and cof F = (1 + t) I - H^T + C that is, without cancellation at small strain,
+//   P = mu H + (p - r) (H^T - C) + (p e + r (1 + t)) I,  p = mu/J, r = lambda ln J/J.
+// The moduli are double, or Real where they differ between lanes.
+template <class Real, class Modulus>
+KOKKOS_INLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus& lambda,
+                                       const Modulus& mu, bool with_W, StressPoint<Real>& out) {
+  Real C[3][3];
+  cofactors(H, C);
+  const Real t = H[0][0] + H[1][1] + H[2][2];
+  const Real e =
+      (C[0][0] + C[1][1] + C[2][2]) + (H[0][0] * C[0][0] + H[0][1] * C[0][1] + H[0][2] * C[0][2]);
+  const Real d = t + e;
   out.J = 1.0 + d;
-  const Real log_J = logOnePlus(d);
-  for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j)
-      tau[i][j] =
-          mu * (H[i][j] + H[j][i] + (H[i][0] * H[j][0] + H[i][1] * H[j][1] + H[i][2] * H[j][2]));
-  const Real p = lambda * log_J;
-  tau[0][0] += p, tau[1][1] += p, tau[2][2] += p;
-  tau[1][0] = tau[0][1], tau[2][0] = tau[0][2], tau[2][1] = tau[1][2];
-  const Real inverse_J = 1.0 / out.J;
+  const Real two_plus_d = 2.0 + d; // one division serves 1/J and d/(2 + d)
+  const Real inverse = 1.0 / (two_plus_d * out.J);
+  const Real inverse_J = two_plus_d * inverse;
+  const Real log_J = logOnePlus(d, Real((d * out.J) * inverse));
+  const Real p = mu * inverse_J, r = (lambda * log_J) * inverse_J;
+  const Real difference = p - r;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      out.P[i][j] = inverse_J * (tau[i][0] * cofactor[0][j] + tau[i][1] * cofactor[1][j] +
-                                 tau[i][2] * cofactor[2][j]);
+      out.P[i][j] = mu * H[i][j] + difference * (H[j][i] - C[i][j]);
+  const Real q = p * e + (r + r * t);
+  out.P[0][0] += q, out.P[1][1] += q, out.P[2][2] += q;
   if (with_W) {
     Real square = H[0][0] * H[0][0];
     for (int k = 1; k < 9; ++k)
       square += H[k / 3][k % 3] * H[k / 3][k % 3];
-    const Real trace = H[0][0] + H[1][1] + H[2][2];
-    out.W = mu * (0.5 * square + (trace - log_J)) + 0.5 * lambda * (log_J * log_J);
+    out.W = mu * (0.5 * square + (t - log_J)) + (0.5 * lambda) * (log_J * log_J);
   }
 }
 
 // St.Venant-Kirchhoff: W = lambda/2 (tr E)^2 + mu E:E, P = F S.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], double lambda, double mu,
-                                                 bool with_W, StressPoint<Real>& out) {
+template <class Real, class Modulus>
+KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], const Modulus& lambda,
+                                                 const Modulus& mu, bool with_W,
+                                                 StressPoint<Real>& out) {
   Real F[3][3], E2[3][3], S[3][3]; // E2 = 2 E
   deformationGradient(H, F);
   for (int i = 0; i < 3; ++i)
@@ -124,7 +119,7 @@ KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], double l
       S[i][j] = mu * E2[i][j];
     }
   const Real trace = E2[0][0] + E2[1][1] + E2[2][2];
-  const Real p = 0.5 * lambda * trace;
+  const Real p = (0.5 * lambda) * trace;
   S[0][0] += p, S[1][1] += p, S[2][2] += p;
   S[1][0] = S[0][1], S[2][0] = S[0][2], S[2][1] = S[1][2];
   for (int i = 0; i < 3; ++i)
@@ -134,14 +129,14 @@ KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], double l
   if (with_W) {
     const Real square = E2[0][0] * E2[0][0] + E2[1][1] * E2[1][1] + E2[2][2] * E2[2][2] +
                         2.0 * (E2[0][1] * E2[0][1] + E2[0][2] * E2[0][2] + E2[1][2] * E2[1][2]);
-    out.W = 0.125 * lambda * (trace * trace) + 0.25 * mu * square;
+    out.W = (0.125 * lambda) * (trace * trace) + (0.25 * mu) * square;
   }
 }
 
 // Small strain: W = lambda/2 (tr e)^2 + mu e:e, P = dW/dH.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], double lambda, double mu,
-                                          bool with_W, StressPoint<Real>& out) {
+template <class Real, class Modulus>
+KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], const Modulus& lambda,
+                                          const Modulus& mu, bool with_W, StressPoint<Real>& out) {
   const Real trace = H[0][0] + H[1][1] + H[2][2];
   const Real p = lambda * trace;
   for (int i = 0; i < 3; ++i)
@@ -157,9 +152,10 @@ KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], double lambda, 
   }
 }
 
-template <MaterialModel model, class Real>
-KOKKOS_INLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], double lambda, double mu,
-                                             bool with_W, StressPoint<Real>& out) {
+template <MaterialModel model, class Real, class Modulus>
+KOKKOS_INLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], const Modulus& lambda,
+                                             const Modulus& mu, bool with_W,
+                                             StressPoint<Real>& out) {
   if (model == MaterialModel::neo_hookean)
     neoHookean(H, lambda, mu, with_W, out);
   else if (model == MaterialModel::svk)

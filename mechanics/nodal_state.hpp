@@ -14,8 +14,7 @@ struct NodalState {
 // Force kinds of the ledger; each is a group of 3 columns of NodalForces::values. Those of bulk viscosity are the last and
 // are there only in runs that have it.
 enum ForceKind : int {
-  material_force,
-  hourglass_force,
+  internal_force, // of material and hourglass stiffness
   contact_force,
   external_force,
   viscous_force,
@@ -26,7 +25,7 @@ inline int numForceColumns(bool has_viscosity) {
 }
 
 // Fixed-point nodal forces of this rank's elements and faces, in quanta; after the shared-node sum, totals.
-// Internal force is material_force + hourglass_force. Gravity is not here: it is exactly m g at each node.
+// Gravity is not here: it is exactly m g at each node.
 struct NodalForces {
   View<std::int64_t**> values; // [node][3 * kind + xyz], numForceColumns() of them
   Quantum quantum; // force of one unit

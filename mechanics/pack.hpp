@@ -7,6 +7,7 @@
 #include "contact/base/fixed_point.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <type_traits>
 
 namespace brickwall::mechanics {
@@ -18,6 +19,7 @@ template <>
 struct VectorsOf<8> {
   typedef double real __attribute__((vector_size(64)));
   typedef std::int64_t integer __attribute__((vector_size(64)));
+  typedef std::uint64_t bits __attribute__((vector_size(64)));
 };
 
 template <int W>
@@ -110,6 +112,35 @@ inline IntPackOf<W> operator-(const IntPackOf<W>& a) {
   return -a.v;
 }
 
+// Lanes of a and b together by number: 0 .. W-1 are a's, W .. 2W-1 b's.
+template <class V, class Numbers>
+inline V shuffled(const V& a, const V& b, const Numbers& lanes) {
+  return __builtin_shuffle(a, b, lanes);
+}
+
+// Whether a lane is not zero.
+template <class Integers>
+inline bool anyLane(const Integers& mask) {
+  std::int64_t any = 0;
+  for (unsigned lane = 0; lane < sizeof mask / sizeof any; ++lane)
+    any |= mask[lane];
+  return any != 0;
+}
+
+// Lanes moved up by one, the last of `before` coming in below.
+template <int W>
+inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a) {
+  static_assert(W == 8);
+  using I = typename IntPackOf<W>::vector;
+  return shuffled(before.v, a.v, I{7, 8, 9, 10, 11, 12, 13, 14});
+}
+
+// Whether all are > 0.
+template <int W>
+inline bool allPositive(const PackOf<W>& a) {
+  return !anyLane(~(a.v > 0.0));
+}
+
 // The smaller, or NaN as soon as one is NaN.
 KOKKOS_INLINE_FUNCTION double minOrNan(double a, double b) {
   return a < b ? a : (a != a ? a : b);
@@ -119,15 +150,24 @@ inline PackOf<W> minOrNan(const PackOf<W>& a, const PackOf<W>& b) {
   return a.v < b.v ? a.v : (a.v != a.v ? a.v : b.v);
 }
 
-// The larger of |a| and b, or NaN as soon as one is NaN.
+// The larger of |a| and b >= 0, or NaN as soon as one is NaN.
 KOKKOS_INLINE_FUNCTION double maxMagnitude(double a, double b) {
   const double m = std::fabs(a);
   return m <= b ? b : (b != b ? b : m); // NaN m: kept, comparisons fail
 }
+// Bit patterns of magnitudes have the order of the numbers, NaN above all.
 template <int W>
 inline PackOf<W> maxMagnitude(const PackOf<W>& a, const PackOf<W>& b) {
+  using integer = typename IntPackOf<W>::vector;
+  const integer m = (integer)a.v & INT64_MAX, n = (integer)b.v;
+  return (typename PackOf<W>::vector)(m > n ? m : n);
+}
+
+// Whether |a| <= limit is false in a lane.
+template <int W>
+inline bool anyBeyond(const PackOf<W>& a, double limit) {
   const typename PackOf<W>::vector m = a.v < 0.0 ? -a.v : a.v;
-  return m <= b.v ? b.v : (b.v != b.v ? b.v : m);
+  return anyLane(~(m <= limit));
 }
 
 // max(a, 0); NaN stays.
@@ -150,6 +190,21 @@ inline PackOf<W> squareRoot(const PackOf<W>& a) {
   return root;
 }
 
+// a where m != 0, else 0.
+KOKKOS_INLINE_FUNCTION double whereNotZero(double m, double a) {
+  return m != 0 ? a : 0.0;
+}
+template <int W>
+inline PackOf<W> whereNotZero(const PackOf<W>& m, const PackOf<W>& a) {
+  return m.v != 0.0 ? a.v : typename PackOf<W>::vector{};
+}
+
+// a where the mask has all bits, 0 where it has none.
+template <int W>
+inline PackOf<W> masked(const PackOf<W>& a, const IntPackOf<W>& mask) {
+  return (typename PackOf<W>::vector)((typename IntPackOf<W>::vector)a.v & mask.v);
+}
+
 // Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (that element is dropped and reported).
 KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
   return roundToFixed(quanta);
@@ -162,6 +217,15 @@ inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
   rounded = rounded < fixed_point_limit && rounded > -fixed_point_limit
                 ? rounded
                 : typename PackOf<W>::vector{};
+  return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
+}
+
+// The same of numbers that are known to be in the range.
+template <int W>
+inline IntPackOf<W> toFixedInRange(const PackOf<W>& quanta) {
+  typename PackOf<W>::vector rounded;
+  for (int lane = 0; lane < W; ++lane)
+    rounded[lane] = __builtin_rint(quanta.v[lane]);
   return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
 }
 
@@ -186,6 +250,46 @@ KOKKOS_INLINE_FUNCTION void setLane(double& a, int, double value) {
 template <int W>
 inline void setLane(PackOf<W>& a, int lane, double value) {
   a.v[lane] = value;
+}
+
+template <int W>
+inline PackOf<W> toReal(const IntPackOf<W>& a) {
+  return __builtin_convertvector(a.v, typename PackOf<W>::vector);
+}
+KOKKOS_INLINE_FUNCTION double toReal(std::int64_t a) {
+  return static_cast<double>(a);
+}
+
+// W rows of three numbers each, packed, as lanes of x, y and z.
+template <int W>
+inline void loadTriples(const double* rows, PackOf<W> (&lanes)[3]) {
+  static_assert(W == 8);
+  using V = typename PackOf<W>::vector;
+  using I = typename IntPackOf<W>::vector;
+  V a, b, c;
+  memcpy(&a, rows, sizeof a);
+  memcpy(&b, rows + 8, sizeof b);
+  memcpy(&c, rows + 16, sizeof c);
+  lanes[0].v =
+      shuffled(shuffled(a, b, I{0, 3, 6, 9, 12, 15, 0, 0}), c, I{0, 1, 2, 3, 4, 5, 10, 13});
+  lanes[1].v =
+      shuffled(shuffled(a, b, I{1, 4, 7, 10, 13, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 8, 11, 14});
+  lanes[2].v =
+      shuffled(shuffled(a, b, I{2, 5, 8, 11, 14, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 9, 12, 15});
+}
+template <int W>
+inline void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
+  static_assert(W == 8);
+  using I = typename IntPackOf<W>::vector;
+  const auto &x = lanes[0].v, &y = lanes[1].v, &z = lanes[2].v;
+  const auto a = shuffled(shuffled(x, y, I{0, 8, 0, 1, 9, 0, 2, 10}), z, I{0, 1, 8, 3, 4, 9, 6, 7});
+  const auto b =
+      shuffled(shuffled(x, y, I{0, 3, 11, 0, 4, 12, 0, 5}), z, I{10, 1, 2, 11, 4, 5, 12, 7});
+  const auto c =
+      shuffled(shuffled(x, y, I{13, 0, 6, 14, 0, 7, 15, 0}), z, I{0, 13, 2, 3, 14, 5, 6, 15});
+  memcpy(rows, &a, sizeof a);
+  memcpy(rows + 8, &b, sizeof b);
+  memcpy(rows + 16, &c, sizeof c);
 }
 
 // The scalar type of the element kernels for W lanes, and its integers.

@@ -1,4 +1,4 @@
-// Stored energy of one kind of force at half steps, from what is known at whole steps:
+// Stored energy of elastic bodies at half steps, from what is known at whole steps:
 //   S^{n+1/2} = (U^n + U^{n+1})/2 - (dt/4) v^{n+1/2} . (dU/du^{n+1} - dU/du^n).
 // For linear springs it is u^n.K.u^{n+1}/2, whose change at constant dt is minus the work of central differences exactly;
 // else the error is of higher order than that of the mean (U^n + U^{n+1})/2.

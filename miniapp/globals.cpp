@@ -60,8 +60,7 @@ bool hasDamping(const Config& config) {
 const std::vector<Column>& columns() {
   using mechanics::contact_force;
   using mechanics::external_force;
-  using mechanics::hourglass_force;
-  using mechanics::material_force;
+  using mechanics::internal_force;
   using mechanics::viscous_force;
   static const std::vector<Column> all = {
       number("timestep", [](const Moment& m) { return m.clock.dt; }),
@@ -79,8 +78,11 @@ const std::vector<Column>& columns() {
       number("dissipated_energy", [](const Moment& m) { return m.balance.dissipated.total(); }),
       number("total_energy", [](const Moment& m) { return m.balance.total_half; }),
       number("external_work", [](const Moment& m) { return m.balance.external_work; }),
-      number("internal_work", [](const Moment& m) { return m.balance.work[material_force]; }),
-      number("hourglass_work", [](const Moment& m) { return m.balance.work[hourglass_force]; }),
+      number("internal_work",
+             [](const Moment& m) {
+               return m.balance.work[internal_force] - m.balance.work_hourglass;
+             }),
+      number("hourglass_work", [](const Moment& m) { return m.balance.work_hourglass; }),
       number("contact_work", [](const Moment& m) { return m.balance.work[contact_force]; }),
       number(
           "friction_work",

@@ -71,8 +71,6 @@ nlohmann::ordered_json toJson(const BalanceReport& balance) {
                                  {"angular_momentum_error", balance.angular_momentum_error},
                                  {"ledger_residual", balance.ledger_residual},
                                  {"stored_error", balance.stored_error},
-                                 {"stored_material_error", balance.stored_material_error},
-                                 {"stored_hourglass_error", balance.stored_hourglass_error},
                                  {"hourglass_share", balance.hourglass_share}};
   if (balance.has_contact) {
     json["contact_error"] = balance.contact_error;

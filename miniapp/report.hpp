@@ -46,7 +46,7 @@ struct SearchReport {
 struct BalanceReport {
   double energy_error = 0, momentum_error = 0, angular_momentum_error = 0;
   double ledger_residual = 0;
-  double stored_error = 0, stored_material_error = 0, stored_hourglass_error = 0;
+  double stored_error = 0;
   double hourglass_share = 0;
   bool has_contact = false; // else these two are left out
   double contact_error = 0, penetration = 0; // of the square root of a face's area

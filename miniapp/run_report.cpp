@@ -50,8 +50,6 @@ BalanceReport balanceReport(const Config& config, const mechanics::EnergyBalance
   report.angular_momentum_error = balance.angular_momentum_error;
   report.ledger_residual = balance.ledger_residual;
   report.stored_error = balance.stored_error;
-  report.stored_material_error = balance.stored_material_error;
-  report.stored_hourglass_error = balance.stored_hourglass_error;
   report.hourglass_share = balance.hourglassShare();
   report.has_contact = config.contact.enabled;
   report.contact_error = balance.contact_error;

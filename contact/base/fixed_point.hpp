@@ -75,13 +75,16 @@ struct LimbSum {
     tail += b.tail;
     return *this;
   }
-  // The same sum with low and tail below 2^34: before more than 2^28 terms have been added.
-  void carry() {
-    constexpr std::int64_t base = std::int64_t(1) << 34;
-    low += tail / base;
-    tail %= base;
-    high += low / base;
-    low %= base;
+  // The same sum with low and tail in [-2^33, 2^33): then equal sums have equal limbs. Before more than 2^28 terms have
+  // been added.
+  KOKKOS_INLINE_FUNCTION void carry() {
+    constexpr std::int64_t half = std::int64_t(1) << 33;
+    const std::int64_t from_tail = (tail + half) >> 34;
+    tail -= from_tail * (2 * half);
+    low += from_tail;
+    const std::int64_t from_low = (low + half) >> 34;
+    low -= from_low * (2 * half);
+    high += from_low;
   }
   double value(const LimbScale& scale) const {
     // Carry first, so that the result is the double nearest to the exact sum but for two roundings.
@@ -108,6 +111,10 @@ struct LimbSums {
       sum[i] += b.sum[i];
     invalid += b.invalid;
     return *this;
+  }
+  KOKKOS_INLINE_FUNCTION void carry() {
+    for (int i = 0; i < N; ++i)
+      sum[i].carry();
   }
   std::int64_t* data() { return reinterpret_cast<std::int64_t*>(this); }
   static constexpr int size() { return 3 * N + 1; }

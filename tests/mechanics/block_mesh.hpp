@@ -186,12 +186,12 @@ std::vector<std::int64_t> globalWords(MPI_Comm comm, const BlockMesh& blocks,
 
 // Internal force and energy of one mesh at a displacement.
 struct Evaluation {
-  std::vector<std::int64_t> forces; // [global node][12], quanta, totals
+  std::vector<std::int64_t> forces; // [global node][9], quanta, totals
   double material = 0, hourglass = 0; // energies of all ranks
   double quantum = 1;
   InternalForceResult local;
-  double force(global_id node, int i) const { // material + hourglass, force
-    return quantum * static_cast<double>(forces[12 * node + i] + forces[12 * node + 3 + i]);
+  double force(global_id node, int i) const {
+    return quantum * static_cast<double>(forces[9 * node + i]);
   }
 };
 inline LimbScale testEnergyScale() {

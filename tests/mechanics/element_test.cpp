@@ -135,29 +135,22 @@ void randomDisplacement(int seed, double size, CornerCoordinates& u) {
 struct ElementForce {
   double energy = 0;
   double force[8][3];
-  double material[8][3]; // share
 };
 
 template <MaterialModel model, class Geometry>
 ElementForce tlpsOf(const Geometry& geometry, const CornerCoordinates& u, double poisson) {
   double modes[3][num_modes];
   coordinateModes(u, modes);
-  TlpsForces<double, Geometry> forces;
-  tlpsForces<model>(modes, geometry, ElementModuli::of({model, 1, 1, poisson}), 1.0, true, forces);
+  TlpsForces<double> forces;
+  const auto moduli = ElementModuli::of({model, 1, 1, poisson});
+  tlpsForces<model>(modes, geometry, stiffnessOf(geometry, moduli, 1.0), true, forces);
   ElementForce result;
   result.energy = forces.material_energy + forces.hourglass_energy;
   for (int i = 0; i < 3; ++i) {
-    double material[num_modes] = {}, total[num_modes], corner[8], share[8];
-    for (int m = 0; m < Geometry::gradient_modes; ++m)
-      material[m] = forces.material[i][m];
-    for (int m = 0; m < num_modes; ++m)
-      total[m] = material[m] + forces.hourglass[i][m];
-    modesToCorners(total, corner);
-    modesToCorners(material, share);
-    for (int c = 0; c < 8; ++c) {
+    double corner[8];
+    modesToCorners(forces.force[i], corner);
+    for (int c = 0; c < 8; ++c)
       result.force[c][i] = corner[c];
-      result.material[c][i] = share[c];
-    }
   }
   return result;
 }
@@ -245,10 +238,22 @@ TEST(Tlps, BoxAndGeneralPathsAgreeOnParallelepipeds) {
   const auto box = tlpsOf<MaterialModel::neo_hookean>(tlpsBox(jacobian), u, 0.3);
   EXPECT_NEAR(general.energy, box.energy, 1e-14);
   for (int c = 0; c < 8; ++c)
-    for (int j = 0; j < 3; ++j) {
+    for (int j = 0; j < 3; ++j)
       EXPECT_NEAR(general.force[c][j], box.force[c][j], 1e-14);
-      EXPECT_NEAR(general.material[c][j], box.material[c][j], 1e-14);
-    }
+}
+TEST(Tlps, BrickAndBoxPathsAgree) {
+  Mat3 jacobian;
+  for (int k = 0; k < 3; ++k)
+    jacobian(k, k) = 0.5 + 0.2 * k;
+  ASSERT_TRUE(isTlpsBrick(jacobian));
+  CornerCoordinates u;
+  randomDisplacement(2, 0.1, u);
+  const auto box = tlpsOf<MaterialModel::neo_hookean>(tlpsBox(jacobian), u, 0.3);
+  const auto brick = tlpsOf<MaterialModel::neo_hookean>(tlpsBrick(jacobian), u, 0.3);
+  EXPECT_NEAR(brick.energy, box.energy, 1e-14);
+  for (int c = 0; c < 8; ++c)
+    for (int j = 0; j < 3; ++j)
+      EXPECT_NEAR(brick.force[c][j], box.force[c][j], 1e-14);
 }
 
 Mat3 rotation(double angle) { // about (1, 2, 3)

@@ -26,11 +26,11 @@ int scattered(global_id elem) {
 using Field = std::function<Vec3(const Vec3&)>;
 
 struct Viscous {
-  std::vector<std::int64_t> forces; // [global node][15]
+  std::vector<std::int64_t> forces; // [global node][12]
   double quantum, rate, power; // sum of viscous force times velocity
   std::int64_t failures;
   double force(global_id node, int i) const {
-    return quantum * static_cast<double>(forces[15 * node + 3 * viscous_force + i]);
+    return quantum * static_cast<double>(forces[12 * node + 3 * viscous_force + i]);
   }
 };
 Viscous evaluate(MPI_Comm comm, BlockMesh& blocks, const Field& displacement, const Field& velocity,
@@ -199,9 +199,9 @@ TEST(BulkViscosity, HasTheSameBitsForAnyCutAndChangesNoOtherForce) {
       EXPECT_EQ(without.rate, 0);
       std::int64_t largest = 0, sum[3] = {};
       for (global_id node = 0; node < cut_mesh.num_global_nodes; ++node)
-        for (int column = 0; column < 15; ++column) {
-          const std::int64_t with_it = cut.forces[15 * node + column];
-          const std::int64_t without_it = without.forces[15 * node + column];
+        for (int column = 0; column < 12; ++column) {
+          const std::int64_t with_it = cut.forces[12 * node + column];
+          const std::int64_t without_it = without.forces[12 * node + column];
           if (column < 3 * viscous_force) {
             ASSERT_EQ(with_it, without_it);
             continue;

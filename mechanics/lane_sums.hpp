@@ -1,0 +1,83 @@
+// LimbSums of what SIMD lanes compute, a term of each lane at a time. A term is split into two integers of 51 bits by
+// adding and taking away 1.5 * 2^52 units, the first of 2^51 tail units of its LimbScale, the second of one (Rump, Ogita and
+// Oishi 2008, error-free extraction); their bit patterns are added up as integers. The sum is that of LimbSum::add, exactly.
+#pragma once
+
+#include "mechanics/pack.hpp"
+
+namespace brickwall::mechanics {
+
+// A LimbScale as LaneSums needs it: what is added to split terms.
+struct SplitScale {
+  double high, low;
+  static SplitScale of(const LimbScale& scale) {
+    constexpr double shift = 6755399441055744.0; // 1.5 * 2^52
+    return {shift * 2251799813685248.0 * scale.tail_quantum, shift * scale.tail_quantum};
+  }
+};
+
+template <int N, int W>
+class LaneSums {
+public:
+  using Real = PackOf<W>;
+  using Bits = typename VectorsOf<W>::bits; // sums modulo 2^64
+
+  // Sums that are not cleared by foldInto() for so many rows may run over.
+  static constexpr int max_rows = 4000;
+
+  LaneSums() { clear(); }
+
+  // A term of each lane; every row adds all N of them.
+  void add(int i, const Real& term, const SplitScale& scale) {
+    const typename Real::vector high = term.v + scale.high;
+    const typename Real::vector low = (term.v - (high - scale.high)) + scale.low;
+    _high[i] += (Bits)high;
+    _low[i] += (Bits)low;
+    _misfit |= (Bits)high ^ bitsOf(scale.high);
+  }
+  void endRow() { ++_rows; }
+
+  // Adds what was added since the last call; `scales` are those of the terms.
+  template <int M>
+  void foldInto(LimbSums<M>& sums, const int (&index)[N], const SplitScale* const (&scales)[N]) {
+    if (_rows == 0)
+      return;
+    for (int i = 0; i < N; ++i)
+      for (int lane = 0; lane < W; ++lane) {
+        const std::int64_t high = difference(_high[i][lane], scales[i]->high);
+        const std::int64_t low = difference(_low[i][lane], scales[i]->low);
+        LimbSum& sum = sums.sum[index[i]];
+        sum.high += high >> 17;
+        sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
+        sum.tail += low & 0x3ffffffff;
+      }
+    bool fits = true; // the exponents are those of the shifts
+    for (int lane = 0; lane < W; ++lane)
+      fits = fits && _misfit[lane] >> 52 == 0;
+    if (!fits)
+      ++sums.invalid;
+    clear();
+  }
+
+private:
+  static std::uint64_t bitsOf(double value) {
+    std::uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+  }
+  // Of sums of _rows bit patterns, modulo 2^64.
+  std::int64_t difference(std::uint64_t sum, double shift) const {
+    return static_cast<std::int64_t>(sum - _rows * bitsOf(shift));
+  }
+  void clear() {
+    for (int i = 0; i < N; ++i)
+      _high[i] = _low[i] = Bits{};
+    _misfit = Bits{};
+    _rows = 0;
+  }
+
+  Bits _high[N], _low[N], _misfit;
+  std::uint64_t _rows = 0;
+};
+
+} // namespace brickwall::mechanics
