@@ -36,16 +36,45 @@ struct AddPressure {
   }
 };
 
+// No point of a face is farther from the centre than its farthest corner.
+double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& centre,
+                      const View<int* [4]>& face_to_nodes) {
+  const auto X = mesh.reference_coordinates;
+  double square = 0;
+  Kokkos::parallel_reduce(
+      "mechanics::PressureLoad::farthestCorner",
+      over(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t face, double& largest) {
+        for (int c = 0; c < 4; ++c) {
+          const Vec3 away = rowOf(X, face_to_nodes(face, c)) - centre;
+          largest = maxOf(largest, dot(away, away));
+        }
+      },
+      Kokkos::Max<double>(square));
+  space.fence();
+  return std::sqrt(maxOf(square, 0.0));
+}
+
 } // namespace
 
-PressureLoad::PressureLoad(const exec_space& space, const Pressure& pressure,
+PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                            const std::vector<int>& face_to_nodes)
     : _pressure(pressure), _face_to_nodes(copyRowsToDevice<int, 4>(
-                               space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)) {}
+                               space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)) {
+  if (pressure.shape.kind == PulseKind::constant)
+    return;
+  const double farthest =
+      pressure.gaussian ? farthestCorner(space, mesh, pressure.centre, _face_to_nodes) : 0;
+  const double delay = farthest / pressure.speed;
+  _end = pressure.start + pressure.shape.duration + delay;
+  _end += 1e-12 * (std::fabs(pressure.start) + pressure.shape.duration + delay);
+}
 
 std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
                                const View<const double* [3]>& displacement, double time,
                                const NodalForces& forces) const {
+  if (time > _end)
+    return 0;
   std::int64_t misfits = 0;
   const AddPressure functor{
       _pressure,    time,          _face_to_nodes,        mesh.reference_coordinates,

@@ -57,7 +57,7 @@ KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Pressure& pressure, double t
 class PressureLoad {
 public:
   // `face_to_nodes` [face][4] local mesh nodes, outward normals; each face on one rank only.
-  PressureLoad(const exec_space& space, const Pressure& pressure,
+  PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                const std::vector<int>& face_to_nodes);
 
   // Adds the loads at X + u and `time` to the external_force columns. Returns the number of corner loads on this rank
@@ -68,9 +68,12 @@ public:
                    const NodalForces& forces) const;
 
   const Pressure& pressure() const { return _pressure; }
+  // When the pulse has passed the last of this rank's faces: from then on add() does nothing. Infinite without an end.
+  double end() const { return _end; }
 
 private:
   Pressure _pressure;
+  double _end = HUGE_VAL;
   View<int* [4]> _face_to_nodes;
 };
 

@@ -8,7 +8,6 @@
 namespace brickwall::mechanics {
 namespace {
 
-
 TEST(PulseShape, ImpulsesAreTheClosedForms) {
   constexpr double T = 0.8, pi = 3.14159265358979323846;
   const double b = 1.7;
@@ -103,7 +102,8 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   Pressure pressure;
   pressure.peak = 1e-3;
   const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
-  EXPECT_EQ(PressureLoad(space, pressure, nodes).add(space, blocks.mesh, u, 0, forces), 0);
+  EXPECT_EQ(PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, 0, forces),
+            0);
   blocks.sum.sum(space, forces.values);
   const auto all = testing::globalWords(MPI_COMM_WORLD, blocks, forces.values);
   for (int i = 0; i < 3; ++i) {
@@ -118,9 +118,54 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   pressure.follower = false;
   pressure.peak = HUGE_VAL;
   const std::int64_t misfits =
-      PressureLoad(space, pressure, nodes).add(space, blocks.mesh, u, 0, forces);
+      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, 0, forces);
   EXPECT_EQ(misfits, 4 * skin.num_faces); // infinite loads are counted, not added
 }
 
 } // namespace
+// What is skipped is exactly zero, and not before.
+TEST(Pressure, EndsWhenThePulseHasPassedItsFarthestFace) {
+  const exec_space space;
+  testing::Block block;
+  block.elements[0] = block.elements[1] = block.elements[2] = 2;
+  const auto blocks = testing::makeBlocks(space, MPI_COMM_SELF, {block}, {testing::steelLike()});
+  const Skin skin = findSkin(space, MPI_COMM_SELF, blocks.mesh, blocks.shared);
+  const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
+  const auto X =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+  std::vector<int> nodes;
+  double farthest = 0;
+  Pressure pressure;
+  pressure.peak = 1e-3;
+  pressure.start = 0.5;
+  pressure.shape.kind = PulseKind::step;
+  pressure.shape.duration = 2;
+  pressure.gaussian = true;
+  pressure.radius = 1;
+  pressure.speed = 0.25;
+  for (int f = 0; f < skin.num_faces; ++f)
+    for (int c = 0; c < 4; ++c) {
+      nodes.push_back(faces(f, c));
+      farthest = std::max(farthest, norm(rowOf(X, faces(f, c)) - pressure.centre));
+    }
+  const PressureLoad load(space, blocks.mesh, pressure, nodes);
+  EXPECT_NEAR(load.end(), 2.5 + 4 * farthest, 1e-10);
+  const auto sizeAt = [&](double time) {
+    double size = 0;
+    for (int f = 0; f < skin.num_faces; ++f) {
+      Vec3 corners[4], loads[4];
+      for (int c = 0; c < 4; ++c)
+        corners[c] = rowOf(X, faces(f, c));
+      quadPressureLoads(pressure, time, corners, corners, loads);
+      for (const Vec3& corner : loads)
+        size += norm(corner);
+    }
+    return size;
+  };
+  EXPECT_EQ(sizeAt(load.end()), 0);
+  EXPECT_GT(sizeAt(2.5 + 0.7 * 4 * farthest), 0);
+  pressure.shape.kind = PulseKind::constant;
+  EXPECT_EQ(PressureLoad(space, blocks.mesh, pressure, nodes).end(), HUGE_VAL);
+}
+
 } // namespace brickwall::mechanics
