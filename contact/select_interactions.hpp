@@ -302,11 +302,10 @@ struct SelectInteractions {
 
   // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has.
   KOKKOS_INLINE_FUNCTION void matchStored(Interaction& now, const Hit& hit) const {
-    const double depth = hit.depth - now.offset;
-    const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
-    const double square = 2 * maxOf(now.stored, 0.0) / (now.stiffness * taper);
-    if (depth > 0 && depth * depth > 2 * square)
-      now.offset = hit.depth - std::sqrt(square);
+    const double depth = hit.depth - now.offset, stored = maxOf(now.stored, 0.0);
+    const double softened = now.stiffness * touch.taperOf(faces, now.node, hit);
+    if (depth > 0 && softened * depth * depth > 4 * stored)
+      now.offset = hit.depth - std::sqrt(2 * stored / softened);
   }
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.

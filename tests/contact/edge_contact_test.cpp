@@ -1,7 +1,5 @@
 // Edges that cross in mid-cell push each other before any node is inside.
-#include "contact/edge_contact.hpp"
-#include "contact/edge_touch.hpp"
-#include "contact/scene_run.hpp"
+#include "contact/edge_run.hpp"
 #include "contact/spring_bricks.hpp"
 
 #include <gtest/gtest.h>
@@ -9,68 +7,8 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// Two bricks of edge length 1 per element, each with an edge turned towards the other: the lower one's ridge along x at z = 0,
-// the upper one's along y at z = gap. Both are three elements long, so that they cross in mid-cell.
-Scene crossedRidges(double gap, int n = 3) {
-  const double c = std::sqrt(0.5), side = n;
-  Scene scene;
-  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
-    const double y = p.y - side, z = p.z - side; // the edge y = z = side is the ridge
-    return Vec3{p.x - 0.5 * side, c * (y - z), c * (y + z)};
-  });
-  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
-    return Vec3{c * (p.x - p.z), p.y - 0.5 * side + 0.013, gap + c * (p.x + p.z)};
-  });
-  return scene;
-}
-
-SearchConfig searchOf(double reach) {
-  SearchConfig search;
-  search.node_tolerance = search.face_tolerance = 0.5 * reach;
-  search.drop_same_body = true;
-  return search;
-}
-
-// A scene's edges with their forces on the nodes of the part.
-struct EdgeRun {
-  template <class Cut>
-  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {})
-      : scene(s), part(s, comm, cut, 0.3), total("test::edge_forces", part.surface().num_nodes) {
-    c.reference_step = dt;
-    edges = std::make_unique<EdgeContact>(
-        exec_space(), comm, part.surface(), findFeatureEdges(comm, part.surface()), part.nodeMass(),
-        searchOf(0.2), 0, c, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
-  }
-  // Collective. Forces of all nodes.
-  std::vector<std::array<std::int64_t, 3>> step() {
-    part.update(scene);
-    edges->findCandidates(exec_space(), part.surface());
-    sums = edges->select(exec_space(), dt);
-    Kokkos::deep_copy(total, 0);
-    sums.invalid += edges->addForces(exec_space());
-    edges->collectForces(exec_space(), total);
-    edges->advance(dt);
-    sumOverRanks(part.comm(), sums);
-    ContactForces forces{total, View<std::int64_t* [12]>("test::none", part.ghosts().count)};
-    return part.total(forces, scene.x_new.size(), scene);
-  }
-  void move(int body, const Vec3& by) {
-    scene.step();
-    scene.move(body, by);
-  }
-  Scene scene;
-  ScenePart part;
-  View<std::int64_t* [3]> total;
-  std::unique_ptr<EdgeContact> edges;
-  ContactSums sums;
-};
-
-int onOne(int) {
-  return 0;
-}
-
 TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
-  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOne);
+  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOneRank);
   run.step();
   EXPECT_EQ(run.sums.interactions, 0);
   run.move(1, {0, 0, -0.015});
@@ -108,10 +46,10 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
 }
 
 TEST(EdgeContact, BeginsWhenEdgesComeToCrossAndEndsWhenTheyPart) {
-  EdgeRun crossed(crossedRidges(-0.02), MPI_COMM_SELF, onOne);
+  EdgeRun crossed(crossedRidges(-0.02), MPI_COMM_SELF, onOneRank);
   crossed.step();
   EXPECT_EQ(crossed.sums.active, 0); // an initial overlap gives no force
-  EdgeRun run(crossedRidges(0.001), MPI_COMM_SELF, onOne);
+  EdgeRun run(crossedRidges(0.001), MPI_COMM_SELF, onOneRank);
   run.move(1, {0, 0, -0.01});
   run.step();
   EXPECT_EQ(run.sums.active, 1);
@@ -121,7 +59,7 @@ TEST(EdgeContact, BeginsWhenEdgesComeToCrossAndEndsWhenTheyPart) {
 }
 
 TEST(EdgeContact, SlidesAlongTheEdgesOfABrickAsAlongOne) {
-  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOne);
+  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOneRank);
   run.step();
   run.move(1, {0, 0, -0.02});
   double last = 0;
@@ -147,14 +85,14 @@ TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodesAndFaces) {
   scene.addBox({0, 0, 0}, {2, 1, 1}, {2, 1, 1});
   const int top = scene.addBox({1, 0, 0.99}, {2, 1, 1}, {2, 1, 1});
   scene.cameBy(top, {0, 0, -0.01});
-  EdgeRun run(scene, MPI_COMM_SELF, onOne);
+  EdgeRun run(scene, MPI_COMM_SELF, onOneRank);
   run.step();
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
 TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
   Scene scene = crossedRidges(0.01);
-  EdgeRun run(scene, MPI_COMM_SELF, onOne);
+  EdgeRun run(scene, MPI_COMM_SELF, onOneRank);
   run.move(1, {0, 4, -0.02}); // beyond the end of the lower one's side
   run.step();
   EXPECT_EQ(run.sums.interactions, 0);
@@ -167,7 +105,7 @@ TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
   c.friction = 0.3;
   c.damping = 0.05;
   const Scene scene = crossedRidges(0.01);
-  EdgeRun one(scene, MPI_COMM_SELF, onOne, c);
+  EdgeRun one(scene, MPI_COMM_SELF, onOneRank, c);
   EdgeRun many(
       scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
   for (const Vec3& by : {Vec3{0.1, 0, -0.02}, Vec3{0.2, 0.3, -0.01}, Vec3{0.3, 0.3, 0.005}}) {

@@ -1,0 +1,66 @@
+// Scenes of edges that cross, stepped by hand.
+#pragma once
+
+#include "contact/edge_contact.hpp"
+#include "contact/edge_touch.hpp"
+#include "contact/scene_run.hpp"
+
+namespace brickwall::contact::testing {
+
+// Two bricks of edge length 1 per element, each with an edge turned towards the other: the lower one's ridge along x at z = 0,
+// the upper one's along y at z = gap. Both are three elements long, so that they cross in mid-cell.
+inline Scene crossedRidges(double gap, int n = 3) {
+  const double c = std::sqrt(0.5), side = n;
+  Scene scene;
+  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
+    const double y = p.y - side, z = p.z - side; // the edge y = z = side is the ridge
+    return Vec3{p.x - 0.5 * side, c * (y - z), c * (y + z)};
+  });
+  scene.addBrick({side, side, side}, {n, n, n}, 1, [&](const Vec3& p) {
+    return Vec3{c * (p.x - p.z), p.y - 0.5 * side + 0.013, gap + c * (p.x + p.z)};
+  });
+  return scene;
+}
+
+inline SearchConfig searchOf(double reach) {
+  SearchConfig search;
+  search.node_tolerance = search.face_tolerance = 0.5 * reach;
+  search.drop_same_body = true;
+  return search;
+}
+
+// A scene's edges with their forces on the nodes of the part.
+struct EdgeRun {
+  template <class Cut>
+  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {})
+      : scene(s), part(s, comm, cut, 0.3), total("test::edge_forces", part.surface().num_nodes) {
+    c.reference_step = dt;
+    edges = std::make_unique<EdgeContact>(
+        exec_space(), comm, part.surface(), findFeatureEdges(comm, part.surface()), part.nodeMass(),
+        searchOf(0.2), 0, c, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
+  }
+  // Collective. Forces of all nodes.
+  std::vector<std::array<std::int64_t, 3>> step() {
+    part.update(scene);
+    edges->findCandidates(exec_space(), part.surface());
+    sums = edges->select(exec_space(), dt);
+    Kokkos::deep_copy(total, 0);
+    sums.invalid += edges->addForces(exec_space());
+    edges->collectForces(exec_space(), total);
+    edges->advance(dt);
+    sumOverRanks(part.comm(), sums);
+    ContactForces forces{total, View<std::int64_t* [12]>("test::none", part.ghosts().count)};
+    return part.total(forces, scene.x_new.size(), scene);
+  }
+  void move(int body, const Vec3& by) {
+    scene.step();
+    scene.move(body, by);
+  }
+  Scene scene;
+  ScenePart part;
+  View<std::int64_t* [3]> total;
+  std::unique_ptr<EdgeContact> edges;
+  ContactSums sums;
+};
+
+} // namespace brickwall::contact::testing
