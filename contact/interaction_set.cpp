@@ -95,13 +95,14 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
         if (!corrected.changes(pair))
           return;
         PairQuanta quanta;
-        if (add.round(pairs, i, quanta))
+        const bool did_fit = add.round(pairs, i, quanta);
+        if (did_fit)
           add.add(pair, quanta, -1);
         correct.apply(corrected, pairs, i);
         if (add.round(pairs, i, quanta))
           add.add(pair, quanta, 1);
         else
-          ++bad;
+          bad += did_fit; // else it has been counted
       },
       invalid);
   return invalid;
