@@ -4,6 +4,7 @@
 # Usage: endings.sh BRICKWALL MPIEXEC INPUTS_FOLDER
 set -euo pipefail
 brickwall=$1 mpiexec=$2 inputs=$3
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export OMP_NUM_THREADS=1 OMPI_MCA_orte_execute_quiet=1
@@ -58,6 +59,9 @@ for ranks in 1 3; do
     --set 'load.pressure[0].side_set="frnt"'
   expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'
   expect "a missing deck is one error" 2 'nowhere.toml' $ranks run "$work/nowhere.toml"
+  expect "bodies that stand in each other deeper than contact sees are refused" 2 \
+    'node [0-9]+ .*of body 0 is 0\.04 deep in body 1, .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
+  expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
   expect "one element runs" 0 '^PASS' $ranks run "$inputs/one_brick.toml" --set 'wall.elements=[1,1,1]' --steps 20
   expect "no contact at all runs" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set contact.enabled=false --steps 20
   expect "the search alone runs" 0 '^PASS' $ranks search "$inputs/wall_17k.toml" --set search.repetitions=2
