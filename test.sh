@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets up, builds with warnings as errors, checks the format and runs all tests. Further arguments go to ctest, for
-# example ./test.sh -R contact. Ends with ctest's own summary.
+# example ./test.sh -R contact. Ends with ctest's own summary, and with a line on the format if it is wrong.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -17,5 +17,10 @@ else
   echo "test.sh: clang-format is not here; the format is not checked"
 fi
 
-ctest --preset ci --parallel 2 "$@"
-[[ $format == right ]]
+passed=true
+ctest --preset ci --parallel 2 "$@" || passed=false
+if [[ $format == wrong ]]; then
+  echo "test.sh: the format is wrong; the places are named above the tests"
+  exit 1
+fi
+$passed
