@@ -29,8 +29,7 @@ struct Interaction {
   double offset = 0; // e, length: penetration that was there when the contact was born or switched
   double depth = 0; // p = P - e, length: what the spring feels
   double stiffness = 0; // k, force/length: of the birth, lowered where the cap falls below it
-  double taper =
-      1; // w, 0 to 1: less than 1 beyond true edges, and where edges meet at small angles
+  double taper = 1; // w, 0 to 1: less than 1 beyond true edges and beyond the ends of crossing ones
   double stored = 0; // U, energy: work done on this contact since its birth
   double force = 0; // F, force: of the spring along the normal, as applied at the last step
   double damping = 0; // F_d, force along the normal; F + F_d >= 0
