@@ -48,8 +48,8 @@ struct SelectInteractions {
   LimbScale energy_scale;
   double dt, previous_dt;
   Touch touch;
-  FaceAccess faces;
-  CandidatePairs pairs;
+  FaceAccess faces = {{}, GhostFaces::none()};
+  CandidatePairs pairs = CandidatePairs::none();
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;

@@ -37,6 +37,9 @@ struct GhostFaces {
   CornerCoordinates coordinates_old{"contact::GhostFaces::coordinates_old", 0}; // x^n
   CornerCoordinates coordinates_new{"contact::GhostFaces::coordinates_new", 0}; // x^{n+1}
   View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
+
+  // To be assigned: allocates nothing, not even names.
+  static GhostFaces none() { return {0, {}, {}, {}, {}, {}, {}}; }
 };
 
 // Pairs found with a margin (candidate_search.hpp) are more than those of a step: the latter are the pairs whose boxes of the
@@ -61,6 +64,8 @@ struct CandidatePairs {
   View<int*> row_begin{"contact::CandidatePairs::row_begin", 0};
   View<int*> faces{"contact::CandidatePairs::faces", 0};
   StepTest step_test;
+
+  static CandidatePairs none() { return {0, 0, {}, {}, {}, {}, {}}; } // as of GhostFaces
 
   KOKKOS_INLINE_FUNCTION int node(std::int64_t row) const { return row_nodes(row); }
   KOKKOS_INLINE_FUNCTION std::int64_t begin(std::int64_t row) const { return at(row, 0); }

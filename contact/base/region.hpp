@@ -10,7 +10,12 @@ namespace brickwall {
 
 class Region {
 public:
-  explicit Region(const std::string& name) { Kokkos::Profiling::pushRegion(name); }
+  explicit Region(const char* name) {
+    // Kokkos wants a string, and reads it at once: one that is kept allocates nothing after the first steps.
+    thread_local std::string text;
+    text = name;
+    Kokkos::Profiling::pushRegion(text);
+  }
   ~Region() { Kokkos::Profiling::popRegion(); }
   Region(const Region&) = delete;
   Region& operator=(const Region&) = delete;

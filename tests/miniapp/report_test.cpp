@@ -106,7 +106,7 @@ TEST(PhaseRecorder, AgreesOnRegionsThatFewRanksOpen) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
   const int rank = rankOf(MPI_COMM_WORLD);
   { const Region everyone("everyone"); }
-  { const Region own("rank " + std::to_string(rank)); }
+  { const Region own(("rank " + std::to_string(rank)).c_str()); }
   const auto phases = recorder.phases();
   ASSERT_EQ(static_cast<int>(phases.size()), 1 + sizeOf(MPI_COMM_WORLD));
   EXPECT_EQ(phases[0].name, "everyone");
