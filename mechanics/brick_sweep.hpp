@@ -49,33 +49,12 @@ private:
   std::int64_t _stride;
 };
 
-template <class Pack, class Number>
-inline Pack loadPack(const Number* from) {
-  Pack pack;
-  memcpy(&pack.v, from, sizeof pack.v);
-  return pack;
-}
-template <class Pack, class Number>
-inline void storePack(const Pack& pack, Number* to) {
-  memcpy(to, &pack.v, sizeof pack.v);
-}
-
-// Rows of three numbers of `count` <= W nodes.
-template <int W>
-inline void loadSomeTriples(const double* rows, int count, PackOf<W> (&lanes)[3]) {
-  if (count >= W)
-    return loadTriples(rows, lanes);
-  double some[3 * W] = {};
-  memcpy(some, rows, 3 * sizeof(double) * count);
-  loadTriples(some, lanes);
-}
-template <int W>
-inline void storeSomeTriples(const PackOf<W> (&lanes)[3], int count, double* rows) {
-  if (count >= W)
-    return storeTriples(lanes, rows);
-  double some[3 * W];
-  storeTriples(lanes, some);
-  memcpy(rows, some, 3 * sizeof(double) * count);
+// f(0), f(1), f(2) with constants: loops over large bodies would keep arrays out of registers.
+template <class F>
+KOKKOS_FORCEINLINE_FUNCTION void forAxes(const F& f) {
+  f(std::integral_constant<int, 0>());
+  f(std::integral_constant<int, 1>());
+  f(std::integral_constant<int, 2>());
 }
 
 // What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces:
@@ -136,20 +115,29 @@ private:
     }
     TlpsForces<Real> forces;
     tlpsForces<model>(u, _shape, _stiffness, _a.with_energy, forces);
-    Real largest(0.0);
-    for (int axis = 0; axis < 3; ++axis)
-      for (int m = 0; m < num_modes; ++m)
-        largest = maxMagnitude(forces.force[axis][m], largest);
-    if (anyBeyond(largest, fixed_point_limit / 2) || !allPositive(forces.J))
-      dropFailed(layer, p, is_counted, largest, forces);
+    Real largest[3];
+    forAxes([&](auto axis) { largest[axis] = largestOf(forces.force[axis]); });
+    largest[0] = maxMagnitude(largest[1], maxMagnitude(largest[2], largest[0]));
+    if (anyBeyond(largest[0], fixed_point_limit / 2) || !allPositive(forces.J)) {
+      TlpsForces<Real> copy = forces; // so that the forces themselves stay in registers
+      dropFailed(layer, p, is_counted, largest[0], copy);
+      forces = copy;
+    }
     if (is_counted && _a.with_energy)
       addEnergies(forces);
     scatter(layer, p, forces);
   }
 
-  void gatherModes(int layer, int p, Real (&u)[3][num_modes]) const {
+  static KOKKOS_FORCEINLINE_FUNCTION Real largestOf(const Real (&modes)[num_modes]) {
+    const Real low =
+        maxMagnitude(modes[0], maxMagnitude(modes[1], maxMagnitude(modes[2], Real(0.0))));
+    const Real high = maxMagnitude(modes[3], maxMagnitude(modes[4], Real(0.0)));
+    return maxMagnitude(modes[5], maxMagnitude(modes[6], maxMagnitude(low, high)));
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void gatherModes(int layer, int p, Real (&u)[3][num_modes]) const {
     const int row = _lattice.rowNodes();
-    for (int axis = 0; axis < 3; ++axis) {
+    forAxes([&](auto axis) {
       const double* const low = _buffers.displacement(layer, axis) + p;
       const double* const high = _buffers.displacement(layer + 1, axis) + p;
       const Real corner[8] = {loadPack<Real>(low),
@@ -161,7 +149,7 @@ private:
                               loadPack<Real>(high + row + 1),
                               loadPack<Real>(high + row)};
       cornersToModes(corner, u[axis]);
-    }
+    });
   }
 
   Integer elementsAmong(int p, int i) const {
@@ -209,9 +197,9 @@ private:
 
   // Corner forces combine along xi in registers: a node takes those of its own element and of the one to its left; then eta
   // and zeta tell rows and planes apart.
-  void scatter(int layer, int p, const TlpsForces<Real>& forces) {
+  KOKKOS_FORCEINLINE_FUNCTION void scatter(int layer, int p, const TlpsForces<Real>& forces) {
     const int shifted_p = p + PlaneBuffers<W>::offset(_lattice);
-    for (int axis = 0; axis < 3; ++axis) {
+    forAxes([&](auto axis) {
       Integer f[num_modes];
       for (int m = 0; m < num_modes; ++m)
         f[m] = toFixedInRange(forces.force[axis][m]);
@@ -226,7 +214,7 @@ private:
       addTo(_buffers.below(layer, axis) + shifted_p, low_even + low_odd);
       storePack(high_even - high_odd, _buffers.above(layer + 1, axis) + p);
       storePack(high_even + high_odd, _buffers.below(layer + 1, axis) + shifted_p);
-    }
+    });
   }
   static Integer alongXi(const Integer& minus, const Integer& plus, Integer& left) {
     const Integer from_left = shiftedIn(left, plus);

@@ -25,20 +25,34 @@ void drift(const exec_space& space, double dt, const NodalState& state) {
       });
 }
 
+void drift(const exec_space& space, double dt, const NodalState& state,
+           const NodeSelection& nodes) {
+  const auto u = state.displacement;
+  const auto v = state.velocity;
+  const NodeSelection selection = nodes;
+  Kokkos::parallel_for(
+      "mechanics::drift::runs", over(space, nodes.numRuns()), KOKKOS_LAMBDA(const std::int64_t r) {
+        const NodeRun run = selection.run(static_cast<int>(r));
+        for (int node = run.first; node < run.first + run.count; ++node)
+          for (int i = 0; i < 3; ++i)
+            u(node, i) += dt * v(node, i);
+      });
+}
+
 namespace {
 
-// Runs of nodes on a host, in packs of W. Nodes that anything but the internal force acts on are kicked one by one.
-constexpr int nodes_per_run = 1024;
+// Runs of nodes in packs of W, on a host. Nodes that anything but the internal force acts on are kicked one by one.
 template <int kinds, int W>
 struct KickRuns {
   KickNode<kinds> node_kick;
-  std::int64_t num_nodes;
+  NodeSelection nodes;
 
-  void operator()(const std::int64_t run, KickSums& sums) const {
+  void operator()(const std::int64_t r, KickSums& sums) const {
     PackKicker<kinds, W> kicker(node_kick, sums);
-    const std::int64_t end = minOf((run + 1) * nodes_per_run, num_nodes);
-    for (std::int64_t first = run * nodes_per_run; first < end; first += W)
-      if (end - first < W || !kicker.isFree(first) || !kickPack(kicker, first))
+    const NodeRun run = nodes.run(static_cast<int>(r));
+    const std::int64_t end = static_cast<std::int64_t>(run.first) + run.count;
+    for (std::int64_t first = run.first; first < end; first += W)
+      if (end - first < W || !kicker.isFree(first, W) || !kickPack(kicker, first))
         for (std::int64_t node = first; node < minOf(first + W, end); ++node)
           node_kick(node, sums);
   }
@@ -63,20 +77,22 @@ struct KickRuns {
     memcpy(&owned.v, is_owned, sizeof owned.v);
     PackOf<W> u[3];
     loadTriples(&node_kick.displacement(first, 0), u);
-    kicker.kickPlain(first, f, u, owned);
+    kicker.kickPlain(first, W, f, u, owned);
     return true;
   }
 };
 
 template <int kinds>
-KickSums launchKick(const exec_space& space, int num_nodes, const KickNode<kinds>& functor) {
+KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
+                    const KickNode<kinds>& functor) {
   KickSums sums;
+  if (nodes.numRuns() == 0)
+    return sums;
   if constexpr (simd_width > 1)
-    Kokkos::parallel_reduce(
-        "mechanics::kick::nodes", over(space, (num_nodes + nodes_per_run - 1) / nodes_per_run),
-        KickRuns<kinds, simd_width>{functor, num_nodes}, Combine<KickSums>(sums));
-  else
-    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, num_nodes), functor,
+    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.numRuns()),
+                            KickRuns<kinds, simd_width>{functor, nodes}, Combine<KickSums>(sums));
+  else // a device, which has no free bricks that would leave only some nodes
+    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.num_nodes), functor,
                             Combine<KickSums>(sums));
   space.fence();
   sums.carry();
@@ -88,8 +104,15 @@ KickSums launchKick(const exec_space& space, int num_nodes, const KickNode<kinds
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test) {
+  return kick(space, mesh, boundary, time, dt, forces, state, scales, test,
+              NodeSelection::allOf(mesh.num_nodes));
+}
+
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes) {
   const auto launch = [&](auto kinds) {
-    return launchKick(space, mesh.num_nodes,
+    return launchKick(space, nodes,
                       KickNode<decltype(kinds)::value>{
                           mesh.reference_coordinates, state.displacement, state.velocity,
                           state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,

@@ -6,11 +6,15 @@
 #include "mechanics/hex_mesh.hpp"
 #include "mechanics/ledger_sums.hpp"
 #include "mechanics/nodal_state.hpp"
+#include "mechanics/node_runs.hpp"
 
 namespace brickwall::mechanics {
 
 // u^{n+1} = u^n + dt v^{n+1/2}. Prescribed components need no more: their velocity is prescribed.
 void drift(const exec_space& space, double dt, const NodalState& state);
+
+// The same of some nodes.
+void drift(const exec_space& space, double dt, const NodalState& state, const NodeSelection& nodes);
 
 // v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, then prescribed components, with dt = (dt^- + dt^+)/2, or
 // dt^+/2 for the start from v^0; a dt < 0 takes part of a kick back. Damping by mass adds the force
@@ -19,5 +23,9 @@ void drift(const exec_space& space, double dt, const NodalState& state);
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test = {});
+// The same of some nodes.
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes);
 
 } // namespace brickwall::mechanics

@@ -235,21 +235,6 @@ KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes]
   for (int i = 0; i < 3; ++i)
     s[3][i] = k.fourth * q[3][i];
 }
-// The same with q not divided by lengths.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes][3],
-                                            const BrickStiffness& k,
-                                            Real (&s)[num_hourglass_modes][3]) {
-  for (int a = 0; a < 3; ++a) {
-    const int b = (a + 1) % 3, c = (a + 2) % 3;
-    for (int i = 0; i < 3; ++i)
-      s[a][i] = a == i ? Real(k.own[a][a] * q[a][a] + (k.twist[c] * q[b][b] + k.twist[b] * q[c][c]))
-                       : Real(k.own[a][i] * q[a][i] + k.cross[a][i] * q[i][a]);
-  }
-  for (int i = 0; i < 3; ++i)
-    s[3][i] = k.fourth[i] * q[3][i];
-}
-
 // A = F Q^T, so that q_a = Q F^T g_a = A^T g_a.
 template <class Real, class Geometry>
 KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& geometry,
@@ -259,11 +244,6 @@ KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& 
       A[i][k] = geometry.Q[k][i] + (H[i][0] * geometry.Q[k][0] + H[i][1] * geometry.Q[k][1] +
                                     H[i][2] * geometry.Q[k][2]);
 }
-template <class Real>
-KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const TlpsBrick&, Real (&A)[3][3]) {
-  deformationGradient(H, A);
-}
-
 // Forces by modes from dU/dF = P, T = sum_a g_a (x) s_a and r_a = A s_a: f_m = (P + T Q - sum_a r_a (x) M_a) B_m + r_m.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void
@@ -299,18 +279,6 @@ KOKKOS_INLINE_FUNCTION void modeForces(const Real (&P)[3][3], const Real (&T)[3]
   }
 }
 template <class Real>
-KOKKOS_INLINE_FUNCTION void modeForces(const Real (&P)[3][3], const Real (&T)[3][3],
-                                       const Real (&r)[num_hourglass_modes][3],
-                                       const TlpsBrick& brick, Real (&force)[3][num_modes]) {
-  for (int i = 0; i < 3; ++i) {
-    for (int m = 0; m < 3; ++m)
-      force[i][m] = (P[i][m] + T[i][m]) * brick.b[m];
-    for (int a = 0; a < num_hourglass_modes; ++a)
-      force[i][3 + a] = r[a][i];
-  }
-}
-
-template <class Real>
 struct TlpsForces {
   Real force[3][num_modes]; // [xyz][mode], minus dU/du_m in quanta
   Real J;
@@ -318,9 +286,9 @@ struct TlpsForces {
 };
 
 template <MaterialModel model, class Real, class Geometry, class Stiffness>
-KOKKOS_INLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
-                                       const Stiffness& stiffness, bool with_energy,
-                                       TlpsForces<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
+                                            const Stiffness& stiffness, bool with_energy,
+                                            TlpsForces<Real>& out) {
   Real H[3][3];
   meanGradient(u, geometry, H);
   StressPoint<Real> point;
@@ -349,6 +317,95 @@ KOKKOS_INLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geom
     for (int k = 1; k < 3 * num_hourglass_modes; ++k)
       product += q[k / 3][k % 3] * s[k / 3][k % 3];
     out.hourglass_energy = (0.5 * stiffness.inverse_factor) * product;
+  }
+}
+
+// Three numbers for x, y, z.
+template <class Real>
+struct Triple {
+  Real x, y, z;
+  KOKKOS_FORCEINLINE_FUNCTION Triple& operator+=(const Triple& b) {
+    x += b.x, y += b.y, z += b.z;
+    return *this;
+  }
+};
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Triple<Real> operator+(const Triple<Real>& a, const Triple<Real>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class Factor, class Real>
+KOKKOS_FORCEINLINE_FUNCTION Triple<Real> operator*(const Factor& s, const Triple<Real>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Real dot(const Triple<Real>& a, const Triple<Real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void setMode(TlpsForces<Real>& forces, int m, const Triple<Real>& f) {
+  forces.force[0][m] = f.x, forces.force[1][m] = f.y, forces.force[2][m] = f.z;
+}
+
+// Of a brick, spelled out and ordered for few numbers at a time: the compiler keeps them in registers.
+template <MaterialModel model, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const TlpsBrick& brick,
+                                            const BrickStiffness& k, bool with_energy,
+                                            TlpsForces<Real>& out) {
+  const double b0 = brick.b[0], b1 = brick.b[1], b2 = brick.b[2];
+  const Real H[3][3] = {{u[0][0] * b0, u[0][1] * b1, u[0][2] * b2},
+                        {u[1][0] * b0, u[1][1] * b1, u[1][2] * b2},
+                        {u[2][0] * b0, u[2][1] * b1, u[2][2] * b2}};
+  StressPoint<Real> point;
+  evaluateMaterial<model>(H, k.lambda, k.mu, with_energy, point);
+  out.J = point.J;
+  const Triple<Real> A0 = {H[0][0] + 1.0, H[1][0], H[2][0]}; // columns of F
+  const Triple<Real> A1 = {H[0][1], H[1][1] + 1.0, H[2][1]};
+  const Triple<Real> A2 = {H[0][2], H[1][2], H[2][2] + 1.0};
+  const auto strain = [&](int m) { return Triple<Real>{u[0][m], u[1][m], u[2][m]}; };
+
+  // The fourth mode stands alone.
+  const Triple<Real> g3 = strain(6);
+  const Real q30 = dot(A0, g3), q31 = dot(A1, g3), q32 = dot(A2, g3);
+  const Real s30 = k.fourth[0] * q30, s31 = k.fourth[1] * q31, s32 = k.fourth[2] * q32;
+  setMode(out, 6, s30 * A0 + s31 * A1 + s32 * A2);
+  Real product = q30 * s30 + q31 * s31 + q32 * s32;
+  // columns of P + sum of g_a (x) s_a
+  Triple<Real> T0 = Triple<Real>{point.P[0][0], point.P[1][0], point.P[2][0]} + s30 * g3;
+  Triple<Real> T1 = Triple<Real>{point.P[0][1], point.P[1][1], point.P[2][1]} + s31 * g3;
+  Triple<Real> T2 = Triple<Real>{point.P[0][2], point.P[1][2], point.P[2][2]} + s32 * g3;
+
+  const Triple<Real> g0 = strain(3), g1 = strain(4), g2 = strain(5);
+  const Real q00 = dot(A0, g0), q01 = dot(A1, g0), q02 = dot(A2, g0);
+  const Real q10 = dot(A0, g1), q11 = dot(A1, g1), q12 = dot(A2, g1);
+  const Real q20 = dot(A0, g2), q21 = dot(A1, g2), q22 = dot(A2, g2);
+
+  const Real s00 = k.own[0][0] * q00 + (k.twist[2] * q11 + k.twist[1] * q22);
+  const Real s01 = k.own[0][1] * q01 + k.cross[0][1] * q10;
+  const Real s02 = k.own[0][2] * q02 + k.cross[0][2] * q20;
+  setMode(out, 3, s00 * A0 + s01 * A1 + s02 * A2);
+  product += q00 * s00 + q01 * s01 + q02 * s02;
+  T0 += s00 * g0, T1 += s01 * g0, T2 += s02 * g0;
+
+  const Real s10 = k.own[1][0] * q10 + k.cross[0][1] * q01;
+  const Real s11 = k.own[1][1] * q11 + (k.twist[0] * q22 + k.twist[2] * q00);
+  const Real s12 = k.own[1][2] * q12 + k.cross[1][2] * q21;
+  setMode(out, 4, s10 * A0 + s11 * A1 + s12 * A2);
+  product += q10 * s10 + q11 * s11 + q12 * s12;
+  T0 += s10 * g1, T1 += s11 * g1, T2 += s12 * g1;
+
+  const Real s20 = k.own[2][0] * q20 + k.cross[0][2] * q02;
+  const Real s21 = k.own[2][1] * q21 + k.cross[1][2] * q12;
+  const Real s22 = k.own[2][2] * q22 + (k.twist[1] * q00 + k.twist[0] * q11);
+  setMode(out, 5, s20 * A0 + s21 * A1 + s22 * A2);
+  product += q20 * s20 + q21 * s21 + q22 * s22;
+  T0 += s20 * g2, T1 += s21 * g2, T2 += s22 * g2;
+
+  setMode(out, 0, b0 * T0);
+  setMode(out, 1, b1 * T1);
+  setMode(out, 2, b2 * T2);
+  if (with_energy) {
+    out.material_energy = k.inverse_factor * point.W;
+    out.hourglass_energy = (0.5 * k.inverse_factor) * product;
   }
 }
 

@@ -31,12 +31,13 @@ struct NodeKick {
   Real old[3], v[3], x[3], force[3], mass;
 
   // v = old + (dt/m) total + dt g; a node without elements has no mass.
-  KOKKOS_INLINE_FUNCTION void accelerate(const Real (&total)[3], double dt, const Vec3& gravity) {
+  KOKKOS_FORCEINLINE_FUNCTION void accelerate(const Real (&total)[3], double dt,
+                                              const Vec3& gravity) {
     const Real per_mass = whereNotZero(mass, Real(dt / mass));
     for (int i = 0; i < 3; ++i)
       v[i] = (old[i] + per_mass * total[i]) + dt * gravity[i];
   }
-  KOKKOS_INLINE_FUNCTION void terms(double dt, Real (&term)[num_plain_kick_terms]) const {
+  KOKKOS_FORCEINLINE_FUNCTION void terms(double dt, Real (&term)[num_plain_kick_terms]) const {
     Real momentum[3], mean[3];
     for (int i = 0; i < 3; ++i) {
       momentum[i] = mass * v[i];
@@ -218,35 +219,41 @@ public:
   PackKicker(const PackKicker&) = delete;
   PackKicker& operator=(const PackKicker&) = delete;
 
-  // Whether kickPlain() will do for nodes [first, first + W): none has a prescribed motion.
-  bool isFree(std::int64_t first) const {
+  // Whether kickPlain() will do for nodes [first, first + count): none has a prescribed motion.
+  bool isFree(std::int64_t first, int count) const {
     if (_node_kick.boundary.mass_damping > 0)
       return false;
     if (!_has_constraints)
       return true;
-    std::uint64_t words[3 * W / 8];
-    memcpy(words, &_node_kick.boundary.motion(first, 0), sizeof words);
+    const unsigned char* const motions = &_node_kick.boundary.motion(first, 0);
     std::uint64_t any = 0;
-    for (const std::uint64_t word : words)
-      any |= word;
+    if (count >= W) {
+      std::uint64_t words[3 * W / 8];
+      memcpy(words, motions, sizeof words);
+      for (const std::uint64_t word : words)
+        any |= word;
+    } else {
+      for (int k = 0; k < 3 * count; ++k)
+        any |= motions[k];
+    }
     return any == 0;
   }
 
-  // Nodes [first, first + W), all there, by the internal force `f` alone at displacement `u`. `owned`: -1 in the lanes of
-  // owned nodes, else 0.
-  void kickPlain(std::int64_t first, const Integer (&f)[3], const Real (&u)[3],
+  // The first `count` of nodes [first, first + W), by the internal force `f` alone at displacement `u`. `owned`: -1 in the
+  // lanes of these that are owned, else 0.
+  void kickPlain(std::int64_t first, int count, const Integer (&f)[3], const Real (&u)[3],
                  const Integer& owned) {
     const KickNode<kinds>& k = _node_kick;
     NodeKick<Real> kick;
-    loadTriples(&k.velocity(first, 0), kick.old);
-    loadTriples(&k.reference(first, 0), kick.x);
-    memcpy(&kick.mass.v, &k.mass(first), sizeof kick.mass.v);
+    loadSomeTriples(&k.velocity(first, 0), count, kick.old);
+    loadSomeTriples(&k.reference(first, 0), count, kick.x);
+    kick.mass = loadSome<Real>(&k.mass(first), count);
     for (int i = 0; i < 3; ++i) {
       kick.x[i] += u[i];
       kick.force[i] = k.quantum * toReal(f[i]);
     }
     kick.accelerate(kick.force, k.dt, k.boundary.gravity);
-    storeTriples(kick.v, &k.velocity(first, 0));
+    storeSomeTriples(kick.v, count, &k.velocity(first, 0));
     kick.mass = masked(kick.mass, owned);
     for (int i = 0; i < 3; ++i)
       kick.force[i] = masked(kick.force[i], owned);
@@ -257,8 +264,10 @@ public:
     _lanes.endRow();
     if (++_rows == LaneSums<num_plain_kick_terms, W>::max_rows)
       fold();
-    if (_limit < HUGE_VAL)
-      countFast(kick.v, owned);
+    if (_limit < HUGE_VAL) {
+      const Real v[3] = {kick.v[0], kick.v[1], kick.v[2]};
+      countFast(v, owned);
+    }
   }
 
   void kickOne(std::int64_t node, const std::int64_t (&columns)[3 * kinds]) {

@@ -37,7 +37,7 @@ KOKKOS_INLINE_FUNCTION Real logOnePlus(const Real& d) {
 
 // Cofactors of F = I + H, so that F^-T = cofactor / J.
 template <class Real>
-KOKKOS_INLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3]) {
+KOKKOS_FORCEINLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3]) {
   c[0][0] = F[1][1] * F[2][2] - F[1][2] * F[2][1];
   c[0][1] = F[1][2] * F[2][0] - F[1][0] * F[2][2];
   c[0][2] = F[1][0] * F[2][1] - F[1][1] * F[2][0];
@@ -78,8 +78,9 @@ struct StressPoint {
 //   P = mu H + (p - r) (H^T - C) + (p e + r (1 + t)) I,  p = mu/J, r = lambda ln J/J.
 // The moduli are double, or Real where they differ between lanes.
 template <class Real, class Modulus>
-KOKKOS_INLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus& lambda,
-                                       const Modulus& mu, bool with_W, StressPoint<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus& lambda,
+                                            const Modulus& mu, bool with_W,
+                                            StressPoint<Real>& out) {
   Real C[3][3];
   cofactors(H, C);
   const Real t = H[0][0] + H[1][1] + H[2][2];
@@ -153,9 +154,9 @@ KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], const Modulus& 
 }
 
 template <MaterialModel model, class Real, class Modulus>
-KOKKOS_INLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], const Modulus& lambda,
-                                             const Modulus& mu, bool with_W,
-                                             StressPoint<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], const Modulus& lambda,
+                                                  const Modulus& mu, bool with_W,
+                                                  StressPoint<Real>& out) {
   if (model == MaterialModel::neo_hookean)
     neoHookean(H, lambda, mu, with_W, out);
   else if (model == MaterialModel::svk)

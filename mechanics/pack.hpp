@@ -114,7 +114,7 @@ inline IntPackOf<W> operator-(const IntPackOf<W>& a) {
 
 // Lanes of a and b together by number: 0 .. W-1 are a's, W .. 2W-1 b's.
 template <class V, class Numbers>
-inline V shuffled(const V& a, const V& b, const Numbers& lanes) {
+KOKKOS_FORCEINLINE_FUNCTION V shuffled(const V& a, const V& b, const Numbers& lanes) {
   return __builtin_shuffle(a, b, lanes);
 }
 
@@ -199,6 +199,15 @@ inline PackOf<W> whereNotZero(const PackOf<W>& m, const PackOf<W>& a) {
   return m.v != 0.0 ? a.v : typename PackOf<W>::vector{};
 }
 
+// The mask of the first `count` lanes: -1 there, else 0.
+template <int W>
+inline IntPackOf<W> firstLanes(int count) {
+  typename IntPackOf<W>::vector lane;
+  for (int l = 0; l < W; ++l)
+    lane[l] = l;
+  return lane < count;
+}
+
 // a where the mask has all bits, 0 where it has none.
 template <int W>
 inline PackOf<W> masked(const PackOf<W>& a, const IntPackOf<W>& mask) {
@@ -262,7 +271,7 @@ KOKKOS_INLINE_FUNCTION double toReal(std::int64_t a) {
 
 // W rows of three numbers each, packed, as lanes of x, y and z.
 template <int W>
-inline void loadTriples(const double* rows, PackOf<W> (&lanes)[3]) {
+KOKKOS_FORCEINLINE_FUNCTION void loadTriples(const double* rows, PackOf<W> (&lanes)[3]) {
   static_assert(W == 8);
   using V = typename PackOf<W>::vector;
   using I = typename IntPackOf<W>::vector;
@@ -278,7 +287,7 @@ inline void loadTriples(const double* rows, PackOf<W> (&lanes)[3]) {
       shuffled(shuffled(a, b, I{2, 5, 8, 11, 14, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 9, 12, 15});
 }
 template <int W>
-inline void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
+KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
   static_assert(W == 8);
   using I = typename IntPackOf<W>::vector;
   const auto &x = lanes[0].v, &y = lanes[1].v, &z = lanes[2].v;
@@ -290,6 +299,55 @@ inline void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
   memcpy(rows, &a, sizeof a);
   memcpy(rows + 8, &b, sizeof b);
   memcpy(rows + 16, &c, sizeof c);
+}
+
+// W numbers from and to memory.
+template <class Pack, class Number>
+inline Pack loadPack(const Number* from) {
+  Pack pack;
+  memcpy(&pack.v, from, sizeof pack.v);
+  return pack;
+}
+template <class Pack, class Number>
+inline void storePack(const Pack& pack, Number* to) {
+  memcpy(to, &pack.v, sizeof pack.v);
+}
+
+// The first `count` <= W of them, then zeros.
+template <class Pack, class Number>
+inline Pack loadSome(const Number* from, int count) {
+  Pack pack = {};
+  if (count >= static_cast<int>(sizeof pack.v / sizeof(Number)))
+    return loadPack<Pack>(from);
+  memcpy(&pack.v, from, sizeof(Number) * count);
+  return pack;
+}
+
+// Rows of three numbers of `count` <= W nodes; the other lanes are zero. What is copied has its own place in memory, so that
+// the lanes of the usual case stay in registers.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void loadSomeTriples(const double* rows, int count,
+                                                 PackOf<W> (&lanes)[3]) {
+  if (count >= W) {
+    loadTriples(rows, lanes);
+  } else {
+    double some[3 * W] = {};
+    for (int k = 0; k < 3 * count; ++k)
+      some[k] = rows[k];
+    loadTriples(some, lanes);
+  }
+}
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void storeSomeTriples(const PackOf<W> (&lanes)[3], int count,
+                                                  double* rows) {
+  if (count >= W) {
+    storeTriples(lanes, rows);
+  } else {
+    double some[3 * W];
+    storeTriples(lanes, some);
+    for (int k = 0; k < 3 * count; ++k)
+      rows[k] = some[k];
+  }
 }
 
 // The scalar type of the element kernels for W lanes, and its integers.

@@ -68,8 +68,11 @@ public:
                    const NodalForces& forces) const;
 
   const Pressure& pressure() const { return _pressure; }
+  const View<int* [4]>& faceToNodes() const { return _face_to_nodes; }
   // When the pulse has passed the last of this rank's faces: from then on add() does nothing. Infinite without an end.
-  double end() const { return _end; }
+  double end() const {
+    return _end;
+  }
 
 private:
   Pressure _pressure;

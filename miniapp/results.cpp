@@ -71,19 +71,19 @@ void Results::writeStep(Simulation& simulation) {
 }
 
 // Displacement and contact force at t^n; velocity at t^n from that of the half step after it, v^{n+1/2} - dt/2 a^n.
-void Results::fillNodal(const Simulation& simulation) {
+void Results::fillNodal(Simulation& simulation) {
+  const mechanics::NodalForces& forces = simulation.forces();
   const auto u =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
   const auto v =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().velocity);
   const auto mass =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
-  const auto values =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.forces().values);
+  const auto values = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.values);
   const auto& boundary = simulation.boundary();
   const auto motion =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.at(0).motion);
-  const double quantum = simulation.forces().quantum.value;
+  const double quantum = forces.quantum.value;
   const auto nodal_motion = nodalMotion(values, mass, motion, quantum, boundary);
   const double half_step = 0.5 * simulation.clock().dt;
   for (int d = 0; d < 3; ++d)

@@ -20,7 +20,7 @@ public:
   void close() { _writer.close(); }
 
 private:
-  void fillNodal(const Simulation& simulation);
+  void fillNodal(Simulation& simulation);
   void fillContact(const Simulation& simulation);
   void fillElement(Simulation& simulation);
 

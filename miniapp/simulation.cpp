@@ -69,7 +69,12 @@ void Simulation::start() {
 void Simulation::moveNodes() {
   keepPositionsWhereFast();
   const Region region("step::drift");
-  mechanics::drift(_space, _clock.dt, _state);
+  // Free bricks drift while they are swept, unless someone looks at the positions before.
+  _free_have_drifted = !_free_bricks.any() || checksStableStep(_clock.step + 1);
+  if (_free_have_drifted)
+    mechanics::drift(_space, _clock.dt, _state);
+  else
+    mechanics::drift(_space, _clock.dt, _state, _other_nodes);
   if (_coupling)
     _coupling->gatherCoordinates(_space, _state.displacement);
   _clock.advance();
@@ -117,7 +122,11 @@ void Simulation::reachAsDeepAsContacts() {
 }
 
 void Simulation::computeForces(double time) {
-  mechanics::zeroForces(_space, _forces);
+  _has_all_forces = !_free_bricks.any();
+  if (_other_nodes.numRuns() > 0)
+    mechanics::zeroForces(_space, _forces);
+  else
+    _forces.values = View<std::int64_t**>(); // needed for output only
   {
     const Region region("step::internal force");
     _internal = _internal_force->add(_space, _state.displacement, _state.velocity,
@@ -162,9 +171,56 @@ void Simulation::enforceContact(double dt) {
 }
 
 void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
-  const Region region("step::kick");
-  _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
-                          _state, _scales, _guard.speedTest(_ledger.meanVelocity()));
+  {
+    const Region region("step::kick");
+    _kick =
+        mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces, _state,
+                        _scales, _guard.speedTest(_ledger.meanVelocity()), _other_nodes);
+  }
+  if (_free_bricks.any())
+    stepFreeBricks(dt_kick, time_of_velocity);
+}
+
+void Simulation::stepFreeBricks(double dt_kick, double time_of_velocity) {
+  const Region region("step::free bricks");
+  const auto sums =
+      _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, time_of_velocity,
+                        !_free_have_drifted, _clock.dt_before, dt_kick, _state, _scales);
+  _internal.energy += sums.internal.energy;
+  _internal.failure += sums.internal.failure;
+  _kick += sums.kick;
+}
+
+// Bricks that nothing but their own forces, gravity and prescribed motions moves.
+void Simulation::freeBricks() {
+  _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
+  if (_config.contact.enabled || _config.viscosity.any() || !host_accessible)
+    return;
+  std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
+  for (const auto& load : _loads) {
+    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
+    for (std::size_t face = 0; face < faces.extent(0); ++face)
+      for (int corner = 0; corner < 4; ++corner)
+        is_loaded[faces(face, corner)] = 1;
+  }
+  _free_bricks = mechanics::FreeBricks(_space, _scene.mesh, *_internal_force, is_loaded);
+  if (_free_bricks.any())
+    _other_nodes = _free_bricks.otherNodes();
+}
+
+void Simulation::allocateForces() {
+  _forces.values = View<std::int64_t**>("state::forces", _scene.mesh.num_nodes,
+                                        mechanics::numForceColumns(_config.viscosity.any()));
+}
+
+const mechanics::NodalForces& Simulation::forces() {
+  if (!_has_all_forces) {
+    if (_other_nodes.numRuns() == 0)
+      allocateForces();
+    _internal_force->addLeftOut(_space, _state.displacement, _forces);
+    _has_all_forces = true;
+  }
+  return _forces;
 }
 
 void Simulation::bookEnergies(double dt_kick) {
@@ -188,11 +244,12 @@ void Simulation::bookEnergies(double dt_kick) {
 // forces; only those of contact stay as they are. Forces that failed were never added, so what was added is finite. The
 // start has no drift and no step before it.
 void Simulation::stepBack(double dt_kick) {
-  undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, _forces, _state);
+  undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, forces(), _state);
   _clock.time -= _clock.dt_before;
   _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
   computeForces(_clock.time);
   sumSharedNodes();
+  forces();
   if (_coupling)
     _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
 }
@@ -225,14 +282,14 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
   _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
   _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
-  _forces.values = View<std::int64_t**>("state::forces", mesh.num_nodes,
-                                        mechanics::numForceColumns(config.viscosity.any()));
+  allocateForces();
   _scales = mechanics::ledgerScales(_space, comm, mesh);
   const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
                                                             : mechanics::ElementKind::full;
   _internal_force = std::make_unique<mechanics::InternalForce>(_space, comm, mesh, kind,
                                                                _forces.quantum, _scales.energy);
   _loads = pressureLoads(_space, config, scene);
+  freeBricks();
   for (const MaterialConfig& material : config.materials)
     _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
@@ -334,6 +391,10 @@ GaugeValues Simulation::gauges() {
   values[gauge_hourglass] = b.hourglassShare();
   values[gauge_penetration] = _known_penetration;
   return values;
+}
+
+std::int64_t Simulation::numFreeElems() const {
+  return allReduce(_comm, _free_bricks.numElems(), MPI_SUM);
 }
 
 std::int64_t Simulation::numCongruentElems() const {

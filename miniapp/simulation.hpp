@@ -6,6 +6,7 @@
 #include "contact/penalty.hpp"
 #include "mechanics/boundary_conditions.hpp"
 #include "mechanics/energy.hpp"
+#include "mechanics/free_bricks.hpp"
 #include "mechanics/internal_force.hpp"
 #include "mechanics/largest_frequency.hpp"
 #include "mechanics/nodal_state.hpp"
@@ -103,7 +104,8 @@ public:
   // bound. Collective.
   GaugeValues gauges();
   const mechanics::NodalState& state() const { return _state; }
-  const mechanics::NodalForces& forces() const { return _forces; }
+  // Of the last step, of all nodes.
+  const mechanics::NodalForces& forces();
   const mechanics::BoundaryConditions& boundary() const { return _boundary; }
   mechanics::InternalForce& internalForce() { return *_internal_force; }
   // Null without contact.
@@ -114,6 +116,7 @@ public:
   Checksums checksums() const;
   bool dropsSameBody() const { return _drops_same_body; }
   std::int64_t numCongruentElems() const; // of all ranks; collective
+  std::int64_t numFreeElems() const; // of bricks that step by themselves; of all ranks; collective
 
 private:
   void moveNodes();
@@ -128,11 +131,15 @@ private:
   // needed. Collective.
   void adaptTimeStep();
   void watchCompression();
+  bool checksStableStep(std::int64_t step) const;
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void auditCandidates(); // collective
   double reachOf(double deepest) const;
   void reachAsDeepAsContacts(); // collective
+  void allocateForces();
+  void freeBricks();
+  void stepFreeBricks(double dt_kick, double time_of_velocity);
   void computeForces(double time);
   void enforceContact(double dt);
   void sumSharedNodes();
@@ -167,6 +174,9 @@ private:
   mechanics::BoundaryConditions _boundary;
   mechanics::SharedNodeSum _shared;
   std::unique_ptr<mechanics::InternalForce> _internal_force;
+  mechanics::FreeBricks _free_bricks; // none with contact or viscosity
+  mechanics::NodeSelection _other_nodes;
+  bool _free_have_drifted = true, _has_all_forces = true; // in the step under way
   std::vector<mechanics::PressureLoad> _loads;
   mechanics::LedgerScales _scales;
   mechanics::EnergyLedger _ledger;

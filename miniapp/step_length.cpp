@@ -88,10 +88,13 @@ void Simulation::shortenSteps(double longest, StepCut::Reason reason) {
 
 // Between drift and kick, so that the kick spans half of either step and the ledger knows the drift to come.
 void Simulation::adaptTimeStep() {
-  if (_clock.step % _config.time.check_interval != 0 || done())
+  if (!checksStableStep(_clock.step) || done())
     return;
   const Region region("step::stable step");
   shortenStepIfUnstable();
+}
+bool Simulation::checksStableStep(std::int64_t step) const {
+  return step % _config.time.check_interval == 0;
 }
 
 // Quadratic viscosity damps the more, and needs the shorter a step, the faster elements are compressed. The step allows for

@@ -1,0 +1,34 @@
+// Which nodes a kernel works on: all, or runs of consecutive ones.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+namespace brickwall::mechanics {
+
+struct NodeRun {
+  int first = 0, count = 0;
+};
+
+struct NodeSelection {
+  static constexpr int nodes_per_run = 1024;
+
+  bool all = true;
+  int num_nodes = 0; // when all
+  View<const NodeRun*> runs; // else; none longer than nodes_per_run
+
+  static NodeSelection allOf(int num_nodes) {
+    NodeSelection all_nodes;
+    all_nodes.num_nodes = num_nodes;
+    return all_nodes;
+  }
+  int numRuns() const {
+    return all ? (num_nodes + nodes_per_run - 1) / nodes_per_run : static_cast<int>(runs.extent(0));
+  }
+  KOKKOS_INLINE_FUNCTION NodeRun run(int r) const {
+    if (!all)
+      return runs(r);
+    return {r * nodes_per_run, minOf(+nodes_per_run, num_nodes - r * nodes_per_run)};
+  }
+};
+
+} // namespace brickwall::mechanics
