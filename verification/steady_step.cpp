@@ -40,4 +40,28 @@ TEST(SteadyStep, AllocatesNoView) {
   }
 }
 
+// Bricks that step by themselves.
+TEST(SteadyStep, OfFreeBricksAllocatesNoView) {
+  Case wall("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
+            "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\n"
+            "poissons_ratio = 0.2\n"
+            "[[boundary.fixed]]\nnode_set = \"base\"\n"
+            "[gravity]\nacceleration = [0, 0, -9.81]\n"
+            "[contact]\nenabled = false\n"
+            "[time]\nend = 1\ncheck_interval = 1000\n");
+  auto& simulation = wall.simulation;
+  if (brickwall::simd_width > 1) {
+    EXPECT_GT(simulation.numFreeElems(), 0);
+  }
+  simulation.start();
+  for (int step = 0; step < 10; ++step)
+    simulation.step();
+  allocations = 0;
+  Kokkos::Tools::Experimental::set_allocate_data_callback(countAllocation);
+  for (int step = 0; step < 50; ++step)
+    simulation.step();
+  Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
+  EXPECT_EQ(allocations, 0);
+}
+
 } // namespace
