@@ -41,7 +41,7 @@ struct EdgeTouch {
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell.
   static constexpr double least_sine = 0.05;
-  static constexpr double parallel_sine = 0.2; // below it a contact may be held
+  static constexpr double parallel_sine = 0.2; // below it a contact may come to be held
   // Of the shorter edge: crossed no deeper than that, they may begin. Edges of bricks that lie flat on each other cross at no
   // depth and at no angle; when they have turned by `least_sine`, nodes half a cell away have let them in by half of that.
   static constexpr double shallow = 0.06;
@@ -77,10 +77,12 @@ struct EdgeTouch {
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);
     const bool is_kept = stage == Stage::kept;
-    if (is_kept && previous(hit.previous).is_held)
-      return false;
     const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
     const double determinant = aa * bb - ab * ab; // |da x db|^2
+    // A contact that is held goes on where the edges cross when they are open again.
+    if (is_kept && previous(hit.previous).is_held &&
+        !(determinant > parallel_sine * parallel_sine * aa * bb))
+      return false;
     if (!(determinant > least_sine * least_sine * aa * bb))
       return false;
     const double ra = dot(da, between), rb = dot(db, between);
@@ -135,7 +137,7 @@ struct EdgeTouch {
           square < deepest * deepest * minOf(dot(da, da), dot(db, db))))
       return false;
     const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
-    if (aa * bb - ab * ab > parallel_sine * parallel_sine * aa * bb)
+    if (!last.is_held && aa * bb - ab * ab > parallel_sine * parallel_sine * aa * bb)
       return false;
     const double depth = std::sqrt(square);
     setHit(s, t, (1 / depth) * way, depth, other, hit);

@@ -136,7 +136,8 @@ struct SelectInteractions {
     if (!goesOn(hit))
       return dot(hit.unitNormal(), hit.motion) < 0;
     const Interaction& last = previous.interactions(hit.previous);
-    return last.face != faces.id(hit.face) || hit.depth > last.offset;
+    return last.face != faces.id(hit.face) || last.is_held != hit.is_held ||
+           hit.depth > last.offset;
   }
 
   // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
@@ -286,7 +287,7 @@ struct SelectInteractions {
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
     now.offset = minOf(last.offset, hit.depth);
-    if (last.face != now.face) {
+    if (last.face != now.face || last.is_held != now.is_held) {
       const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
       now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
     }
@@ -318,8 +319,8 @@ struct SelectInteractions {
   KOKKOS_INLINE_FUNCTION void rub(const Interaction& now, const Hit& hit, const Vec3& motion,
                                   FrictionSpring& friction, ContactSums& sums) const {
     friction.stiffness = config.friction_stiffness * now.stiffness;
-    if (!(now.depth > 0 && friction.stiffness > 0))
-      return;
+    if (!(now.depth > 0 && friction.stiffness > 0) || now.is_held)
+      return; // nearly parallel edges could not give back the couple of a force across both
     touch.setLevers(faces, now, hit.depth, friction.lever);
     friction.motion = along(slipOf(friction, motion, now, hit.face), now.normal);
     Vec3 held;
