@@ -287,7 +287,7 @@ struct SelectInteractions {
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
     now.offset = minOf(last.offset, hit.depth);
-    if (last.face != now.face || last.is_held != now.is_held) {
+    if (last.face != now.face || (last.is_held && !now.is_held)) {
       const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
       now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
     }
