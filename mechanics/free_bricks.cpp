@@ -159,6 +159,10 @@ FreeBricks::FreeBricks(const exec_space& space, const HexMesh& mesh, InternalFor
     _num_elems += lattice.numElems();
     std::fill_n(is_own.begin() + lattice.first_node, lattice.numNodes(), 1);
   }
+  if (rows.empty()) {
+    _other_nodes = NodeSelection::allOf(mesh.num_nodes);
+    return;
+  }
   const std::vector<LatticeSlab> slabs = cutIntoSlabs(lattices, rows, internal.threads());
   _has_pieces = slabs.size() > rows.size();
   _slabs = copyToDevice(space, "mechanics::FreeBricks::slabs", slabs);

@@ -103,7 +103,8 @@ std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, cons
         pressure.speed = entry.wave_speed;
     }
     const auto& sides = sideSetOf(scene.part, entry.side_set);
-    loads.emplace_back(space, scene.mesh, pressure, mechanics::sideNodes(scene.mesh, sides.elems, sides.sides));
+    loads.emplace_back(space, scene.mesh, pressure,
+                       mechanics::sideNodes(scene.mesh, sides.elems, sides.sides));
   }
   return loads;
 }
