@@ -50,8 +50,8 @@ struct EdgeTouch {
   static constexpr double full_outside =
       0.5; // a contact that has begun ends when it is this far outside
   static constexpr double stiffness_share = 0.5; // of a node's: edges act beside nodes
-  static constexpr double deepest =
-      0.5; // of the shorter edge: what is deeper did not come through these edges
+  // Of the shorter edge: what is deeper when it is found did not come through these edges; no contact goes on deeper.
+  static constexpr double deepest_birth = 0.5, deepest = 1;
 
   double lateral_tolerance, edge_tolerance;
   int num_corners; // rows below it are ends of edges, row num_corners + e is edge e
@@ -92,7 +92,8 @@ struct EdgeTouch {
     const Vec3 across = cross(da, db);
     Vec3 normal = (1 / norm(across)) * across;
     double depth = -dot(between, normal);
-    if (!(depth * depth < deepest * deepest * minOf(aa, bb)))
+    const double limit = hit.previous < 0 ? deepest_birth : deepest;
+    if (!(depth * depth < limit * limit * minOf(aa, bb)))
       return false;
     const EdgeCone cone_b(faces.quad(other), faces.attribute(other, cosine_column),
                           faces.attribute(other, sine_column));

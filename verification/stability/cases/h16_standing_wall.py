@@ -50,7 +50,7 @@ def evaluate(lab):
                      / np.max(run.history["kinetic_energy"]), int(run.history["lost_contacts"][-1])])
     by_name = {row[0]: row for row in rows}
     wall = by_name["friction .6"]
-    lab.check(wall[1], 0, 2e-3)
+    lab.check(wall[1], 0, 3e-3)
     lab.check(wall[2], 0, 1e-3, "drift_of_the_second_half")
     # The first swing lifts the uppermost bricks, which land a little aside. From then on friction must hold them: what they
     # still move by is a part of the settlement rho g H^2/(2 E), by which the wall swings for ever.
