@@ -12,7 +12,6 @@
 namespace brickwall::mechanics {
 namespace {
 
-
 constexpr MaterialModel models[] = {MaterialModel::neo_hookean, MaterialModel::svk,
                                     MaterialModel::linear};
 
