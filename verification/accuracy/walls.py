@@ -17,7 +17,7 @@ class Wall(Scene):
     deck = HERE / "decks/wall.toml"
 
     def __init__(self, quick):
-        counts = (2, 4) if quick else (2, 4, 6, 8, 12)
+        counts = (2, 4) if quick else (2, 4, 6, 8, 12, 16)
         self.sizes = {mesh_name(n): 0.2 / n for n in counts}
         self.quick = quick
 
@@ -28,9 +28,9 @@ class Wall(Scene):
         n = int(mesh.split("x")[0])
         if self.quick:
             return [DEFAULT, FEW[2], FULL, *REUSE]
-        if n == 12:
+        if n == 16:
             return [*FEW, *REUSE, FULL]
-        if n == 6:
+        if n in (6, 12):
             return FEW
         return [DEFAULT, *STEPS, *PENALTIES, *SOFT_AND_LONG, FULL, PLAIN, NO_EDGES, *REUSE, *COMBINED]
 
@@ -57,7 +57,7 @@ class Wall(Scene):
         return {name: value if isinstance(value, list) else float(value) for name, value in observed.items()}
 
     def prepare(self, bench):
-        counts = (2, 4, 8) if self.quick else (6, 12, 24)
+        counts = (2, 4, 8) if self.quick else (8, 16, 32)
         cores = 1 if self.quick else machine.physical_cores() // bench.program.ranks
         records = [bench.needed(self, mesh_name(n), f"reference_{n}", REFERENCE, 1, max(1, cores)) for n in counts]
         self.reference_mesh = mesh_name(counts[-1])
