@@ -35,17 +35,18 @@ struct Interaction {
   double damping = 0; // F_d, force along the normal; F + F_d >= 0
   double closing = 0; // d-, length: closing motion of the step that led to the last force
   Vec3 normal; // of that step
-  int is_held = 0; // 1: an edge that goes on at a fixed point, until it has no load
+  int is_held =
+      0; // 1: an edge that goes on at a fixed point, until it has no load or crosses the other again
   double weight[4] = {0, 0, 0, 0}; // N_j of that step
+  double first_force = 0; // F0 = k w p of that step, before the corrections
+  ContactPoint point; // of that step; its nodes are numbers of this rank
 
   // Of the current step only.
-  double first_force = 0; // F0 = k w p
   double first_damping = 0; // F_d before the corrections
   double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j
-  ContactPoint point;
   int node = -1; // surface node whose row this is
   int face_index = -1; // own face below num_faces, else ghost face index - num_faces
-  int is_new = 1; // born now, or p was 0 at the last step
+  int is_new = 1; // born in this step
 };
 
 // Coulomb friction of an interaction: an elastic spring along the face that slips at mu F_n.
@@ -77,15 +78,17 @@ struct FadingForce {
   Vec3 on_node; // each corner takes -N_j of it
   NormalForces normal; // besides
   double work = 0; // its work on the bodies over the motion of the step that led to it, energy
+  double factor = 1; // by which the corrections have multiplied it
   double work_to_end = 0; // its work until w = 0 and the contact ends, energy
 
-  KOKKOS_INLINE_FUNCTION void multiply(double factor) {
-    on_node = factor * on_node;
-    normal.on_end *= factor;
+  KOKKOS_INLINE_FUNCTION void multiply(double by) {
+    on_node = by * on_node;
+    normal.on_end *= by;
     for (int j = 0; j < 4; ++j)
-      normal.on_corner[j] *= factor;
-    work *= factor;
-    work_to_end *= factor;
+      normal.on_corner[j] *= by;
+    work *= by;
+    work_to_end *= by;
+    factor *= by;
   }
 };
 

@@ -11,7 +11,7 @@ namespace brickwall::contact {
 
 // Energies of contact: those in springs, at the half step n+1/2; works on the bodies, of the forces of step n.
 enum ContactTerm : int {
-  spring_stored, // sum of k w p^n p^{n+1}/2: the contact term of the half-step energy gauge
+  spring_stored, // sum of k p^n p^{n+1}/2, beyond edges as storedBetween(): the contact term of the half-step energy gauge
   friction_stored, // sum of t^n . t^{n+1}/(2 k_t)
   spring_work, // of edges only
   damping_work,
@@ -24,7 +24,7 @@ struct ContactSums {
   LimbSums<num_contact_terms> terms;
   std::int64_t touching =
       0; // nodes (or edges) inside a body, with or without a force, for each body
-  std::int64_t interactions = 0; // those that are remembered: under load, or just relieved of it
+  std::int64_t interactions = 0; // those that are remembered: under load
   std::int64_t active = 0; // interactions with a force
   // Loaded interactions whose face is no longer a candidate: deeper than the search reaches.
   std::int64_t lost = 0;

@@ -27,6 +27,8 @@ struct HashInteraction {
     hash.take(pair.closing);
     hash.take(pair.normal);
     hash.take(pair.is_held);
+    hash.take(pair.point.share);
+    hash.take(pair.first_force);
     for (const double weight : pair.weight)
       hash.take(weight);
     if (has_friction) {
@@ -34,6 +36,17 @@ struct HashInteraction {
       hash.take(spring.force);
       hash.take(spring.motion);
       hash.take(spring.stiffness);
+      hash.take(spring.lever[0]);
+      hash.take(spring.lever[1]);
+    }
+    if (pair.taper < 1) {
+      const FadingForce& fading = history.fading(i);
+      hash.take(fading.on_node);
+      hash.take(fading.normal.on_end);
+      for (const double force : fading.normal.on_corner)
+        hash.take(force);
+      hash.take(fading.work);
+      hash.take(fading.factor);
     }
     sum += hash.value();
   }

@@ -47,11 +47,10 @@ struct FindDeepest {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, Deepest& all) const {
     const int node = pairs.node(row);
-    const global_id own_body = faces.surface.node_body(node);
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row);) {
       const global_id body = faces.body(pairs.faces(pair));
       const Deepest one = inBody(node, body, pairs.end(row), pair);
-      if (body != own_body && one.depth > 0)
+      if (one.depth > 0)
         all += one;
     }
   }

@@ -52,7 +52,7 @@ public:
                              const StepLengths& steps, const View<double* [3]>& accelerations,
                              const View<double* [12]>& ghost_accelerations);
 
-  // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; the others keep theirs.
+  // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.
   void setReferenceStep(double dt) { _config.reference_step = dt; }
 
   // The step is over: its interactions become the history.
@@ -60,7 +60,6 @@ public:
 
   const ContactForces& forces() const { return _forces; }
   const ContactHistory& history() const { return _history; }
-  std::int64_t count() const { return _next.count; } // of next()
 
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);

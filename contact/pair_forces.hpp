@@ -40,6 +40,9 @@ struct PairForces {
       largest += norm(fading.on_node);
       besides.add(fading.normal);
     }
+    largest += std::fabs(besides.on_end);
+    for (int j = 0; j < face_corners; ++j)
+      largest += std::fabs(besides.on_corner[j]);
     if (!fitsFixedPoint(4 * inverse_quantum * largest))
       return false;
     for (int d = 0; d < 3; ++d) {

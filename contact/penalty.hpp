@@ -58,14 +58,14 @@ public:
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
 
-  // dt_ref >= every dt to come. Contacts that are born from now on have the stiffness that goes with it; the others keep
-  // theirs, so that no energy is made.
+  // dt_ref >= every dt to come. Contacts that are born from now on have the stiffness that goes with it; others are never
+  // made stiffer, so that no energy is made.
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
 
   // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
   // ranks that share a node.
   const ContactForces& forces() const { return _forces; }
-  // [surface node] interactions of the node; 0 if not owned.
+  // [surface node] bodies that the node is inside of, under load or not; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
   // [surface node] least gap, length: minus the deepest penetration, or 0.
   const View<double*>& gap() const { return _gap; }

@@ -22,7 +22,7 @@ struct Hit {
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
-  bool is_held; // Stage::held, for good
+  bool is_held; // Stage::held: until it has no load, or its edges cross again
   bool is_loaded;
   bool has_ended; // that interaction: its node is outside the face again
 
@@ -292,7 +292,7 @@ struct SelectInteractions {
       now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
     }
     now.stiffness = last.stiffness;
-    if (stiffness_cap < now.stiffness) {
+    if (stiffness_cap > 0 && stiffness_cap < now.stiffness) {
       const double depth = hit.depth - now.offset;
       now.offset = hit.depth - depth * std::sqrt(now.stiffness / stiffness_cap);
       now.stiffness = stiffness_cap;
@@ -409,8 +409,11 @@ struct SelectInteractions {
       return 0.25 * stiffness * (last.taper + now.taper) * last.depth * now.depth;
     const Vec3 motion = faces.relativeMotion(last.point, hit.face, last.weight);
     double last_work = -last.first_force * -dot(last.normal, motion);
-    if (last.taper < 1)
-      last_work += workOf(previous.fading(hit.previous), motion, last, hit.face);
+    if (last.taper < 1) { // before its correction, as the other forces here
+      const FadingForce& fading = previous.fading(hit.previous);
+      if (fading.factor > 0)
+        last_work += workOf(fading, motion, last, hit.face) / fading.factor;
+    }
     const double work = fading_work - now.first_force * now.closing;
     return 0.25 * stiffness *
                (last.taper * last.depth * last.depth + now.taper * now.depth * now.depth) -
