@@ -81,13 +81,25 @@ struct FadingForce {
   double factor = 1; // by which the corrections have multiplied it
   double work_to_end = 0; // its work until w = 0 and the contact ends, energy
 
-  KOKKOS_INLINE_FUNCTION void multiply(double by) {
+  // With motions (or accelerations) of what it acts on: `relative`, of the pushing point against the face point; of the corners; and
+  // of the pushing point's second node less that of the first.
+  KOKKOS_INLINE_FUNCTION double times(const Vec3& along, const Vec3& relative,
+                                      const Vec3 (&of_corner)[4], const Vec3& of_ends) const {
+    double sum = dot(on_node, relative);
+    for (int j = 0; j < 4; ++j)
+      sum += normal.on_corner[j] * dot(along, of_corner[j]);
+    return sum + normal.on_end * dot(along, of_ends);
+  }
+  KOKKOS_INLINE_FUNCTION void scale(double by) {
     on_node = by * on_node;
     normal.on_end *= by;
     for (int j = 0; j < 4; ++j)
       normal.on_corner[j] *= by;
     work *= by;
     work_to_end *= by;
+  }
+  KOKKOS_INLINE_FUNCTION void correct(double by) {
+    scale(by);
     factor *= by;
   }
 };

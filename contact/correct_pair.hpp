@@ -62,7 +62,7 @@ struct CorrectPair {
     if (friction_limit > 0)
       pairs.friction(i).force = corrected.friction;
     if (corrected.fading != 1)
-      pairs.fading(i).multiply(corrected.fading);
+      pairs.fading(i).correct(corrected.fading);
   }
 
   // Of the pushing point against the face point.
@@ -79,14 +79,12 @@ struct CorrectPair {
   // The fading force times the accelerations of what it acts on.
   KOKKOS_INLINE_FUNCTION double power(const FadingForce& fading, const Interaction& pair,
                                       const Vec3& relative) const {
-    double power = dot(fading.on_node, relative);
+    Vec3 of_corner[4];
     for (int j = 0; j < 4; ++j)
-      power += fading.normal.on_corner[j] * dot(pair.normal, ofCorner(pair, j));
-    if (fading.normal.on_end != 0)
-      power +=
-          fading.normal.on_end * dot(pair.normal, rowOf(accelerations, pair.point.node[1]) -
-                                                      rowOf(accelerations, pair.point.node[0]));
-    return power;
+      of_corner[j] = ofCorner(pair, j);
+    return fading.times(pair.normal, relative, of_corner,
+                        rowOf(accelerations, pair.point.node[1]) -
+                            rowOf(accelerations, pair.point.node[0]));
   }
   KOKKOS_INLINE_FUNCTION Vec3 ofCorner(const Interaction& pair, int j) const {
     return faces.corner(pair.face_index, j, accelerations, ghost_accelerations);

@@ -285,19 +285,14 @@ struct EdgeTouch {
     const double determinant = maxOf(a * c - b * b, least_sine * least_sine * a * c);
     const double q_own = (g_s * c + g_t * b) / determinant;
     const double q_other = -(g_s * b + g_t * a) / determinant;
-    const Vec3 force = q_own * da + q_other * db;
-    // As for faces: no more than moves the pair by a fifth of the way.
-    const double moves =
-        norm(force) * config.reference_step * config.reference_step * now.inverse_mass;
-    const double most =
-        0.2 * minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
-    const double scale = moves > most ? most / moves : 1;
-    fading.on_node = scale * force;
-    fading.work_to_end =
-        scale * energy * minOf(at_s.toEnd() * at_t.value, at_t.toEnd() * at_s.value);
-    fading.normal.on_end = -scale * q_own * hit.depth; // r = -P n
-    fading.normal.on_corner[0] = scale * q_other * hit.depth;
+    fading.on_node = q_own * da + q_other * db;
+    fading.work_to_end = energy * minOf(at_s.toEnd() * at_t.value, at_t.toEnd() * at_s.value);
+    fading.normal.on_end = -q_own * hit.depth; // r = -P n
+    fading.normal.on_corner[0] = q_other * hit.depth;
     fading.normal.on_corner[1] = -fading.normal.on_corner[0];
+    const double shorter =
+        minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
+    keepWithin(shorter, config.reference_step, now.inverse_mass, fading);
   }
 };
 

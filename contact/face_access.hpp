@@ -60,6 +60,10 @@ struct FaceAccess {
     return box.overlaps(nodeBox(rowOf(surface.coordinates_old, node),
                                 rowOf(surface.coordinates_new, node), node_tolerance));
   }
+  // Whether a search in this step would list the pair; lists with a margin hold more.
+  KOKKOS_INLINE_FUNCTION bool isOfThisStep(const StepTest& test, int node, int face) const {
+    return !test.is_needed || boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
+  }
   // x^{n+1} - x^n of a corner, length.
   KOKKOS_INLINE_FUNCTION Vec3 cornerMotion(int face, int j) const {
     return corner(face, j, surface.coordinates_new, ghosts.coordinates_new) -

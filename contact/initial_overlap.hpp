@@ -1,16 +1,16 @@
 // Bodies that stand in each other before anything has moved.
 #pragma once
 
+#include "contact/leading_pair.hpp"
 #include "contact/surface.hpp"
 
 #include <mpi.h>
 
 namespace brickwall::contact {
 
-struct InitialOverlap {
+// The face is the nearest of the body that the node is in.
+struct InitialOverlap : PairIds {
   double depth = 0; // length; 0: no node is inside another body
-  global_id node = -1, node_body = -1;
-  global_id face = -1, face_body = -1; // the nearest face of the body that the node is in
 };
 
 // The node that is deepest inside another body, at coordinates_new, of those no deeper than about 2 `reach` (length). A node is

@@ -141,16 +141,13 @@ struct NodeFaceTouch {
                      maxOf(now.depth, 0.0));
     now.taper = lateral.taper;
     now.first_force += now.stiffness * now.depth * (lateral.taper - 1 + lateral.along_normal);
-    // What would move the pair by more than a fifth of the way in one step takes more energy than there is.
-    const double moves =
-        norm(lateral.on_node) * config.reference_step * config.reference_step * now.inverse_mass;
-    const double most = 0.2 * minOf(reach.way(0, hit.depth) * reach.half[0],
-                                    reach.way(1, hit.depth) * reach.half[1]);
-    const double scale = moves > most ? most / moves : 1;
-    fading.on_node = scale * lateral.on_node;
-    fading.work_to_end = scale * lateral.work_to_end;
+    fading.on_node = lateral.on_node;
+    fading.work_to_end = lateral.work_to_end;
     for (int j = 0; j < 4; ++j)
-      fading.normal.on_corner[j] = scale * lateral.on_corner[j];
+      fading.normal.on_corner[j] = lateral.on_corner[j];
+    const double way =
+        minOf(reach.way(0, hit.depth) * reach.half[0], reach.way(1, hit.depth) * reach.half[1]);
+    keepWithin(way, config.reference_step, now.inverse_mass, fading);
   }
 
   KOKKOS_INLINE_FUNCTION int planeOf(int face) const {

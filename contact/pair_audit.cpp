@@ -73,12 +73,10 @@ struct CountMissed {
     return true;
   }
   KOKKOS_INLINE_FUNCTION bool isListed(std::int64_t row, int node, global_id id) const {
-    const StepTest& test = pairs.step_test;
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
       const int face = pairs.faces(pair);
       if (faces.id(face) == id)
-        return !test.is_needed ||
-               faces.boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
+        return faces.isOfThisStep(pairs.step_test, node, face);
     }
     return false;
   }

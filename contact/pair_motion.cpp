@@ -1,27 +1,9 @@
 #include "contact/pair_motion.hpp"
 
-#include "contact/base/mpi.hpp"
 #include "contact/face_access.hpp"
 
 namespace brickwall::contact {
 namespace {
-
-struct Fastest {
-  double square = 0; // of the motion
-  global_id node = INT64_MAX, face = INT64_MAX;
-  global_id node_body = -1, face_body = -1;
-
-  KOKKOS_INLINE_FUNCTION bool isBefore(const Fastest& b) const {
-    if (square != b.square)
-      return square > b.square;
-    return node != b.node ? node < b.node : face < b.face;
-  }
-  KOKKOS_INLINE_FUNCTION Fastest& operator+=(const Fastest& b) {
-    if (b.isBefore(*this))
-      *this = b;
-    return *this;
-  }
-};
 
 // Nodes against the four corners of faces.
 struct NodeAndFace {
@@ -62,50 +44,33 @@ struct FindFastest {
   Pair pair_of;
   CandidatePairs pairs;
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, Fastest& all) const {
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
     const int node = pairs.node(row);
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
       const int face = pairs.faces(pair);
-      Fastest one;
-      one.square = pair_of.squaredMotion(node, face);
-      if (one.square < all.square || !isOfThisStep(node, face))
+      LeadingPair one;
+      one.value = pair_of.squaredMotion(node, face);
+      if (one.value < all.value || !pair_of.faces.isOfThisStep(pairs.step_test, node, face))
         continue;
-      one.node = pair_of.idOf(node);
-      one.face = pair_of.faces.id(face);
-      one.node_body = pair_of.faces.surface.node_body(node);
-      one.face_body = pair_of.faces.body(face);
+      one.pair = {pair_of.idOf(node), pair_of.faces.id(face), pair_of.faces.surface.node_body(node),
+                  pair_of.faces.body(face)};
       all += one;
     }
-  }
-  // Lists with a margin hold more pairs than a search in this step would list.
-  KOKKOS_INLINE_FUNCTION bool isOfThisStep(int node, int face) const {
-    const StepTest& test = pairs.step_test;
-    return !test.is_needed ||
-           pair_of.faces.boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
   }
 };
 
 template <class Pair>
 PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of,
                      const CandidatePairs& pairs, double limit) {
-  Fastest local;
+  LeadingPair local;
   Kokkos::parallel_reduce("contact::fastestPair", over(space, pairs.num_rows),
-                          FindFastest<Pair>{pair_of, pairs}, Combine<Fastest>(local));
+                          FindFastest<Pair>{pair_of, pairs}, Combine<LeadingPair>(local));
   space.fence();
-  const double square = allReduce(comm, local.square, MPI_MAX);
+  const double square = allReduce(comm, local.value, MPI_MAX);
   PairMotion fastest;
   fastest.motion = std::sqrt(square);
-  if (!(fastest.motion > limit))
-    return fastest;
-  const auto lowest = [&](bool takes_part, global_id id) {
-    return allReduce(comm, takes_part ? id : INT64_MAX, MPI_MIN);
-  };
-  fastest.node = lowest(local.square == square, local.node);
-  const bool has_node = local.square == square && local.node == fastest.node;
-  fastest.face = lowest(has_node, local.face);
-  const bool has_pair = has_node && local.face == fastest.face;
-  fastest.node_body = lowest(has_pair, local.node_body);
-  fastest.face_body = lowest(has_pair, local.face_body);
+  if (fastest.motion > limit)
+    static_cast<PairIds&>(fastest) = leaderOfAll(comm, local, square);
   return fastest;
 }
 

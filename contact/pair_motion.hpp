@@ -2,6 +2,7 @@
 // search reaches, one may have passed the other unseen, or lie too deep to be found again.
 #pragma once
 
+#include "contact/leading_pair.hpp"
 #include "contact/surface.hpp"
 
 #include <mpi.h>
@@ -10,12 +11,10 @@ namespace brickwall::contact {
 
 // The pair whose node (an end of the edge that pushes) moves most against a corner of its face (an end of its edge); of equals
 // that of the lowest ids.
-struct PairMotion {
+// The ids are set where `motion` is beyond the limit asked for; edges are numbered 4 * face + side of the face.
+struct PairMotion : PairIds {
   double motion = 0; // |(x^{n+1} - x^n) of the one - that of the other|, length; 0 without pairs
   bool is_of_edges = false;
-  // Global ids, set where `motion` is beyond the limit asked for. Edges are numbered 4 * face + side of the face.
-  global_id node = -1, face = -1; // node and face, or edge and edge
-  global_id node_body = -1, face_body = -1;
 };
 
 // The fastest of all candidate pairs of this step on all ranks, the same on every rank and for any margin of the search.

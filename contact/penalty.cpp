@@ -47,7 +47,6 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                                         std::to_string(config.reference_step) + ", penalty " +
                                         std::to_string(config.penalty) + "; both must be > 0");
   _forces.nodes = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
-  _forces.ghost_corners = _set.forces().ghost_corners;
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
   _accelerations =

@@ -180,7 +180,8 @@ struct SelectInteractions {
       const int face = pairs.faces(pair);
       if (faces.body(face) != body)
         return;
-      if (slot >= 0 && faces.id(face) == last_face && isOfThisStep(node, face)) {
+      if (slot >= 0 && faces.id(face) == last_face &&
+          faces.isOfThisStep(pairs.step_test, node, face)) {
         seen |= 1 << slot;
         hit.previous_face = face;
         hit.contact_work = bookWork(hit.previous, face, sums);
@@ -202,16 +203,10 @@ struct SelectInteractions {
     return hit.depth <= known - dot(hit.unitNormal(), motion);
   }
 
-  // The cheap tests first.
+  // The cheap tests first. That of the step last, of few pairs: with it the contacts do not depend on the margin.
   KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, Stage stage, Hit& hit) const {
-    return touch.test(faces, node, face, stage, hit) && isOfThisStep(node, face);
-  }
-  // Whether a search in this step would list the pair. Asked last and so of few pairs: with it the contacts do not depend
-  // on the margin.
-  KOKKOS_INLINE_FUNCTION bool isOfThisStep(int node, int face) const {
-    const StepTest& test = pairs.step_test;
-    return !test.is_needed ||
-           faces.boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
+    return touch.test(faces, node, face, stage, hit) &&
+           faces.isOfThisStep(pairs.step_test, node, face);
   }
   KOKKOS_INLINE_FUNCTION int previousSlot(int node, global_id body) const {
     for (int s = 0; s < previous.row_count(node); ++s)
@@ -347,13 +342,11 @@ struct SelectInteractions {
 
   KOKKOS_INLINE_FUNCTION double workOf(const FadingForce& force, const Vec3& relative_motion,
                                        const Interaction& pair, int face) const {
-    double work = dot(force.on_node, relative_motion);
+    Vec3 of_corner[4];
     for (int j = 0; j < 4; ++j)
-      work += force.normal.on_corner[j] * dot(pair.normal, faces.cornerMotion(face, j));
-    if (force.normal.on_end != 0)
-      work += force.normal.on_end * dot(pair.normal, faces.nodeMotion(pair.point.node[1]) -
-                                                         faces.nodeMotion(pair.point.node[0]));
-    return work;
+      of_corner[j] = faces.cornerMotion(face, j);
+    return force.times(pair.normal, relative_motion, of_corner,
+                       faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
   }
 
   // Books the work of the last step's forces over the half step before and after them, of which the second half is the

@@ -3,6 +3,7 @@
 // edge loses k p^2/2 at once. Point-wise.
 #pragma once
 
+#include "contact/contact_history.hpp"
 #include "contact/projection.hpp"
 
 namespace brickwall::contact {
@@ -71,6 +72,15 @@ KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, doub
   if (way > 0.8 * reach.edge_tolerance && way < 1)
     taper.growth = steepness * beyond / way * 2 / reach.half[direction];
   return taper;
+}
+
+// What would move the pair by more than a fifth of the way in one step takes more energy than there is: no more than that.
+KOKKOS_INLINE_FUNCTION void keepWithin(double way, double reference_step, double inverse_mass,
+                                       FadingForce& fading) {
+  const double moves = norm(fading.on_node) * reference_step * reference_step * inverse_mass;
+  const double most = 0.2 * way;
+  if (moves > most)
+    fading.scale(most / moves);
 }
 
 // The force that a changing w brings, beside the normal force k w p.

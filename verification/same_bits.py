@@ -19,11 +19,9 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT))
-try:
-    import netCDF4
-except ImportError as missing:
-    print(f"skipped: {sys.executable} lacks a module: {missing}")
-    sys.exit(77)  # ctest tells it as skipped
+from framework.needed import need
+
+need("netCDF4")
 from framework import machine, report
 from framework.bits import different_bits, history_text
 from framework.program import Program, ProgramError

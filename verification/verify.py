@@ -18,12 +18,9 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT))
-try:
-    import matplotlib
-    import netCDF4
-except ImportError as missing:
-    print(f"skipped: {sys.executable} lacks a module: {missing}")
-    sys.exit(77)  # ctest tells it as skipped
+from framework.needed import need
+
+need("matplotlib", "netCDF4")
 from framework import machine, report
 from framework.checks import Outcome
 from framework.lab import Lab

@@ -47,12 +47,10 @@ PairMotion bruteForce(const Scene& scene, const std::vector<IdPair>& pairs) {
           const bool is_lower =
               pair.node != found.node ? pair.node < found.node : pair.face < found.face;
           if (motion > found.motion || (motion == found.motion && is_lower))
-            found = {motion,
-                     false,
-                     pair.node,
-                     pair.face,
-                     scene.node_body[static_cast<std::size_t>(pair.node)],
-                     face.body};
+            found = {{pair.node, pair.face, scene.node_body[static_cast<std::size_t>(pair.node)],
+                      face.body},
+                     motion,
+                     false};
         }
   return found;
 }

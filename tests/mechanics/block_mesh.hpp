@@ -13,6 +13,7 @@
 #include "mechanics/shared_node_sum.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <set>
@@ -26,6 +27,19 @@ struct Block {
   Vec3 origin;
   int material = 0;
 };
+
+// Blocks of these elements (.1 x .2 x .15 each), one above the other, 4 apart.
+inline std::vector<Block> stackOf(const std::vector<std::array<int, 3>>& sizes) {
+  std::vector<Block> blocks;
+  for (const auto& size : sizes) {
+    Block block;
+    std::copy(size.begin(), size.end(), block.elements);
+    block.size = {0.1 * size[0], 0.2 * size[1], 0.15 * size[2]};
+    block.origin.z = 4.0 * blocks.size();
+    blocks.push_back(block);
+  }
+  return blocks;
+}
 
 struct BlockMesh {
   HexMesh mesh;

@@ -24,15 +24,7 @@ struct Scene {
 // one that is kept out as if loaded.
 Scene sceneOf(MaterialModel model) {
   Scene scene;
-  const int sizes[][3] = {{7, 3, 2}, {16, 4, 5}, {1, 1, 1}, {8, 8, 3}, {5, 4, 6}, {9, 2, 2}};
-  std::vector<Block> bricks;
-  for (const auto& size : sizes) {
-    Block block;
-    std::copy(size, size + 3, block.elements);
-    block.size = {0.1 * size[0], 0.2 * size[1], 0.15 * size[2]};
-    block.origin.z = 4.0 * bricks.size();
-    bricks.push_back(block);
-  }
+  const auto bricks = stackOf({{7, 3, 2}, {16, 4, 5}, {1, 1, 1}, {8, 8, 3}, {5, 4, 6}, {9, 2, 2}});
   const int ranks = sizeOf(world);
   scene.blocks = makeBlocks(
       scene.space, world, bricks, {steelLike(model)},

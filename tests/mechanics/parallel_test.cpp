@@ -201,20 +201,12 @@ TEST(Threads, ChangeNoBit) {
 // elements fail. Blocks of any width, bricks and sheared boxes, whole or cut between layers or anywhere.
 TEST(Lattices, ChangeNoBit) {
   const exec_space space;
-  const int sizes[][3] = {{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}};
+  const auto bricks = stackOf({{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}});
   const int ranks = sizeOf(world);
   for (const MaterialModel model :
        {MaterialModel::neo_hookean, MaterialModel::svk, MaterialModel::linear})
     for (const bool is_sheared : {false, true})
       for (const bool is_whole : {false, true}) {
-        std::vector<Block> bricks;
-        for (const auto& size : sizes) {
-          Block block;
-          std::copy(size, size + 3, block.elements);
-          block.size = {0.1 * size[0], 0.2 * size[1], 0.15 * size[2]};
-          block.origin.z = 4.0 * bricks.size();
-          bricks.push_back(block);
-        }
         BlockMesh blocks = makeBlocks(
             space, world, bricks, {steelLike(model)},
             [&](const Vec3& x) {

@@ -17,12 +17,9 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
-try:
-    import matplotlib
-    import netCDF4
-except ImportError as missing:
-    print(f"skipped: {sys.executable} lacks a module: {missing}")
-    sys.exit(77)  # ctest tells it as skipped
+from framework.needed import need
+
+need("matplotlib", "netCDF4")
 import answers
 import charts
 import congruent
