@@ -5,6 +5,7 @@
 // its outward normals follow the body: n_1 is the face's, n_2 = cos n_1 + sin (t x n_1), t from corner 0 to corner 1.
 #pragma once
 
+#include "contact/known_contact.hpp"
 #include "contact/select_interactions.hpp"
 #include "contact/true_edges.hpp"
 
@@ -34,8 +35,28 @@ struct EdgeCone {
   }
 };
 
+// Where the lines of two edges come closest: at shares s and t from a + s da and b + t db, between = a - b.
+struct Crossing {
+  double aa, bb, determinant; // |da|^2, |db|^2, |da x db|^2
+  double s, t;
+
+  KOKKOS_INLINE_FUNCTION Crossing(const Vec3& da, const Vec3& db, const Vec3& between) {
+    aa = dot(da, da), bb = dot(db, db);
+    const double ab = dot(da, db), ra = dot(da, between), rb = dot(db, between);
+    determinant = aa * bb - ab * ab;
+    s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
+  }
+  KOKKOS_INLINE_FUNCTION bool isAcross(double sine) const {
+    return determinant > sine * sine * aa * bb;
+  }
+  KOKKOS_INLINE_FUNCTION bool isFarBeyond(double reach) const {
+    return maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > reach;
+  }
+};
+
 struct EdgeTouch {
   static constexpr bool books_spring_work = true;
+  static constexpr bool knows_motion = false; // look() works out last_motion alone
   // Of face attributes, behind the corner masses: FeatureEdge's.
   static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
@@ -63,6 +84,43 @@ struct EdgeTouch {
     return own_body <= body;
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
+  KOKKOS_INLINE_FUNCTION void prefetchFace(int) const {}
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int edge) const {
+    return faces.body(edge);
+  }
+  KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess& faces, int edge) const {
+    return faces.id(edge);
+  }
+
+  // False only if test() at Stage::born is false: the edges are near parallel, cross beyond their ends, or in no depth at all.
+  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int other) const {
+    const int own = edgeOf(node);
+    const auto& nodes = faces.surface.coordinates_new;
+    const auto& ghosts = faces.ghosts.coordinates_new;
+    const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
+    const Vec3 da = faces.corner(own, 1, nodes, ghosts) - a;
+    const Vec3 db = faces.corner(other, 1, nodes, ghosts) - b;
+    const Vec3 between = a - b;
+    const Crossing crossing(da, db, between);
+    if (!crossing.isAcross(least_sine) || crossing.isFarBeyond(start() + 0.5))
+      return false;
+    const Vec3 across = cross(da, db);
+    return !(productIsZero(between.x, across.x) && productIsZero(between.y, across.y) &&
+             productIsZero(between.z, across.z));
+  }
+  KOKKOS_INLINE_FUNCTION static bool productIsZero(double a, double b) { return a == 0 || b == 0; }
+  // A loaded contact is looked at by test().
+  KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& history,
+                                   int count, KnownContact* contacts) const {
+    for (int k = 0; k < count; ++k) {
+      const Interaction& last = history.interactions(contacts[k].previous);
+      contacts[k].last_motion = faces.relativeMotion(last.point, contacts[k].face, last.weight);
+    }
+  }
+  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const KnownContact& known,
+                                        Hit& hit) const {
+    return test(faces, known.node, known.face, Stage::kept, hit);
+  }
 
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
                                    Hit& hit) const {
@@ -77,18 +135,15 @@ struct EdgeTouch {
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);
     const bool is_kept = stage == Stage::kept;
-    const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
-    const double determinant = aa * bb - ab * ab; // |da x db|^2
+    const Crossing crossing(da, db, between);
+    const double aa = crossing.aa, bb = crossing.bb;
     // A contact that is held goes on where the edges cross when they are open again.
-    if (is_kept && previous(hit.previous).is_held &&
-        !(determinant > parallel_sine * parallel_sine * aa * bb))
+    if (is_kept && previous(hit.previous).is_held && !crossing.isAcross(parallel_sine))
       return false;
-    if (!(determinant > least_sine * least_sine * aa * bb))
+    if (!crossing.isAcross(least_sine) ||
+        crossing.isFarBeyond(start() + 0.5)) // more than isOn() takes
       return false;
-    const double ra = dot(da, between), rb = dot(db, between);
-    const double s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
-    if (maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > start() + 0.5) // more than isOn() takes
-      return false;
+    const double s = crossing.s, t = crossing.t;
     const Vec3 across = cross(da, db);
     Vec3 normal = (1 / norm(across)) * across;
     double depth = -dot(between, normal);

@@ -50,6 +50,24 @@ struct FaceAccess {
       q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
     return q;
   }
+  // Asks for what will be read of a face soon: first its corners' numbers and its attributes, then values of the corners.
+  KOKKOS_INLINE_FUNCTION void prefetchFace(int face) const {
+    if (!isOwn(face))
+      return;
+    prefetch(&surface.face_to_nodes(face, 0));
+    prefetch(&surface.face_attributes(face, 0));
+  }
+  template <class NodeView>
+  KOKKOS_INLINE_FUNCTION void prefetchCorners(int face, const NodeView& of_nodes) const {
+    if (isOwn(face))
+      for (int j = 0; j < 4; ++j)
+        prefetchRow(of_nodes, surface.face_to_nodes(face, j));
+  }
+  template <class NodeView>
+  KOKKOS_INLINE_FUNCTION static void prefetchRow(const NodeView& rows, int row) {
+    prefetch(&rows(row, 0));
+    prefetch(&rows(row, 2)); // in the next line, sometimes
+  }
   // Whether the swept boxes of node and face overlap at these tolerances, as the searches decide it: the same bits.
   KOKKOS_INLINE_FUNCTION bool boxesOverlap(int node, int face, double node_tolerance,
                                            double face_tolerance) const {

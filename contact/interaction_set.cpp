@@ -28,6 +28,57 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
   return history;
 }
 
+// Interactions that one thread takes at once, so that what they read comes together.
+constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
+std::int64_t numParts(std::int64_t count) {
+  return (count + pairs_at_once - 1) / pairs_at_once;
+}
+
+// Asks for the rows of `values` [node][xyz] of the nodes of pairs [begin, end).
+template <class NodeView>
+KOKKOS_INLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces,
+                                          const NodeView& values, std::int64_t begin,
+                                          std::int64_t end) {
+  for (std::int64_t i = begin; i < end; ++i)
+    faces.prefetchFace(pairs.interactions(i).face_index);
+  for (std::int64_t i = begin; i < end; ++i) {
+    const Interaction& pair = pairs.interactions(i);
+    faces.prefetchRow(values, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, values);
+  }
+}
+
+// Both return the number of forces that do not fit, 0 or 1.
+KOKKOS_INLINE_FUNCTION int addForce(const ContactHistory& pairs, const PairForces& add,
+                                    std::int64_t i) {
+  const Interaction& pair = pairs.interactions(i);
+  if (pair.first_force == 0)
+    return 0;
+  PairQuanta quanta;
+  if (!add.round(pairs, i, quanta))
+    return 1;
+  add.add(pair, quanta, 1);
+  return 0;
+}
+KOKKOS_INLINE_FUNCTION int correctForce(const ContactHistory& pairs, const CorrectPair& correct,
+                                        const PairForces& add, std::int64_t i) {
+  Interaction& pair = pairs.interactions(i);
+  if (pair.first_force == 0)
+    return 0;
+  const CorrectPair::Correction corrected = correct.of(pairs, i);
+  if (!corrected.changes(pair))
+    return 0;
+  PairQuanta quanta;
+  const bool did_fit = add.round(pairs, i, quanta);
+  if (did_fit)
+    add.add(pair, quanta, -1);
+  correct.apply(corrected, pairs, i);
+  if (!add.round(pairs, i, quanta))
+    return did_fit; // else it has been counted
+  add.add(pair, quanta, 1);
+  return 0;
+}
+
 } // namespace
 
 InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
@@ -51,26 +102,25 @@ void InteractionSet::growInteractions(const exec_space& space, std::int64_t coun
 
 void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces) {
   growTo(space, _forces.ghost_corners, faces.ghosts.count);
-  zeroRows(space, "contact::zeroForces::nodes", _forces.nodes, faces.surface.num_nodes);
+  if (!_are_nodes_zero)
+    zeroRows(space, "contact::zeroForces::nodes", _forces.nodes, faces.surface.num_nodes);
   zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
 }
 
 std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess& faces) {
   zeroForces(space, faces);
+  _are_nodes_zero = _next.count == 0;
   std::int64_t invalid = 0;
   const ContactHistory pairs = _next;
   const PairForces add = pairForces(faces);
   Kokkos::parallel_reduce(
-      "contact::addForces", over(space, pairs.count),
-      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& bad) {
-        const Interaction& pair = pairs.interactions(i);
-        if (pair.first_force == 0)
-          return;
-        PairQuanta quanta;
-        if (add.round(pairs, i, quanta))
-          add.add(pair, quanta, 1);
-        else
-          ++bad;
+      "contact::addForces", over(space, numParts(pairs.count)),
+      KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {
+        const std::int64_t begin = part * pairs_at_once;
+        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
+        prefetchPairs(pairs, faces, add.target.nodes, begin, end);
+        for (std::int64_t i = begin; i < end; ++i)
+          bad += addForce(pairs, add, i);
       },
       invalid);
   return invalid;
@@ -86,23 +136,13 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
   const CorrectPair correct{faces,    ghost_accelerations, accelerations,
                             steps.dt, steps.next_dt,       _config.friction};
   Kokkos::parallel_reduce(
-      "contact::correctForces", over(space, pairs.count),
-      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& bad) {
-        Interaction& pair = pairs.interactions(i);
-        if (pair.first_force == 0)
-          return;
-        const CorrectPair::Correction corrected = correct.of(pairs, i);
-        if (!corrected.changes(pair))
-          return;
-        PairQuanta quanta;
-        const bool did_fit = add.round(pairs, i, quanta);
-        if (did_fit)
-          add.add(pair, quanta, -1);
-        correct.apply(corrected, pairs, i);
-        if (add.round(pairs, i, quanta))
-          add.add(pair, quanta, 1);
-        else
-          bad += did_fit; // else it has been counted
+      "contact::correctForces", over(space, numParts(pairs.count)),
+      KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {
+        const std::int64_t begin = part * pairs_at_once;
+        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
+        prefetchPairs(pairs, faces, accelerations, begin, end);
+        for (std::int64_t i = begin; i < end; ++i)
+          bad += correctForce(pairs, correct, add, i);
       },
       invalid);
   return invalid;

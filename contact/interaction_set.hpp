@@ -72,6 +72,7 @@ private:
   ContactHistory _history, _next; // of the last step and of the present one, in turn
   View<std::int64_t> _next_count;
   ContactForces _forces;
+  bool _are_nodes_zero = true; // of _forces
 };
 
 template <class Select>
@@ -85,7 +86,9 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     Kokkos::deep_copy(space, _next_count, std::int64_t(0));
     functor.next = _next;
     ContactSums sums;
-    Kokkos::parallel_reduce("contact::selectInteractions", over(space, pairs.num_rows), functor,
+    Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+    const std::int64_t parts = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
+    Kokkos::parallel_reduce("contact::selectInteractions", over(space, parts), functor,
                             Combine<ContactSums>(sums));
     _next.count = sums.interactions;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))

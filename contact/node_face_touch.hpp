@@ -1,6 +1,7 @@
 // Contact of surface nodes with faces: closest point, the opposed-normal rule, and the stiffness of a node's area.
 #pragma once
 
+#include "contact/known_contact.hpp"
 #include "contact/node_faces.hpp"
 #include "contact/select_interactions.hpp"
 #include "contact/true_edges.hpp"
@@ -11,9 +12,11 @@ struct NodeFaceTouch {
   static constexpr bool books_spring_work =
       false; // it is the ledger's contact work, less that of edges, friction, damping
 
+  static constexpr bool knows_motion = true; // look() works out all of a KnownContact
+
   double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
   NodeFaceLists around;
-  View<const MeanPlane*> planes; // own, remote, ghost faces
+  View<const FaceRecord*> records; // own, remote, ghost faces
   int num_faces, num_remote;
   View<const double*> node_mass;
   View<unsigned char*> status;
@@ -27,19 +30,60 @@ struct NodeFaceTouch {
 
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
+  KOKKOS_INLINE_FUNCTION void prefetchFace(int face) const { prefetch(&records(recordOf(face))); }
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int face) const {
+    return records(recordOf(face)).body;
+  }
+  KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int face) const {
+    return records(recordOf(face)).id;
+  }
+
+  // False only if test() at Stage::born is false.
+  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
+    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
+  }
+  KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
+    return records(recordOf(face))
+        .plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest), least_depth);
+  }
+  KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& previous,
+                                   int count, KnownContact* contacts) const {
+    for (int k = 0; k < count; ++k) {
+      const int node = contacts[k].node, face = contacts[k].face;
+      faces.prefetchCorners(face, faces.surface.coordinates_new);
+      faces.prefetchCorners(face, faces.surface.coordinates_old);
+      prefetch(&node_mass(node));
+      for (int around_node = around.offsets(node); around_node < around.offsets(node + 1);
+           ++around_node)
+        prefetch(&records(around.rows(around_node)));
+    }
+    lookAtContacts(faces, node_mass, previous, count, contacts);
+  }
+
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Stage stage,
                                    Hit& hit) const {
-    const MeanPlane& plane = planes(planeOf(face));
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    if (plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest), least_depth) ||
-        !isOpposed(node, plane.normal, opposedCosine(stage)))
-      return false;
-    const Quad quad = faces.quad(face);
-    const FacePoint point = project(quad, x);
+    return isFacing(x, node, face, stage) &&
+           accept(faces, face, stage, project(faces.quad(face), x), hit);
+  }
+  // test() at Stage::kept.
+  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const KnownContact& known,
+                                        Hit& hit) const {
+    const Vec3 x = rowOf(faces.surface.coordinates_new, known.node);
+    return isFacing(x, known.node, known.face, Stage::kept) &&
+           accept(faces, known.face, Stage::kept, known.point, hit);
+  }
+  KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face, Stage stage) const {
+    return !isSurelyOutside(x, face) &&
+           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(stage));
+  }
+  KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, Stage stage,
+                                     const FacePoint& point, Hit& hit) const {
     if (!(point.gap < -least_depth))
       return false;
     if (!point.activeWithin(lateral_tolerance) &&
-        (stage == Stage::born || !reachOf(faces, face, quad).covers(point, pastInner(stage))))
+        (stage == Stage::born ||
+         !reachOf(faces, face, faces.quad(face)).covers(point, pastInner(stage))))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -91,8 +135,9 @@ struct NodeFaceTouch {
     return 1.0 / node_mass(point.node[0]);
   }
   KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const Hit& hit) const {
-    return hit.depth / std::sqrt(planes(planeOf(hit.face)).area);
+    return hit.depth / std::sqrt(records(recordOf(hit.face)).plane.area);
   }
+  // Of nodes that are never recorded, status is 0 and gap -0.
   KOKKOS_INLINE_FUNCTION void record(int node, int num_hits, double deepest) const {
     status(node) = static_cast<unsigned char>(num_hits);
     gap(node) = -deepest;
@@ -113,7 +158,7 @@ struct NodeFaceTouch {
     for (int other = 0; other < num_hits; ++other)
       if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
         ++sharing;
-    const Tributary part = tributary(now.node, planes(planeOf(hit.face)).normal);
+    const Tributary part = tributary(now.node, records(recordOf(hit.face)).plane.normal);
     const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
@@ -150,7 +195,7 @@ struct NodeFaceTouch {
     keepWithin(way, config.reference_step, now.inverse_mass, fading);
   }
 
-  KOKKOS_INLINE_FUNCTION int planeOf(int face) const {
+  KOKKOS_INLINE_FUNCTION int recordOf(int face) const {
     return face < num_faces ? face : face + num_remote;
   }
   KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face,
@@ -176,7 +221,7 @@ struct NodeFaceTouch {
   }
   KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
-      if (opposes(planes(around.rows(k)), normal, cosine))
+      if (opposes(records(around.rows(k)).plane, normal, cosine))
         return true;
     return false;
   }
@@ -184,9 +229,10 @@ struct NodeFaceTouch {
     Tributary part;
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
       const int row = around.rows(k);
-      if (!opposes(planes(row), normal, opposed_cosine))
+      const MeanPlane& plane = records(row).plane;
+      if (!opposes(plane, normal, opposed_cosine))
         continue;
-      const double area = around.corner_share(row) * planes(row).area;
+      const double area = around.corner_share(row) * plane.area;
       part.area += area;
       part.surface_mass += around.surface_mass(row) * area;
     }

@@ -210,13 +210,14 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const Surface& surface, int face) {
 
 } // namespace
 
-void NodeFaces::updatePlanes(const exec_space& space, const Surface& surface,
-                             const View<MeanPlane*>& planes) {
+void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
+                              const View<FaceRecord*>& records) {
   const Surface s = surface;
   Kokkos::parallel_for(
-      "contact::NodeFaces::ownPlanes", over(space, _num_faces),
+      "contact::NodeFaces::ownRecords", over(space, _num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
-        planes(face) = meanPlane(ownQuad(s, static_cast<int>(face)));
+        records(face) = {meanPlane(ownQuad(s, static_cast<int>(face))), s.face_body(face),
+                         s.face_ids(face)};
       });
   const auto border_faces = _border_faces;
   const auto border_areas = _border_areas;
@@ -232,9 +233,9 @@ void NodeFaces::updatePlanes(const exec_space& space, const Surface& surface,
   const auto remote_areas = _remote_areas;
   const int first = _num_faces;
   Kokkos::parallel_for(
-      "contact::NodeFaces::remotePlanes", over(space, _num_remote),
+      "contact::NodeFaces::remoteRecords", over(space, _num_remote),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        planes(first + i) = planeOfArea(rowOf(remote_areas, i));
+        records(first + i) = {planeOfArea(rowOf(remote_areas, i)), -1, -1};
       });
 }
 

@@ -37,10 +37,10 @@ public:
   const NodeFaceLists& lists() const { return _lists; }
   int numRemote() const { return _num_remote; }
 
-  // Collective. Fills planes(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
+  // Collective. Fills records(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
   // only the normal and the area. The bits are those of the face's own rank.
-  void updatePlanes(const exec_space& space, const Surface& surface,
-                    const View<MeanPlane*>& planes);
+  void updateRecords(const exec_space& space, const Surface& surface,
+                     const View<FaceRecord*>& records);
 
 private:
   NodeFaceLists _lists;

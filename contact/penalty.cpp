@@ -1,6 +1,7 @@
 // See penalty.hpp.
 #include "contact/penalty.hpp"
 
+#include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/edge_contact.hpp"
 #include "contact/node_face_touch.hpp"
@@ -9,13 +10,14 @@ namespace brickwall::contact {
 
 namespace {
 
-void ghostPlanes(const exec_space& space, const FaceAccess& faces, int first_row,
-                 const View<MeanPlane*>& planes) {
+void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_row,
+                  const View<FaceRecord*>& records) {
   Kokkos::parallel_for(
-      "contact::enforce::ghostPlanes", over(space, faces.ghosts.count),
+      "contact::enforce::ghostRecords", over(space, faces.ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         const int face = faces.surface.num_faces + static_cast<int>(ghost);
-        planes(first_row + ghost) = meanPlane(faces.quad(face));
+        records(first_row + ghost) = {meanPlane(faces.quad(face)), faces.body(face),
+                                      faces.id(face)};
       });
 }
 
@@ -37,10 +39,10 @@ void accelerate(const exec_space& space, int num_nodes, const View<const double*
 Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
                          const View<const double*>& node_mass, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
-    : _config(config), _quantum(quantum), _energy_scale(energy_scale), _node_mass(node_mass),
-      _node_faces(space, comm, surface),
-      _planes(allocate<View<MeanPlane*>>(space, "contact::Enforcement::planes",
-                                         surface.num_faces + _node_faces.numRemote())),
+    : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
+      _node_mass(node_mass), _node_faces(space, comm, surface),
+      _records(allocate<View<FaceRecord*>>(space, "contact::Enforcement::records",
+                                           surface.num_faces + _node_faces.numRemote())),
       _set(space, "contact::Enforcement", surface, 4, config, quantum) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
@@ -49,6 +51,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _forces.nodes = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
+  forgetStatus(space);
   _accelerations =
       View<double* [3]>("contact::Enforcement::accelerations",
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
@@ -60,8 +63,11 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
                                      const StepLengths& steps, const NeutralInput* neutral,
                                      EdgeContact* edges) {
   Region region("contact::enforce");
+  if (_config.scheme == Scheme::energy_neutral && neutral == nullptr)
+    throw Error(ExitCode::internal,
+                "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   const FaceAccess faces{surface, ghosts};
-  updatePlanes(space, faces);
+  updateRecords(space, faces);
   EnforcementSums sums;
   sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
   if (edges != nullptr)
@@ -69,9 +75,14 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   sums.nodes.invalid += _set.addForces(space, faces);
   if (edges != nullptr)
     sums.edges.invalid += edges->addForces(space);
-  if (_config.scheme == Scheme::energy_neutral)
+  const bool had_forces = _has_forces;
+  _has_forces = isOnAnyRank(sums.nodes.interactions + sums.edges.interactions > 0);
+  if (_has_forces && _config.scheme == Scheme::energy_neutral)
     makeNeutral(space, faces, steps, neutral, edges, sums);
-  collectForces(space, faces, edges);
+  if (_has_forces || had_forces)
+    collectForces(space, faces, edges);
+  else
+    _forces.ghost_corners = _set.forces().ghost_corners;
   _set.advance();
   if (edges != nullptr)
     edges->advance(steps.dt);
@@ -79,11 +90,15 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   return sums;
 }
 
-void Enforcement::updatePlanes(const exec_space& space, const FaceAccess& faces) {
+bool Enforcement::isOnAnyRank(bool here) const {
+  return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
+}
+
+void Enforcement::updateRecords(const exec_space& space, const FaceAccess& faces) {
   const int first_ghost = faces.surface.num_faces + _node_faces.numRemote();
-  growTo(space, _planes, first_ghost + faces.ghosts.count);
-  _node_faces.updatePlanes(space, faces.surface, _planes);
-  ghostPlanes(space, faces, first_ghost, _planes);
+  growTo(space, _records, first_ghost + faces.ghosts.count);
+  _node_faces.updateRecords(space, faces.surface, _records);
+  ghostRecords(space, faces, first_ghost, _records);
 }
 
 ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
@@ -100,13 +115,23 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   touch.shared_cosine = _config.shared_cosine;
   touch.least_depth = _config.least_depth;
   touch.around = _node_faces.lists();
-  touch.planes = _planes;
+  touch.records = _records;
   touch.num_faces = faces.surface.num_faces;
   touch.num_remote = _node_faces.numRemote();
   touch.node_mass = _node_mass;
   touch.status = _status;
   touch.gap = _gap;
-  return _set.select(space, pairs, select);
+  if (_has_status)
+    forgetStatus(space);
+  const ContactSums sums = _set.select(space, pairs, select);
+  _has_status = sums.touching > 0;
+  return sums;
+}
+
+// As of nodes that touch nothing.
+void Enforcement::forgetStatus(const exec_space& space) {
+  Kokkos::deep_copy(space, _status, static_cast<unsigned char>(0));
+  Kokkos::deep_copy(space, _gap, -0.0);
 }
 
 // forces() = those of the nodes and edges of this rank.
@@ -128,15 +153,13 @@ void Enforcement::collectForces(const exec_space& space, const FaceAccess& faces
 void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
                               const StepLengths& steps, const NeutralInput* neutral,
                               EdgeContact* edges, EnforcementSums& sums) {
-  if (neutral == nullptr)
-    throw Error(ExitCode::internal,
-                "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   growTo(space, _ghost_accelerations, faces.ghosts.count);
+  const View<const double* [3]> by_others = neutral->accelerations();
   for (int round = 0; round < _config.corrections; ++round) {
     collectForces(space, faces, edges);
     neutral->sum_forces(_forces);
-    accelerate(space, faces.surface.num_nodes, neutral->acceleration, _forces.nodes, _quantum,
-               _node_mass, _accelerations);
+    accelerate(space, faces.surface.num_nodes, by_others, _forces.nodes, _quantum, _node_mass,
+               _accelerations);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     sums.nodes.invalid +=
         _set.correctForces(space, faces, steps, _accelerations, _ghost_accelerations);

@@ -18,8 +18,9 @@ namespace brickwall::contact {
 
 // What the energy-neutral scheme needs of the host code besides.
 struct NeutralInput {
-  // Acceleration by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz].
-  View<const double* [3]> acceleration;
+  // Accelerations by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz]. Asked for once in
+  // steps with contact forces on any rank, never in others.
+  std::function<View<const double* [3]>()> accelerations;
   // Collective. Turns partial sums into totals at every copy of a node: returnToOwners, then the
   // shared-node sum.
   std::function<void(const ContactForces&)> sum_forces;
@@ -65,6 +66,8 @@ public:
   // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
   // ranks that share a node.
   const ContactForces& forces() const { return _forces; }
+  // Whether any rank had contact forces in the last enforce(): if not, forces() are zero on all ranks and need no sums.
+  bool hasForces() const { return _has_forces; }
   // [surface node] bodies that the node is inside of, under load or not; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
   // [surface node] least gap, length: minus the deepest penetration, or 0.
@@ -77,21 +80,28 @@ public:
   void collectForces(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
 
 private:
-  void updatePlanes(const exec_space& space, const FaceAccess& faces);
+  void forgetStatus(const exec_space& space);
+  void updateRecords(const exec_space& space, const FaceAccess& faces);
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
   void makeNeutral(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
                    const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
 
+  // Collective.
+  bool isOnAnyRank(bool here) const;
+
+  MPI_Comm _comm;
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;
   View<const double*> _node_mass;
   NodeFaces _node_faces;
-  View<MeanPlane*> _planes; // own, remote, ghost faces
+  View<FaceRecord*> _records; // own, remote, ghost faces
   InteractionSet _set;
   ContactForces _forces;
+  bool _has_forces = false; // on any rank; else _forces are zero
   double _previous_dt = 0;
+  bool _has_status = false; // of any node
   View<unsigned char*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;

@@ -4,7 +4,7 @@
 // exactly flat normals.
 #pragma once
 
-#include "contact/base/vec3.hpp"
+#include "contact/base/real_lanes.hpp"
 
 namespace brickwall::contact {
 
@@ -114,6 +114,76 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
 
 } // namespace projection
 
+// Where Newton's method finds a stationary point of the distance from the origin to the bilinear quad q, for one quad or in
+// lanes: `found`; where it says that there is none near the face: `nowhere`; else the four triangles are to be asked.
+template <class Real>
+struct NewtonPoint {
+  using Mask = typename MaskOf<Real>::type;
+  Real xi, eta, gap, excess;
+  Real weight[4];
+  Triple<Real> normal;
+  Mask found, nowhere;
+};
+// Of lanes where `wanted`; the others are neither found nor nowhere. No quad repeats a corner.
+template <class Real>
+KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4],
+                                                      typename MaskOf<Real>::type wanted) {
+  using namespace projection;
+  using Mask = typename MaskOf<Real>::type;
+  NewtonPoint<Real> point;
+  // x(xi, eta) = centre + xi a + eta b + xi eta c, in differences so that equal coordinates cancel
+  // exactly.
+  const Real quarter = 0.25;
+  const Triple<Real> bottom = q[1] - q[0], top = q[2] - q[3], left = q[3] - q[0],
+                     right = q[2] - q[1];
+  const Triple<Real> centre = quarter * ((q[0] + q[1]) + (q[2] + q[3]));
+  const Triple<Real> a = quarter * (bottom + top), b = quarter * (left + right),
+                     c = quarter * (top - bottom);
+  const Mask parallelogram = dot(c, c) <= Real(1e-30) * (dot(a, a) + dot(b, b));
+  Real xi = 0, eta = 0;
+  Mask left_to_do = wanted, converged = false;
+  point.nowhere = false;
+  for (int iteration = 0; iteration < max_iterations && isAny(left_to_do); ++iteration) {
+    const Triple<Real> t_xi = a + eta * c, t_eta = b + xi * c;
+    const Triple<Real> d = -(centre + xi * a + eta * b + (xi * eta) * c);
+    const Real A = dot(t_xi, t_xi), C = dot(t_eta, t_eta), plain = dot(t_xi, t_eta);
+    Real B = plain - dot(d, c);
+    Real determinant = A * C - B * B;
+    const Mask curved = determinant > Real(least_determinant) * A * C;
+    B = where(curved, B, plain);
+    determinant = A * C - B * B;
+    left_to_do = left_to_do & (determinant > Real(0.0));
+    const Real r_xi = dot(t_xi, d), r_eta = dot(t_eta, d);
+    const Real step_xi = (C * r_xi - B * r_eta) / determinant;
+    const Real step_eta = (A * r_eta - B * r_xi) / determinant;
+    xi = where(left_to_do, xi + step_xi, xi);
+    eta = where(left_to_do, eta + step_eta, eta);
+    const Mask near = (magnitude(xi) <= Real(far_outside)) & (magnitude(eta) <= Real(far_outside));
+    point.nowhere = point.nowhere | (left_to_do & !near & (parallelogram | Mask(iteration < 2)));
+    left_to_do = left_to_do & near;
+    const Mask is_last = parallelogram | ((magnitude(step_xi) < Real(last_step)) &
+                                          (magnitude(step_eta) < Real(last_step)));
+    converged = converged | (left_to_do & is_last);
+    left_to_do = left_to_do & !is_last;
+  }
+  const Triple<Real> area = cross(a + eta * c, b + xi * c);
+  const Real length = rootOf(dot(area, area));
+  const Mask has_normal = length > Real(0.0);
+  point.found = converged & has_normal;
+  point.nowhere = point.nowhere | (converged & !has_normal);
+  point.normal = {area.x / length, area.y / length, area.z / length};
+  point.gap = -dot(centre + xi * a + eta * b + (xi * eta) * c, point.normal);
+  const Real one = 1.0;
+  point.weight[0] = quarter * (one - xi) * (one - eta);
+  point.weight[1] = quarter * (one + xi) * (one - eta);
+  point.weight[2] = quarter * (one + xi) * (one + eta);
+  point.weight[3] = quarter * (one - xi) * (one + eta);
+  point.excess = maxOf(magnitude(xi), magnitude(eta)) - one;
+  point.xi = xi;
+  point.eta = eta;
+  return point;
+}
+
 // Projects `point` onto the face. Never fails to return; `valid` says whether there is a point near
 // the face.
 KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
@@ -123,52 +193,20 @@ KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   const int repeated = repeatedCorner(q);
   if (repeated >= 0)
     return ontoTriangle(q, repeated);
-  // x(xi, eta) = centre + xi a + eta b + xi eta c, in differences so that equal coordinates cancel
-  // exactly.
-  const Vec3 bottom = q[1] - q[0], top = q[2] - q[3], left = q[3] - q[0], right = q[2] - q[1];
-  const Vec3 centre = 0.25 * ((q[0] + q[1]) + (q[2] + q[3]));
-  const Vec3 a = 0.25 * (bottom + top), b = 0.25 * (left + right), c = 0.25 * (top - bottom);
-  const bool parallelogram = dot(c, c) <= 1e-30 * (dot(a, a) + dot(b, b));
-  double xi = 0, eta = 0;
-  bool converged = false;
-  for (int iteration = 0; iteration < max_iterations && !converged; ++iteration) {
-    const Vec3 t_xi = a + eta * c, t_eta = b + xi * c;
-    const Vec3 d = -(centre + xi * a + eta * b + (xi * eta) * c);
-    const double A = dot(t_xi, t_xi), C = dot(t_eta, t_eta), plain = dot(t_xi, t_eta);
-    double B = plain - dot(d, c);
-    double determinant = A * C - B * B;
-    if (!(determinant > least_determinant * A * C)) {
-      B = plain;
-      determinant = A * C - B * B;
-    }
-    if (!(determinant > 0))
-      break;
-    const double r_xi = dot(t_xi, d), r_eta = dot(t_eta, d);
-    const double step_xi = (C * r_xi - B * r_eta) / determinant;
-    const double step_eta = (A * r_eta - B * r_xi) / determinant;
-    xi += step_xi;
-    eta += step_eta;
-    if (!(std::fabs(xi) <= far_outside && std::fabs(eta) <= far_outside))
-      return iteration < 2 || parallelogram ? FacePoint() : ontoFourTriangles(q);
-    converged =
-        parallelogram || (std::fabs(step_xi) < last_step && std::fabs(step_eta) < last_step);
-  }
-  if (!converged)
-    return ontoFourTriangles(q);
+  const Triple<double> corners[4] = {triple(q[0]), triple(q[1]), triple(q[2]), triple(q[3])};
+  const NewtonPoint<double> newton = ontoBilinear(corners, true);
   FacePoint found;
-  const Vec3 area = cross(a + eta * c, b + xi * c);
-  const double length = norm(area);
-  if (!(length > 0))
+  if (newton.nowhere)
     return found;
-  found.normal = scaledDown(area, length);
-  found.gap = -dot(centre + xi * a + eta * b + (xi * eta) * c, found.normal);
-  found.weight[0] = 0.25 * (1 - xi) * (1 - eta);
-  found.weight[1] = 0.25 * (1 + xi) * (1 - eta);
-  found.weight[2] = 0.25 * (1 + xi) * (1 + eta);
-  found.weight[3] = 0.25 * (1 - xi) * (1 + eta);
-  found.excess = maxOf(std::fabs(xi), std::fabs(eta)) - 1;
-  found.xi = xi;
-  found.eta = eta;
+  if (!newton.found)
+    return ontoFourTriangles(q);
+  found.normal = {newton.normal.x, newton.normal.y, newton.normal.z};
+  found.gap = newton.gap;
+  for (int j = 0; j < 4; ++j)
+    found.weight[j] = newton.weight[j];
+  found.excess = newton.excess;
+  found.xi = newton.xi;
+  found.eta = newton.eta;
   found.has_parameters = true;
   found.valid = true;
   return found;
@@ -187,6 +225,12 @@ struct MeanPlane {
     const double stretch = (1 + lateral_tolerance) * (1 + lateral_tolerance);
     return dot(normal, point) - offset > warp * stretch - depth;
   }
+};
+
+// What is asked of a candidate face first, in one cache line; of other ranks' faces around a node, normal and area only.
+struct FaceRecord {
+  MeanPlane plane;
+  global_id body = -1, id = -1;
 };
 
 // Half the cross product of the diagonals: the exact area vector of the bilinear patch, and of a

@@ -8,6 +8,7 @@
 #include "contact/coulomb_friction.hpp"
 #include "contact/enforcement_config.hpp"
 #include "contact/face_access.hpp"
+#include "contact/known_contact.hpp"
 
 namespace brickwall::contact {
 
@@ -22,6 +23,8 @@ struct Hit {
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
+  const KnownContact*
+      known; // what is known of the contact with that face; null where the hit is another
   bool is_held; // Stage::held: until it has no load, or its edges cross again
   bool is_loaded;
   bool has_ended; // that interaction: its node is outside the face again
@@ -35,14 +38,17 @@ struct Hit {
 // covers.
 enum class Stage { kept, born, switched, held };
 
-// One thread per row of candidates, which is one per surface node: tests the node against its candidates, chooses one face of
-// each opposing body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go
-// to the lower id.
+// Rows of candidates, one per surface node, some at once: tests the node against its candidates, chooses one face of each opposing
+// body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
+// Rows without history whose candidates cannot be touched (Touch::mayTouch) are left as they are: row_count must be 0 before, and
+// what Touch::record() writes that of no contact. Contacts that go on are looked at together.
 template <class Touch>
 struct SelectInteractions {
   using value_type = ContactSums;
 
   static constexpr double least_taper = 0.01; // below it a switch does not keep the energy
+  static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
+  static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
   EnforcementConfig config;
   LimbScale energy_scale;
@@ -54,11 +60,95 @@ struct SelectInteractions {
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, ContactSums& sums) const {
+  // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
+  struct Work {
+    int num_rows = 0, num_known = 0;
+    std::int64_t rows[rows_at_once];
+    int first[rows_at_once + 1];
+    KnownContact known[max_known];
+  };
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
+    Work work;
+    const std::int64_t begin = part * rows_at_once;
+    const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
+    for (std::int64_t row = begin; row < end; ++row)
+      prefetchRow(row);
+    for (std::int64_t row = begin; row < end; ++row) {
+      const int node = pairs.node(row), count = previous.row_count(node);
+      if (count == 0 && !mayTouchAny(row, node))
+        continue;
+      if (work.num_known + count > max_known)
+        finish(work, sums);
+      work.rows[work.num_rows] = row;
+      work.first[work.num_rows++] = work.num_known;
+      if (count > 0)
+        findKnown(row, node, count, work);
+    }
+    finish(work, sums);
+  }
+  // What is read of a row comes from many places: all of them are asked for before any is waited for.
+  KOKKOS_INLINE_FUNCTION void prefetchRow(std::int64_t row) const {
+    const int node = pairs.node(row);
+    const std::int64_t end = pairs.end(row);
+    for (std::int64_t p = pairs.begin(row); p < end; ++p)
+      touch.prefetchFace(pairs.faces(p));
+    faces.prefetchRow(faces.surface.coordinates_new, node);
+    if (previous.row_count(node) == 0)
+      return;
+    faces.prefetchRow(faces.surface.coordinates_old, node);
+    const Interaction& last = previous.interactions(previous.row_begin(node));
+    prefetch(&last.body);
+    prefetch(&last.closing);
+    prefetch(&last.weight[2]);
+    prefetch(&last.node);
+  }
+  KOKKOS_INLINE_FUNCTION bool mayTouchAny(std::int64_t row, int node) const {
+    const std::int64_t end = pairs.end(row);
+    for (std::int64_t p = pairs.begin(row); p < end; ++p)
+      if (touch.mayTouch(faces, node, pairs.faces(p)))
+        return true;
+    return false;
+  }
+  KOKKOS_INLINE_FUNCTION void findKnown(std::int64_t row, int node, int count, Work& work) const {
+    const std::int64_t end = pairs.end(row);
+    const int first = previous.row_begin(node);
+    int missing = count;
+    for (std::int64_t p = pairs.begin(row); p < end && missing > 0; ++p) {
+      const int face = pairs.faces(p);
+      const global_id id = touch.idOf(faces, face);
+      for (int s = 0; s < count; ++s) {
+        if (previous.interactions(first + s).face != id)
+          continue;
+        --missing;
+        if (!faces.isOfThisStep(pairs.step_test, node, face))
+          continue;
+        KnownContact& contact = work.known[work.num_known++];
+        contact.node = node;
+        contact.slot = s;
+        contact.previous = first + s;
+        contact.face = face;
+        faces.prefetchFace(face);
+      }
+    }
+  }
+  KOKKOS_INLINE_FUNCTION void finish(Work& work, ContactSums& sums) const {
+    touch.look(faces, previous, work.num_known, work.known);
+    work.first[work.num_rows] = work.num_known;
+    for (int r = 0; r < work.num_rows; ++r)
+      selectOfRow(work.rows[r], work.known + work.first[r], work.first[r + 1] - work.first[r],
+                  sums);
+    work.num_rows = work.num_known = 0;
+  }
+
+  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const KnownContact* known,
+                                          int num_known, ContactSums& sums) const {
     const int node = pairs.node(row);
     Hit hits[max_interactions];
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
-    const int num_hits = findHits(row, node, hits, seen, sums);
+    for (int k = 0; k < num_known; ++k)
+      seen |= 1 << known[k].slot;
+    const int num_hits = findHits(row, node, known, num_known, hits, sums);
     countLost(node, seen, sums);
     double deepest = 0;
     int num_loaded = 0;
@@ -85,17 +175,21 @@ struct SelectInteractions {
   }
 
   // One hit per opposing body. Returns their number.
-  KOKKOS_INLINE_FUNCTION int findHits(std::int64_t row, int node, Hit (&hits)[max_interactions],
-                                      int& seen, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION int findHits(std::int64_t row, int node, const KnownContact* known,
+                                      int num_known, Hit (&hits)[max_interactions],
+                                      ContactSums& sums) const {
     const std::int64_t end = pairs.end(row);
     const global_id own_body = faces.surface.node_body(node);
     int num_hits = 0;
     for (std::int64_t pair = pairs.begin(row); pair < end;) {
-      const global_id body = faces.body(pairs.faces(pair));
+      const global_id body = touch.bodyOf(faces, pairs.faces(pair));
+      const std::int64_t begin = pair;
+      while (pair < end && touch.bodyOf(faces, pairs.faces(pair)) == body)
+        ++pair;
       Hit hit;
+      recall(node, body, known, num_known, hit, sums);
       const bool wanted = (body != own_body || config.self_contact) && touch.pushes(own_body, body);
-      const bool found = findHitOnBody(node, body, wanted, end, pair, hit, seen, sums);
-      if (!found)
+      if (!wanted || !findHitOnBody(node, begin, pair, hit))
         continue;
       if (num_hits < max_interactions)
         hits[num_hits++] = hit;
@@ -105,38 +199,36 @@ struct SelectInteractions {
     return num_hits;
   }
 
-  // The face of `body` that the node is in contact with: the last one if it still is under load, else the least penetrated.
-  // Moves `pair` past the body's candidates.
-  KOKKOS_INLINE_FUNCTION bool findHitOnBody(int node, global_id body, bool wanted, std::int64_t end,
-                                            std::int64_t& pair, Hit& hit, int& seen,
-                                            ContactSums& sums) const {
-    const std::int64_t begin = pair;
-    findPreviousFace(node, body, end, pair, hit, seen, sums);
-    if (!wanted)
-      return false;
+  // The face of a body, of its candidates [begin, end), that the node is in contact with: the last one if it still is under load,
+  // else the least penetrated.
+  KOKKOS_INLINE_FUNCTION bool findHitOnBody(int node, std::int64_t begin, std::int64_t end,
+                                            Hit& hit) const {
     // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
     const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
     const bool has_face = is_loaded && hit.previous_face >= 0;
-    if (has_face && isTouching(node, hit.previous_face, Stage::kept, hit))
+    if (has_face && touch.testAgain(faces, *hit.known, hit))
       return true;
+    hit.known = nullptr;
     // Where it went out through the face, the contact has ended and given back its energy; what it touches now, it meets anew.
     hit.has_ended = has_face && touch.isOutside(faces, node, hit.previous_face);
-    if (findNearest(node, begin, pair, Stage::born, is_loaded, hit))
+    if (findNearest(node, begin, end, Stage::born, is_loaded, hit))
       return true;
     if (!is_loaded || hit.has_ended)
       return false;
-    return findNearest(node, begin, pair, Stage::switched, is_loaded, hit) ||
+    return findNearest(node, begin, end, Stage::switched, is_loaded, hit) ||
            (has_face && isTouching(node, hit.previous_face, Stage::held, hit));
   }
 
   // Whether the contact has a force, for all that is known yet. One without is forgotten: the next step chooses its face anew, and
   // takes the penetration that it finds as the offset.
   KOKKOS_INLINE_FUNCTION bool bearsLoad(int node, Hit& hit) const {
-    hit.motion = faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
+    hit.motion = Touch::knows_motion && hit.known != nullptr
+                     ? hit.known->motion
+                     : faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
     if (!goesOn(hit))
       return dot(hit.unitNormal(), hit.motion) < 0;
     const Interaction& last = previous.interactions(hit.previous);
-    return last.face != faces.id(hit.face) || last.is_held != hit.is_held ||
+    return last.face != touch.idOf(faces, hit.face) || last.is_held != hit.is_held ||
            hit.depth > last.offset;
   }
 
@@ -157,6 +249,7 @@ struct SelectInteractions {
     }
     if (!found)
       return false;
+    nearest.known = nullptr;
     nearest.previous = hit.previous;
     nearest.previous_face = hit.previous_face;
     nearest.contact_work = hit.contact_work;
@@ -165,28 +258,21 @@ struct SelectInteractions {
     return true;
   }
 
-  // What the node touched on `body` at the last step, if that face is among the body's candidates, and the work that its
-  // forces did since. Moves `pair` past the body's candidates.
-  KOKKOS_INLINE_FUNCTION void findPreviousFace(int node, global_id body, std::int64_t end,
-                                               std::int64_t& pair, Hit& hit, int& seen,
-                                               ContactSums& sums) const {
+  // What the node touched on `body` at the last step, if that face is among its candidates, and the work that its forces did since.
+  KOKKOS_INLINE_FUNCTION void recall(int node, global_id body, const KnownContact* known,
+                                     int num_known, Hit& hit, ContactSums& sums) const {
     const int slot = previousSlot(node, body);
     hit.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
     hit.previous_face = -1;
+    hit.known = nullptr;
     hit.contact_work = 0;
     hit.has_ended = false;
-    const global_id last_face = slot < 0 ? -1 : previous.interactions(hit.previous).face;
-    for (; pair < end; ++pair) {
-      const int face = pairs.faces(pair);
-      if (faces.body(face) != body)
-        return;
-      if (slot >= 0 && faces.id(face) == last_face &&
-          faces.isOfThisStep(pairs.step_test, node, face)) {
-        seen |= 1 << slot;
-        hit.previous_face = face;
-        hit.contact_work = bookWork(hit.previous, face, sums);
+    for (int k = 0; k < num_known; ++k)
+      if (known[k].slot == slot) {
+        hit.known = &known[k];
+        hit.previous_face = known[k].face;
+        hit.contact_work = bookWork(known[k], sums);
       }
-    }
   }
 
   // A node that is much deeper than it was, and than this step can have brought it, has not come through that face but through
@@ -220,8 +306,8 @@ struct SelectInteractions {
                                        int h, std::int64_t index, ContactSums& sums) const {
     const Hit& hit = hits[h];
     Interaction now;
-    now.body = faces.body(hit.face);
-    now.face = faces.id(hit.face);
+    now.body = touch.bodyOf(faces, hit.face);
+    now.face = touch.idOf(faces, hit.face);
     now.node = node;
     now.point = touch.pointOf(faces, node, hit);
     now.face_index = hit.face;
@@ -231,10 +317,8 @@ struct SelectInteractions {
       now.weight[j] = hit.weight[j];
     const Vec3 motion = hit.motion;
     now.closing = -dot(now.normal, motion);
-    now.inverse_mass = touch.inverseMass(now.point);
-    for (int j = 0; j < 4; ++j)
-      if (hit.weight[j] != 0)
-        now.inverse_mass += hit.weight[j] * hit.weight[j] / faces.attribute(hit.face, j);
+    now.inverse_mass = Touch::knows_motion && hit.known != nullptr ? hit.known->inverse_mass
+                                                                   : inverseMass(now, hit.face);
     if (goesOn(hit))
       carryOn(now, previous.interactions(hit.previous), hit, touch.stiffnessCap(config, now));
     else
@@ -260,6 +344,14 @@ struct SelectInteractions {
       next.friction(index) = friction;
     if (now.taper < 1)
       next.fading(index) = fading;
+  }
+
+  KOKKOS_INLINE_FUNCTION double inverseMass(const Interaction& pair, int face) const {
+    double inverse_mass = touch.inverseMass(pair.point);
+    for (int j = 0; j < 4; ++j)
+      if (pair.weight[j] != 0)
+        inverse_mass += pair.weight[j] * pair.weight[j] / faces.attribute(face, j);
+    return inverse_mass;
   }
 
   // All others are births.
@@ -351,9 +443,10 @@ struct SelectInteractions {
 
   // Books the work of the last step's forces over the half step before and after them, of which the second half is the
   // motion of this step. Returns the work done on the contact's spring: dt F n . (v^{n-1/2} + v^{n+1/2})/2 and its fading part.
-  KOKKOS_INLINE_FUNCTION double bookWork(int index, int last_face, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION double bookWork(const KnownContact& known, ContactSums& sums) const {
+    const int index = known.previous, last_face = known.face;
     const Interaction& last = previous.interactions(index);
-    const Vec3 motion = faces.relativeMotion(last.point, last_face, last.weight);
+    const Vec3& motion = known.last_motion;
     const double kick = 0.5 * (previous_dt + dt);
     const double closing =
         kick * 0.5 * (last.closing / previous_dt - dot(last.normal, motion) / dt);

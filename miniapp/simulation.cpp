@@ -153,8 +153,9 @@ void Simulation::enforceContact(double dt) {
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == ContactScheme::energy_neutral) {
-    neutral.acceleration =
-        _coupling->accelerations(_space, _forces, _state, 0.5 * (dt + _clock.dt), _boundary);
+    neutral.accelerations = [&] {
+      return _coupling->accelerations(_space, _forces, _state, 0.5 * (dt + _clock.dt), _boundary);
+    };
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
@@ -166,6 +167,8 @@ void Simulation::enforceContact(double dt) {
   _lost += _contact.lost();
   _penetration =
       maxOf(_penetration, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration));
+  if (!_enforcement->hasForces())
+    return; // computeForces() left zeros
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
 }
