@@ -13,6 +13,7 @@ struct CorrectPair {
   View<const double* [3]> accelerations;
   double dt, next_dt; // drifts before and after the kick
   double friction_limit; // mu
+  double relaxation; // share of the wanted change that is made
 
   struct Correction {
     double force, damping;
@@ -34,7 +35,7 @@ struct CorrectPair {
     motion.next_drift = next_dt / kick;
     motion.mobility = kick * kick * pair.inverse_mass;
     Correction corrected;
-    corrected.force = neutralForce(pair, motion);
+    corrected.force = relaxed(pair.force, neutralForce(pair, motion));
     corrected.damping = maxOf(pair.first_damping, -corrected.force);
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
@@ -51,7 +52,8 @@ struct CorrectPair {
       kicked.after = kicked.before + kick * kick * power(fading, pair, relative);
       kicked.gain = motion.mobility * dot(fading.on_node, fading.on_node);
       kicked.next_drift = motion.next_drift;
-      corrected.fading = neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end);
+      corrected.fading =
+          relaxed(1, neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end));
     }
     return corrected;
   }
@@ -63,6 +65,10 @@ struct CorrectPair {
       pairs.friction(i).force = corrected.friction;
     if (corrected.fading != 1)
       pairs.fading(i).correct(corrected.fading);
+  }
+
+  KOKKOS_INLINE_FUNCTION double relaxed(double present, double wanted) const {
+    return relaxation < 1 ? present + relaxation * (wanted - present) : wanted;
   }
 
   // Of the pushing point against the face point.

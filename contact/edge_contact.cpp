@@ -225,6 +225,7 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
 }
 
 std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                        double relaxation,
                                         const View<double* [3]>& node_accelerations) {
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
@@ -236,7 +237,8 @@ std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengt
       });
   growTo(space, _ghost_accelerations, _search.ghosts().count);
   _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
-  return _set.correctForces(space, access(), steps, _accelerations, _ghost_accelerations);
+  return _set.correctForces(space, access(), steps, relaxation, _accelerations,
+                            _ghost_accelerations);
 }
 
 PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {

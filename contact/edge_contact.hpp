@@ -29,7 +29,7 @@ public:
   ContactSums select(const exec_space& space, double dt);
   std::int64_t addForces(const exec_space& space);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  std::int64_t correctForces(const exec_space& space, const StepLengths& steps,
+  std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
                              const View<double* [3]>& node_accelerations);
   void advance(double dt);
 

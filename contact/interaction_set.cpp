@@ -127,14 +127,14 @@ std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess
 }
 
 std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                           const StepLengths& steps,
+                                           const StepLengths& steps, double relaxation,
                                            const View<double* [3]>& accelerations,
                                            const View<double* [12]>& ghost_accelerations) {
   std::int64_t invalid = 0;
   const ContactHistory pairs = _next;
   const PairForces add = pairForces(faces);
-  const CorrectPair correct{faces,    ghost_accelerations, accelerations,
-                            steps.dt, steps.next_dt,       _config.friction};
+  const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
+                            steps.next_dt, _config.friction,    relaxation};
   Kokkos::parallel_reduce(
       "contact::correctForces", over(space, numParts(pairs.count)),
       KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {

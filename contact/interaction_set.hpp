@@ -49,7 +49,8 @@ public:
   // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
   // is changed where they are. Returns the number that does not fit.
   std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
-                             const StepLengths& steps, const View<double* [3]>& accelerations,
+                             const StepLengths& steps, double relaxation,
+                             const View<double* [3]>& accelerations,
                              const View<double* [12]>& ghost_accelerations);
 
   // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.

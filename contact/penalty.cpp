@@ -156,15 +156,16 @@ void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
   growTo(space, _ghost_accelerations, faces.ghosts.count);
   const View<const double* [3]> by_others = neutral->accelerations();
   for (int round = 0; round < _config.corrections; ++round) {
+    const double relaxation = round == 0 ? 1 : _config.relaxation;
     collectForces(space, faces, edges);
     neutral->sum_forces(_forces);
     accelerate(space, faces.surface.num_nodes, by_others, _forces.nodes, _quantum, _node_mass,
                _accelerations);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     sums.nodes.invalid +=
-        _set.correctForces(space, faces, steps, _accelerations, _ghost_accelerations);
+        _set.correctForces(space, faces, steps, relaxation, _accelerations, _ghost_accelerations);
     if (edges != nullptr)
-      sums.edges.invalid += edges->correctForces(space, steps, _accelerations);
+      sums.edges.invalid += edges->correctForces(space, steps, relaxation, _accelerations);
   }
 }
 

@@ -39,21 +39,22 @@ StableTimeStep agree(MPI_Comm comm, const Limits& local) {
 }
 
 // The step that whole bodies allow; 0 where it is not known to be longer than that of elements.
-double stepOfBodies(MPI_Comm comm, const Limits& local, const StepViscosity& viscous,
+double stepOfBodies(MPI_Comm comm, const Limits& local, const StepLoad& load,
                     const RestFrequency& rest) {
   if (!(rest.bodies < rest.elements))
     return 0;
   double largest[3] = {local.viscous, local.growth, local.turn};
   allReduce(comm, largest, 3, MPI_MAX);
+  const double left = 1 - load.contact, growth = largest[1] / left;
   const double omega =
-      std::sqrt(rest.bodies + largest[1]) + largest[2] * std::sqrt(rest.elements + largest[1]);
-  const double step = viscousStep(2 / omega, largest[0], viscous.share);
+      std::sqrt(rest.bodies + growth) + largest[2] * std::sqrt(rest.elements + growth);
+  const double step = viscousStep(2 / omega, largest[0] / left);
   return step > 0 ? step : 0; // not for NaN
 }
 
 struct LimitsAtRest {
   MeshViews mesh;
-  StepViscosity viscous;
+  StepLoad load;
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
     const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
     const Material material = mesh.materials(mesh.elem_block(elem));
@@ -68,12 +69,10 @@ struct LimitsAtRest {
     const double omega_square = 8 / material.density * largestEigenvalue(normal);
     Limits mine;
     mine.elem = mesh.elem_ids(elem);
-    mine.dt = stepOf(omega_square, shape.parallelepiped);
-    if (viscous.viscosity.any()) {
-      mine.viscous = viscousRate(viscous, material, shape.length,
+    if (load.viscosity.any())
+      mine.viscous = viscousRate(load, material, shape.length,
                                  shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
-      mine.dt = viscousStep(mine.dt, mine.viscous, viscous.share);
-    }
+    mine.dt = loadedStep(stepOf(omega_square, shape.parallelepiped), mine.viscous, load);
     limits += mine;
   }
 };
@@ -81,7 +80,7 @@ struct LimitsAtRest {
 // With `is_quick` norms stand for eigenvalues, and the elements' own step is not found (unless they failed).
 struct LimitsAtDeformation {
   MeshViews mesh;
-  StepViscosity viscous;
+  StepLoad load;
   View<const double* [3]> displacement;
   bool is_quick, is_for_bodies;
 
@@ -113,13 +112,13 @@ struct LimitsAtDeformation {
       limits += mine;
       return;
     }
-    if (viscous.viscosity.any())
-      mine.viscous = viscousRate(viscous, material, shape.length,
-                                 deformedTrace(H, shape.gram, material.model));
+    if (load.viscosity.any())
+      mine.viscous =
+          viscousRate(load, material, shape.length, deformedTrace(H, shape.gram, material.model));
     if (!is_quick) {
-      mine.dt = stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped);
-      if (viscous.viscosity.any())
-        mine.dt = viscousStep(mine.dt, mine.viscous, viscous.share);
+      mine.dt =
+          loadedStep(stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped),
+                     mine.viscous, load);
       mine.dt = mine.dt == mine.dt ? mine.dt : 0.0;
     }
     if (is_for_bodies) {
@@ -137,68 +136,71 @@ struct LimitsAtDeformation {
 } // namespace
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepViscosity& viscous, const RestFrequency& rest) {
+                              const StepLoad& load, const RestFrequency& rest) {
   Limits limits;
   Kokkos::parallel_reduce("mechanics::stableTimeStep::at_rest", over(space, mesh.num_elems),
-                          LimitsAtRest{viewsOf(mesh), viscous}, Combine<Limits>(limits));
+                          LimitsAtRest{viewsOf(mesh), load}, Combine<Limits>(limits));
   space.fence();
   StableTimeStep stable = agree(comm, limits);
-  stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, viscous, rest));
+  stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, load, rest));
   return stable;
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const View<const double* [3]>& displacement,
-                              const StepViscosity& viscous, const RestFrequency& rest,
-                              double enough) {
+                              const View<const double* [3]>& displacement, const StepLoad& load,
+                              const RestFrequency& rest, double enough) {
   const bool is_for_bodies = rest.bodies < rest.elements;
   const auto limitsOf = [&](bool is_quick) {
     Limits limits;
     Kokkos::parallel_reduce(
         "mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
-        LimitsAtDeformation{viewsOf(mesh), viscous, displacement, is_quick, is_for_bodies},
+        LimitsAtDeformation{viewsOf(mesh), load, displacement, is_quick, is_for_bodies},
         Combine<Limits>(limits));
     space.fence();
     return limits;
   };
   if (is_for_bodies && enough < HUGE_VAL) {
     StableTimeStep stable;
-    stable.dt = stepOfBodies(comm, limitsOf(true), viscous, rest);
+    stable.dt = stepOfBodies(comm, limitsOf(true), load, rest);
     if (stable.dt >= enough)
       return stable;
   }
   const Limits limits = limitsOf(false);
   StableTimeStep stable = agree(comm, limits);
   if (stable.dt > 0)
-    stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, viscous, rest));
+    stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, load, rest));
   return stable;
 }
 
-double contactStepShare(double safety, double penalty, double damping, bool edges) {
-  // Weyl's bound, as forms relative to the mass: dt^2 K/4 + dt^2 K_c/4 + dt C/2 <= 1 with dt^2 K/4 = chi^2; contact adds
-  // mult s/4 and, with C = 2 zeta sqrt(k m) taken at v^{n-1/2}, mult zeta sqrt(s). mult: how often a node's mass is pushed along
-  // one direction.
+double contactLoad(double penalty, double damping, bool edges) {
+  // As forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) taken at v^{n-1/2}. mult: how often a node's
+  // mass is pushed along one direction.
   const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
-  constexpr double least = 0.01; // a tenth of the elements' step
-  const double limit = 4 * (1 - least) / mult;
-  if (!(safety > 0 && safety <= 1))
-    throw InputError("contactStepShare: safety " + std::to_string(safety) +
-                     "; a value in (0, 1] is needed");
-  if (!(penalty >= 0 && penalty < limit))
-    throw InputError("contactStepShare: penalty " + std::to_string(penalty) + "; a value in [0, " +
-                     std::to_string(limit) + ") is needed" +
+  constexpr double most = 0.99; // a tenth of the step is left
+  if (!(penalty >= 0 && 0.25 * mult * penalty < most))
+    throw InputError("contact.penalty = " + std::to_string(penalty) + "; a value in [0, " +
+                     std::to_string(4 * most / mult) + ") is needed" +
                      (edges ? ", with contact.edges = false more" : ""));
   if (!(damping >= 0))
-    throw InputError("contactStepShare: damping " + std::to_string(damping) +
-                     "; a value >= 0 is needed");
-  const double left = 1 - 0.25 * mult * penalty - mult * damping * std::sqrt(penalty);
-  if (!(left >= least))
-    throw InputError(
-        "contactStepShare: contact of penalty " + std::to_string(penalty) + " and damping " +
-        std::to_string(damping) + " leaves no stable step of use; damping of at most " +
-        std::to_string((1 - least - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
-        " is needed");
-  return std::min(safety, std::sqrt(left));
+    throw InputError("contact.damping = " + std::to_string(damping) + "; a value >= 0 is needed");
+  const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
+  if (!(load <= most))
+    throw InputError("contact.penalty = " + std::to_string(penalty) +
+                     " with contact.damping = " + std::to_string(damping) +
+                     " leaves no stable step of use; damping of at most " +
+                     std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
+                     " is needed");
+  return load;
+}
+
+View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
+                               const View<const int*>& surface_to_node, double contact_load) {
+  const auto left = allocate<View<double*>>(space, "mechanics::massUnderContact", mass.extent(0));
+  Kokkos::deep_copy(space, left, mass);
+  Kokkos::parallel_for(
+      "mechanics::massUnderContact", over(space, surface_to_node.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t s) { left(surface_to_node(s)) *= 1 - contact_load; });
+  return left;
 }
 
 } // namespace brickwall::mechanics

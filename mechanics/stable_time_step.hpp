@@ -12,6 +12,10 @@
 // eigenvalue of M^-1 C and xi = c/(2 omega), dt = (2/omega) (sqrt(1 + xi^2) - xi). In one dimension xi = b1 + b2^2 (l/c_d)
 // |tr D|; an element that breathes in all three directions has more, sqrt(3 (lambda + 2 mu)/K) times as much if it is a
 // cube (K: bulk modulus), so xi is taken from the element's own C.
+//
+// Contact adds springs and dampers to nodes of the surface, of which dt^2 K_c/4 + dt C_c/2 <= a M_s is known, M_s the mass of the
+// surface's nodes. Then dt^2 K/4 + dt C/2 <= M - a M_s is enough: the step of bodies whose surface is lighter by a. An inner
+// node has all its mass, so bodies of several elements lose less of their step than by Weyl, for whom every node is on the surface.
 #pragma once
 
 #include "mechanics/bulk_viscosity.hpp"
@@ -25,36 +29,37 @@ struct StableTimeStep {
 };
 
 // What else the step must allow for.
-struct StepViscosity {
+struct StepLoad {
   BulkViscosity viscosity;
   double rate = 0; // largest l |tr D|/c_d of compression of any element
-  // chi: the step will be chi times the result, and dt^2 omega^2/4 + dt c/2 <= chi^2, so that contact may use the rest
-  // whether there is viscosity or not.
-  double share = 1;
+  double contact = 0; // a, of contactLoad
 };
 
 // Bounds of omega^2 at rest, 1/time^2; without knowledge of the bodies the element bound does alone.
 struct RestFrequency {
-  double bodies = HUGE_VAL; // of the assembled bodies
-  double elements = HUGE_VAL; // of the worst element by itself
+  double bodies = HUGE_VAL; // of the assembled bodies, their surface lighter by the load's share
+  double elements = HUGE_VAL; // of the worst element by itself, with all nodes lighter by that
 };
 
 // At rest (u = 0): small-strain moduli, closed form; the longer of the steps by elements and, with `rest`, by bodies. Same on all ranks and for any partition. Collective.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepViscosity& viscous = {}, const RestFrequency& rest = {});
+                              const StepLoad& load = {}, const RestFrequency& rest = {});
 
 // At X + u: the material's tangent moduli and stress at each element's centre (9x9 eigenvalue problems, about 10 us an
 // element: call it rarely). With `rest` plain norms of the matrices are tried first, and they do where the
 // step that they allow is `enough`. A failed element (J <= 0, NaN) gives dt = 0. Collective.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                               const View<const double* [3]>& displacement,
-                              const StepViscosity& viscous = {}, const RestFrequency& rest = {},
+                              const StepLoad& load = {}, const RestFrequency& rest = {},
                               double enough = HUGE_VAL);
 
-// Largest share chi = dt/dt_stable of the step next to contact of penalty s (capped by the reduced mass, two passes) and
-// damping zeta, with crossing edges or without: min(safety, sqrt(1 - mult (s/4 + zeta sqrt(s)))), mult 2.05, with edges 2.55.
-// Friction needs nothing more: its spring, of at most the same stiffness, acts across the normal one. Throws InputError unless
-// 0 < safety <= 1, 0 <= s < 1.95, zeta >= 0, and the share is .1 at least.
-double contactStepShare(double safety, double penalty, double damping = 0, bool edges = false);
+// The largest share a of a surface node's mass that contact takes: mult (s/4 + zeta sqrt(s)) with penalty s (capped by the reduced
+// mass, two passes: mult 2.05), damping zeta; crossing edges bring mult to 2.55. Friction needs nothing more: its spring, of at most
+// the same stiffness, acts across the normal one. Throws InputError unless s >= 0, zeta >= 0 and a <= .99.
+double contactLoad(double penalty, double damping = 0, bool edges = false);
+
+// `mass` where nodes of the surface are lighter by a.
+View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
+                               const View<const int*>& surface_to_node, double contact_load);
 
 } // namespace brickwall::mechanics

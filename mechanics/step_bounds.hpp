@@ -50,17 +50,24 @@ KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
 
 // c = (8/rho) l rho c_d xi tr G, G of the present configuration: the viscous stress is proportional to tr D alone, so
 // the element's C has this one eigenvalue.
-KOKKOS_INLINE_FUNCTION double viscousRate(const StepViscosity& viscous, const Material& material,
+KOKKOS_INLINE_FUNCTION double viscousRate(const StepLoad& load, const Material& material,
                                           double length, double gram_trace) {
-  const BulkViscosity& b = viscous.viscosity;
-  const double xi = b.linear + b.quadratic * b.quadratic * viscous.rate;
+  const BulkViscosity& b = load.viscosity;
+  const double xi = b.linear + b.quadratic * b.quadratic * load.rate;
   return 8 * length * material.dilatationalSpeed() * xi * gram_trace;
 }
 
-// The root of dt^2 omega^2/4 + dt c/2 = share^2 over the share; `step` is 2/omega.
-KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c, double share) {
+// The root of dt^2 omega^2/4 + dt c/2 = 1; `step` is 2/omega.
+KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c) {
+  if (c == 0)
+    return step;
   const double xi = 0.25 * c * step;
-  return step * share / (xi + std::sqrt(xi * xi + share * share));
+  return step / (xi + std::sqrt(xi * xi + 1));
+}
+// The same with a mass that is smaller by contact's share.
+KOKKOS_INLINE_FUNCTION double loadedStep(double step, double c, const StepLoad& load) {
+  const double left = 1 - load.contact;
+  return viscousStep(step * std::sqrt(left), c / left);
 }
 
 // L^T A L with G = L L^T: the moduli dP/dH on the mean gradients. Its largest eigenvalue times 8/rho is omega^2.

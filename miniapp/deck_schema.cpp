@@ -162,8 +162,8 @@ std::vector<BlockRule> methodBlocks() {
         word("scheme", {"energy_neutral", "penalty"},
              "first and last steps of a contact weighted to make no energy, or plain penalty")
             .byDefault("energy_neutral"),
-        real("penalty", "", "stiffness s = k dt^2/m; above 1.57 (1 - safety^2) the step shrinks")
-            .byDefault("0.5")
+        real("penalty", "", "stiffness s = k dt^2/m; stiffer contact may shorten the step")
+            .byDefault("0.75")
             .above(0)
             .below(1.95),
         real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")

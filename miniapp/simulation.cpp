@@ -298,8 +298,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   setInitialDeformations(_space, config, scene, _shared, _state);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
 
-  setStepShares();
-  planSteps(_step_share * stableStepAtStart());
+  setStepLimits();
+  planSteps(longestStepAtStart());
   if (config.mass_damping * _clock.dt >= 2)
     throw InputError(reversingDamping(config.mass_damping, _clock.dt));
   if (config.contact.enabled)

@@ -71,9 +71,17 @@ struct Checksums {
 
 // What the bound of whole bodies is worth (time.bound).
 struct StepGain {
-  double step = 1; // stable step over that of the worst element by itself, both at rest
+  double step = 1; // the step over that by the worst element by itself, both at rest
   int products = 0; // with the stiffness, to find it; 0: the element bound
   std::int64_t body_types = 0;
+};
+
+// One bound of the step: dt = share times the stable step under the load, until that is less than dt/largest_share.
+struct StepLimit {
+  // The rate is that which the step allows for; at first one that costs few per cent of the step.
+  mechanics::StepLoad load = {{}, 0.01, 0};
+  mechanics::RestFrequency rest; // of the bodies under the load's contact
+  double share = 1, largest_share = 1;
 };
 
 class Simulation {
@@ -146,9 +154,10 @@ private:
   void kickVelocities(double dt_kick, double time_of_velocity);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);
-  void setStepShares();
-  double stableStepAtRest(); // collective
-  double stableStepAtStart(); // collective
+  void setStepLimits(); // collective
+  void findLargestFrequency(StepLimit& limit);
+  double longestStepAtRest();
+  double longestStepAtStart();
   void planSteps(double longest);
   void setUpContact();
   void refuseDeepOverlaps(double reach) const;
@@ -163,12 +172,9 @@ private:
   std::int64_t _planned_steps = 0;
   bool _is_objective =
       true; // no material at small strain, whose stress makes a moment when it turns
-  double _step_share = 1; // chi: dt over the stable step of the bodies
-  double _largest_share = 1; // of the deformed bodies' stable step, beyond which a step is cut
-  mechanics::LargestFrequency _frequency; // of the bodies at rest
+  std::vector<StepLimit>
+      _step_limits; // of free bodies; with contact also of bodies pressed all over
   StepGain _step_gain;
-  // The rate is that which the step allows for; at first one that costs few per cent of the step.
-  mechanics::StepViscosity _step_viscosity = {{}, 0.01, 1};
   mechanics::NodalState _state;
   mechanics::NodalForces _forces;
   mechanics::BoundaryConditions _boundary;

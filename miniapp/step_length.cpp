@@ -12,56 +12,74 @@
 
 namespace brickwall::miniapp {
 
-// What safety and contact leave of the stable step at the start. Later a step may take half of the reserve that the safety
-// keeps: bodies are never quite at rest, and cuts should be few.
-void Simulation::setStepShares() {
+// Bodies that fly free, and bodies that are pressed all over their surface. Contact is never that bad, so little is kept there
+// for bodies that stiffen as they deform. A step may take half of what is kept: bodies are never quite at rest, and cuts
+// should be few.
+void Simulation::setStepLimits() {
+  constexpr double most = 0.97; // of the step under contact
   const ContactConfig& contact = _config.contact;
-  const auto shareOf = [&](double safety) {
-    return contact.enabled ? mechanics::contactStepShare(safety, contact.penalty, contact.damping,
-                                                         contact.edges)
-                           : safety;
+  const auto add = [&](double contact_load, double share) {
+    StepLimit limit;
+    limit.load.viscosity = _config.viscosity;
+    limit.load.contact = contact_load;
+    limit.share = share;
+    limit.largest_share = 0.5 * (share + 1);
+    findLargestFrequency(limit);
+    _step_limits.push_back(limit);
   };
-  _step_share = shareOf(_config.time.safety);
-  _largest_share = 0.5 * (_step_share + shareOf(1));
-  _step_viscosity.viscosity = _config.viscosity;
-  _step_viscosity.share = _step_share;
+  add(0, _config.time.safety);
+  if (contact.enabled)
+    add(mechanics::contactLoad(contact.penalty, contact.damping, contact.edges), most);
 }
 
-// The longer of what elements and whole bodies allow.
-double Simulation::stableStepAtRest() {
-  const auto stepOf = [&](const mechanics::StepViscosity& viscous,
-                          const mechanics::RestFrequency& rest) {
-    return mechanics::stableTimeStep(_space, _comm, _scene.mesh, viscous, rest).dt;
-  };
-  const bool is_viscous = _config.viscosity.any();
-  const double by_elements = stepOf(_step_viscosity, {});
+void Simulation::findLargestFrequency(StepLimit& limit) {
   if (_config.time.bound == StepBound::element)
-    return by_elements;
-  _frequency = mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part),
-                                           _scene.mass, _internal_force->kind(),
-                                           is_viscous ? stepOf({}, {}) : by_elements);
-  const mechanics::RestFrequency& rest = _frequency.bound;
-  double stable = by_elements;
-  if (is_viscous)
-    stable = stepOf(_step_viscosity, rest);
-  else if (rest.bodies < rest.elements)
-    stable = 2 / std::sqrt(rest.bodies);
-  _step_gain = {stable / by_elements, _frequency.products, _frequency.body_types};
-  return stable;
+    return;
+  const double contact = limit.load.contact;
+  const auto mass = contact > 0 ? mechanics::massUnderContact(_space, _scene.mass,
+                                                              _scene.skin.surface_to_node, contact)
+                                : _scene.mass;
+  const double by_elements =
+      mechanics::stableTimeStep(_space, _comm, _scene.mesh, mechanics::StepLoad{{}, 0, contact}).dt;
+  const auto found =
+      mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part), mass,
+                                  _internal_force->kind(), by_elements);
+  limit.rest = found.bound;
+  _step_gain.products += found.products;
+  _step_gain.body_types = found.body_types;
+}
+
+// What the limits allow for bodies at rest: the longer of what elements and whole bodies have.
+double Simulation::longestStepAtRest() {
+  const auto longest = [&](bool by_elements) {
+    double step = HUGE_VAL;
+    for (const StepLimit& limit : _step_limits)
+      step = minOf(step, limit.share * mechanics::stableTimeStep(
+                                           _space, _comm, _scene.mesh, limit.load,
+                                           by_elements ? mechanics::RestFrequency() : limit.rest)
+                                           .dt);
+    return step;
+  };
+  const double step = longest(false);
+  _step_gain.step = step / longest(true);
+  return step;
 }
 
 // Of the bodies as they start, and at rest, through which deformed ones swing.
-double Simulation::stableStepAtStart() {
-  const double at_rest = stableStepAtRest();
+double Simulation::longestStepAtStart() {
+  double step = longestStepAtRest();
   if (_config.initial_deformations.empty())
-    return at_rest;
-  const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement,
-                                                _step_viscosity, _frequency.bound);
-  if (!(stable.dt > 0))
-    throw InputError(
-        "initial.deformation: element " + std::to_string(stable.elem) +
-        " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
-  return minOf(at_rest, stable.dt);
+    return step;
+  for (const StepLimit& limit : _step_limits) {
+    const auto stable = mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement,
+                                                  limit.load, limit.rest);
+    if (!(stable.dt > 0))
+      throw InputError(
+          "initial.deformation: element " + std::to_string(stable.elem) +
+          " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
+    step = minOf(step, limit.share * stable.dt);
+  }
+  return step;
 }
 
 // Whole steps of equal length from now to the end, none longer than `longest`.
@@ -104,20 +122,26 @@ void Simulation::watchCompression() {
   if (!(_config.viscosity.quadratic > 0) || done())
     return;
   const double rate = allReduce(_comm, _internal.compression_rate, MPI_MAX);
-  if (!(rate > _step_viscosity.rate))
+  if (!(rate > _step_limits[0].load.rate))
     return;
-  _step_viscosity.rate = 1.5 * rate;
+  for (StepLimit& limit : _step_limits)
+    limit.load.rate = 1.5 * rate;
   const Region region("step::stable step");
   shortenStepIfUnstable();
 }
 
 void Simulation::shortenStepIfUnstable() {
-  const auto stable =
-      mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, _step_viscosity,
-                                _frequency.bound, _clock.dt / _largest_share);
   constexpr double reserve = 0.9;
-  if (_largest_share * stable.dt < _clock.dt && stable.dt > 0)
-    shortenSteps(reserve * _step_share * stable.dt, StepCut::Reason::stability);
+  double longest = _clock.dt;
+  for (const StepLimit& limit : _step_limits) {
+    const auto stable =
+        mechanics::stableTimeStep(_space, _comm, _scene.mesh, _state.displacement, limit.load,
+                                  limit.rest, _clock.dt / limit.largest_share);
+    if (limit.largest_share * stable.dt < _clock.dt && stable.dt > 0)
+      longest = minOf(longest, reserve * limit.share * stable.dt);
+  }
+  if (longest < _clock.dt)
+    shortenSteps(longest, StepCut::Reason::stability);
 }
 
 // Decided by the velocities, before the drift: then what it starts from can be kept bit for bit.

@@ -408,16 +408,14 @@ TEST(StableTimeStep, OfACubeIsTheClosedFormAndDeformationChangesIt) {
   }
 }
 
-TEST(ContactStepShare, IsTheSmallerOfSafetyAndTheRule) {
-  EXPECT_EQ(contactStepShare(0.8, 0.5), 0.8);
-  EXPECT_DOUBLE_EQ(contactStepShare(0.95, 0.5), std::sqrt(1 - 0.5 * 2.05 / 4));
-  EXPECT_THROW(contactStepShare(0.8, 2.0), InputError);
-  EXPECT_DOUBLE_EQ(contactStepShare(0.95, 0.5, 0.1),
-                   std::sqrt(1 - 2.05 * (0.125 + 0.1 * std::sqrt(0.5))));
-  EXPECT_DOUBLE_EQ(contactStepShare(0.95, 0.5, 0, true), std::sqrt(1 - 2.55 * 0.125));
-  EXPECT_EQ(contactStepShare(0.8, 0.5, 0, true), 0.8);
-  EXPECT_THROW(contactStepShare(1.1, 0.5), InputError);
-  EXPECT_THROW(contactStepShare(0.8, 0.5, 1), InputError);
+TEST(ContactLoad, IsTheShareOfTheMassThatSpringsAndDampersTake) {
+  EXPECT_DOUBLE_EQ(contactLoad(0.5), 0.5 * 2.05 / 4);
+  EXPECT_DOUBLE_EQ(contactLoad(0.5, 0.1), 2.05 * (0.125 + 0.1 * std::sqrt(0.5)));
+  EXPECT_DOUBLE_EQ(contactLoad(0.75, 0, true), 2.55 * 0.1875);
+  EXPECT_THROW(contactLoad(-1), InputError);
+  EXPECT_THROW(contactLoad(2), InputError);
+  EXPECT_THROW(contactLoad(0.5, -1), InputError);
+  EXPECT_THROW(contactLoad(0.5, 1), InputError);
 }
 
 } // namespace

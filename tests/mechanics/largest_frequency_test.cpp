@@ -152,6 +152,46 @@ TEST(LargestFrequency, OfSeveralBodiesIsTheLargestOfAny) {
               2e-3 * alone);
 }
 
+// Bodies under contact that takes the share `a` of the mass of given nodes.
+double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, double a) {
+  const exec_space space;
+  const auto mass =
+      massUnderContact(space, lumpedMass(space, MPI_COMM_SELF, blocks.mesh, blocks.sum),
+                       copyToDevice(space, "surface", surface), a);
+  const StepLoad load = {{}, 0, a};
+  const double bound = stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, load).dt;
+  const RestFrequency rest = largestFrequency(space, MPI_COMM_SELF, blocks.mesh, blocks.shared,
+                                              mass, ElementKind::one_point, bound)
+                                 .bound;
+  return stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, load, rest).dt;
+}
+
+// A chain of masses m and springs k whose end has the mass mu m < m/2 swings there alone, omega^2 = (k/m)/(mu (1 - mu)).
+TEST(StepUnderContact, OfABarPressedAtItsEndsIsKnown) {
+  Block bar;
+  bar.elements[0] = 40, bar.elements[1] = bar.elements[2] = 1;
+  bar.size = {40, 3, 3};
+  const Material material = steelLike(MaterialModel::linear, 0);
+  BlockMesh blocks = makeBlocks(exec_space(), MPI_COMM_SELF, {bar}, {material}, asIs, onOneRank);
+  const auto X =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+  std::vector<int> ends, all;
+  for (int node = 0; node < blocks.mesh.num_nodes; ++node) {
+    all.push_back(node);
+    if (X(node, 0) < 0.5 || X(node, 0) > 39.5)
+      ends.push_back(node);
+  }
+  for (const double a : {0.3, 0.5}) {
+    const double mu = 0.5 * (1 - a), free = 1 / material.dilatationalSpeed();
+    const double expected = free * std::sqrt(4 * mu * (1 - mu));
+    const double step = stepUnderContact(blocks, ends, a);
+    EXPECT_LE(step, expected * (1 + 1e-9));
+    EXPECT_GE(step, expected * 0.998); // what Lanczos adds
+    // Weyl's bound where every node is pressed.
+    EXPECT_NEAR(stepUnderContact(blocks, all, a), free * std::sqrt(1 - a), 1e-9 * free);
+  }
+}
+
 // The step that decides is a sharp limit of the time loop: .99 of it is stable, with 1.01 small noise grows beyond all
 // bounds. No contact, small strains, 1e4 steps.
 struct FreeBody {

@@ -99,25 +99,26 @@ TEST(ViscousStep, IsExactOnACubeAndSafeOnOthers) {
 }
 
 // Compressed and sheared: the matrix of the viscous force follows the present configuration.
-TEST(ViscousStep, OfADeformedElementUsesTheBudgetOfItsShare) {
+TEST(ViscousStep, OfADeformedElementUsesWhatContactLeaves) {
   const exec_space space;
   const auto u = [](const Vec3& x) {
     return Vec3{-0.15 * x.x + 0.1 * x.y, -0.1 * x.y, 0.02 * x.x - 0.15 * x.z};
   };
   BlockMesh one = makeBlocks(space, MPI_COMM_SELF, {Block()}, {steelLike()}, asIs, alone);
   const auto displacement = nodalField(space, one.mesh, u);
-  for (const double share : {1.0, 0.8}) {
-    const auto step = [&](const StepViscosity& viscous) {
-      return stableTimeStep(space, MPI_COMM_SELF, one.mesh, displacement, viscous).dt;
+  for (const double contact : {0.0, 0.36}) {
+    const auto step = [&](const StepLoad& load) {
+      return stableTimeStep(space, MPI_COMM_SELF, one.mesh, displacement, load).dt;
     };
-    const double dt = share * step({{0.2, 0}, 0, share});
+    const double dt = step({{0.2, 0}, 0, contact});
     const double used = load(matricesOf(one, ElementKind::one_point, 0.2, u), dt);
-    EXPECT_LE(used, share * share * (1 + 1e-6));
-    EXPECT_GE(used, 0.9 * share * share);
-    EXPECT_LT(dt, 0.9 * share * step({}));
+    EXPECT_LE(used, (1 - contact) * (1 + 1e-6));
+    EXPECT_GE(used, 0.9 * (1 - contact));
+    EXPECT_LT(dt, 0.9 * step({{}, 0, contact}));
+    EXPECT_DOUBLE_EQ(step({{}, 0, contact}), std::sqrt(1 - contact) * step({}));
     // At a rate of compression the quadratic term counts as so much more of the linear one.
-    EXPECT_DOUBLE_EQ(step({{0.05, 1.2}, 0.1, share}), step({{0.05 + 1.44 * 0.1, 0}, 0, share}));
-    EXPECT_EQ(step({{0, 0}, 0.1, share}), step({}));
+    EXPECT_DOUBLE_EQ(step({{0.05, 1.2}, 0.1, contact}), step({{0.05 + 1.44 * 0.1, 0}, 0, contact}));
+    EXPECT_EQ(step({{0, 0}, 0.1, contact}), step({{}, 0, contact}));
   }
 }
 
