@@ -9,45 +9,11 @@
 // Host code. Included by internal_force.cpp and free_bricks.cpp only.
 #pragma once
 
-#include "mechanics/brick_lattice.hpp"
 #include "mechanics/internal_force_kernel.hpp"
 #include "mechanics/lane_sums.hpp"
+#include "mechanics/plane_buffers.hpp"
 
 namespace brickwall::mechanics {
-
-// Two node planes of one thread: displacements, and the forces that elements have given so far.
-template <int W>
-class PlaneBuffers {
-public:
-  // Numbers that a lattice needs.
-  static std::int64_t sizeFor(const BrickLattice& lattice) { return 2 * 9 * stride(lattice) + W; }
-  PlaneBuffers(double* memory, const BrickLattice& lattice)
-      : _memory(memory), _stride(stride(lattice)) {
-    const auto misaligned = reinterpret_cast<std::uintptr_t>(memory) % (W * sizeof(double));
-    if (misaligned != 0)
-      _memory += W - misaligned / sizeof(double);
-  }
-  double* displacement(int plane, int axis) const { return at(plane, axis); }
-  // Of the elements in the row of each node, and of those in the row below, told by the node of that row.
-  std::int64_t* above(int plane, int axis) const { return integersAt(plane, 3 + axis); }
-  std::int64_t* below(int plane, int axis) const { return integersAt(plane, 6 + axis); }
-  void clear() const { memset(_memory, 0, 18 * _stride * sizeof(double)); }
-
-  static int packs(int count) { return (count + W - 1) / W; }
-  // Where entry 0 of below() stands for node rowNodes(): the entries before are those of the first row, zero.
-  static int offset(const BrickLattice& lattice) { return packs(lattice.rowNodes()) * W; }
-
-private:
-  static std::int64_t stride(const BrickLattice& lattice) {
-    return (packs(lattice.planeNodes()) + packs(lattice.rowNodes() + 1) + 1) * W;
-  }
-  double* at(int plane, int array) const { return _memory + (plane % 2 * 9 + array) * _stride; }
-  std::int64_t* integersAt(int plane, int array) const {
-    return reinterpret_cast<std::int64_t*>(at(plane, array));
-  }
-  double* _memory;
-  std::int64_t _stride;
-};
 
 // f(0), f(1), f(2) with constants: loops over large bodies would keep arrays out of registers.
 template <class F>
@@ -57,8 +23,8 @@ KOKKOS_FORCEINLINE_FUNCTION void forAxes(const F& f) {
   f(std::integral_constant<int, 2>());
 }
 
-// What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces:
-//   planes.load(plane, buffers), planes.finish(plane, buffers)
+// What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces, W nodes at a time:
+//   planes.load(plane, buffers), planes.finish(plane, p, forces)
 template <MaterialModel model, class Shape, int W>
 class LatticeSweep {
 public:
@@ -75,98 +41,137 @@ public:
   template <class Planes>
   void run(const LatticeSlab& slab, Planes& planes) {
     const int first = maxOf(slab.first - 1, 0);
-    _buffers.clear(); // from then on every layer overwrites what the one before has left
     planes.load(first, _buffers);
     for (int plane = first; plane < slab.last; ++plane) {
-      if (plane < _lattice.nz) {
+      const bool has_layer = plane < _lattice.nz;
+      if (has_layer)
         planes.load(plane + 1, _buffers);
-        addLayer(plane, plane >= slab.first);
-      }
-      if (plane >= slab.first)
-        planes.finish(plane, _buffers);
+      if (plane < slab.first)
+        addLayer<false, false>(plane, planes);
+      else if (!has_layer)
+        finishLast(plane, planes);
+      else if (_a.with_energy)
+        addLayer<true, true>(plane, planes);
+      else
+        addLayer<true, false>(plane, planes);
     }
     fold();
   }
 
 private:
-  // Elements between planes `layer` and layer + 1; only counted ones are in the sums.
-  void addLayer(int layer, bool is_counted) {
-    const int slots = _lattice.rowNodes() * _lattice.ny;
+  int numPacks() const { return PlaneBuffers<W>::numPacks(_lattice); }
+
+  // Elements between planes `layer` and layer + 1; those of another slab only bring the forces on their upper faces.
+  template <bool is_counted, bool with_energy, class Planes>
+  void addLayer(int layer, Planes& planes) {
     for (int axis = 0; axis < 3; ++axis)
       for (int g = 0; g < 4; ++g)
         _from_left[axis][g].v = typename Integer::vector{};
-    int i = 0; // of the pack's first node
+    const int slots = numPacks() * W;
     for (int p = 0; p < slots; p += W) {
-      addPack(layer, p, i, is_counted);
-      i = (i + W) % _lattice.rowNodes();
+      Integer force[3];
+      addPack<is_counted, with_energy>(layer, p, force);
+      if (is_counted)
+        planes.finish(layer, p, force);
+    }
+    if (is_counted)
+      for (int p = slots; p < _lattice.planeNodes(); p += W) {
+        Integer force[3];
+        for (int axis = 0; axis < 3; ++axis)
+          force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p));
+        planes.finish(layer, p, force);
+      }
+  }
+  // The uppermost plane, with no elements above.
+  template <class Planes>
+  void finishLast(int plane, Planes& planes) {
+    const int slots = numPacks() * W;
+    for (int p = 0; p < slots; p += W)
+      for (int axis = 0; axis < 3; ++axis)
+        storePack(_buffers.pack(p).below[axis], _buffers.behind(axis, p));
+    for (int p = 0; p < _lattice.planeNodes(); p += W) {
+      Integer force[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p));
+        if (p < slots)
+          force[axis] = force[axis] + _buffers.pack(p).above[axis];
+      }
+      planes.finish(plane, p, force);
     }
   }
 
-  void addPack(int layer, int p, int i, bool is_counted) {
+  // The elements at p; `force` is what all elements give to nodes [p, p + W) of the lower plane.
+  template <bool is_counted, bool with_energy>
+  KOKKOS_FORCEINLINE_FUNCTION void addPack(int layer, int p, Integer (&force)[3]) {
     Real u[3][num_modes];
     gatherModes(layer, p, u);
-    const bool has_ends = i + W > _lattice.nx || p + W > _lattice.rowNodes() * _lattice.ny;
-    Integer is_element;
-    if (has_ends) {
-      is_element = elementsAmong(p, i);
-      for (int axis = 0; axis < 3; ++axis)
-        for (int m = 0; m < num_modes; ++m)
-          u[axis][m] = masked(u[axis][m], is_element);
-    }
     TlpsForces<Real> forces;
-    tlpsForces<model>(u, _shape, _stiffness, _a.with_energy, forces);
-    Real largest[3];
-    forAxes([&](auto axis) { largest[axis] = largestOf(forces.force[axis]); });
-    largest[0] = maxMagnitude(largest[1], maxMagnitude(largest[2], largest[0]));
-    if (anyBeyond(largest[0], fixed_point_limit / 2) || !allPositive(forces.J)) {
-      TlpsForces<Real> copy = forces; // so that the forces themselves stay in registers
-      dropFailed(layer, p, is_counted, largest[0], copy);
-      forces = copy;
+    tlpsForces<model, VolumeChange::small>(u, _shape, _stiffness, with_energy, forces);
+    Rounding<W> rounded;
+    Integer f[3][num_modes];
+    forAxes([&](auto axis) {
+      for (int m = 0; m < num_modes; ++m)
+        f[axis][m] = rounded(forces.force[axis][m]);
+    });
+    rounded.need(isWithin(forces.J - 1.0, small_volume_change<model>));
+    if (__builtin_expect(!rounded.isGood(), 0)) {
+      addUnusualPack<is_counted, with_energy>(layer, p, force);
+      return;
     }
-    if (is_counted && _a.with_energy)
-      addEnergies(forces);
-    scatter(layer, p, forces);
-  }
-
-  static KOKKOS_FORCEINLINE_FUNCTION Real largestOf(const Real (&modes)[num_modes]) {
-    const Real low =
-        maxMagnitude(modes[0], maxMagnitude(modes[1], maxMagnitude(modes[2], Real(0.0))));
-    const Real high = maxMagnitude(modes[3], maxMagnitude(modes[4], Real(0.0)));
-    return maxMagnitude(modes[5], maxMagnitude(modes[6], maxMagnitude(low, high)));
+    if (with_energy)
+      addEnergies(forces.material_energy, forces.hourglass_energy);
+    forAxes([&](auto axis) { scatter(p, axis, f[axis], force[axis]); });
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void gatherModes(int layer, int p, Real (&u)[3][num_modes]) const {
+    gatherModes(layer, p, 0, u[0]);
+    gatherModes(layer, p, 1, u[1]);
+    gatherModes(layer, p, 2, u[2]);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void gatherModes(int layer, int p, int axis,
+                                               Real (&u)[num_modes]) const {
     const int row = _lattice.rowNodes();
-    forAxes([&](auto axis) {
-      const double* const low = _buffers.displacement(layer, axis) + p;
-      const double* const high = _buffers.displacement(layer + 1, axis) + p;
-      const Real corner[8] = {loadPack<Real>(low),
-                              loadPack<Real>(low + 1),
-                              loadPack<Real>(low + row + 1),
-                              loadPack<Real>(low + row),
-                              loadPack<Real>(high),
-                              loadPack<Real>(high + 1),
-                              loadPack<Real>(high + row + 1),
-                              loadPack<Real>(high + row)};
-      cornersToModes(corner, u[axis]);
-    });
+    const double* const low = _buffers.displacement(layer, axis) + p;
+    const double* const high = _buffers.displacement(layer + 1, axis) + p;
+    const Real corner[8] = {loadPack<Real>(low),
+                            loadPack<Real>(low + 1),
+                            loadPack<Real>(low + row + 1),
+                            loadPack<Real>(low + row),
+                            loadPack<Real>(high),
+                            loadPack<Real>(high + 1),
+                            loadPack<Real>(high + row + 1),
+                            loadPack<Real>(high + row)};
+    cornersToModes(corner, u);
+    const Integer is_element = _buffers.pack(p).is_element;
+    for (int m = 0; m < num_modes; ++m)
+      u[m] = masked(u[m], is_element);
   }
 
-  Integer elementsAmong(int p, int i) const {
-    const int slots = _lattice.rowNodes() * _lattice.ny;
-    std::int64_t mask[W];
-    for (int lane = 0; lane < W; ++lane) {
-      mask[lane] = -static_cast<std::int64_t>(i < _lattice.nx && p + lane < slots);
-      i = i == _lattice.nx ? 0 : i + 1;
+  // The same for packs in which elements deform far or fail: those that fail give no force and no energy.
+  template <bool is_counted, bool with_energy>
+  __attribute__((noinline)) void addUnusualPack(int layer, int p, Integer (&force)[3]) {
+    Real u[3][num_modes];
+    gatherModes(layer, p, u);
+    TlpsForces<Real> forces;
+    tlpsForces<model>(u, _shape, _stiffness, with_energy, forces);
+    dropFailed(layer, p, is_counted, forces);
+    if (with_energy)
+      addEnergies(forces.material_energy, forces.hourglass_energy);
+    for (int axis = 0; axis < 3; ++axis) {
+      Integer f[num_modes];
+      for (int m = 0; m < num_modes; ++m)
+        f[m] = toFixed(forces.force[axis][m]);
+      scatter(p, axis, f, force[axis]);
     }
-    return loadPack<Integer>(mask);
   }
 
-  // Failed elements give no force and no energy.
-  void dropFailed(int layer, int p, bool is_counted, const Real& largest,
-                  TlpsForces<Real>& forces) {
+  void dropFailed(int layer, int p, bool is_counted, TlpsForces<Real>& forces) {
     for (int lane = 0; lane < W; ++lane) {
-      const int reason = failureReason(forces.J[lane], largest[lane]);
+      double largest = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (int m = 0; m < num_modes; ++m)
+          largest = maxMagnitude(forces.force[axis][m][lane], largest);
+      const int reason = failureReason(forces.J[lane], largest);
       if (reason == no_failure)
         continue;
       for (int axis = 0; axis < 3; ++axis)
@@ -181,14 +186,14 @@ private:
     }
   }
 
-  void addEnergies(const TlpsForces<Real>& forces) {
-    _energy.add(stored_material, forces.material_energy, _scale);
-    _energy.add(stored_hourglass, forces.hourglass_energy, _scale);
+  KOKKOS_FORCEINLINE_FUNCTION void addEnergies(const Real& material, const Real& hourglass) {
+    _energy.add(stored_material, material, _scale);
+    _energy.add(stored_hourglass, hourglass, _scale);
     _energy.endRow();
     if (++_rows == LaneSums<num_stored_energies, W>::max_rows)
       fold();
   }
-  void fold() {
+  __attribute__((noinline)) void fold() {
     const SplitScale* const scales[num_stored_energies] = {&_scale, &_scale};
     constexpr int index[num_stored_energies] = {stored_material, stored_hourglass};
     _energy.foldInto(_sums.energy, index, scales);
@@ -197,34 +202,27 @@ private:
 
   // Corner forces combine along xi in registers: a node takes those of its own element and of the one to its left; then eta
   // and zeta tell rows and planes apart.
-  KOKKOS_FORCEINLINE_FUNCTION void scatter(int layer, int p, const TlpsForces<Real>& forces) {
-    const int shifted_p = p + PlaneBuffers<W>::offset(_lattice);
-    forAxes([&](auto axis) {
-      Integer f[num_modes];
-      for (int m = 0; m < num_modes; ++m)
-        f[m] = toFixedInRange(forces.force[axis][m]);
-      Integer(&left)[4] = _from_left[axis];
-      const Integer x1 = alongXi(-f[0], f[0], left[0]); // of modes 1, eta, zeta, eta zeta
-      const Integer xe = alongXi(f[1] - f[5], f[1] + f[5], left[1]);
-      const Integer xz = alongXi(f[2] - f[4], f[2] + f[4], left[2]);
-      const Integer xez = alongXi(f[3] - f[6], f[3] + f[6], left[3]);
-      const Integer low_even = x1 - xz, low_odd = xe - xez, high_even = x1 + xz,
-                    high_odd = xe + xez;
-      addTo(_buffers.above(layer, axis) + p, low_even - low_odd);
-      addTo(_buffers.below(layer, axis) + shifted_p, low_even + low_odd);
-      storePack(high_even - high_odd, _buffers.above(layer + 1, axis) + p);
-      storePack(high_even + high_odd, _buffers.below(layer + 1, axis) + shifted_p);
-    });
+  KOKKOS_FORCEINLINE_FUNCTION void scatter(int p, int axis, const Integer (&f)[num_modes],
+                                           Integer& force) {
+    Integer(&left)[4] = _from_left[axis];
+    const Integer x1 = alongXi(-f[0], f[0], left[0]); // of modes 1, eta, zeta, eta zeta
+    const Integer xe = alongXi(f[1] - f[5], f[1] + f[5], left[1]);
+    const Integer xz = alongXi(f[2] - f[4], f[2] + f[4], left[2]);
+    const Integer xez = alongXi(f[3] - f[6], f[3] + f[6], left[3]);
+    const Integer low_even = x1 - xz, low_odd = xe - xez, high_even = x1 + xz, high_odd = xe + xez;
+    PackBuffers<W>& pack = _buffers.pack(p);
+    storePack(pack.below[axis] + (low_even + low_odd), _buffers.behind(axis, p));
+    force =
+        (pack.above[axis] + (low_even - low_odd)) + loadPack<Integer>(_buffers.atNodes(axis, p));
+    pack.above[axis] = high_even - high_odd;
+    pack.below[axis] = high_even + high_odd;
   }
-  static Integer alongXi(const Integer& minus, const Integer& plus, Integer& left) {
+  static KOKKOS_FORCEINLINE_FUNCTION Integer alongXi(const Integer& minus, const Integer& plus,
+                                                     Integer& left) {
     const Integer from_left = shiftedIn(left, plus);
     left = plus;
     return minus + from_left;
   }
-  static void addTo(std::int64_t* to, const Integer& value) {
-    storePack(loadPack<Integer>(to) + value, to);
-  }
-
   const BrickLattice& _lattice;
   const Shape& _shape;
   const typename StiffnessOf<Shape>::type _stiffness;
@@ -236,16 +234,6 @@ private:
   LaneSums<num_stored_energies, W> _energy;
   int _rows = 0;
 };
-
-// The forces of nodes [p, p + W) of a finished plane.
-template <int W>
-inline IntPackOf<W> planeForce(const PlaneBuffers<W>& buffers, const BrickLattice& lattice,
-                               int plane, int axis, int p) {
-  using Integer = IntPackOf<W>;
-  const int shift = PlaneBuffers<W>::offset(lattice) - lattice.rowNodes();
-  return loadPack<Integer>(buffers.above(plane, axis) + p) +
-         loadPack<Integer>(buffers.below(plane, axis) + shift + p);
-}
 
 // Runs the lattice's sweep for its material and shape.
 template <int W, class Planes>

@@ -52,7 +52,7 @@ struct KickRuns {
     const NodeRun run = nodes.run(static_cast<int>(r));
     const std::int64_t end = static_cast<std::int64_t>(run.first) + run.count;
     for (std::int64_t first = run.first; first < end; first += W)
-      if (end - first < W || !kicker.isFree(first, W) || !kickPack(kicker, first))
+      if (end - first < W || !kicker.isFree(first) || !kickPack(kicker, first))
         for (std::int64_t node = first; node < minOf(first + W, end); ++node)
           node_kick(node, sums);
   }
@@ -75,9 +75,7 @@ struct KickRuns {
     for (int i = 0; i < 3; ++i)
       memcpy(&f[i].v, force[i], sizeof f[i].v);
     memcpy(&owned.v, is_owned, sizeof owned.v);
-    PackOf<W> u[3];
-    loadTriples(&node_kick.displacement(first, 0), u);
-    kicker.kickPlain(first, W, f, u, owned);
+    kicker.kickSome(first, W, f, owned);
     return true;
   }
 };

@@ -33,52 +33,49 @@ struct SteppedPlanes {
 
   void load(int plane, const PlaneBuffers<W>& buffers) const {
     const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
-    const bool has_next = plane < lattice.nz;
     for (int p = 0; p < nodes; p += W) {
-      double* const from = &displacement(first + p, 0);
-      if (has_next) // its rows stand behind this plane's
-        prefetchRows(first + nodes + p);
       PackOf<W> u[3];
-      loadSomeTriples(from, nodes - p, u);
-      if (drifts) {
-        PackOf<W> v[3];
-        loadSomeTriples(&velocity(first + p, 0), nodes - p, v);
-        for (int axis = 0; axis < 3; ++axis)
-          u[axis] += dt_drift * v[axis];
-        storeSomeTriples(u, nodes - p, from);
-      }
+      double* const rows = &displacement(first + p, 0);
+      if (drifts)
+        driftRows(&velocity(first + p, 0), nodes - p, rows);
+      loadSomeTriples(rows, nodes - p, u);
       for (int axis = 0; axis < 3; ++axis)
         storePack(u[axis], buffers.displacement(plane, axis) + p);
     }
   }
 
-  // What load() and finish() will want of W nodes.
-  void prefetchRows(int node) const {
-    const std::size_t at = 3 * static_cast<std::size_t>(node);
-    for (int line = 0; line < 3; ++line) {
-      prefetch(displacement.data() + at + W * line);
-      prefetch(velocity.data() + at + W * line);
-      prefetch(reference.data() + at + W * line);
+  void driftRows(const double* v, int count, double* u) const {
+    if (count >= W) {
+      for (int k = 0; k < 3 * W; k += W)
+        storePack(loadPack<PackOf<W>>(u + k) + dt_drift * loadPack<PackOf<W>>(v + k), u + k);
+    } else {
+      for (int k = 0; k < 3 * count; ++k)
+        u[k] += dt_drift * v[k];
     }
-    prefetch(mass.data() + node);
   }
 
-  void finish(int plane, const PlaneBuffers<W>& buffers) {
-    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
-    for (int p = 0; p < nodes; p += W) {
-      IntPackOf<W> f[3];
-      for (int axis = 0; axis < 3; ++axis)
-        f[axis] = planeForce(buffers, lattice, plane, axis, p);
-      const int count = minOf(W, nodes - p);
-      if (kicker.isFree(first + p, count)) {
-        PackOf<W> u[3];
-        for (int axis = 0; axis < 3; ++axis)
-          u[axis] = loadPack<PackOf<W>>(buffers.displacement(plane, axis) + p);
-        kicker.kickPlain(first + p, count, f, u, firstLanes<W>(count));
-      } else {
-        for (int lane = 0; lane < count; ++lane)
-          kicker.kickOne(first + p + lane, {f[0][lane], f[1][lane], f[2][lane]});
-      }
+  // What load() and finish() will want of W nodes.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchRows(int node) const {
+    const std::size_t at = 3 * static_cast<std::size_t>(node);
+    for (int line = 0; line < 3; ++line) {
+      prefetchLine(displacement.data() + at + W * line);
+      prefetchLine(velocity.data() + at + W * line);
+      prefetchLine(reference.data() + at + W * line);
+    }
+    prefetchLine(mass.data() + node);
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void finish(int plane, int p, const IntPackOf<W> (&force)[3]) {
+    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes + p;
+    const int count = minOf(W, nodes - p);
+    prefetchRows(first + 2 * nodes);
+    if (count == W && kicker.isFree(first)) {
+      kicker.kickPlain(first, force);
+    } else if (kicker.isFree(first, count)) {
+      kicker.kickSome(first, count, force, firstLanes<W>(count));
+    } else {
+      for (int lane = 0; lane < count; ++lane)
+        kicker.kickOne(first + lane, {force[0][lane], force[1][lane], force[2][lane]});
     }
   }
 };

@@ -9,6 +9,7 @@ namespace brickwall::mechanics {
 
 constexpr int num_modes = 7;
 constexpr int num_hourglass_modes = 4; // the last four
+constexpr int num_face_modes = 4; // of the corners of a face: 1, xi, eta, xi eta
 
 // Local coordinates of the corners, Exodus order.
 KOKKOS_INLINE_FUNCTION double cornerXi(int corner, int axis) {
@@ -16,24 +17,36 @@ KOKKOS_INLINE_FUNCTION double cornerXi(int corner, int axis) {
   return ((bits >> axis) & 1) ? 1.0 : -1.0;
 }
 
-// modes[m-1] = sum_I h_mI corner[I]: 17 additions and subtractions.
+// The same of a face with its corners a at (-,-), b (+,-), c (+,+), d (-,+): modes 1, xi, eta, xi eta.
 template <class T>
-KOKKOS_INLINE_FUNCTION void cornersToModes(const T (&corner)[8], T (&modes)[num_modes]) {
-  // sums and differences along xi of the edges (eta, zeta) = (-,-), (+,-), (-,+), (+,+)
-  const T s0 = corner[0] + corner[1], d0 = corner[1] - corner[0];
-  const T s1 = corner[3] + corner[2], d1 = corner[2] - corner[3];
-  const T s2 = corner[4] + corner[5], d2 = corner[5] - corner[4];
-  const T s3 = corner[7] + corner[6], d3 = corner[6] - corner[7];
-  const T sd0 = s1 - s0, sd1 = s3 - s2;
-  const T ds0 = d0 + d1, ds1 = d2 + d3;
-  const T dd0 = d1 - d0, dd1 = d3 - d2;
-  modes[0] = ds0 + ds1;
-  modes[1] = sd0 + sd1;
-  modes[2] = (s2 + s3) - (s0 + s1);
-  modes[3] = sd1 - sd0;
-  modes[4] = ds1 - ds0;
-  modes[5] = dd0 + dd1;
-  modes[6] = dd1 - dd0;
+KOKKOS_FORCEINLINE_FUNCTION void faceToModes(const T& a, const T& b, const T& c, const T& d,
+                                             T (&face)[num_face_modes]) {
+  const T low = a + b, low_xi = b - a, high = d + c, high_xi = c - d;
+  face[0] = low + high;
+  face[1] = low_xi + high_xi;
+  face[2] = high - low;
+  face[3] = high_xi - low_xi;
+}
+template <class T>
+KOKKOS_FORCEINLINE_FUNCTION void facesToModes(const T (&low)[num_face_modes],
+                                              const T (&high)[num_face_modes],
+                                              T (&modes)[num_modes]) {
+  modes[0] = low[1] + high[1];
+  modes[1] = low[2] + high[2];
+  modes[2] = high[0] - low[0];
+  modes[3] = high[2] - low[2];
+  modes[4] = high[1] - low[1];
+  modes[5] = low[3] + high[3];
+  modes[6] = high[3] - low[3];
+}
+
+// modes[m-1] = sum_I h_mI corner[I], by faces at zeta = -1 and +1, in the order that sweeps over lattices have.
+template <class T>
+KOKKOS_FORCEINLINE_FUNCTION void cornersToModes(const T (&corner)[8], T (&modes)[num_modes]) {
+  T low[num_face_modes], high[num_face_modes];
+  faceToModes(corner[0], corner[1], corner[2], corner[3], low);
+  faceToModes(corner[4], corner[5], corner[6], corner[7], high);
+  facesToModes(low, high, modes);
 }
 
 // corner[I] = sum_m h_mI modes[m-1]: the transpose. The corners sum to exactly zero in integers.

@@ -285,14 +285,15 @@ struct TlpsForces {
   Real material_energy, hourglass_energy; // only when asked for
 };
 
-template <MaterialModel model, class Real, class Geometry, class Stiffness>
+template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Geometry,
+          class Stiffness>
 KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
                                             const Stiffness& stiffness, bool with_energy,
                                             TlpsForces<Real>& out) {
   Real H[3][3];
   meanGradient(u, geometry, H);
   StressPoint<Real> point;
-  evaluateMaterial<model>(H, stiffness.lambda, stiffness.mu, with_energy, point);
+  evaluateMaterial<model, volume>(H, stiffness.lambda, stiffness.mu, with_energy, point);
   out.J = point.J;
 
   Real g[num_hourglass_modes][3], A[3][3], q[num_hourglass_modes][3], s[num_hourglass_modes][3];
@@ -347,7 +348,7 @@ KOKKOS_FORCEINLINE_FUNCTION void setMode(TlpsForces<Real>& forces, int m, const 
 }
 
 // Of a brick, spelled out and ordered for few numbers at a time: the compiler keeps them in registers.
-template <MaterialModel model, class Real>
+template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const TlpsBrick& brick,
                                             const BrickStiffness& k, bool with_energy,
                                             TlpsForces<Real>& out) {
@@ -356,7 +357,7 @@ KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const
                         {u[1][0] * b0, u[1][1] * b1, u[1][2] * b2},
                         {u[2][0] * b0, u[2][1] * b1, u[2][2] * b2}};
   StressPoint<Real> point;
-  evaluateMaterial<model>(H, k.lambda, k.mu, with_energy, point);
+  evaluateMaterial<model, volume>(H, k.lambda, k.mu, with_energy, point);
   out.J = point.J;
   const Triple<Real> A0 = {H[0][0] + 1.0, H[1][0], H[2][0]}; // columns of F
   const Triple<Real> A1 = {H[0][1], H[1][1] + 1.0, H[2][1]};

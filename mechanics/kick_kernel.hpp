@@ -53,7 +53,7 @@ struct NodeKick {
       term[plain_angular + i] = x[j] * momentum[k] - x[k] * momentum[j];
     }
   }
-  KOKKOS_INLINE_FUNCTION static Real dotOf(const Real (&a)[3], const Real (&b)[3]) {
+  KOKKOS_FORCEINLINE_FUNCTION static Real dotOf(const Real (&a)[3], const Real (&b)[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 };
@@ -219,55 +219,39 @@ public:
   PackKicker(const PackKicker&) = delete;
   PackKicker& operator=(const PackKicker&) = delete;
 
-  // Whether kickPlain() will do for nodes [first, first + count): none has a prescribed motion.
-  bool isFree(std::int64_t first, int count) const {
+  // Whether kickPlain() will do for nodes [first, first + W): none has a prescribed motion.
+  KOKKOS_FORCEINLINE_FUNCTION bool isFree(std::int64_t first) const {
     if (_node_kick.boundary.mass_damping > 0)
       return false;
     if (!_has_constraints)
       return true;
-    const unsigned char* const motions = &_node_kick.boundary.motion(first, 0);
-    std::uint64_t any = 0;
-    if (count >= W) {
-      std::uint64_t words[3 * W / 8];
-      memcpy(words, motions, sizeof words);
-      for (const std::uint64_t word : words)
-        any |= word;
-    } else {
+    std::uint64_t words[3 * W / 8], any = 0;
+    memcpy(words, &_node_kick.boundary.motion(first, 0), sizeof words);
+    for (const std::uint64_t word : words)
+      any |= word;
+    return any == 0;
+  }
+  // The same for the first `count` of them.
+  bool isFree(std::int64_t first, int count) const {
+    if (_node_kick.boundary.mass_damping > 0)
+      return false;
+    unsigned char any = 0;
+    if (_has_constraints)
       for (int k = 0; k < 3 * count; ++k)
-        any |= motions[k];
-    }
+        any |= (&_node_kick.boundary.motion(first, 0))[k];
     return any == 0;
   }
 
-  // The first `count` of nodes [first, first + W), by the internal force `f` alone at displacement `u`. `owned`: -1 in the
-  // lanes of these that are owned, else 0.
-  void kickPlain(std::int64_t first, int count, const Integer (&f)[3], const Real (&u)[3],
-                 const Integer& owned) {
-    const KickNode<kinds>& k = _node_kick;
-    NodeKick<Real> kick;
-    loadSomeTriples(&k.velocity(first, 0), count, kick.old);
-    loadSomeTriples(&k.reference(first, 0), count, kick.x);
-    kick.mass = loadSome<Real>(&k.mass(first), count);
-    for (int i = 0; i < 3; ++i) {
-      kick.x[i] += u[i];
-      kick.force[i] = k.quantum * toReal(f[i]);
-    }
-    kick.accelerate(kick.force, k.dt, k.boundary.gravity);
-    storeSomeTriples(kick.v, count, &k.velocity(first, 0));
-    kick.mass = masked(kick.mass, owned);
-    for (int i = 0; i < 3; ++i)
-      kick.force[i] = masked(kick.force[i], owned);
-    Real term[num_plain_kick_terms];
-    kick.terms(k.dt, term);
-    for (int t = 0; t < num_plain_kick_terms; ++t)
-      _lanes.add(t, term[t], _scales[scaleIndex(t)]);
-    _lanes.endRow();
-    if (++_rows == LaneSums<num_plain_kick_terms, W>::max_rows)
-      fold();
-    if (_limit < HUGE_VAL) {
-      const Real v[3] = {kick.v[0], kick.v[1], kick.v[2]};
-      countFast(v, owned);
-    }
+  // Nodes [first, first + W), all owned, by the internal force `f` alone.
+  KOKKOS_FORCEINLINE_FUNCTION void kickPlain(std::int64_t first, const Integer (&f)[3]) {
+    kickLanes(
+        first, W, f, [](const Real& a) { return a; }, [] { return firstLanes<W>(W); });
+  }
+  // The first `count` of them. `owned`: -1 in the lanes of these that are owned, else 0.
+  __attribute__((noinline)) void kickSome(std::int64_t first, int count, const Integer (&f)[3],
+                                          const Integer& owned) {
+    kickLanes(
+        first, count, f, [&](const Real& a) { return masked(a, owned); }, [&] { return owned; });
   }
 
   void kickOne(std::int64_t node, const std::int64_t (&columns)[3 * kinds]) {
@@ -275,10 +259,38 @@ public:
   }
 
 private:
+  // `ifOwned` of a number in all lanes is 0 in those that are not owned, which `owned` tells.
+  template <class IfOwned, class Owned>
+  KOKKOS_FORCEINLINE_FUNCTION void kickLanes(std::int64_t first, int count, const Integer (&f)[3],
+                                             const IfOwned& ifOwned, const Owned& owned) {
+    const KickNode<kinds>& k = _node_kick;
+    NodeKick<Real> kick;
+    loadSomeTriples(&k.velocity(first, 0), count, kick.old);
+    loadSumOfTriples(&k.reference(first, 0), &k.displacement(first, 0), count, kick.x);
+    kick.mass = loadSome<Real>(&k.mass(first), count);
+    for (int i = 0; i < 3; ++i)
+      kick.force[i] = k.quantum * toReal(f[i]);
+    kick.accelerate(kick.force, k.dt, k.boundary.gravity);
+    storeSomeTriples(kick.v, count, &k.velocity(first, 0));
+    kick.mass = ifOwned(kick.mass);
+    for (int i = 0; i < 3; ++i)
+      kick.force[i] = ifOwned(kick.force[i]);
+    Real term[num_plain_kick_terms];
+    kick.terms(k.dt, term);
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      _lanes.add(t, term[t], _scales[scaleIndex(t)]);
+    _lanes.endRow();
+    if (__builtin_expect(++_rows == LaneSums<num_plain_kick_terms, W>::max_rows, 0))
+      fold();
+    if (__builtin_expect(_limit < HUGE_VAL, 0))
+      countFast(kick.v[0], kick.v[1], kick.v[2], owned());
+  }
+
   static constexpr int scaleIndex(int term) {
     return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
   }
-  void countFast(const Real (&v)[3], const Integer& owned) {
+  __attribute__((noinline)) void countFast(Real vx, Real vy, Real vz, Integer owned) {
+    const Real v[3] = {vx, vy, vz};
     const Vec3& around = _node_kick.test.around;
     const Real apart[3] = {v[0] - around.x, v[1] - around.y, v[2] - around.z};
     const Real square = NodeKick<Real>::dotOf(apart, apart);
@@ -287,7 +299,7 @@ private:
       for (int lane = 0; lane < W; ++lane)
         _sums.sum[kick_fast_nodes].high -= fast[lane];
   }
-  void fold() {
+  __attribute__((noinline)) void fold() {
     const SplitScale* scales[num_plain_kick_terms];
     for (int t = 0; t < num_plain_kick_terms; ++t)
       scales[t] = &_scales[scaleIndex(t)];

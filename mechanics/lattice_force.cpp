@@ -21,16 +21,14 @@ struct ForcePlanes {
         storePack(u[axis], buffers.displacement(plane, axis) + p);
     }
   }
-  void finish(int plane, const PlaneBuffers<W>& buffers) const {
-    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
-    for (int p = 0; p < nodes; p += W) {
-      std::int64_t f[3][W];
+  void finish(int plane, int p, const IntPackOf<W> (&force)[3]) const {
+    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes + p;
+    std::int64_t f[3][W];
+    for (int axis = 0; axis < 3; ++axis)
+      storePack(force[axis], f[axis]);
+    for (int lane = 0; lane < minOf(W, nodes - p); ++lane)
       for (int axis = 0; axis < 3; ++axis)
-        storePack(planeForce(buffers, lattice, plane, axis, p), f[axis]);
-      for (int lane = 0; lane < minOf(W, nodes - p); ++lane)
-        for (int axis = 0; axis < 3; ++axis)
-          a.forces(first + p + lane, 3 * internal_force + axis) += f[axis][lane];
-    }
+        a.forces(first + lane, 3 * internal_force + axis) += f[axis][lane];
   }
 };
 

@@ -35,6 +35,11 @@ KOKKOS_INLINE_FUNCTION Real logOnePlus(const Real& d) {
   return logOnePlus(d, Real(d / (2.0 + d)));
 }
 
+// Whether det F may be anything, or is known to be within small_volume_change of 1: then the lanes of a pack need no tests.
+enum class VolumeChange { any, small };
+template <MaterialModel model>
+constexpr double small_volume_change = model == MaterialModel::neo_hookean ? 0.1249 : 1.0;
+
 // Cofactors of F = I + H, so that F^-T = cofactor / J.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3]) {
@@ -77,7 +82,7 @@ struct StressPoint {
 // t = tr H, e = tr C + det H = J - 1 - t and cof F = (1 + t) I - H^T + C that is, without cancellation at small strain,
 //   P = mu H + (p - r) (H^T - C) + (p e + r (1 + t)) I,  p = mu/J, r = lambda ln J/J.
 // The moduli are double, or Real where they differ between lanes.
-template <class Real, class Modulus>
+template <VolumeChange volume = VolumeChange::any, class Real, class Modulus>
 KOKKOS_FORCEINLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus& lambda,
                                             const Modulus& mu, bool with_W,
                                             StressPoint<Real>& out) {
@@ -91,7 +96,8 @@ KOKKOS_FORCEINLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus
   const Real two_plus_d = 2.0 + d; // one division serves 1/J and d/(2 + d)
   const Real inverse = 1.0 / (two_plus_d * out.J);
   const Real inverse_J = two_plus_d * inverse;
-  const Real log_J = logOnePlus(d, Real((d * out.J) * inverse));
+  const Real s = (d * out.J) * inverse;
+  const Real log_J = volume == VolumeChange::any ? logOnePlus(d, s) : logSeries(s, Real(s * s));
   const Real p = mu * inverse_J, r = (lambda * log_J) * inverse_J;
   const Real difference = p - r;
   for (int i = 0; i < 3; ++i)
@@ -153,12 +159,12 @@ KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], const Modulus& 
   }
 }
 
-template <MaterialModel model, class Real, class Modulus>
+template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Modulus>
 KOKKOS_FORCEINLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], const Modulus& lambda,
                                                   const Modulus& mu, bool with_W,
                                                   StressPoint<Real>& out) {
   if (model == MaterialModel::neo_hookean)
-    neoHookean(H, lambda, mu, with_W, out);
+    neoHookean<volume>(H, lambda, mu, with_W, out);
   else if (model == MaterialModel::svk)
     saintVenantKirchhoff(H, lambda, mu, with_W, out);
   else

@@ -170,6 +170,12 @@ inline bool anyBeyond(const PackOf<W>& a, double limit) {
   return anyLane(~(m <= limit));
 }
 
+// -1 in the lanes where |a| < limit, else 0.
+template <int W>
+inline IntPackOf<W> isWithin(const PackOf<W>& a, double limit) {
+  return typename IntPackOf<W>::vector((a.v < limit) & (a.v > -limit));
+}
+
 // max(a, 0); NaN stays.
 KOKKOS_INLINE_FUNCTION double positivePart(double a) {
   return a < 0 ? 0.0 : a;
@@ -211,7 +217,7 @@ inline IntPackOf<W> firstLanes(int count) {
 // a where the mask has all bits, 0 where it has none.
 template <int W>
 inline PackOf<W> masked(const PackOf<W>& a, const IntPackOf<W>& mask) {
-  return (typename PackOf<W>::vector)((typename IntPackOf<W>::vector)a.v & mask.v);
+  return mask.v != 0 ? a.v : typename PackOf<W>::vector{};
 }
 
 // Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (that element is dropped and reported).
@@ -237,6 +243,27 @@ inline IntPackOf<W> toFixedInRange(const PackOf<W>& quanta) {
     rounded[lane] = __builtin_rint(quanta.v[lane]);
   return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
 }
+
+// Rounds many numbers to nearest integers, ties to even, by adding 1.5 * 2^52, and remembers whether all were in [-2^51, 2^51).
+template <int W>
+class Rounding {
+public:
+  KOKKOS_FORCEINLINE_FUNCTION IntPackOf<W> operator()(const PackOf<W>& a) {
+    const bits sum = (bits)(a.v + 6755399441055744.0);
+    _misfit |= sum ^ shift_bits;
+    return (typename IntPackOf<W>::vector)(sum - shift_bits);
+  }
+  // Counts as if a number had not fitted where this is false (0 in a lane).
+  KOKKOS_FORCEINLINE_FUNCTION void need(const IntPackOf<W>& condition) {
+    _misfit |= (bits)~condition.v;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION bool isGood() const { return !anyLane(_misfit >> 52); }
+
+private:
+  using bits = typename VectorsOf<W>::bits;
+  static constexpr std::uint64_t shift_bits = 0x4338000000000000;
+  bits _misfit = {};
+};
 
 KOKKOS_INLINE_FUNCTION double laneOf(double a, int) {
   return a;
@@ -269,16 +296,25 @@ KOKKOS_INLINE_FUNCTION double toReal(std::int64_t a) {
   return static_cast<double>(a);
 }
 
-// W rows of three numbers each, packed, as lanes of x, y and z.
-template <int W>
-KOKKOS_FORCEINLINE_FUNCTION void loadTriples(const double* rows, PackOf<W> (&lanes)[3]) {
+// W numbers from and to memory.
+template <class Pack, class Number>
+inline Pack loadPack(const Number* from) {
+  Pack pack;
+  memcpy(&pack.v, from, sizeof pack.v);
+  return pack;
+}
+template <class Pack, class Number>
+inline void storePack(const Pack& pack, Number* to) {
+  memcpy(to, &pack.v, sizeof pack.v);
+}
+
+// W rows of three numbers each, packed, as lanes of x, y and z: `rows(k)` is the k-th of the three packs that they fill.
+template <int W, class Rows>
+KOKKOS_FORCEINLINE_FUNCTION void triplesOf(const Rows& rows, PackOf<W> (&lanes)[3]) {
   static_assert(W == 8);
   using V = typename PackOf<W>::vector;
   using I = typename IntPackOf<W>::vector;
-  V a, b, c;
-  memcpy(&a, rows, sizeof a);
-  memcpy(&b, rows + 8, sizeof b);
-  memcpy(&c, rows + 16, sizeof c);
+  const V a = rows(0).v, b = rows(1).v, c = rows(2).v;
   lanes[0].v =
       shuffled(shuffled(a, b, I{0, 3, 6, 9, 12, 15, 0, 0}), c, I{0, 1, 2, 3, 4, 5, 10, 13});
   lanes[1].v =
@@ -301,21 +337,15 @@ KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], doubl
   memcpy(rows + 16, &c, sizeof c);
 }
 
-// W numbers from and to memory.
-template <class Pack, class Number>
-inline Pack loadPack(const Number* from) {
-  Pack pack;
-  memcpy(&pack.v, from, sizeof pack.v);
-  return pack;
-}
-template <class Pack, class Number>
-inline void storePack(const Pack& pack, Number* to) {
-  memcpy(to, &pack.v, sizeof pack.v);
+// Asks the processor for a line of memory. (g++ 12 drops calls of a function that does only this, unless they are inlined
+// early.)
+__attribute__((always_inline)) inline void prefetchLine(const double* address) {
+  __builtin_prefetch(address);
 }
 
 // The first `count` <= W of them, then zeros.
 template <class Pack, class Number>
-inline Pack loadSome(const Number* from, int count) {
+KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
   Pack pack = {};
   if (count >= static_cast<int>(sizeof pack.v / sizeof(Number)))
     return loadPack<Pack>(from);
@@ -329,12 +359,27 @@ template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void loadSomeTriples(const double* rows, int count,
                                                  PackOf<W> (&lanes)[3]) {
   if (count >= W) {
-    loadTriples(rows, lanes);
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(rows + W * k); }, lanes);
   } else {
     double some[3 * W] = {};
     for (int k = 0; k < 3 * count; ++k)
       some[k] = rows[k];
-    loadTriples(some, lanes);
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(some + W * k); }, lanes);
+  }
+}
+// Of the sums of two arrays of rows.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void loadSumOfTriples(const double* a, const double* b, int count,
+                                                  PackOf<W> (&lanes)[3]) {
+  if (count >= W) {
+    triplesOf(
+        [&](int k) { return loadPack<PackOf<W>>(a + W * k) + loadPack<PackOf<W>>(b + W * k); },
+        lanes);
+  } else {
+    double some[3 * W] = {};
+    for (int k = 0; k < 3 * count; ++k)
+      some[k] = a[k] + b[k];
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(some + W * k); }, lanes);
   }
 }
 template <int W>

@@ -272,7 +272,7 @@ TEST(SolverSpeed, IsPrinted) {
   const double neo = measure("congruent, neo-Hookean", false, MaterialModel::neo_hookean, true);
   measure("congruent, linear", false, MaterialModel::linear, true);
   measure("congruent, svk", false, MaterialModel::svk, true);
-  measure("congruent, neo-Hookean, drift/forces/kick apart", false, MaterialModel::neo_hookean,
+  measure("congruent, drift/forces/kick apart, neo-Hookean", false, MaterialModel::neo_hookean,
           false);
   const double general = measure("distorted, neo-Hookean", true, MaterialModel::neo_hookean, false);
   measure("distorted, linear", true, MaterialModel::linear, false);
