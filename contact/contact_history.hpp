@@ -35,19 +35,20 @@ struct Interaction {
   double damping = 0; // F_d, force along the normal; F + F_d >= 0
   double closing = 0; // d-, length: closing motion of the step that led to the last force
   Vec3 normal; // of that step
-  int is_held =
-      0; // 1: an edge that goes on at a fixed point, until it has no load or crosses the other again
   double weight[4] = {0, 0, 0, 0}; // N_j of that step
   double first_force = 0; // F0 = k w p of that step, before the corrections
   ContactPoint point; // of that step; its nodes are numbers of this rank
+  int is_held =
+      0; // 1: an edge that goes on at a fixed point, until it has no load or crosses the other again
 
   // Of the current step only.
-  double first_damping = 0; // F_d before the corrections
-  double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j
+  int is_new = 1; // born in this step
   int node = -1; // surface node whose row this is
   int face_index = -1; // own face below num_faces, else ghost face index - num_faces
-  int is_new = 1; // born in this step
+  double first_damping = 0; // F_d before the corrections
+  double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j
 };
+static_assert(sizeof(Interaction) == 3 * 64, "as many cache lines as needed, and no more");
 
 // Coulomb friction of an interaction: an elastic spring along the face that slips at mu F_n.
 //

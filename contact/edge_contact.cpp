@@ -201,20 +201,16 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   return _set.select(space, _search.pairs(), select);
 }
 
-std::int64_t EdgeContact::addForces(const exec_space& space) {
-  return _set.addForces(space, access());
-}
-
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
-  const auto statistics = _search.statistics();
   View<std::int64_t* [3]> of_corners = _set.forces().nodes;
-  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {
+  if (hasOtherRanks()) {
     Kokkos::deep_copy(space, _returned, 0);
     _search.returnToOwners(space, _set.forces().ghost_corners, _returned);
     Kokkos::deep_copy(space, _totals, of_corners);
     addFaceForces(space, _edges, _returned, _totals);
     of_corners = _totals;
-  }
+  } else if (!_set.hasForces())
+    return;
   const auto corner_to_node = _corner_to_node;
   Kokkos::parallel_for(
       "contact::EdgeContact::toNodes", over(space, _num_corners),
@@ -227,6 +223,8 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
 std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
                                         double relaxation,
                                         const View<double* [3]>& node_accelerations) {
+  if (!hasOtherRanks() && !_set.hasForces())
+    return 0;
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
   Kokkos::parallel_for(
@@ -239,6 +237,11 @@ std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengt
   _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
   return _set.correctForces(space, access(), steps, relaxation, _accelerations,
                             _ghost_accelerations);
+}
+
+bool EdgeContact::hasOtherRanks() const {
+  const auto statistics = _search.statistics();
+  return statistics.num_ghosts > 0 || statistics.faces_sent > 0;
 }
 
 PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {

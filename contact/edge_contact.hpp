@@ -25,9 +25,8 @@ public:
   void findCandidates(const exec_space& space, const Surface& surface);
 
   // The parts of Enforcement::enforce, which calls them. collectForces is collective: it adds the forces of all edges to `nodes`
-  // [surface node][xyz] in quanta, as partial sums. addForces and correctForces return the number of forces that do not fit.
+  // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit.
   ContactSums select(const exec_space& space, double dt);
-  std::int64_t addForces(const exec_space& space);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
                              const View<double* [3]>& node_accelerations);
@@ -41,6 +40,9 @@ public:
     return _search.countMissedPairs(space, _edges);
   }
 
+  bool hasForces() const {
+    return _set.hasForces();
+  } // of the present step, from contacts of this rank
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }
   const ContactHistory& history() const { return _set.history(); }
@@ -52,6 +54,7 @@ public:
 
 private:
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
+  bool hasOtherRanks() const; // with ghosts of our edges, or the other way round
 
   // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low
   // corner, x^{n+1} its high one. Faces: the edges.

@@ -56,6 +56,7 @@ struct FaceAccess {
       return;
     prefetch(&surface.face_to_nodes(face, 0));
     prefetch(&surface.face_attributes(face, 0));
+    prefetch(&surface.face_attributes(face, surface.face_attributes.extent(1) - 1));
   }
   template <class NodeView>
   KOKKOS_INLINE_FUNCTION void prefetchCorners(int face, const NodeView& of_nodes) const {

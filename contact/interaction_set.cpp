@@ -48,18 +48,7 @@ KOKKOS_INLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const Fac
   }
 }
 
-// Both return the number of forces that do not fit, 0 or 1.
-KOKKOS_INLINE_FUNCTION int addForce(const ContactHistory& pairs, const PairForces& add,
-                                    std::int64_t i) {
-  const Interaction& pair = pairs.interactions(i);
-  if (pair.first_force == 0)
-    return 0;
-  PairQuanta quanta;
-  if (!add.round(pairs, i, quanta))
-    return 1;
-  add.add(pair, quanta, 1);
-  return 0;
-}
+// Returns the number of forces that do not fit, 0 or 1.
 KOKKOS_INLINE_FUNCTION int correctForce(const ContactHistory& pairs, const CorrectPair& correct,
                                         const PairForces& add, std::int64_t i) {
   Interaction& pair = pairs.interactions(i);
@@ -107,32 +96,13 @@ void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces
   zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
 }
 
-std::int64_t InteractionSet::addForces(const exec_space& space, const FaceAccess& faces) {
-  zeroForces(space, faces);
-  _are_nodes_zero = _next.count == 0;
-  std::int64_t invalid = 0;
-  const ContactHistory pairs = _next;
-  const PairForces add = pairForces(faces);
-  Kokkos::parallel_reduce(
-      "contact::addForces", over(space, numParts(pairs.count)),
-      KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {
-        const std::int64_t begin = part * pairs_at_once;
-        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        prefetchPairs(pairs, faces, add.target.nodes, begin, end);
-        for (std::int64_t i = begin; i < end; ++i)
-          bad += addForce(pairs, add, i);
-      },
-      invalid);
-  return invalid;
-}
-
 std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                            const StepLengths& steps, double relaxation,
                                            const View<double* [3]>& accelerations,
                                            const View<double* [12]>& ghost_accelerations) {
   std::int64_t invalid = 0;
   const ContactHistory pairs = _next;
-  const PairForces add = pairForces(faces);
+  const PairForces add = pairForces(space, faces);
   const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
                             steps.next_dt, _config.friction,    relaxation};
   Kokkos::parallel_reduce(
@@ -148,8 +118,13 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
   return invalid;
 }
 
-PairForces InteractionSet::pairForces(const FaceAccess& faces) const {
-  return {faces, _forces, _quantum.inverse, _face_corners, _config.friction > 0};
+PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {
+  return {faces,
+          _forces,
+          _quantum.inverse,
+          _face_corners,
+          _config.friction > 0,
+          concurrency(space) == 1};
 }
 
 void addFaceForces(const exec_space& space, const Surface& surface,

@@ -4,18 +4,13 @@
 #include "contact/contact_sums.hpp"
 #include "contact/enforcement_config.hpp"
 #include "contact/face_access.hpp"
+#include "contact/pair_forces.hpp"
 
 #include <string>
 #include <utility>
 
 namespace brickwall::contact {
 
-// Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
-// (returnToOwners) and sums over the ranks that share a node.
-struct ContactForces {
-  View<std::int64_t* [3]> nodes; // [surface node][xyz]
-  View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
-};
 // Adds what returnToOwners brought, [own face][3 * corner + xyz] in quanta, to the nodes.
 void addFaceForces(const exec_space& space, const Surface& surface,
                    const View<const std::int64_t* [12]>& own_face_forces,
@@ -29,8 +24,6 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
-struct PairForces;
-
 class InteractionSet {
 public:
   InteractionSet() = default;
@@ -39,12 +32,10 @@ public:
                  int face_corners, const EnforcementConfig& config, const Quantum& quantum);
 
   // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
-  // Afterwards next() holds those of this step, history() those of the last one.
+  // Afterwards next() holds those of this step, history() those of the last one, and forces() the forces of next()
+  // (pair_forces.hpp).
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
-
-  // forces() = those of all interactions of next() (pair_forces.hpp). Returns the number of forces that do not fit.
-  std::int64_t addForces(const exec_space& space, const FaceAccess& faces);
 
   // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
   // is changed where they are. Returns the number that does not fit.
@@ -60,11 +51,12 @@ public:
   void advance() { std::swap(_history, _next); }
 
   const ContactForces& forces() const { return _forces; }
+  bool hasForces() const { return !_are_nodes_zero; } // of the present step
   const ContactHistory& history() const { return _history; }
 
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);
-  PairForces pairForces(const FaceAccess& faces) const;
+  PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   void growInteractions(const exec_space& space, std::int64_t count);
 
   EnforcementConfig _config;
@@ -85,13 +77,16 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
   functor.next_count = _next_count;
   while (true) {
     Kokkos::deep_copy(space, _next_count, std::int64_t(0));
+    zeroForces(space, functor.faces);
     functor.next = _next;
+    functor.add = pairForces(space, functor.faces);
     ContactSums sums;
     Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
     const std::int64_t parts = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
     Kokkos::parallel_reduce("contact::selectInteractions", over(space, parts), functor,
                             Combine<ContactSums>(sums));
     _next.count = sums.interactions;
+    _are_nodes_zero = sums.interactions == 0;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
       return sums;
     // Of the last step nothing has changed: again.

@@ -31,6 +31,11 @@ struct NodeFaceTouch {
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
   KOKKOS_INLINE_FUNCTION void prefetchFace(int face) const { prefetch(&records(recordOf(face))); }
+  KOKKOS_INLINE_FUNCTION void prefetchHead(int node) const { prefetch(&around.offsets(node)); }
+  KOKKOS_INLINE_FUNCTION void prefetchNode(int node) const {
+    prefetch(&around.rows(around.offsets(node)));
+    prefetch(&node_mass(node));
+  }
   KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int face) const {
     return records(recordOf(face)).body;
   }
@@ -52,7 +57,6 @@ struct NodeFaceTouch {
       const int node = contacts[k].node, face = contacts[k].face;
       faces.prefetchCorners(face, faces.surface.coordinates_new);
       faces.prefetchCorners(face, faces.surface.coordinates_old);
-      prefetch(&node_mass(node));
       for (int around_node = around.offsets(node); around_node < around.offsets(node + 1);
            ++around_node)
         prefetch(&records(around.rows(around_node)));

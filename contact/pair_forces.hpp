@@ -4,7 +4,6 @@
 
 #include "contact/coulomb_friction.hpp"
 #include "contact/face_access.hpp"
-#include "contact/interaction_set.hpp"
 
 namespace brickwall::contact {
 
@@ -14,28 +13,33 @@ struct PairQuanta {
   std::int64_t on_corner[4][3];
 };
 
-struct PairForces {
-  FaceAccess faces;
-  ContactForces target;
-  double inverse_quantum;
-  int face_corners; // 4, or 2 where only the first two corners of a face carry weight
-  bool has_friction;
+// Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
+// (returnToOwners) and sums over the ranks that share a node.
+struct ContactForces {
+  View<std::int64_t* [3]> nodes; // [surface node][xyz]
+  View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
+};
 
-  // False if a force is not finite or too large.
-  KOKKOS_INLINE_FUNCTION bool round(const ContactHistory& pairs, std::int64_t i,
-                                    PairQuanta& quanta) const {
-    const Interaction& pair = pairs.interactions(i);
+struct PairForces {
+  FaceAccess faces = {{}, GhostFaces::none()};
+  ContactForces target;
+  double inverse_quantum = 1;
+  int face_corners = 4; // 4, or 2 where only the first two corners of a face carry weight
+  bool has_friction = false;
+  bool is_alone = false; // no other thread adds at the same time
+
+  // False if a force is not finite or too large. `friction` is not looked at without friction, `fading` not where taper is 1.
+  KOKKOS_INLINE_FUNCTION bool round(const Interaction& pair, const FrictionSpring& friction,
+                                    const FadingForce& fading, PairQuanta& quanta) const {
     Vec3 force = (pair.force + pair.damping) * pair.normal;
     double largest = pair.force + pair.damping;
     NormalForces besides;
     if (has_friction) {
-      const FrictionSpring& friction = pairs.friction(i);
       force += friction.force;
       largest += norm(friction.force);
       addCouple(friction, pair, face_corners, besides);
     }
     if (pair.taper < 1) {
-      const FadingForce& fading = pairs.fading(i);
       force += fading.on_node;
       largest += norm(fading.on_node);
       besides.add(fading.normal);
@@ -65,6 +69,13 @@ struct PairForces {
     return true;
   }
 
+  KOKKOS_INLINE_FUNCTION bool round(const ContactHistory& pairs, std::int64_t i,
+                                    PairQuanta& quanta) const {
+    const Interaction& pair = pairs.interactions(i);
+    return round(pair, has_friction ? pairs.friction(i) : FrictionSpring(),
+                 pair.taper < 1 ? pairs.fading(i) : FadingForce(), quanta);
+  }
+
   // `sign` 1 adds, -1 takes back.
   KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
                                   int sign) const {
@@ -79,10 +90,13 @@ struct PairForces {
         addTo(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign);
   }
   template <class ViewType>
-  KOKKOS_INLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,
-                                           const std::int64_t (&values)[3], int sign) {
+  KOKKOS_INLINE_FUNCTION void addTo(const ViewType& rows, int row, int first,
+                                    const std::int64_t (&values)[3], int sign) const {
     for (int d = 0; d < 3; ++d)
-      Kokkos::atomic_add(&rows(row, first + d), sign * values[d]);
+      if (is_alone)
+        rows(row, first + d) += sign * values[d];
+      else
+        Kokkos::atomic_add(&rows(row, first + d), sign * values[d]);
   }
 };
 

@@ -48,7 +48,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
                                         std::to_string(config.reference_step) + ", penalty " +
                                         std::to_string(config.penalty) + "; both must be > 0");
-  _forces.nodes = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
+  _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
+  _forces.nodes = _totals;
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
   forgetStatus(space);
@@ -72,9 +73,6 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
   if (edges != nullptr)
     sums.edges = edges->select(space, steps.dt);
-  sums.nodes.invalid += _set.addForces(space, faces);
-  if (edges != nullptr)
-    sums.edges.invalid += edges->addForces(space);
   const bool had_forces = _has_forces;
   _has_forces = isOnAnyRank(sums.nodes.interactions + sums.edges.interactions > 0);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
@@ -138,14 +136,18 @@ void Enforcement::forgetStatus(const exec_space& space) {
 void Enforcement::collectForces(const exec_space& space, const FaceAccess& faces,
                                 EdgeContact* edges) {
   const auto of_set = _set.forces().nodes;
-  const auto nodes = _forces.nodes;
+  _forces.ghost_corners = _set.forces().ghost_corners;
+  _forces.nodes = of_set;
+  if (sizeOf(_comm) == 1 && (edges == nullptr || !edges->hasForces()))
+    return; // nobody adds to them
+  _forces.nodes = _totals;
+  const auto nodes = _totals;
   Kokkos::parallel_for(
       "contact::collectForces", over(space, faces.surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           nodes(node, d) = of_set(node, d);
       });
-  _forces.ghost_corners = _set.forces().ghost_corners;
   if (edges != nullptr)
     edges->collectForces(space, _forces.nodes);
 }

@@ -98,7 +98,8 @@ private:
   NodeFaces _node_faces;
   View<FaceRecord*> _records; // own, remote, ghost faces
   InteractionSet _set;
-  ContactForces _forces;
+  ContactForces _forces; // its nodes: _totals, or those of _set
+  View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta
   bool _has_forces = false; // on any rank; else _forces are zero
   double _previous_dt = 0;
   bool _has_status = false; // of any node

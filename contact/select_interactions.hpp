@@ -1,5 +1,6 @@
 // Which faces each node (or edge) is in contact with, and the state of those contacts: one face of each opposing body, kept
-// while it lasts; birth, switch, stiffness and friction as penalty.hpp states them. Kernel functor.
+// while it lasts; birth, switch, stiffness and friction as penalty.hpp states them; and their forces, before any correction.
+// Kernel functor.
 //
 // `Touch` knows the geometry: NodeFaceTouch or EdgeTouch.
 #pragma once
@@ -9,6 +10,7 @@
 #include "contact/enforcement_config.hpp"
 #include "contact/face_access.hpp"
 #include "contact/known_contact.hpp"
+#include "contact/pair_forces.hpp"
 
 namespace brickwall::contact {
 
@@ -58,6 +60,7 @@ struct SelectInteractions {
   CandidatePairs pairs = CandidatePairs::none();
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
+  PairForces add; // takes the forces of what is written to `next`
   View<std::int64_t> next_count;
 
   // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
@@ -72,6 +75,8 @@ struct SelectInteractions {
     Work work;
     const std::int64_t begin = part * rows_at_once;
     const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
+    for (std::int64_t row = begin; row < end; ++row)
+      prefetchHead(pairs.node(row));
     for (std::int64_t row = begin; row < end; ++row)
       prefetchRow(row);
     for (std::int64_t row = begin; row < end; ++row) {
@@ -88,6 +93,11 @@ struct SelectInteractions {
     finish(work, sums);
   }
   // What is read of a row comes from many places: all of them are asked for before any is waited for.
+  KOKKOS_INLINE_FUNCTION void prefetchHead(int node) const {
+    touch.prefetchHead(node);
+    prefetch(&previous.row_count(node));
+    prefetch(&previous.row_begin(node));
+  }
   KOKKOS_INLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = pairs.node(row);
     const std::int64_t end = pairs.end(row);
@@ -99,9 +109,10 @@ struct SelectInteractions {
     faces.prefetchRow(faces.surface.coordinates_old, node);
     const Interaction& last = previous.interactions(previous.row_begin(node));
     prefetch(&last.body);
-    prefetch(&last.closing);
-    prefetch(&last.weight[2]);
-    prefetch(&last.node);
+    prefetch(&last.force);
+    prefetch(&last.first_force);
+    prefetch(&faces.surface.node_body(node));
+    touch.prefetchNode(node);
   }
   KOKKOS_INLINE_FUNCTION bool mayTouchAny(std::int64_t row, int node) const {
     const std::int64_t end = pairs.end(row);
@@ -162,8 +173,7 @@ struct SelectInteractions {
     next.row_count(node) = static_cast<unsigned char>(num_loaded);
     if (num_loaded == 0)
       return;
-    std::int64_t index =
-        Kokkos::atomic_fetch_add(next_count.data(), static_cast<std::int64_t>(num_loaded));
+    std::int64_t index = takePlaces(num_loaded);
     next.row_begin(node) = static_cast<int>(index);
     for (int h = 0; h < num_hits; ++h) {
       if (!hits[h].is_loaded)
@@ -172,6 +182,14 @@ struct SelectInteractions {
       interact(node, hits, num_hits, h, has_room ? index : -1, sums);
       ++index;
     }
+  }
+
+  KOKKOS_INLINE_FUNCTION std::int64_t takePlaces(std::int64_t count) const {
+    if (!add.is_alone)
+      return Kokkos::atomic_fetch_add(next_count.data(), count);
+    const std::int64_t first = next_count();
+    next_count() = first + count;
+    return first;
   }
 
   // One hit per opposing body. Returns their number.
@@ -344,6 +362,13 @@ struct SelectInteractions {
       next.friction(index) = friction;
     if (now.taper < 1)
       next.fading(index) = fading;
+    if (now.first_force == 0)
+      return;
+    PairQuanta quanta;
+    if (add.round(now, friction, fading, quanta))
+      add.add(now, quanta, 1);
+    else
+      ++sums.invalid;
   }
 
   KOKKOS_INLINE_FUNCTION double inverseMass(const Interaction& pair, int face) const {

@@ -45,7 +45,6 @@ struct EdgeRun {
     edges->findCandidates(exec_space(), part.surface());
     sums = edges->select(exec_space(), dt);
     Kokkos::deep_copy(total, 0);
-    sums.invalid += edges->addForces(exec_space());
     edges->collectForces(exec_space(), total);
     edges->advance(dt);
     sumOverRanks(part.comm(), sums);
