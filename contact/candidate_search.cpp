@@ -88,11 +88,9 @@ void CandidateSearch::configure(const SearchConfig& config) {
   const SearchConfig wide = withMargin(config, _margin);
   _global.configure(wide);
   _local.configure(wide);
-  if (_margin == 0)
-    return;
+  _local.setStepTest({_margin > 0, config.node_tolerance, config.face_tolerance});
   _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
                                                   wide.face_tolerance - config.face_tolerance);
-  _local.setStepTest({true, config.node_tolerance, config.face_tolerance});
 }
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {

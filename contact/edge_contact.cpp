@@ -152,6 +152,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
   _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, config, quantum);
+  _still = StillParts(space, "contact::EdgeContact", _edges, _num_corners);
 }
 
 void EdgeContact::gather(const exec_space& space, const Surface& surface) {
@@ -188,17 +189,27 @@ void EdgeContact::findCandidates(const exec_space& space, const Surface& surface
 }
 
 ContactSums EdgeContact::select(const exec_space& space, double dt) {
+  if (_config.leaves_out_still)
+    _still.update(space, _edges, _search.pairs().step_test);
+  if (_still.isUnchanged() && _search.ghosts().count == 0 && !_has_touched &&
+      _set.history().count == 0) {
+    _set.selectNone(space, access());
+    return {};
+  }
   SelectInteractions<EdgeTouch> select;
   select.energy_scale = _energy_scale;
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = access();
+  select.still = _still.flags();
   select.touch.lateral_tolerance = _config.lateral_tolerance;
   select.touch.edge_tolerance = _config.edge_tolerance;
   select.touch.num_corners = _num_corners;
   select.touch.node_mass = _corner_mass;
   select.touch.previous = _set.history().interactions;
-  return _set.select(space, _search.pairs(), select);
+  const ContactSums sums = _set.select(space, _search.pairs(), select);
+  _has_touched = sums.touching > 0;
+  return sums;
 }
 
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {

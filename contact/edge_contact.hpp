@@ -6,6 +6,7 @@
 #include "contact/feature_edges.hpp"
 #include "contact/interaction_set.hpp"
 #include "contact/pair_motion.hpp"
+#include "contact/still_parts.hpp"
 
 namespace brickwall::contact {
 
@@ -65,6 +66,8 @@ private:
   View<double*> _corner_mass; // [corner]
   CandidateSearch _search;
   InteractionSet _set;
+  StillParts _still;
+  bool _has_touched = false; // in the last step, with a force or without
   EnforcementConfig _config;
   LimbScale _energy_scale;
   double _previous_dt = 0;

@@ -29,6 +29,7 @@ struct EnforcementConfig {
   double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this
   double shared_cosine = 0.8; // interactions whose normals are closer than this cosine share A_i
   bool self_contact = false; // also faces of the node's own body (those that do not touch the node)
+  bool leaves_out_still = true; // what has not moved (still_parts.hpp): the same bits either way
   int corrections = 3; // rounds of the energy-neutral correction
   // Of what a round after the first wants to change: contacts that share nodes answer each other, all at once, and overshoot.
   double relaxation = 0.7;

@@ -96,6 +96,13 @@ void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces
   zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
 }
 
+void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces) {
+  Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+  _next.count = 0;
+  zeroForces(space, faces);
+  _are_nodes_zero = true;
+}
+
 std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                            const StepLengths& steps, double relaxation,
                                            const View<double* [3]>& accelerations,

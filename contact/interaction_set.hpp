@@ -37,6 +37,9 @@ public:
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
 
+  // The same where there is no interaction, in this step as in the last one.
+  void selectNone(const exec_space& space, const FaceAccess& faces);
+
   // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
   // is changed where they are. Returns the number that does not fit.
   std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,

@@ -38,9 +38,10 @@ public:
   int numRemote() const { return _num_remote; }
 
   // Collective. Fills records(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
-  // only the normal and the area. The bits are those of the face's own rank.
+  // only the normal and the area. The bits are those of the face's own rank. Own faces whose flag in `is_kept` is set stay as
+  // they are; it may be empty.
   void updateRecords(const exec_space& space, const Surface& surface,
-                     const View<FaceRecord*>& records);
+                     const View<const unsigned char*>& is_kept, const View<FaceRecord*>& records);
 
 private:
   NodeFaceLists _lists;

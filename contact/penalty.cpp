@@ -43,7 +43,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
       _node_mass(node_mass), _node_faces(space, comm, surface),
       _records(allocate<View<FaceRecord*>>(space, "contact::Enforcement::records",
                                            surface.num_faces + _node_faces.numRemote())),
-      _set(space, "contact::Enforcement", surface, 4, config, quantum) {
+      _set(space, "contact::Enforcement", surface, 4, config, quantum),
+      _still(space, "contact::Enforcement", surface, surface.num_nodes) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
                                         std::to_string(config.reference_step) + ", penalty " +
@@ -68,9 +69,16 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     throw Error(ExitCode::internal,
                 "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   const FaceAccess faces{surface, ghosts};
-  updateRecords(space, faces);
+  if (_config.leaves_out_still)
+    _still.update(space, surface, pairs.step_test);
   EnforcementSums sums;
-  sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
+  // On several ranks the faces around a node may be others' and move.
+  if (_still.isUnchanged() && sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0) {
+    _set.selectNone(space, faces);
+  } else {
+    updateRecords(space, faces);
+    sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
+  }
   if (edges != nullptr)
     sums.edges = edges->select(space, steps.dt);
   const bool had_forces = _has_forces;
@@ -94,8 +102,12 @@ bool Enforcement::isOnAnyRank(bool here) const {
 
 void Enforcement::updateRecords(const exec_space& space, const FaceAccess& faces) {
   const int first_ghost = faces.surface.num_faces + _node_faces.numRemote();
-  growTo(space, _records, first_ghost + faces.ghosts.count);
-  _node_faces.updateRecords(space, faces.surface, _records);
+  const auto num_records = static_cast<std::int64_t>(first_ghost) + faces.ghosts.count;
+  const bool has_room = num_records <= static_cast<std::int64_t>(_records.extent(0));
+  growTo(space, _records, num_records);
+  _node_faces.updateRecords(space, faces.surface,
+                            has_room ? _still.flags().faces : View<const unsigned char*>(),
+                            _records);
   ghostRecords(space, faces, first_ghost, _records);
 }
 
@@ -106,6 +118,7 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = faces;
+  select.still = _still.flags();
   NodeFaceTouch& touch = select.touch;
   touch.lateral_tolerance = _config.lateral_tolerance;
   touch.edge_tolerance = _config.edge_tolerance;

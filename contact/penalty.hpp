@@ -9,6 +9,7 @@
 
 #include "contact/interaction_set.hpp"
 #include "contact/node_faces.hpp"
+#include "contact/still_parts.hpp"
 
 #include <mpi.h>
 
@@ -98,6 +99,7 @@ private:
   NodeFaces _node_faces;
   View<FaceRecord*> _records; // own, remote, ghost faces
   InteractionSet _set;
+  StillParts _still;
   ContactForces _forces; // its nodes: _totals, or those of _set
   View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta
   bool _has_forces = false; // on any rank; else _forces are zero

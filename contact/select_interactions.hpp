@@ -11,6 +11,7 @@
 #include "contact/face_access.hpp"
 #include "contact/known_contact.hpp"
 #include "contact/pair_forces.hpp"
+#include "contact/still_parts.hpp"
 
 namespace brickwall::contact {
 
@@ -58,6 +59,7 @@ struct SelectInteractions {
   Touch touch;
   FaceAccess faces = {{}, GhostFaces::none()};
   CandidatePairs pairs = CandidatePairs::none();
+  StillFlags still;
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   PairForces add; // takes the forces of what is written to `next`
@@ -72,16 +74,26 @@ struct SelectInteractions {
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
-    Work work;
     const std::int64_t begin = part * rows_at_once;
     const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
+    std::int64_t to_see[rows_at_once];
+    int num_to_see = 0;
     for (std::int64_t row = begin; row < end; ++row)
-      prefetchHead(pairs.node(row));
-    for (std::int64_t row = begin; row < end; ++row)
-      prefetchRow(row);
-    for (std::int64_t row = begin; row < end; ++row) {
+      if (!still.isClear(pairs, row))
+        to_see[num_to_see++] = row;
+    if (num_to_see == 0)
+      return;
+    for (int r = 0; r < num_to_see; ++r)
+      prefetchHead(pairs.node(to_see[r]));
+    for (int r = 0; r < num_to_see; ++r)
+      prefetchRow(to_see[r]);
+    Work work;
+    for (int r = 0; r < num_to_see; ++r) {
+      const std::int64_t row = to_see[r];
       const int node = pairs.node(row), count = previous.row_count(node);
-      if (count == 0 && !mayTouchAny(row, node))
+      const bool is_clear = count == 0 && !mayTouchAny(row, node);
+      still.clear(node) = is_clear;
+      if (is_clear)
         continue;
       if (work.num_known + count > max_known)
         finish(work, sums);

@@ -46,7 +46,7 @@ struct GhostFaces {
 // step, inflated by these tolerances, overlap (FaceAccess::boxesOverlap). Who must not depend on the margin tests for that.
 struct StepTest {
   bool is_needed = false;
-  double node_tolerance = 0, face_tolerance = 0; // length
+  double node_tolerance = 0, face_tolerance = 0; // length; known where the test is not needed, too
 };
 
 // Candidate pairs in rows, one row for each surface node, in the order of the search's own choosing: row r lists the faces
