@@ -31,11 +31,14 @@ bool isLattice(const HostMesh& host, const BrickLattice& lattice) {
   int elem = lattice.first_elem;
   for (int k = 0; k < lattice.nz; ++k)
     for (int j = 0; j < lattice.ny; ++j)
-      for (int i = 0; i < lattice.nx; ++i, ++elem)
+      for (int i = 0; i < lattice.nx; ++i, ++elem) {
+        if (host.elem_block(elem) != lattice.block)
+          return false;
         for (int c = 0; c < 8; ++c)
           if (host.elem_to_nodes(elem, c) !=
               lattice.first_node + i + row * j + plane * k + offset[c])
             return false;
+      }
   return lattice.nz > 0;
 }
 
@@ -45,14 +48,17 @@ std::vector<BrickLattice> findBrickLattices(const exec_space& space, const HexMe
                                             const std::vector<BodyShape>& shapes) {
   const HostMesh host = copyToHost(space, mesh);
   std::vector<BrickLattice> lattices;
+  int geometry_rows = 0;
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
-    if (!shapes[b].congruent)
-      continue;
     BrickLattice lattice = guessLattice(host, mesh.bodies[b]);
     if (!isLattice(host, lattice))
       continue;
     lattice.body = static_cast<int>(b);
     lattice.is_whole = shapes[b].whole;
+    if (!shapes[b].congruent) {
+      lattice.geometry_row = geometry_rows;
+      geometry_rows += lattice.nz * lattice.layerPacks();
+    }
     lattices.push_back(lattice);
   }
   return lattices;

@@ -1,4 +1,4 @@
-// A sweep over a lattice of congruent elements, plane by plane of nodes: no connectivity, no geometry per element, no atomic
+// A sweep over a lattice of elements, plane by plane of nodes: no connectivity, no atomic
 // additions. Lanes are consecutive nodes p = i + (nx+1) j of a plane; the element whose lowest corner is p goes with them, and
 // at the end of a row (i = nx), where there is none, its displacements are masked to zero:
 //
@@ -9,8 +9,8 @@
 // Host code. Included by internal_force.cpp and free_bricks.cpp only.
 #pragma once
 
-#include "mechanics/internal_force_kernel.hpp"
 #include "mechanics/lane_sums.hpp"
+#include "mechanics/lattice_shapes.hpp"
 #include "mechanics/plane_buffers.hpp"
 
 namespace brickwall::mechanics {
@@ -25,17 +25,15 @@ KOKKOS_FORCEINLINE_FUNCTION void forAxes(const F& f) {
 
 // What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces, W nodes at a time:
 //   planes.load(plane, buffers), planes.finish(plane, p, forces)
-template <MaterialModel model, class Shape, int W>
+template <MaterialModel model, class Shapes, int W>
 class LatticeSweep {
 public:
   using Real = PackOf<W>;
   using Integer = IntPackOf<W>;
 
-  LatticeSweep(const BrickLattice& lattice, const Shape& shape, const Material& material,
-               const ForceArguments& arguments, double* memory, ForceSums& sums)
-      : _lattice(lattice), _shape(shape),
-        _stiffness(stiffnessOf(shape, ElementModuli::of(material), arguments.inverse_quantum)),
-        _a(arguments), _buffers(memory, lattice), _sums(sums),
+  LatticeSweep(const BrickLattice& lattice, const Shapes& shapes, const ForceArguments& arguments,
+               double* memory, ForceSums& sums)
+      : _lattice(lattice), _shapes(shapes), _a(arguments), _buffers(memory, lattice), _sums(sums),
         _scale(SplitScale::of(arguments.energy_scale)) {}
 
   template <class Planes>
@@ -106,7 +104,9 @@ private:
     Real u[3][num_modes];
     gatherModes(layer, p, u);
     TlpsForces<Real> forces;
-    tlpsForces<model, VolumeChange::small>(u, _shape, _stiffness, with_energy, forces);
+    _shapes.with(layer, p, [&](const auto& geometry, const auto& stiffness) {
+      tlpsForces<model, VolumeChange::small>(u, geometry, stiffness, with_energy, forces);
+    });
     Rounding<W> rounded;
     Integer f[3][num_modes];
     forAxes([&](auto axis) {
@@ -153,7 +153,9 @@ private:
     Real u[3][num_modes];
     gatherModes(layer, p, u);
     TlpsForces<Real> forces;
-    tlpsForces<model>(u, _shape, _stiffness, with_energy, forces);
+    _shapes.with(layer, p, [&](const auto& geometry, const auto& stiffness) {
+      tlpsForces<model>(u, geometry, stiffness, with_energy, forces);
+    });
     dropFailed(layer, p, is_counted, forces);
     if (with_energy)
       addEnergies(forces.material_energy, forces.hourglass_energy);
@@ -224,8 +226,7 @@ private:
     return minus + from_left;
   }
   const BrickLattice& _lattice;
-  const Shape& _shape;
-  const typename StiffnessOf<Shape>::type _stiffness;
+  const Shapes _shapes;
   const ForceArguments& _a;
   PlaneBuffers<W> _buffers;
   ForceSums& _sums;
@@ -242,12 +243,17 @@ void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const Force
   const Material material = a.tables.mesh.materials(lattice.block);
   const CongruentShape& shape = a.tables.boxes(lattice.body);
   const auto run = [&](auto model) {
-    constexpr MaterialModel m = decltype(model)::value;
-    if (shape.is_brick)
-      LatticeSweep<m, TlpsBrick, W>(lattice, shape.brick, material, a, memory, sums)
+    const auto sweep = [&](const auto& shapes) {
+      using Shapes = std::decay_t<decltype(shapes)>;
+      LatticeSweep<decltype(model)::value, Shapes, W>(lattice, shapes, a, memory, sums)
           .run(slab, planes);
+    };
+    if (lattice.geometry_row >= 0)
+      sweep(StoredShapes<W>(lattice, material, a));
+    else if (shape.is_brick)
+      sweep(SharedShape<TlpsBrick>(shape.brick, material, a));
     else
-      LatticeSweep<m, TlpsBox, W>(lattice, shape.box, material, a, memory, sums).run(slab, planes);
+      sweep(SharedShape<TlpsBox>(shape.box, material, a));
   };
   switch (material.model) {
   case MaterialModel::neo_hookean:

@@ -71,11 +71,13 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
                                         ? nodesOfSeveralChunks(mesh, host, cuts)
                                         : std::vector<char>(mesh.num_nodes, 0);
 
-  std::vector<char> is_lattice(mesh.bodies.size(), 0);
-  for (const BrickLattice& lattice : lattices)
-    is_lattice[lattice.body] = 1;
-
   ElementChunks result;
+  std::vector<int> lattice_of_body(mesh.bodies.size(), -1);
+  for (std::size_t row = 0; row < lattices.size(); ++row) {
+    lattice_of_body[lattices[row].body] = static_cast<int>(row);
+    if (lattices[row].geometry_row >= 0)
+      result.num_geometry_rows += lattices[row].nz * lattices[row].layerPacks();
+  }
   std::vector<ElementChunk> chunks;
   std::vector<ElementPack> packs;
   for (const Cut& cut : cuts) {
@@ -86,8 +88,8 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
     ElementChunk chunk;
     chunk.first_pack = static_cast<int>(packs.size());
     chunk.block = cut.block;
-    chunk.in_lattice = is_lattice[cut.body];
-    result.all_in_lattices = result.all_in_lattices && chunk.in_lattice;
+    chunk.lattice = lattice_of_body[cut.body];
+    result.all_in_lattices = result.all_in_lattices && chunk.lattice >= 0;
     for (int first = cut.first; first < cut.first + cut.count; first += simd_width) {
       ElementPack pack{first, std::min(simd_width, cut.first + cut.count - first), 0};
       for (int elem = first; elem < first + pack.count; ++elem)
@@ -98,7 +100,7 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
     chunk.num_packs = static_cast<int>(packs.size()) - chunk.first_pack;
     if (shapes[cut.body].congruent)
       chunk.shape = cut.body;
-    else {
+    else if (chunk.lattice < 0) {
       chunk.geometry_row = result.num_geometry_rows;
       result.num_geometry_rows += chunk.num_packs;
     }

@@ -18,9 +18,10 @@ struct ElementPack {
 struct ElementChunk {
   int first_pack = 0, num_packs = 0;
   int block = 0;
-  int in_lattice = 0; // of elements that sweeps over lattices may handle instead
+  int lattice =
+      -1; // the body's row in the table of lattices, where sweeps over these may handle the elements instead
   int shape = -1; // the body's row in the table of shapes when it is congruent, else -1
-  int geometry_row = -1; // of its first pack, else
+  int geometry_row = -1; // of its first pack, else; lattices know theirs
 };
 
 // Chunks of one material model, [first, first + count).
@@ -34,7 +35,7 @@ struct ElementChunks {
   View<ElementPack*> packs;
   std::vector<ChunkGroup> groups;
   bool all_in_lattices = true;
-  int num_geometry_rows = 0; // packs of bodies that are not congruent
+  int num_geometry_rows = 0; // packs of bodies that are not congruent, those of lattices first
 };
 
 // `threads`: how many work at once. Host code for set-up; not collective.

@@ -79,27 +79,27 @@ struct FieldFunctor {
   }
 
   // A congruent body's element has the body's shape, any other its own geometry.
-  KOKKOS_INLINE_FUNCTION void fieldsOf(const ElementChunk& chunk, int row, int lane, int elem,
-                                       const Material& material) const {
+  KOKKOS_INLINE_FUNCTION void fieldsOf(const ElementChunk& chunk, const GeometryPlace& place,
+                                       int elem, const Material& material) const {
     if constexpr (kind == ElementKind::one_point) {
       if (chunk.shape < 0)
-        ownGeometry<TlpsGeometry<double>>(row, lane, elem, material);
+        ownGeometry<TlpsGeometry<double>>(place, elem, material);
       else if (tables.boxes(chunk.shape).is_brick)
         oneElement(elem, tables.boxes(chunk.shape).brick, material);
       else
         oneElement(elem, tables.boxes(chunk.shape).box, material);
     } else {
       if (chunk.shape < 0)
-        ownGeometry<FullGeometry<double>>(row, lane, elem, material);
+        ownGeometry<FullGeometry<double>>(place, elem, material);
       else
         oneElement(elem, tables.full_shapes(chunk.shape), material);
     }
   }
   template <class Geometry>
-  KOKKOS_INLINE_FUNCTION void ownGeometry(int row, int lane, int elem,
+  KOKKOS_INLINE_FUNCTION void ownGeometry(const GeometryPlace& place, int elem,
                                           const Material& material) const {
     Geometry geometry;
-    loadGeometry(tables, row, lane, geometry);
+    loadGeometry(tables, place.row, place.lane, geometry);
     oneElement(elem, geometry, material);
   }
 
@@ -108,9 +108,10 @@ struct FieldFunctor {
     const Material material = tables.mesh.materials(chunk.block);
     for (int p = 0; p < chunk.num_packs; ++p) {
       const ElementPack pack = tables.packs(chunk.first_pack + p);
-      const int row = chunk.geometry_row + p;
-      for (int lane = 0; lane < pack.count; ++lane)
-        fieldsOf(chunk, row, lane, pack.first + lane, material);
+      for (int lane = 0; lane < pack.count; ++lane) {
+        const int elem = pack.first + lane;
+        fieldsOf(chunk, geometryPlace(tables, chunk, p, lane, elem), elem, material);
+      }
     }
   }
 };

@@ -58,6 +58,30 @@ KOKKOS_INLINE_FUNCTION void loadGeometry(const Tables& tables, int row, int lane
   });
 }
 
+// Of an element in pack p of a chunk that is not congruent.
+KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const Tables& tables, const ElementChunk& chunk,
+                                                   int p, int lane, int elem) {
+  if (chunk.lattice >= 0)
+    return tables.lattices(chunk.lattice).geometryPlace(elem);
+  return {chunk.geometry_row + p, lane};
+}
+// All lanes of a pack of a chunk; lanes beyond the count repeat the last element.
+template <class Geometry>
+KOKKOS_INLINE_FUNCTION void loadPackGeometry(const Tables& tables, const ElementChunk& chunk, int p,
+                                             const ElementPack& pack, Geometry& g) {
+  if (chunk.lattice < 0) {
+    loadGeometry(tables, chunk.geometry_row + p, 0, g);
+    return;
+  }
+  for (int lane = 0; lane < simd_width; ++lane) {
+    const int elem = pack.first + minOf(lane, pack.count - 1);
+    const GeometryPlace place = geometryPlace(tables, chunk, p, lane, elem);
+    visitGeometry(g, [&](int component, auto& value) {
+      setLane(value, lane, tables.geometry(place.row, component, place.lane));
+    });
+  }
+}
+
 template <class Geometry>
 struct StoreGeometry {
   Tables tables;
@@ -74,17 +98,19 @@ struct StoreGeometry {
         gatherCorners(tables.mesh.elem_to_nodes, tables.mesh.reference_coordinates, elem, X);
         makeGeometry(X, geometry);
         const auto stored = tables.geometry;
-        const int row = chunk.geometry_row + p;
-        visitGeometry(geometry,
-                      [&](int component, double& value) { stored(row, component, lane) = value; });
+        const GeometryPlace place = geometryPlace(tables, chunk, p, lane, elem);
+        visitGeometry(geometry, [&](int component, double& value) {
+          stored(place.row, component, place.lane) = value;
+        });
       }
     }
   }
 };
 template <class Geometry>
 void storeGeometry(const exec_space& space, int num_rows, Tables& tables) {
-  tables.geometry = allocate<View<double** [simd_width]>>(
-      space, "mechanics::InternalForce::geometry", num_rows, int(Geometry::size));
+  tables.geometry =
+      View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
+                                  int(Geometry::size)); // zero where lattices have no element
   Kokkos::parallel_for("mechanics::InternalForce::storeGeometry",
                        over(space, static_cast<std::int64_t>(tables.chunks.extent(0))),
                        StoreGeometry<Geometry>{tables});

@@ -1,4 +1,4 @@
-// Bricks that step by themselves: lattices of congruent elements, whole on this rank, on which no load acts. In a scene
+// Bricks that step by themselves: lattices of elements, whole on this rank, on which no load acts. In a scene
 // without contact their drift, forces and kick are one sweep that keeps no forces: each node's numbers are read and written
 // once. Every bit is that of drift(), InternalForce::add() and kick().
 #pragma once

@@ -61,6 +61,7 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
   _tables.num_elems = mesh.num_elems;
   _tables.chunks = cut.chunks;
   _tables.packs = cut.packs;
+  _tables.lattices = _lattices.lattices;
   if (kind == ElementKind::one_point) {
     std::vector<CongruentShape> boxes(shapes.size());
     for (std::size_t b = 0; b < shapes.size(); ++b)

@@ -103,6 +103,7 @@ public:
     View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
     View<FullGeometry<double>*> full_shapes; // [body], full integration; "
     View<double** [simd_width]> geometry; // [pack][component][lane] of TlpsGeometry or FullGeometry
+    View<BrickLattice*> lattices;
   };
   const Tables& tables() const { return _tables; }
 

@@ -219,15 +219,15 @@ struct ForceFunctor {
     const ElementModuli moduli = ElementModuli::of(material);
     for (int p = 0; p < chunk.num_packs; ++p) {
       Geometry geometry;
-      loadGeometry(a.tables, chunk.geometry_row + p, 0, geometry);
-      onePack(a.tables.packs(chunk.first_pack + p), geometry, stiffness(geometry, moduli), material,
-              sums);
+      const ElementPack pack = a.tables.packs(chunk.first_pack + p);
+      loadPackGeometry(a.tables, chunk, p, pack, geometry);
+      onePack(pack, geometry, stiffness(geometry, moduli), material, sums);
     }
   }
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c, ForceSums& sums) const {
     const ElementChunk chunk = a.tables.chunks(a.first_chunk + c);
-    if (a.skips_lattices && chunk.in_lattice)
+    if (a.skips_lattices && chunk.lattice >= 0)
       return;
     const Material material = a.tables.mesh.materials(chunk.block);
     if constexpr (kind == ElementKind::one_point) {

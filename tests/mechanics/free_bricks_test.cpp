@@ -66,7 +66,7 @@ std::vector<std::int64_t> run(Scene& scene, bool frees, int threads, double mass
   const FreeBricks bricks =
       frees ? FreeBricks(space, mesh, internal, scene.is_loaded) : FreeBricks();
   if (frees && simd_width > 1 && sizeOf(world) == 1) {
-    EXPECT_EQ(bricks.numElems(), 42 + 320 + 1 + 192);
+    EXPECT_EQ(bricks.numElems(), 42 + 320 + 1 + 192 + 36);
   }
   const NodeSelection others = frees ? bricks.otherNodes() : NodeSelection::allOf(mesh.num_nodes);
   const BoundaryConditions boundary(space, mesh.num_nodes, scene.motions, {0.01, 0, -0.02},
