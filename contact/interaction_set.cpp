@@ -34,38 +34,54 @@ std::int64_t numParts(std::int64_t count) {
   return (count + pairs_at_once - 1) / pairs_at_once;
 }
 
-// Asks for the rows of `values` [node][xyz] of the nodes of pairs [begin, end).
+// Asks for the rows of `values` [node][xyz] of the nodes of pairs.
 template <class NodeView>
 KOKKOS_INLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces,
-                                          const NodeView& values, std::int64_t begin,
-                                          std::int64_t end) {
-  for (std::int64_t i = begin; i < end; ++i)
-    faces.prefetchFace(pairs.interactions(i).face_index);
-  for (std::int64_t i = begin; i < end; ++i) {
-    const Interaction& pair = pairs.interactions(i);
+                                          const NodeView& values, const std::int64_t* numbers,
+                                          int count) {
+  for (int w = 0; w < count; ++w) {
+    const Interaction& pair = pairs.interactions(numbers[w]);
+    prefetch(&pair.depth);
+    prefetch(&pair.normal);
+    faces.prefetchFace(pair.face_index);
+  }
+  for (int w = 0; w < count; ++w) {
+    const Interaction& pair = pairs.interactions(numbers[w]);
     faces.prefetchRow(values, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, values);
   }
 }
 
-// Returns the number of forces that do not fit, 0 or 1.
-KOKKOS_INLINE_FUNCTION int correctForce(const ContactHistory& pairs, const CorrectPair& correct,
-                                        const PairForces& add, std::int64_t i) {
+// Whether anything of what a pair acts on has changed; of ghosts that is not known.
+KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess& faces,
+                                       const View<const unsigned char*>& has_changed) {
+  if (!faces.isOwn(pair.face_index))
+    return true;
+  unsigned any = has_changed(pair.point.node[0]) | has_changed(pair.point.node[1]);
+  for (int j = 0; j < 4; ++j)
+    any |= has_changed(faces.surface.face_to_nodes(pair.face_index, j));
+  return any != 0;
+}
+
+// Returns whether it has changed anything; counts a force that does not fit.
+KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
+                                         const PairForces& add, std::int64_t i, std::int64_t& bad) {
   Interaction& pair = pairs.interactions(i);
   if (pair.first_force == 0)
-    return 0;
+    return false;
   const CorrectPair::Correction corrected = correct.of(pairs, i);
   if (!corrected.changes(pair))
-    return 0;
+    return false;
   PairQuanta quanta;
   const bool did_fit = add.round(pairs, i, quanta);
   if (did_fit)
     add.add(pair, quanta, -1);
   correct.apply(corrected, pairs, i);
-  if (!add.round(pairs, i, quanta))
-    return did_fit; // else it has been counted
-  add.add(pair, quanta, 1);
-  return 0;
+  if (add.round(pairs, i, quanta))
+    add.add(pair, quanta, 1);
+  else
+    bad += did_fit; // else it has been counted
+  return true;
 }
 
 } // namespace
@@ -106,20 +122,30 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
 std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                            const StepLengths& steps, double relaxation,
                                            const View<double* [3]>& accelerations,
-                                           const View<double* [12]>& ghost_accelerations) {
+                                           const View<double* [12]>& ghost_accelerations,
+                                           const View<const unsigned char*>& has_changed) {
   std::int64_t invalid = 0;
   const ContactHistory pairs = _next;
   const PairForces add = pairForces(space, faces);
   const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
                             steps.next_dt, _config.friction,    relaxation};
+  growTo(space, _is_unsettled, static_cast<std::int64_t>(pairs.interactions.extent(0)));
+  const auto is_unsettled = _is_unsettled;
+  const bool knows_changes = has_changed.extent(0) > 0;
   Kokkos::parallel_reduce(
       "contact::correctForces", over(space, numParts(pairs.count)),
       KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        prefetchPairs(pairs, faces, accelerations, begin, end);
+        std::int64_t wanted[pairs_at_once];
+        int num_wanted = 0;
         for (std::int64_t i = begin; i < end; ++i)
-          bad += correctForce(pairs, correct, add, i);
+          if (!knows_changes || is_unsettled(i) ||
+              hasChanged(pairs.interactions(i), faces, has_changed))
+            wanted[num_wanted++] = i;
+        prefetchPairs(pairs, faces, accelerations, wanted, num_wanted);
+        for (int w = 0; w < num_wanted; ++w)
+          is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], bad);
       },
       invalid);
   return invalid;

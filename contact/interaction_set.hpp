@@ -41,11 +41,13 @@ public:
   void selectNone(const exec_space& space, const FaceAccess& faces);
 
   // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
-  // is changed where they are. Returns the number that does not fit.
+  // is changed where they are. Returns the number that does not fit. `has_changed` [surface node], in rounds after the first:
+  // whose accelerations have changed since the last one; a pair that neither they nor the last round changed stays as it is.
   std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
                              const StepLengths& steps, double relaxation,
                              const View<double* [3]>& accelerations,
-                             const View<double* [12]>& ghost_accelerations);
+                             const View<double* [12]>& ghost_accelerations,
+                             const View<const unsigned char*>& has_changed = {});
 
   // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.
   void setReferenceStep(double dt) { _config.reference_step = dt; }
@@ -65,6 +67,7 @@ private:
   EnforcementConfig _config;
   Quantum _quantum;
   int _face_corners = 4;
+  View<unsigned char*> _is_unsettled; // [as interactions] the last round has changed it
   ContactHistory _history, _next; // of the last step and of the present one, in turn
   View<std::int64_t> _next_count;
   ContactForces _forces;

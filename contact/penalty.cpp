@@ -21,16 +21,22 @@ void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_ro
       });
 }
 
-// Accelerations by all forces: those given, and the contact totals.
+// Accelerations by all forces: those given, and the contact totals; and which of them have changed.
 void accelerate(const exec_space& space, int num_nodes, const View<const double* [3]>& by_others,
                 const View<std::int64_t* [3]>& contact_totals, const Quantum& quantum,
-                const View<const double*>& node_mass, const View<double* [3]>& accelerations) {
+                const View<const double*>& node_mass, const View<double* [3]>& accelerations,
+                const View<unsigned char*>& has_changed) {
   Kokkos::parallel_for(
       "contact::accelerate", over(space, num_nodes), KOKKOS_LAMBDA(const std::int64_t node) {
         const double per_quantum = quantum.value / node_mass(node);
-        for (int d = 0; d < 3; ++d)
-          accelerations(node, d) =
+        bool is_same = true;
+        for (int d = 0; d < 3; ++d) {
+          const double acceleration =
               by_others(node, d) + static_cast<double>(contact_totals(node, d)) * per_quantum;
+          is_same &= sameBits(acceleration, accelerations(node, d));
+          accelerations(node, d) = acceleration;
+        }
+        has_changed(node) = !is_same;
       });
 }
 
@@ -57,6 +63,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _accelerations =
       View<double* [3]>("contact::Enforcement::accelerations",
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
+  _has_changed =
+      View<unsigned char*>("contact::Enforcement::has_changed", _accelerations.extent(0));
   _ghost_accelerations = View<double* [12]>("contact::Enforcement::ghost_accelerations", 0);
 }
 
@@ -175,10 +183,11 @@ void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
     collectForces(space, faces, edges);
     neutral->sum_forces(_forces);
     accelerate(space, faces.surface.num_nodes, by_others, _forces.nodes, _quantum, _node_mass,
-               _accelerations);
+               _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     sums.nodes.invalid +=
-        _set.correctForces(space, faces, steps, relaxation, _accelerations, _ghost_accelerations);
+        _set.correctForces(space, faces, steps, relaxation, _accelerations, _ghost_accelerations,
+                           round > 0 ? _has_changed : View<unsigned char*>());
     if (edges != nullptr)
       sums.edges.invalid += edges->correctForces(space, steps, relaxation, _accelerations);
   }

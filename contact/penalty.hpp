@@ -108,6 +108,7 @@ private:
   View<unsigned char*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;
+  View<unsigned char*> _has_changed; // [surface node] its acceleration, since the last round
   View<double* [12]> _ghost_accelerations;
 };
 

@@ -2,21 +2,8 @@
 #include "contact/still_parts.hpp"
 
 #include <cmath>
-#include <cstring>
 
 namespace brickwall::contact {
-namespace {
-
-// By bits: 0 and -0 differ, and so what is kept is what would be computed.
-KOKKOS_INLINE_FUNCTION bool sameBits(double a, double b) {
-  std::int64_t p, q;
-  memcpy(&p, &a, sizeof p);
-  memcpy(&q, &b, sizeof q);
-  return p == q;
-}
-
-} // namespace
-
 StillParts::StillParts(const exec_space& space, const std::string& label, const Surface& surface,
                        int num_points)
     : _num_points(num_points),

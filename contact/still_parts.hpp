@@ -5,7 +5,17 @@
 
 #include "contact/surface.hpp"
 
+#include <cstring>
+
 namespace brickwall::contact {
+
+// 0 and -0 differ: what is kept then is what would be computed.
+KOKKOS_INLINE_FUNCTION bool sameBits(double a, double b) {
+  std::int64_t p, q;
+  memcpy(&p, &a, sizeof p);
+  memcpy(&q, &b, sizeof q);
+  return p == q;
+}
 
 // For kernels. Ghosts are never still.
 struct StillFlags {
