@@ -8,7 +8,8 @@ from framework.figures import EXACT, draw_slope
 NAME = "V2"
 TITLE = "impact of two equal bars"
 DECK = "v02_two_bars.toml"
-# Relative errors of T that another code had at the same settings, with a margin of a tenth.
+# Relative errors of T that another code had at the same settings, with a margin of a tenth; half a step comes on top, for T is
+# the time of a step.
 DURATION_ERRORS = {20: 0.064, 40: 0.039, 80: 0.02, 160: 0.011}
 
 
@@ -24,9 +25,10 @@ def evaluate(lab):
     plateaus = {n: mean_between(bars.times, bars.force[1], 0.5, 1.5) for n, bars in impacts.items()}
     finest = meshes[-1]
 
-    lab.check(durations[finest], exact_time, DURATION_ERRORS[finest])
+    allowed = {n: DURATION_ERRORS[n] + 0.5 * bars.times[1] / exact_time for n, bars in impacts.items()}
+    lab.check(durations[finest], exact_time, allowed[finest])
     for n in meshes[:-1]:
-        lab.check(durations[n], exact_time, DURATION_ERRORS[n], f"duration_n{n}")
+        lab.check(durations[n], exact_time, allowed[n], f"duration_n{n}")
     # 1 for the penalty's spring, 2/3 for the smeared front that ends the contact; T is known to one step.
     lab.check_order([1 / n for n in meshes], list(errors.values()), least=0.6, exact=1, name="duration_order")
     for n in (n for n in meshes if n >= 80):
