@@ -87,6 +87,7 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
     ++result.groups.back().count;
     ElementChunk chunk;
     chunk.first_pack = static_cast<int>(packs.size());
+    chunk.body = cut.body;
     chunk.block = cut.block;
     chunk.lattice = lattice_of_body[cut.body];
     result.all_in_lattices = result.all_in_lattices && chunk.lattice >= 0;

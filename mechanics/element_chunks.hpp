@@ -17,6 +17,7 @@ struct ElementPack {
 // Packs [first_pack, first_pack + num_packs) of one body and one block.
 struct ElementChunk {
   int first_pack = 0, num_packs = 0;
+  int body = 0; // row of HexMesh::bodies
   int block = 0;
   int lattice =
       -1; // the body's row in the table of lattices, where sweeps over these may handle the elements instead

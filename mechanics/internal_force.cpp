@@ -97,7 +97,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
   const bool skips_lattices = !viscosity.any() && !_lattices.on_host.empty();
   ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
                            viscosity,   _quantum.inverse, _energy_scale, 0,
-                           with_energy, skips_lattices};
+                           with_energy, skips_lattices,   _is_resting};
   for (const ChunkGroup& group : _groups) {
     if (skips_lattices && _all_in_lattices)
       break;

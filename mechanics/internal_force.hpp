@@ -76,6 +76,10 @@ public:
                           const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
                           const NodalForces& forces, bool with_energy);
 
+  // From now on add() leaves out the elements of the bodies [row of HexMesh::bodies] that are marked at that time: those that rest
+  // (resting_bodies.hpp).
+  void leaveOutResting(const View<const int*>& is_resting) { _is_resting = is_resting; }
+
   // The elements of free bricks, which add() leaves out, as add() would.
   void addLeftOut(const exec_space& space, const View<const double* [3]>& displacement,
                   const NodalForces& forces) const;
@@ -112,6 +116,7 @@ private:
   LatticeTables _lattices; // empty on devices and for full integration
   View<LatticeSlab*> _slabs, _left_out; // of what add() sweeps, and of what it leaves out
   std::vector<ChunkGroup> _groups;
+  View<const int*> _is_resting;
   bool _all_in_lattices = false;
   int _threads = 1;
   ElementKind _kind;

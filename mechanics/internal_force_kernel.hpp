@@ -50,6 +50,11 @@ struct ForceArguments {
   int first_chunk;
   bool with_energy;
   bool skips_lattices;
+  View<const int*> is_resting = {}; // [body]; empty: none rests
+
+  KOKKOS_INLINE_FUNCTION bool rests(int body) const {
+    return is_resting.extent(0) > 0 && is_resting(body) != 0;
+  }
 };
 
 struct ForceSums {
@@ -227,7 +232,7 @@ struct ForceFunctor {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c, ForceSums& sums) const {
     const ElementChunk chunk = a.tables.chunks(a.first_chunk + c);
-    if (a.skips_lattices && chunk.lattice >= 0)
+    if ((a.skips_lattices && chunk.lattice >= 0) || a.rests(chunk.body))
       return;
     const Material material = a.tables.mesh.materials(chunk.block);
     if constexpr (kind == ElementKind::one_point) {

@@ -42,6 +42,8 @@ struct LatticeForceFunctor {
   void operator()(const std::int64_t s, ForceSums& sums) const {
     const LatticeSlab slab = slabs(s);
     const BrickLattice lattice = tables.lattices(slab.lattice);
+    if (a.rests(lattice.body))
+      return;
     ForcePlanes<W> planes{lattice, a};
     const auto thread = token.acquire();
     sweepSlab<W>(lattice, slab, a, &tables.scratch(thread, 0), sums, planes);

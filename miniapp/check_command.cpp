@@ -6,6 +6,7 @@
 #include "miniapp/scene.hpp"
 #include "miniapp/search_choice.hpp"
 #include "miniapp/simulation.hpp"
+#include "miniapp/spared.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -58,6 +59,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const std::int64_t congruent = simulation.numCongruentElems();
   const bool all_congruent = congruent == scene.part.num_global_elems;
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
+  const auto spared = sparedParts(small, simulation, scene.part.num_global_elems);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
     return 0;
@@ -112,6 +114,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
         count(simulation.stepGain().body_types));
   else
     std::printf("  time step         %g, by elements\n", simulation.clock().dt);
+  for (const Spared& part : spared)
+    if (part.share > 0)
+      std::printf("  spared            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+                  part.of.c_str());
   std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
               config.time.end);
   std::printf(

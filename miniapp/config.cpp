@@ -286,6 +286,10 @@ void readMethods(const Deck& deck, Config& config) {
   config.search.local = deck.boolean("search", "local");
   config.search.shuffle = deck.boolean("search", "shuffle");
 
+  config.spare.resting_bodies = deck.boolean("spare", "resting_bodies");
+  config.spare.free_bricks = deck.boolean("spare", "free_bricks");
+  config.spare.lattices = deck.boolean("spare", "lattices");
+
   config.time.end = deck.real("time", "end");
   config.time.safety = deck.real("time", "safety");
   config.time.bound = choice<StepBound>(deck, "time", "bound", {"lanczos", "element"});

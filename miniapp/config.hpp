@@ -143,6 +143,13 @@ struct SearchConfig {
   bool shuffle = false; // local nodes and faces in no useful order, `brickwall search` only
 };
 
+// [spare]: what a scene does not need is left out, bit for bit the same
+struct SpareConfig {
+  bool resting_bodies = true; // mechanics/resting_bodies.hpp
+  bool free_bricks = true; // mechanics/free_bricks.hpp
+  bool lattices = true; // mechanics/brick_lattice.hpp
+};
+
 // [time]
 // What the stable step is that of: whole bodies (mechanics/largest_frequency.hpp), or the worst element by itself.
 enum class StepBound { lanczos, element };
@@ -181,6 +188,7 @@ struct Config {
   std::vector<InitialDeformationConfig> initial_deformations;
   ContactConfig contact;
   SearchConfig search;
+  SpareConfig spare;
   TimeConfig time;
   OutputConfig output;
   LimitsConfig limits;

@@ -229,6 +229,16 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("0.0")
             .atLeast(0)
             .atMost(10)}},
+      {"spare",
+       BlockKind::single,
+       "what the scene does not need is left out; no bit depends on it",
+       {boolean("resting_bodies", "elements and nodes of bodies that nothing has moved yet")
+            .byDefault("true"),
+        boolean("free_bricks",
+                "forces and loads of bricks that step by themselves, without contact")
+            .byDefault("true"),
+        boolean("lattices", "connectivity of bricks whose elements are a lattice")
+            .byDefault("true")}},
       {"time",
        BlockKind::single,
        "steps in time",

@@ -200,6 +200,10 @@ std::string reportJson(const RunReport& r) {
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = toJson(r.balance);
+  json["spared"] = nlohmann::ordered_json::array();
+  for (const SparedReport& part : r.spared)
+    json["spared"].push_back(
+        {{"what", part.what}, {"share", part.share}, {"of", part.of}, {"key", part.key}});
   // As text: a number of JSON need not have 64 bits.
   const auto hex = [](std::uint64_t sum) {
     return format("%016llx", static_cast<unsigned long long>(sum));
@@ -279,6 +283,10 @@ void printReport(std::ostream& out, const RunReport& r) {
                   static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
   printBalance(out, r.balance);
+  for (const SparedReport& part : r.spared)
+    if (part.share > 0)
+      out << format("spared: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+                    part.of.c_str());
   for (std::size_t i = r.warnings_told; i < r.warnings.size(); ++i)
     out << "warning: " << r.warnings[i] << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "

@@ -70,6 +70,12 @@ struct StepReport {
   std::int64_t guarded_steps = 0; // steps whose pairs were looked at because some nodes moved fast
 };
 
+// miniapp/spared.hpp.
+struct SparedReport {
+  std::string what, of, key;
+  double share = 0;
+};
+
 // Simulation::checksums.
 struct ChecksumReport {
   std::uint64_t nodes = 0, contacts = 0;
@@ -91,6 +97,7 @@ struct RunReport {
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
   SearchReport search;
   StepReport time_step;
+  std::vector<SparedReport> spared;
   ChecksumReport checksums;
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes

@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "miniapp/search_choice.hpp"
+#include "miniapp/spared.hpp"
 
 namespace brickwall::miniapp {
 
@@ -87,6 +88,8 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
+  for (const Spared& part : sparedParts(config, simulation, report.elements))
+    report.spared.push_back({part.what, part.of, part.key, part.share});
   const Checksums sums = simulation.checksums();
   report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);

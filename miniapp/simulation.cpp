@@ -70,11 +70,11 @@ void Simulation::moveNodes() {
   keepPositionsWhereFast();
   const Region region("step::drift");
   // Free bricks drift while they are swept, unless someone looks at the positions before.
-  _free_have_drifted = !_free_bricks.any() || checksStableStep(_clock.step + 1);
+  _free_have_drifted = _free_bricks.any() && checksStableStep(_clock.step + 1);
   if (_free_have_drifted)
     mechanics::drift(_space, _clock.dt, _state);
   else
-    mechanics::drift(_space, _clock.dt, _state, _other_nodes);
+    mechanics::drift(_space, _clock.dt, _state, movingNodes());
   if (_coupling)
     _coupling->gatherCoordinates(_space, _state.displacement);
   _clock.advance();
@@ -129,6 +129,7 @@ void Simulation::computeForces(double time) {
     _forces.values = View<std::int64_t**>(); // needed for output only
   {
     const Region region("step::internal force");
+    _spared_element_steps += _resting.numElems();
     _internal = _internal_force->add(_space, _state.displacement, _state.velocity,
                                      _config.viscosity, _forces, true);
   }
@@ -173,12 +174,18 @@ void Simulation::enforceContact(double dt) {
   _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
 }
 
+// All nodes but those of bricks that step by themselves and of bodies at rest.
+const mechanics::NodeSelection& Simulation::movingNodes() const {
+  return _resting.any() ? _resting.movingNodes() : _other_nodes;
+}
+
 void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
   {
     const Region region("step::kick");
+    _resting.wake(_space, _forces);
     _kick =
         mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces, _state,
-                        _scales, _guard.speedTest(_ledger.meanVelocity()), _other_nodes);
+                        _scales, _guard.speedTest(_ledger.meanVelocity()), movingNodes());
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, time_of_velocity);
@@ -197,7 +204,8 @@ void Simulation::stepFreeBricks(double dt_kick, double time_of_velocity) {
 // Bricks that nothing but their own forces, gravity and prescribed motions moves.
 void Simulation::freeBricks() {
   _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
-  if (_config.contact.enabled || _config.viscosity.any() || !host_accessible)
+  if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
+      !_config.spare.free_bricks)
     return;
   std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
   for (const auto& load : _loads) {
@@ -209,6 +217,24 @@ void Simulation::freeBricks() {
   _free_bricks = mechanics::FreeBricks(_space, _scene.mesh, *_internal_force, is_loaded);
   if (_free_bricks.any())
     _other_nodes = _free_bricks.otherNodes();
+}
+
+// Forces reach a body by its surface, and this rank's part of it by shared nodes. Without contact few bodies ever wake.
+void Simulation::restBodies() {
+  if (!_config.spare.resting_bodies || !_config.contact.enabled)
+    return;
+  std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);
+  const auto surface =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _scene.skin.surface_to_node);
+  for (std::size_t s = 0; s < surface.extent(0); ++s)
+    may_be_pushed[surface(s)] = 1;
+  for (const auto& nodes : sharedNodes(_scene.part).nodes)
+    for (const int node : nodes)
+      may_be_pushed[node] = 1;
+  _resting =
+      mechanics::RestingBodies(_space, _scene.mesh, _state, prescribedMotions(_config, _scene.part),
+                               _boundary.gravity(), may_be_pushed);
+  _internal_force->leaveOutResting(_resting.flags());
 }
 
 void Simulation::allocateForces() {
@@ -289,14 +315,15 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _scales = mechanics::ledgerScales(_space, comm, mesh);
   const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
                                                             : mechanics::ElementKind::full;
-  _internal_force = std::make_unique<mechanics::InternalForce>(_space, comm, mesh, kind,
-                                                               _forces.quantum, _scales.energy);
+  _internal_force = std::make_unique<mechanics::InternalForce>(
+      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
   _loads = pressureLoads(_space, config, scene);
   freeBricks();
   for (const MaterialConfig& material : config.materials)
     _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
+  restBodies();
 
   setStepLimits();
   planSteps(longestStepAtStart());
@@ -396,10 +423,22 @@ GaugeValues Simulation::gauges() {
   return values;
 }
 
+std::int64_t Simulation::numRestingElems() const {
+  return allReduce(_comm, _resting.numElems(), MPI_SUM);
+}
+std::int64_t Simulation::sparedElementSteps() const {
+  return allReduce(_comm, _spared_element_steps, MPI_SUM);
+}
 std::int64_t Simulation::numFreeElems() const {
   return allReduce(_comm, _free_bricks.numElems(), MPI_SUM);
 }
 
+std::int64_t Simulation::numLatticeElems() const {
+  std::int64_t count = 0;
+  for (const auto& lattice : _internal_force->lattices().on_host)
+    count += lattice.numElems();
+  return allReduce(_comm, _config.viscosity.any() ? 0 : count, MPI_SUM);
+}
 std::int64_t Simulation::numCongruentElems() const {
   return allReduce(_comm, _internal_force->numCongruentElems(), MPI_SUM);
 }

@@ -11,6 +11,7 @@
 #include "mechanics/largest_frequency.hpp"
 #include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
+#include "mechanics/resting_bodies.hpp"
 #include "mechanics/stable_time_step.hpp"
 #include "miniapp/contact_ledger.hpp"
 #include "miniapp/scene.hpp"
@@ -124,6 +125,11 @@ public:
   Checksums checksums() const;
   bool dropsSameBody() const { return _drops_same_body; }
   std::int64_t numCongruentElems() const; // of all ranks; collective
+  std::int64_t numLatticeElems() const; // swept plane by plane; of all ranks; collective
+  std::int64_t
+  numRestingElems() const; // of bodies that nothing has moved yet; of all ranks; collective
+  std::int64_t
+  sparedElementSteps() const; // of bodies at rest, since the start; of all ranks; collective
   std::int64_t numFreeElems() const; // of bricks that step by themselves; of all ranks; collective
 
 private:
@@ -147,6 +153,8 @@ private:
   void reachAsDeepAsContacts(); // collective
   void allocateForces();
   void freeBricks();
+  void restBodies();
+  const mechanics::NodeSelection& movingNodes() const;
   void stepFreeBricks(double dt_kick, double time_of_velocity);
   void computeForces(double time);
   void enforceContact(double dt);
@@ -181,6 +189,8 @@ private:
   mechanics::SharedNodeSum _shared;
   std::unique_ptr<mechanics::InternalForce> _internal_force;
   mechanics::FreeBricks _free_bricks; // none with contact or viscosity
+  mechanics::RestingBodies _resting; // none without contact
+  std::int64_t _spared_element_steps = 0; // here
   mechanics::NodeSelection _other_nodes;
   bool _free_have_drifted = true, _has_all_forces = true; // in the step under way
   std::vector<mechanics::PressureLoad> _loads;
