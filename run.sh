@@ -32,6 +32,7 @@ Studies are many runs; they leave tables and plots in their folder (default out/
   --study accuracy    speed against error: a wall and exact cases over meshes and settings (--quick;
                       verification/accuracy/README.md)
   --study same-bits   the default wall on many ranks and threads, with kept lists and without: the same bits (--quick)
+  --study savings     what scenes do not need, put back part by part: the same bits, and what leaving it out saves (--quick)
 
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
@@ -74,7 +75,8 @@ choose_study() {
     verification | stability) driver=("$root/verification/verify.py" "$1") ;;
     accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
     same-bits) driver=("$root/verification/same_bits.py") ;;
-    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy, same-bits" ;;
+    savings) driver=("$root/verification/savings.py") ;;
+    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy, same-bits, savings" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }

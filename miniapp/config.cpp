@@ -289,6 +289,7 @@ void readMethods(const Deck& deck, Config& config) {
   config.spare.resting_bodies = deck.boolean("spare", "resting_bodies");
   config.spare.free_bricks = deck.boolean("spare", "free_bricks");
   config.spare.lattices = deck.boolean("spare", "lattices");
+  config.spare.still_contact = deck.boolean("spare", "still_contact");
 
   config.time.end = deck.real("time", "end");
   config.time.safety = deck.real("time", "safety");

@@ -238,6 +238,8 @@ std::vector<BlockRule> methodBlocks() {
                 "forces and loads of bricks that step by themselves, without contact")
             .byDefault("true"),
         boolean("lattices", "connectivity of bricks whose elements are a lattice")
+            .byDefault("true"),
+        boolean("still_contact", "contact of nodes and faces that have not moved")
             .byDefault("true")}},
       {"time",
        BlockKind::single,

@@ -350,6 +350,7 @@ void Simulation::setUpContact() {
                            ? contact::Scheme::energy_neutral
                            : contact::Scheme::penalty;
   enforcement.penalty = _config.contact.penalty;
+  enforcement.leaves_out_still = _config.spare.still_contact;
   enforcement.reference_step = _clock.dt;
   enforcement.lateral_tolerance = _config.contact.lateral_tolerance;
   enforcement.edge_tolerance = _config.contact.edge_tolerance;

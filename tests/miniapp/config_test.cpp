@@ -83,7 +83,8 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.limits.stop[gauge_contact], HUGE_VAL);
   EXPECT_EQ(config.limits.warn[gauge_penetration], 0.1);
   EXPECT_EQ(config.search.audit, 0);
-  EXPECT_TRUE(config.spare.resting_bodies && config.spare.free_bricks && config.spare.lattices);
+  EXPECT_TRUE(config.spare.resting_bodies && config.spare.free_bricks && config.spare.lattices &&
+              config.spare.still_contact);
 }
 
 TEST(Config, ReadsEveryKey) {
@@ -112,6 +113,7 @@ TEST(Config, ReadsEveryKey) {
       "drift = 0.2\nrepetitions = 3\nwarmup = 0\nseed = 9\nshuffle = true\nlocal = false\n"
       "audit = 5\n"
       "[spare]\nresting_bodies = false\nfree_bricks = false\nlattices = false\n"
+      "still_contact = false\n"
       "[time]\nend = 1\nsafety = 0.5\nbound = \"element\"\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
       "precision = \"single\"\nprocessor_id = true\n"
@@ -119,7 +121,8 @@ TEST(Config, ReadsEveryKey) {
       "[limits.warn]\nhourglass_share = 0.3\ncontact_error = 0.01\n",
       "/decks/a.toml");
   EXPECT_EQ(config.title, "All");
-  EXPECT_FALSE(config.spare.resting_bodies || config.spare.free_bricks || config.spare.lattices);
+  EXPECT_FALSE(config.spare.resting_bodies || config.spare.free_bricks || config.spare.lattices ||
+               config.spare.still_contact);
   EXPECT_EQ(config.mesh->file, "/decks/sub/m.exo"); // relative to the deck
   ASSERT_EQ(config.materials.size(), 2u);
   EXPECT_EQ(config.materials[0].block, "a");
