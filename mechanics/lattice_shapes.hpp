@@ -33,13 +33,12 @@ public:
   template <class F>
   KOKKOS_FORCEINLINE_FUNCTION void with(int layer, int p, const F& f) const {
     constexpr int size = TlpsGeometry<PackOf<W>>::size;
-    const double* const stored =
-        &_a.tables.geometry(_first_row + layer * _layer_packs + p / W, 0, 0);
+    const int row = _first_row + layer * _layer_packs + p / W;
+    // All at once, before any of it is used: what is not there yet then comes in together; later rows after it.
+    TlpsGeometry<PackOf<W>> geometry;
+    loadGeometry(_a.tables, row, 0, geometry);
     for (int k = 0; k < size; ++k)
-      prefetchLine(stored + W * (k + 2 * size));
-    // Read in place: a copy would go through the stack. Rows are the packs of a TlpsGeometry in its order.
-    static_assert(sizeof(TlpsGeometry<PackOf<W>>) == size * W * sizeof(double));
-    const auto& geometry = *reinterpret_cast<const TlpsGeometry<PackOf<W>>*>(stored);
+      prefetchLine(&_a.tables.geometry(row, k, 0) + 3 * size * W);
     f(geometry, stiffnessOf(geometry, _moduli, _a.inverse_quantum));
   }
 
