@@ -84,9 +84,9 @@ struct EdgeTouch {
     return own_body <= body;
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
-  KOKKOS_INLINE_FUNCTION void prefetchFace(int) const {}
-  KOKKOS_INLINE_FUNCTION void prefetchHead(int) const {}
-  KOKKOS_INLINE_FUNCTION void prefetchNode(int) const {}
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int) const {}
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int) const {}
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int) const {}
   KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int edge) const {
     return faces.body(edge);
   }

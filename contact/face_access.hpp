@@ -51,7 +51,7 @@ struct FaceAccess {
     return q;
   }
   // Asks for what will be read of a face soon: first its corners' numbers and its attributes, then values of the corners.
-  KOKKOS_INLINE_FUNCTION void prefetchFace(int face) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     if (!isOwn(face))
       return;
     prefetch(&surface.face_to_nodes(face, 0));
@@ -59,13 +59,13 @@ struct FaceAccess {
     prefetch(&surface.face_attributes(face, surface.face_attributes.extent(1) - 1));
   }
   template <class NodeView>
-  KOKKOS_INLINE_FUNCTION void prefetchCorners(int face, const NodeView& of_nodes) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchCorners(int face, const NodeView& of_nodes) const {
     if (isOwn(face))
       for (int j = 0; j < 4; ++j)
         prefetchRow(of_nodes, surface.face_to_nodes(face, j));
   }
   template <class NodeView>
-  KOKKOS_INLINE_FUNCTION static void prefetchRow(const NodeView& rows, int row) {
+  KOKKOS_FORCEINLINE_FUNCTION static void prefetchRow(const NodeView& rows, int row) {
     prefetch(&rows(row, 0));
     prefetch(&rows(row, 2)); // in the next line, sometimes
   }

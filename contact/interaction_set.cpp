@@ -36,9 +36,9 @@ std::int64_t numParts(std::int64_t count) {
 
 // Asks for the rows of `values` [node][xyz] of the nodes of pairs.
 template <class NodeView>
-KOKKOS_INLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces,
-                                          const NodeView& values, const std::int64_t* numbers,
-                                          int count) {
+KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces,
+                                               const NodeView& values, const std::int64_t* numbers,
+                                               int count) {
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
     prefetch(&pair.depth);

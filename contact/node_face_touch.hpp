@@ -30,9 +30,11 @@ struct NodeFaceTouch {
 
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
-  KOKKOS_INLINE_FUNCTION void prefetchFace(int face) const { prefetch(&records(recordOf(face))); }
-  KOKKOS_INLINE_FUNCTION void prefetchHead(int node) const { prefetch(&around.offsets(node)); }
-  KOKKOS_INLINE_FUNCTION void prefetchNode(int node) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
+    prefetch(&records(recordOf(face)));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const { prefetch(&around.offsets(node)); }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int node) const {
     prefetch(&around.rows(around.offsets(node)));
     prefetch(&node_mass(node));
   }

@@ -105,12 +105,12 @@ struct SelectInteractions {
     finish(work, sums);
   }
   // What is read of a row comes from many places: all of them are asked for before any is waited for.
-  KOKKOS_INLINE_FUNCTION void prefetchHead(int node) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     touch.prefetchHead(node);
     prefetch(&previous.row_count(node));
     prefetch(&previous.row_begin(node));
   }
-  KOKKOS_INLINE_FUNCTION void prefetchRow(std::int64_t row) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = pairs.node(row);
     const std::int64_t end = pairs.end(row);
     for (std::int64_t p = pairs.begin(row); p < end; ++p)

@@ -52,7 +52,7 @@ struct RefitCluster {
     all.owned_nodes.include(of_owned);
   }
 
-  KOKKOS_INLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
     if (cluster_size == 1 || first + cluster_size > num_nodes)
       return;
     for (int lane = 0; lane < cluster_size; ++lane) {

@@ -14,7 +14,7 @@ KOKKOS_INLINE_FUNCTION unsigned lanesOverlapping(const float* block, const Float
   return lanesWithin<block_size, Strict>(block, reach.side);
 }
 
-KOKKOS_INLINE_FUNCTION void prefetchBlock(const float* block) {
+KOKKOS_FORCEINLINE_FUNCTION void prefetchBlock(const float* block) {
   constexpr int line = 16; // floats of a cache line
   for (int i = 0; i < block_floats; i += line)
     prefetch(block + i);

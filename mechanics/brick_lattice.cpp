@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include <map>
+
 namespace brickwall::mechanics {
 
 namespace {
@@ -49,9 +51,12 @@ std::vector<BrickLattice> findBrickLattices(const exec_space& space, const HexMe
   const HostMesh host = copyToHost(space, mesh);
   std::vector<BrickLattice> lattices;
   int geometry_rows = 0;
+  std::map<global_id, int> rows; // of a body: several lattices of one would share nodes
+  for (const ElementRange& body : mesh.bodies)
+    ++rows[body.body];
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
     BrickLattice lattice = guessLattice(host, mesh.bodies[b]);
-    if (!isLattice(host, lattice))
+    if (rows[mesh.bodies[b].body] > 1 || !isLattice(host, lattice))
       continue;
     lattice.body = static_cast<int>(b);
     lattice.is_whole = shapes[b].whole;

@@ -6,7 +6,7 @@
 //     j=0   e e e e|-  ->     p = 0 .. 4, 5 .. 9, ...
 //
 // Elements are those of the other kernels, bit for bit, and integers add up in any order, so the forces are theirs too.
-// Host code. Included by internal_force.cpp and free_bricks.cpp only.
+// Host code. Included by lattice_force.cpp and free_bricks.cpp only.
 #pragma once
 
 #include "mechanics/lane_sums.hpp"

@@ -89,7 +89,7 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
   if constexpr (simd_width > 1)
     Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.numRuns()),
                             KickRuns<kinds, simd_width>{functor, nodes}, Combine<KickSums>(sums));
-  else // a device, which has no free bricks that would leave only some nodes
+  else // a device: all nodes; those that are left out are at rest and stay so
     Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.num_nodes), functor,
                             Combine<KickSums>(sums));
   space.fence();

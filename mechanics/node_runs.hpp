@@ -13,7 +13,7 @@ struct NodeSelection {
   static constexpr int nodes_per_run = 1024;
 
   bool all = true;
-  int num_nodes = 0; // when all
+  int num_nodes = 0; // of the mesh
   View<const NodeRun*> runs; // else; none longer than nodes_per_run
 
   static NodeSelection allOf(int num_nodes) {

@@ -235,15 +235,6 @@ inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
   return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
 }
 
-// The same of numbers that are known to be in the range.
-template <int W>
-inline IntPackOf<W> toFixedInRange(const PackOf<W>& quanta) {
-  typename PackOf<W>::vector rounded;
-  for (int lane = 0; lane < W; ++lane)
-    rounded[lane] = __builtin_rint(quanta.v[lane]);
-  return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
-}
-
 // Rounds many numbers to nearest integers, ties to even, by adding 1.5 * 2^52, and remembers whether all were in [-2^51, 2^51).
 template <int W>
 class Rounding {

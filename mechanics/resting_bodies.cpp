@@ -2,17 +2,30 @@
 
 #include "mechanics/host_mesh.hpp"
 
+#include <cmath>
+#include <map>
+
 namespace brickwall::mechanics {
 
 namespace {
 
-// [node] row of its body; `none` for a node of no element here.
-std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh, int none) {
+// The first row of each row's body: where a body has several blocks, its elements need not follow each other.
+std::vector<int> firstRows(const HexMesh& mesh) {
+  std::map<global_id, int> first;
+  std::vector<int> rows;
+  for (std::size_t b = 0; b < mesh.bodies.size(); ++b)
+    rows.push_back(first.emplace(mesh.bodies[b].body, static_cast<int>(b)).first->second);
+  return rows;
+}
+
+// [node] first row of its body; `none` for a node of no element here.
+std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh,
+                             const std::vector<int>& first_row, int none) {
   std::vector<int> body_of(mesh.num_nodes, none);
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b)
     for (int e = mesh.bodies[b].first; e < mesh.bodies[b].first + mesh.bodies[b].count; ++e)
       for (int c = 0; c < 8; ++c)
-        body_of[host.elem_to_nodes(e, c)] = static_cast<int>(b);
+        body_of[host.elem_to_nodes(e, c)] = first_row[b];
   return body_of;
 }
 
@@ -23,8 +36,12 @@ void addNode(int node, std::vector<NodeRun>& runs) {
   ++runs.back().count;
 }
 
+// A zero below zero counts: a kick makes it a plain one.
 bool moves(const View<double* [3]>::HostMirror& field, int node) {
-  return field(node, 0) != 0 || field(node, 1) != 0 || field(node, 2) != 0;
+  bool any = false;
+  for (int i = 0; i < 3; ++i)
+    any = any || field(node, i) != 0 || std::signbit(field(node, i));
+  return any;
 }
 
 } // namespace
@@ -32,9 +49,9 @@ bool moves(const View<double* [3]>::HostMirror& field, int node) {
 RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const NodalState& state,
                              const std::vector<PrescribedMotion>& motions, const Vec3& gravity,
                              const std::vector<char>& may_be_pushed)
-    : _num_nodes(mesh.num_nodes) {
+    : _first_row(firstRows(mesh)), _num_nodes(mesh.num_nodes) {
   const int num_bodies = static_cast<int>(mesh.bodies.size());
-  const auto body_of = bodyOfNodes(copyToHost(space, mesh), mesh, num_bodies);
+  const auto body_of = bodyOfNodes(copyToHost(space, mesh), mesh, _first_row, num_bodies);
   const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.displacement);
   const auto v = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.velocity);
   std::vector<int> rests(num_bodies + 1, dot(gravity, gravity) == 0);
@@ -59,9 +76,12 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
   }
   for (const auto& runs : _runs)
     num_runs += runs.size();
-  for (const ElementRange& body : mesh.bodies)
-    _elems.push_back(body.count);
   rests.pop_back();
+  for (int b = 0; b < num_bodies; ++b) {
+    _elems.push_back(mesh.bodies[b].count);
+    rests[b] = rests[_first_row[b]];
+    _has_several_rows = _has_several_rows || _first_row[b] != b;
+  }
   _flags = copyToDevice(space, "mechanics::RestingBodies::flags", rests);
   _constant_flags = _flags;
   _host_flags = Kokkos::View<int*, Kokkos::HostSpace>("mechanics::RestingBodies::host_flags",
@@ -79,6 +99,10 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
 void RestingBodies::selectMoving(const exec_space& space) {
   space.fence();
   Kokkos::deep_copy(_host_flags, _flags);
+  for (std::size_t b = 0; b < _elems.size(); ++b)
+    _host_flags(b) = _host_flags(_first_row[b]);
+  if (_has_several_rows)
+    Kokkos::deep_copy(_flags, _host_flags);
   _num_elems = 0;
   std::size_t count = 0;
   for (std::size_t b = 0; b < _runs.size(); ++b) {

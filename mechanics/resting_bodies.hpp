@@ -20,12 +20,10 @@ public:
 
   bool any() const { return _num_elems > 0; }
   std::int64_t numElems() const { return _num_elems; } // of those that rest
-  const View<const int*>& flags() const {
-    return _constant_flags;
-  } // [row of HexMesh::bodies] 1: rests
-  const NodeSelection& movingNodes() const {
-    return _moving;
-  } // all nodes but those of bodies that rest
+  // [row of HexMesh::bodies] 1: rests; rows of one body rest and wake together.
+  const View<const int*>& flags() const { return _constant_flags; }
+  // All nodes but those of bodies that rest.
+  const NodeSelection& movingNodes() const { return _moving; }
 
   // Bodies on which `forces` act, all of this step, rest no more. Before the kick. Not collective; fences.
   void wake(const exec_space& space, const NodalForces& forces);
@@ -36,10 +34,12 @@ private:
   View<int*> _flags;
   View<const int*> _constant_flags;
   Kokkos::View<int*, Kokkos::HostSpace> _host_flags;
-  View<int*> _watched,
-      _body_of_watched; // nodes of bodies that rested at the start, where a force may act first
-  std::vector<std::vector<NodeRun>> _runs; // [body], and those of nodes without a body
-  std::vector<int> _elems; // [body]
+  // Nodes of bodies that rested at the start, where a force may act first, and the first row of their body.
+  View<int*> _watched, _body_of_watched;
+  std::vector<int> _first_row; // [row] of the same body
+  bool _has_several_rows = false; // some body
+  std::vector<std::vector<NodeRun>> _runs; // [first row of a body], and those of nodes without a body
+  std::vector<int> _elems; // [row]
   View<NodeRun*> _moving_runs; // as many as fit all nodes
   Kokkos::View<NodeRun*, Kokkos::HostSpace> _host_runs;
   NodeSelection _moving;

@@ -71,7 +71,7 @@ void Simulation::moveNodes() {
   const Region region("step::drift");
   // Free bricks drift while they are swept, unless someone looks at the positions before.
   _free_have_drifted = _free_bricks.any() && checksStableStep(_clock.step + 1);
-  if (_free_have_drifted)
+  if (_free_have_drifted || movingNodes().all || !host_accessible)
     mechanics::drift(_space, _clock.dt, _state);
   else
     mechanics::drift(_space, _clock.dt, _state, movingNodes());
@@ -129,7 +129,7 @@ void Simulation::computeForces(double time) {
     _forces.values = View<std::int64_t**>(); // needed for output only
   {
     const Region region("step::internal force");
-    _spared_element_steps += _resting.numElems();
+    _resting_elems = _resting.numElems();
     _internal = _internal_force->add(_space, _state.displacement, _state.velocity,
                                      _config.viscosity, _forces, true);
   }
@@ -183,9 +183,13 @@ void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
   {
     const Region region("step::kick");
     _resting.wake(_space, _forces);
+    const mechanics::SpeedTest test = _guard.speedTest(_ledger.meanVelocity());
     _kick =
         mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces, _state,
-                        _scales, _guard.speedTest(_ledger.meanVelocity()), movingNodes());
+                        _scales, test, movingNodes());
+    // Against the mean even what rests may be fast.
+    if (_resting.any() && !(dot(test.around, test.around) <= test.limit * test.limit))
+      ++_kick.sum[mechanics::kick_fast_nodes].high;
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, time_of_velocity);
@@ -254,6 +258,7 @@ const mechanics::NodalForces& Simulation::forces() {
 
 void Simulation::bookEnergies(double dt_kick) {
   const Region region("step::ledger");
+  _spared_element_steps += _resting_elems;
   mechanics::StepCounts counts;
   counts.failures = _load_failures + _contact.failures();
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];

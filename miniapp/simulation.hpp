@@ -126,10 +126,9 @@ public:
   bool dropsSameBody() const { return _drops_same_body; }
   std::int64_t numCongruentElems() const; // of all ranks; collective
   std::int64_t numLatticeElems() const; // swept plane by plane; of all ranks; collective
-  std::int64_t
-  numRestingElems() const; // of bodies that nothing has moved yet; of all ranks; collective
-  std::int64_t
-  sparedElementSteps() const; // of bodies at rest, since the start; of all ranks; collective
+  // Of bodies that nothing has moved yet, and what they have spared since the start; of all ranks; collective.
+  std::int64_t numRestingElems() const;
+  std::int64_t sparedElementSteps() const;
   std::int64_t numFreeElems() const; // of bricks that step by themselves; of all ranks; collective
 
 private:
@@ -190,7 +189,7 @@ private:
   std::unique_ptr<mechanics::InternalForce> _internal_force;
   mechanics::FreeBricks _free_bricks; // none with contact or viscosity
   mechanics::RestingBodies _resting; // none without contact
-  std::int64_t _spared_element_steps = 0; // here
+  std::int64_t _resting_elems = 0, _spared_element_steps = 0; // here, in this step and in all
   mechanics::NodeSelection _other_nodes;
   bool _free_have_drifted = true, _has_all_forces = true; // in the step under way
   std::vector<mechanics::PressureLoad> _loads;

@@ -1,5 +1,4 @@
-// What a scene did not need and was therefore left out: the list that `brickwall check` and the report show. Each part is found by
-// itself; `key` is the deck key that puts it back, for measurements (./run.sh --study savings).
+// What a scene did not need and was therefore left out: the list that `brickwall check` and the report show; `key` is the deck key that puts it back, for measurements (./run.sh --study savings).
 #pragma once
 
 #include "miniapp/config.hpp"

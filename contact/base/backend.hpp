@@ -121,8 +121,9 @@ KOKKOS_INLINE_FUNCTION void orderMemory() {
 #endif
 }
 
-// Asks the processor for data that will be read soon; on a device other threads hide the wait.
-KOKKOS_INLINE_FUNCTION void prefetch(const void* address) {
+// Asks the processor for data that will be read soon; on a device other threads hide the wait. Forced inline, as all that does
+// nothing but call it must be: g++ 12 takes such functions for pure and deletes their calls.
+KOKKOS_FORCEINLINE_FUNCTION void prefetch(const void* address) {
 #if defined(__GNUC__) && !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
   __builtin_prefetch(address);
 #else

@@ -79,7 +79,8 @@ KOKKOS_INLINE_FUNCTION double where(bool mask, double a, double b) {
   return mask ? a : b;
 }
 inline RealLanes where(const LaneMask& mask, const RealLanes& a, const RealLanes& b) {
-  return mask.v ? a.v : b.v;
+  typedef LaneMask::vector bits;
+  return (RealLanes::vector)(((bits)a.v & mask.v) | ((bits)b.v & ~mask.v));
 }
 KOKKOS_INLINE_FUNCTION bool isAny(bool mask) {
   return mask;
@@ -108,7 +109,7 @@ inline RealLanes magnitude(const RealLanes& a) {
   return (RealLanes::vector)((bits)a.v & INT64_MAX);
 }
 inline RealLanes maxOf(const RealLanes& a, const RealLanes& b) {
-  return a.v < b.v ? b.v : a.v;
+  return where(a < b, b, a);
 }
 
 // The scalar types of host and device code that takes `simd_width` points at once, and its masks.
