@@ -160,6 +160,25 @@ TEST(TunnellingGuard, CostsNoKernelWhereNothingIsFast) {
 }
 
 // Under gravity the fall of the centre is g t^2/2 exactly, though a kick has been made for a longer step.
+// Two heavy bricks fall on a light one that rests and is left out of the step: the mean of all velocities is theirs, and against
+// it the light one is fast.
+TEST(TunnellingGuard, WatchesWhatRests) {
+  const std::string deck =
+      "[wall]\nbricks = [1, 1, 2]\nbrick = [2, 1, 1]\nelements = [2, 1, 1]\ngap = 0.3\n"
+      "[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
+      "[material.half_brick]\ndensity = 1e4\nyoungs_modulus = 1e4\npoissons_ratio = 0\n"
+      "[[initial.velocity]]\nblock = \"half_brick\"\nvelocity = [0, 0, -0.625]\n"
+      "[time]\nend = 1.0\nsafety = 0.8\n[limits]\nenergy_error = 10\n[spare]\nresting_bodies = ";
+  Case resting(deck + "true\n"), all(deck + "false\n");
+  EXPECT_GT(resting.simulation.numRestingElems(), 0);
+  EXPECT_EQ(all.simulation.numRestingElems(), 0);
+  run(resting);
+  run(all);
+  EXPECT_GT(all.simulation.guardedSteps(), 0);
+  EXPECT_EQ(resting.simulation.guardedSteps(), all.simulation.guardedSteps());
+  EXPECT_EQ(stateOf(resting), stateOf(all));
+}
+
 TEST(TunnellingGuard, LeavesFreeFallExact) {
   Case bricks(thrown(fast, "[gravity]\nacceleration = [0, 0, -0.05]\n"));
   run(bricks);

@@ -154,5 +154,31 @@ TEST(RestingBodies, AreThoseThatNothingMoves) {
   EXPECT_EQ(bricks.restingElems(bricks.resting()), all - 192);
 }
 
+// A body of two blocks is two rows of elements where other bodies' lie between them by number: both wake together.
+TEST(RestingBodies, WakeInAllTheirRows) {
+  Bricks bricks(MaterialModel::neo_hookean);
+  HexMesh& mesh = bricks.blocks.mesh;
+  if (mesh.bodies.empty())
+    return; // a rank without elements
+  const ElementRange whole = mesh.bodies[0];
+  if (whole.count < 2)
+    return;
+  mesh.bodies[0].count = 1;
+  mesh.bodies.push_back({whole.first + 1, whole.count - 1, whole.body});
+  const std::size_t last = mesh.bodies.size() - 1;
+  RestingBodies resting = bricks.resting();
+  const std::int64_t before = resting.numElems();
+  const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.elem_to_nodes);
+  const auto values =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), bricks.forces.values);
+  values(nodes(whole.first, 0), 0) = 1;
+  Kokkos::deep_copy(bricks.forces.values, values);
+  resting.wake(bricks.space, bricks.forces);
+  EXPECT_EQ(resting.numElems(), before - whole.count);
+  const auto flags = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), resting.flags());
+  EXPECT_EQ(flags(0), 0);
+  EXPECT_EQ(flags(last), 0);
+}
+
 } // namespace
 } // namespace brickwall::mechanics
