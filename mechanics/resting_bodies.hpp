@@ -38,7 +38,8 @@ private:
   View<int*> _watched, _body_of_watched;
   std::vector<int> _first_row; // [row] of the same body
   bool _has_several_rows = false; // some body
-  std::vector<std::vector<NodeRun>> _runs; // [first row of a body], and those of nodes without a body
+  // [first row of a body], and those of nodes without a body.
+  std::vector<std::vector<NodeRun>> _runs;
   std::vector<int> _elems; // [row]
   View<NodeRun*> _moving_runs; // as many as fit all nodes
   Kokkos::View<NodeRun*, Kokkos::HostSpace> _host_runs;
