@@ -184,7 +184,7 @@ KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
                                            const ContactHistory& previous, int count,
                                            KnownContact* contacts) {
   using namespace known_contact;
-  using Real = std::conditional_t<(simd_width > 1), RealLanes, double>;
+  using Real = RealOfWidth<simd_width>::type;
   constexpr int width = Gathered<Real>::width;
   Gathered<Real> gathered;
   Found<Real> found;

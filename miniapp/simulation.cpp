@@ -184,9 +184,8 @@ void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
     const Region region("step::kick");
     _resting.wake(_space, _forces);
     const mechanics::SpeedTest test = _guard.speedTest(_ledger.meanVelocity());
-    _kick =
-        mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces, _state,
-                        _scales, test, movingNodes());
+    _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
+                            _state, _scales, test, movingNodes());
     // Against the mean even what rests may be fast.
     if (_resting.any() && !(dot(test.around, test.around) <= test.limit * test.limit))
       ++_kick.sum[mechanics::kick_fast_nodes].high;

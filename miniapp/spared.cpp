@@ -37,7 +37,8 @@ std::vector<Spared> sparedParts(const Config& config, const Simulation& simulati
   const std::int64_t spared = simulation.sparedElementSteps();
   std::vector<Spared> parts = {
       {"element geometry", shareOf(simulation.numCongruentElems(), elems),
-       "of the elements are copies within their brick and store none (370 B each if one-point)", ""},
+       "of the elements are copies within their brick and store none (370 B each if one-point)",
+       ""},
       {"connectivity", shareOf(simulation.numLatticeElems(), elems),
        "of the elements are swept plane by plane without it", "spare.lattices"},
       {"ledger terms", shareOfAbsentTerms(config), "of the kinds of energy and work are absent",

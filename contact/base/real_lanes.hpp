@@ -122,6 +122,16 @@ struct MaskOf<double> {
   using type = bool;
 };
 
+// For code that takes as many points at once as is best: devices, of width 1, do not even hear of vectors.
+template <int width>
+struct RealOfWidth {
+  using type = RealLanes;
+};
+template <>
+struct RealOfWidth<1> {
+  using type = double;
+};
+
 // Vec3 of any scalar type.
 template <class Real>
 struct Triple {
