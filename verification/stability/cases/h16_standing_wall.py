@@ -63,7 +63,7 @@ def evaluate(lab):
               ["wall", "energy error", "of which in the second half", "energy, final", "largest settlement", "largest sideways",
                "creep after a quarter of the time", "kinetic energy in the end / largest", "contacts let go"], rows)
     if "no friction" in by_name:
-        lab.weak_spot("a wall without friction, whose joints open and close for ever, gains energy: "
+        lab.weak_spot("a wall without friction, whose joints open and close for ever, changes its energy by "
                       f"{by_name['no friction'][3]:.1g} of the peak in {steps} steps; with friction {wall[3]:.1g}")
     with lab.figure("Energy by time, less the work of gravity, over the largest") as axes:
         for name, energy in curves.items():
