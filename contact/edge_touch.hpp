@@ -94,15 +94,21 @@ struct EdgeTouch {
     return faces.id(edge);
   }
 
-  // False only if test() at Stage::born is false: the edges are near parallel, cross beyond their ends, or in no depth at all.
-  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int other) const {
-    const int own = edgeOf(node);
+  // The edges at x^{n+1} from their first ends, and the way from the first end of `other` to that of `own`.
+  KOKKOS_INLINE_FUNCTION static void lines(const FaceAccess& faces, int own, int other, Vec3& da,
+                                           Vec3& db, Vec3& between) {
     const auto& nodes = faces.surface.coordinates_new;
     const auto& ghosts = faces.ghosts.coordinates_new;
     const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
-    const Vec3 da = faces.corner(own, 1, nodes, ghosts) - a;
-    const Vec3 db = faces.corner(other, 1, nodes, ghosts) - b;
-    const Vec3 between = a - b;
+    da = faces.corner(own, 1, nodes, ghosts) - a;
+    db = faces.corner(other, 1, nodes, ghosts) - b;
+    between = a - b;
+  }
+
+  // False only if test() at Stage::born is false: the edges are near parallel, cross beyond their ends, or in no depth at all.
+  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int other) const {
+    Vec3 da, db, between;
+    lines(faces, edgeOf(node), other, da, db, between);
     const Crossing crossing(da, db, between);
     if (!crossing.isAcross(least_sine) || crossing.isFarBeyond(start() + 0.5))
       return false;
@@ -127,12 +133,8 @@ struct EdgeTouch {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
                                    Hit& hit) const {
     const int own = edgeOf(node);
-    const auto& nodes = faces.surface.coordinates_new;
-    const auto& ghosts = faces.ghosts.coordinates_new;
-    const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
-    const Vec3 da = faces.corner(own, 1, nodes, ghosts) - a;
-    const Vec3 db = faces.corner(other, 1, nodes, ghosts) - b;
-    const Vec3 between = a - b;
+    Vec3 da, db, between;
+    lines(faces, own, other, da, db, between);
     hit.is_held = stage == Stage::held;
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);

@@ -3,7 +3,6 @@
 #include "mechanics/host_mesh.hpp"
 
 #include <algorithm>
-
 #include <map>
 
 namespace brickwall::mechanics {

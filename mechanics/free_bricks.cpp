@@ -127,14 +127,9 @@ bool isFree(const BrickLattice& lattice, const std::vector<char>& is_loaded) {
 
 NodeSelection selectNodes(const exec_space& space, const std::vector<char>& marks, char mark) {
   std::vector<NodeRun> runs;
-  for (int node = 0; node < static_cast<int>(marks.size()); ++node) {
-    if (marks[node] != mark)
-      continue;
-    if (runs.empty() || runs.back().first + runs.back().count != node ||
-        runs.back().count == NodeSelection::nodes_per_run)
-      runs.push_back({node, 0});
-    ++runs.back().count;
-  }
+  for (int node = 0; node < static_cast<int>(marks.size()); ++node)
+    if (marks[node] == mark)
+      appendNode(node, runs);
   NodeSelection selection;
   selection.all = false;
   selection.runs = copyToDevice(space, "mechanics::FreeBricks::node_runs", runs);

@@ -3,6 +3,8 @@
 
 #include "contact/base/backend.hpp"
 
+#include <vector>
+
 namespace brickwall::mechanics {
 
 struct NodeRun {
@@ -30,5 +32,13 @@ struct NodeSelection {
     return {r * nodes_per_run, minOf(+nodes_per_run, num_nodes - r * nodes_per_run)};
   }
 };
+
+// Adds the next node, the last one's follower or a later one.
+inline void appendNode(int node, std::vector<NodeRun>& runs) {
+  if (runs.empty() || runs.back().first + runs.back().count != node ||
+      runs.back().count == NodeSelection::nodes_per_run)
+    runs.push_back({node, 0});
+  ++runs.back().count;
+}
 
 } // namespace brickwall::mechanics

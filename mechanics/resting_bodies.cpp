@@ -29,13 +29,6 @@ std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh,
   return body_of;
 }
 
-void addNode(int node, std::vector<NodeRun>& runs) {
-  if (runs.empty() || runs.back().first + runs.back().count != node ||
-      runs.back().count == NodeSelection::nodes_per_run)
-    runs.push_back({node, 0});
-  ++runs.back().count;
-}
-
 // A zero below zero counts: a kick makes it a plain one.
 bool moves(const View<double* [3]>::HostMirror& field, int node) {
   bool any = false;
@@ -68,7 +61,7 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
   std::vector<int> watched, body_of_watched;
   std::size_t num_runs = 0;
   for (int node = 0; node < _num_nodes; ++node) {
-    addNode(node, _runs[body_of[node]]);
+    appendNode(node, _runs[body_of[node]]);
     if (rests[body_of[node]] && may_be_pushed[node]) {
       watched.push_back(node);
       body_of_watched.push_back(body_of[node]);

@@ -114,7 +114,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
         count(simulation.stepGain().body_types));
   else
     std::printf("  time step         %g, by elements\n", simulation.clock().dt);
-  for (const Spared& part : spared)
+  for (const SparedReport& part : spared)
     if (part.share > 0)
       std::printf("  spared            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                   part.of.c_str());

@@ -72,8 +72,10 @@ struct StepReport {
 
 // miniapp/spared.hpp.
 struct SparedReport {
-  std::string what, of, key;
-  double share = 0;
+  std::string what; // e.g. "elements at rest"
+  double share = 0; // of what it is a part of, 0 to 1
+  std::string of; // in words: of what, and what that saves
+  std::string key; // of the deck; empty: there is no way to have it
 };
 
 // Simulation::checksums.

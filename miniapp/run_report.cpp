@@ -88,8 +88,7 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
-  for (const Spared& part : sparedParts(config, simulation, report.elements))
-    report.spared.push_back({part.what, part.of, part.key, part.share});
+  report.spared = sparedParts(config, simulation, report.elements);
   const Checksums sums = simulation.checksums();
   report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);

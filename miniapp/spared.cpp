@@ -29,13 +29,13 @@ double shareOfAbsentTerms(const Config& config) {
 
 } // namespace
 
-std::vector<Spared> sparedParts(const Config& config, const Simulation& simulation,
-                                std::int64_t num_elems) {
+std::vector<SparedReport> sparedParts(const Config& config, const Simulation& simulation,
+                                      std::int64_t num_elems) {
   const double elems = static_cast<double>(num_elems);
   const ContactCounts counts = simulation.contactCounts();
   const std::int64_t steps = simulation.clock().step + 1; // the start evaluates forces too
   const std::int64_t spared = simulation.sparedElementSteps();
-  std::vector<Spared> parts = {
+  std::vector<SparedReport> parts = {
       {"element geometry", shareOf(simulation.numCongruentElems(), elems),
        "of the elements are copies within their brick and store none (370 B each if one-point)",
        ""},

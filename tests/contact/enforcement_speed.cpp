@@ -4,14 +4,13 @@
 #include "contact/brick_scene.hpp"
 #include "contact/candidate_search.hpp"
 #include "contact/edge_contact.hpp"
+#include "support/benchmark_clock.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 
 namespace brickwall::contact {
 namespace {
@@ -21,15 +20,6 @@ constexpr double edge_length = 0.125, dt = 0.05;
 int numCourses() {
   const char* text = std::getenv("BRICKWALL_COURSES");
   return text ? std::atoi(text) : 6;
-}
-
-// Wall clock; with BRICKWALL_CPU_TIME set, the process's CPU time by thread, which a busy machine disturbs less.
-double now() {
-  static const bool by_cpu = std::getenv("BRICKWALL_CPU_TIME");
-  if (!by_cpu)
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / concurrency(exec_space());
 }
 
 template <class ViewType, class Set>

@@ -67,7 +67,7 @@ Vec3 turned(const Vec3& p, const Vec3& axis_angle) {
 
 TEST(QuickReject, NeverRejectsEdgesThatCross) {
   if (!host_accessible)
-    GTEST_SKIP();
+    GTEST_SKIP() << "on a host";
   Random random;
   constexpr int n = 40000; // pairs
   LoneFaces edges(2 * n, 2 * n, EdgeTouch::num_columns);
@@ -111,7 +111,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
 
 TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
   if (!host_accessible)
-    GTEST_SKIP();
+    GTEST_SKIP() << "on a host";
   LoneFaces edges(3, 3, EdgeTouch::num_columns);
   const Vec3 along_x[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, -1}, {0, 1, -1}};
   for (int j = 0; j < 4; ++j) {
@@ -143,7 +143,7 @@ Vec3 cornerOf(int kind, int j, Random& random) {
 
 TEST(KnownContacts, AreThoseOfEachAlone) {
   if (!host_accessible)
-    GTEST_SKIP();
+    GTEST_SKIP() << "on a host";
   Random random;
   constexpr int n = 4003;
   LoneFaces quads(n, n, 4);

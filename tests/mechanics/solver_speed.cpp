@@ -8,15 +8,14 @@
 #include "mechanics/free_bricks.hpp"
 #include "mechanics/kick_kernel.hpp"
 #include "tests/mechanics/block_mesh.hpp"
+#include "tests/support/benchmark_clock.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 
 namespace brickwall::mechanics {
 namespace {
@@ -26,15 +25,6 @@ using namespace testing;
 int numBricks() {
   const char* text = std::getenv("BRICKWALL_BRICKS");
   return text ? std::atoi(text) : 24;
-}
-
-// Wall clock; with BRICKWALL_CPU_TIME set, the process's CPU time by thread, which a busy machine disturbs less.
-double now() {
-  static const bool by_cpu = std::getenv("BRICKWALL_CPU_TIME");
-  if (!by_cpu)
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / concurrency(exec_space());
 }
 
 // The median of several timings of `repeats` calls each, per call.
