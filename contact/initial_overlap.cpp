@@ -1,8 +1,10 @@
 #include "contact/initial_overlap.hpp"
 
 #include "contact/base/region.hpp"
+#include "contact/box_pairs.hpp"
 #include "contact/candidate_search.hpp"
 #include "contact/face_access.hpp"
+#include "contact/hex_overlap.hpp"
 
 namespace brickwall::contact {
 namespace {
@@ -61,6 +63,77 @@ struct FindDeepest {
   }
 };
 
+KOKKOS_INLINE_FUNCTION Hexahedron elementOf(const FaceAccess& elements, int element) {
+  Hexahedron hex;
+  for (int i = 0; i < 8; ++i)
+    for (int d = 0; d < 3; ++d)
+      hex.corner[i][d] = elements.attribute(element, 3 * i + d);
+  return hex;
+}
+
+// Elements are nodes and faces of the surface of their boxes.
+struct FindDeepestElements {
+  FaceAccess elements;
+  CandidatePairs pairs;
+  double least;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
+    const int own = pairs.node(row);
+    const Hexahedron hex = elementOf(elements, own);
+    const double warp = hexahedron::largestWarp(hex);
+    for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
+      const int face = pairs.faces(pair);
+      if (elements.id(face) < elements.id(own)) // the other one's row has the pair, too
+        continue;
+      const Hexahedron other = elementOf(elements, face);
+      const double shallow = least + 0.5 * (warp + hexahedron::largestWarp(other));
+      LeadingPair one;
+      one.value = overlapDepth(hex, other, shallow);
+      one.pair = {elements.id(own), elements.id(face), elements.body(own), elements.body(face)};
+      if (one.value > shallow)
+        all += one;
+    }
+  }
+};
+
+View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, double least) {
+  const auto boxes = allocate<View<Box*>>(space, "contact::elements::boxes", elements.count);
+  const auto corners = elements.corners;
+  Kokkos::parallel_for(
+      "contact::elements::boxes", over(space, elements.count),
+      KOKKOS_LAMBDA(const std::int64_t element) {
+        Box box;
+        for (int i = 0; i < 8; ++i)
+          box.include(Vec3{corners(element, 3 * i), corners(element, 3 * i + 1),
+                           corners(element, 3 * i + 2)});
+        boxes(element) = shrunk(box, least);
+      });
+  return boxes;
+}
+
+// Of the element of this id, which one rank has.
+Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elements, global_id id) {
+  const auto corners = elements.corners;
+  const auto ids = elements.ids;
+  double centre[3];
+  for (int d = 0; d < 3; ++d) {
+    centre[d] = -HUGE_VAL;
+    Kokkos::parallel_reduce(
+        "contact::centreOfElement", over(space, elements.count),
+        KOKKOS_LAMBDA(const std::int64_t element, double& all) {
+          if (ids(element) != id)
+            return;
+          all = 0;
+          for (int i = 0; i < 8; ++i)
+            all += 0.125 * corners(element, 3 * i + d);
+        },
+        Kokkos::Max<double>(centre[d]));
+  }
+  space.fence();
+  allReduce(comm, centre, 3, MPI_MAX);
+  return {centre[0], centre[1], centre[2]};
+}
+
 } // namespace
 
 InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surface& surface,
@@ -80,6 +153,36 @@ InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surf
   deepest.depth = allReduce(comm, local.value, MPI_MAX);
   if (deepest.depth > 0)
     static_cast<PairIds&>(deepest) = leaderOfAll(comm, local, deepest.depth);
+  return deepest;
+}
+
+ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
+                                     const BodyElements& elements, double least) {
+  const Region region("contact::deepestElementOverlap");
+  ElementOverlap deepest;
+  if (allReduce(comm, elements.count, MPI_MAX) == 0)
+    return deepest;
+  const Surface surface = surfaceOfBoxes(space, boxesOf(space, elements, least), elements.ids,
+                                         elements.bodies, elements.corners);
+  SearchConfig config;
+  config.drop_same_body = true;
+  CandidateSearch search(comm, config);
+  search.update(space, surface);
+  LeadingPair local;
+  Kokkos::parallel_reduce(
+      "contact::deepestElementOverlap", over(space, search.pairs().num_rows),
+      FindDeepestElements{FaceAccess{surface, search.ghosts()}, search.pairs(), least},
+      Combine<LeadingPair>(local));
+  space.fence();
+  deepest.depth = allReduce(comm, local.value, MPI_MAX);
+  if (deepest.depth > 0) {
+    const PairIds pair = leaderOfAll(comm, local, deepest.depth);
+    deepest.element = pair.node;
+    deepest.other = pair.face;
+    deepest.body = pair.node_body;
+    deepest.other_body = pair.face_body;
+    deepest.centre = centreOf(space, comm, elements, deepest.element);
+  }
   return deepest;
 }
 

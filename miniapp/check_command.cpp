@@ -21,10 +21,13 @@ Config smallestLikeScene(const Config& config) {
   if (small.wall) {
     auto& bricks = small.wall->bricks;
     bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
-    auto& velocities = small.initial_velocities; // bricks and bodies of the large wall
-    velocities.erase(std::remove_if(velocities.begin(), velocities.end(),
-                                    [](const auto& entry) { return entry.brick || entry.body; }),
-                     velocities.end());
+    const auto keepOfAll = [](auto& entries) { // not those of bricks and bodies of the large wall
+      entries.erase(std::remove_if(entries.begin(), entries.end(),
+                                   [](const auto& entry) { return entry.brick || entry.body; }),
+                    entries.end());
+    };
+    keepOfAll(small.initial_velocities);
+    keepOfAll(small.initial_deformations);
   }
   return small;
 }

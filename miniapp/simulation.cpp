@@ -2,11 +2,10 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "contact/initial_overlap.hpp"
 #include "mechanics/central_difference.hpp"
 #include "mechanics/lumped_mass.hpp"
 #include "mechanics/stable_time_step.hpp"
-#include "miniapp/face_name.hpp"
+#include "miniapp/initial_overlaps.hpp"
 #include "miniapp/loads.hpp"
 #include "miniapp/search_choice.hpp"
 #include "miniapp/undo_step.hpp"
@@ -26,16 +25,6 @@ std::string reversingDamping(double damping, double dt) {
   std::ostringstream message;
   message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
           << dt << "; expected less than 2 over the step, " << 2 / dt;
-  return message.str();
-}
-
-std::string describeOverlap(const contact::InitialOverlap& overlap, double reach) {
-  std::ostringstream message;
-  message << "bodies overlap at the start: " << nodeName(overlap.node) << " of body "
-          << overlap.node_body << " is " << overlap.depth << " deep in body " << overlap.face_body
-          << ", behind " << faceName(overlap.face) << "; expected no more than " << reach
-          << ", 2 contact.tolerance of the shortest edge, for contact sees no deeper. Move them "
-             "apart, or raise contact.tolerance: contact then counts from the overlap on";
   return message.str();
 }
 
@@ -366,7 +355,7 @@ void Simulation::setUpContact() {
   enforcement.deepest_birth = deepestBirth(_config.contact, _scene.shortest_edge);
   _guard = TunnellingGuard(_config, search.node_tolerance + search.face_tolerance, _clock.dt);
   _coupling->resetCoordinates(_space, _state.displacement);
-  refuseDeepOverlaps(enforcement.deepest_birth);
+  refuseDeepOverlaps(_space, _comm, _config, _scene, _coupling->surface(), _state.displacement);
   const contact::FeatureEdges features = contact::findFeatureEdges(_comm, _coupling->surface());
   _coupling->setTrueEdges(_space, features.true_edges);
   _enforcement = std::make_unique<contact::Enforcement>(_space, _comm, _coupling->surface(),
@@ -379,14 +368,6 @@ void Simulation::setUpContact() {
                                                   enforcement, _forces.quantum, _scales.energy);
   if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
     _edges.reset(); // nothing but smooth bodies
-}
-
-// Contact would not see them, and let the bodies pass through each other.
-void Simulation::refuseDeepOverlaps(double reach) const {
-  const contact::InitialOverlap overlap =
-      contact::deepestOverlap(_space, _comm, _coupling->surface(), 0.5 * _scene.longest_edge);
-  if (overlap.depth > reach)
-    throw InputError(describeOverlap(overlap, reach));
 }
 
 ContactCounts Simulation::contactCounts() const {

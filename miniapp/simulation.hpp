@@ -167,7 +167,6 @@ private:
   double longestStepAtStart();
   void planSteps(double longest);
   void setUpContact();
-  void refuseDeepOverlaps(double reach) const;
   std::string describeFailure();
 
   MPI_Comm _comm;

@@ -32,6 +32,9 @@ expect() {
   fi
 }
 
+# The second brick turned by a quarter to stand across the first one, as high as it: all nodes of each are beside the other or on its sides.
+crossing=(--set 'wall.brick=[4,1,1]' --set 'wall.elements=[4,1,1]' --set 'initial.deformation[0].brick=[1,0,0]'
+  --set 'initial.deformation[0].gradient=[-1,-1,0,1,-1,0,0,0,0]' --set 'initial.deformation[0].center=[4,-1.5,0]')
 small=(--set 'wall.bricks=[2,1,2]' --set 'wall.elements=[2,1,1]')
 for ranks in 1 3; do
   expect "a small wall passes" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 20
@@ -60,7 +63,10 @@ for ranks in 1 3; do
   expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'
   expect "a missing deck is one error" 2 'nowhere.toml' $ranks run "$work/nowhere.toml"
   expect "bodies that stand in each other deeper than contact sees are refused" 2 \
-    'node [0-9]+ .*of body 0 is 0\.04 deep in body 1, .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
+    'node [0-9]+ .*of body 0 \(brick \[0, 0, 0\]: course 0, .*\) is 0\.04 deep in body 1 \(.*\), .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
+  expect "flush bars that cross without a node in each other are refused" 2 \
+    'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* stand 0\.5 deep in each other' \
+    $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
   expect "one element runs" 0 '^PASS' $ranks run "$inputs/one_brick.toml" --set 'wall.elements=[1,1,1]' --steps 20
   expect "no contact at all runs" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set contact.enabled=false --steps 20
