@@ -7,7 +7,6 @@ besides, where it is there), history.csv byte for byte, and the checksums of rep
 contacts remember. Only how often was searched may differ where lists are kept. A line a run, a report; the exit code is 1 if
 any run differs.
 """
-import argparse
 import datetime
 import shutil
 import subprocess
@@ -24,6 +23,7 @@ from framework.needed import need
 need("netCDF4")
 from framework import machine, report
 from framework.bits import different_bits, history_text
+from framework.options import study_parser
 from framework.program import Program, ProgramError
 
 DECK = ROOT.parent / "inputs" / "brick_wall.toml"
@@ -66,7 +66,7 @@ def numbers(text):
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="./run.sh --study same-bits", description=__doc__.splitlines()[0])
+    parser = study_parser("same-bits", __doc__)
     parser.add_argument("--quick", action="store_true", help="60 steps, 1 and 3 ranks, each once, as in ctest")
     parser.add_argument("--steps", type=int, help="of each run (default 2000)")
     parser.add_argument("-n", "--ranks", type=numbers, help="default 1,2,3,4,7")
@@ -75,8 +75,6 @@ def parse_arguments():
     parser.add_argument("--turns", type=int, help="how often each run is made (default 2)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/study_same-bits"), help="folder (default %(default)s)")
     parser.add_argument("--keep", action="store_true", help="copy the report to verification/same_bits.md")
-    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     usual = {"steps": 60, "ranks": [1, 3], "threads": [1, 2], "margin": 5e-4, "turns": 1} if arguments.quick else \
             {"steps": 2000, "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "margin": 0.1, "turns": 2}

@@ -5,7 +5,6 @@ Each part that the program leaves out by itself because a scene does not need it
 deck key, one at a time. The bits must be the same: history.csv, all Exodus fields, and the checksums of nodes and contacts. The
 times of the loop are medians of runs that take turns; a saving is 1 less the time with all left out over that with the part put
 back."""
-import argparse
 import datetime
 import shutil
 import statistics
@@ -20,6 +19,7 @@ from framework.needed import need
 need("netCDF4")
 from framework import machine, report
 from framework.bits import different_bits, history_text
+from framework.options import study_parser
 from framework.program import Program, ProgramError
 
 INPUTS = ROOT.parent / "inputs"
@@ -45,15 +45,13 @@ QUICK_SCENES = (
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="./run.sh --study savings", description=__doc__.splitlines()[0])
+    parser = study_parser("savings", __doc__)
     parser.add_argument("--quick", action="store_true", help="small scenes, each once, as in ctest: bits only")
     parser.add_argument("--repetitions", type=int, help="runs whose median counts (default 5)")
     parser.add_argument("-n", "--ranks", type=int, default=1, help="of each run (default %(default)s)")
     parser.add_argument("-t", "--threads", type=int, default=1, help="of each rank (default %(default)s)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/study_savings"), help="folder (default %(default)s)")
     parser.add_argument("--keep", action="store_true", help="copy the report to verification/savings.md")
-    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.repetitions is None:
         arguments.repetitions = 1 if arguments.quick else 5
@@ -92,14 +90,18 @@ def compare(program, arguments, number, scene):
                 first[way] = done
             else:
                 shutil.rmtree(folder)
+    # Times of single runs scatter by nobody knows how much: they are not compared.
+    may_compare = arguments.repetitions > 1
     seconds = {way: statistics.median(one["loop_seconds"] for one in done) for way, done in runs.items()}
     rows, failed = [], 0
     for way, more in parts:
         found = differences(first[""], first[way])
         failed += bool(found)
-        rows.append([way, next(iter(more)), share_of(first[""], next(iter(more))), seconds[""], seconds[way],
-                     f"{100 * (1 - seconds[''] / seconds[way]):.1f} %", "differ: " + ", ".join(found) if found else "the same"])
-        print(f"{name}: {way}: {rows[-1][5]} saved, bits {rows[-1][6]}", flush=True)
+        saved = f"{100 * (1 - seconds[''] / seconds[way]):.1f} %" if may_compare else "one run each, scatter not known"
+        rows.append([way, next(iter(more)), share_of(first[""], next(iter(more))), seconds[""], seconds[way], saved,
+                     "differ: " + ", ".join(found) if found else "the same"])
+        told = f"{saved} saved, " if may_compare else ""
+        print(f"{name}: {way}: {told}bits {rows[-1][6]}", flush=True)
     return rows, failed, first[""].report
 
 
@@ -121,7 +123,8 @@ def main():
         return 1
     study = {"machine": machine.describe(), "program": program_report, "ranks": arguments.ranks, "threads": arguments.threads,
              "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")}
-    text.insert(1, f"{report.headline(study)}; medians of {arguments.repetitions} runs.\n")
+    how = f"medians of {arguments.repetitions} runs" if arguments.repetitions > 1 else "one run each"
+    text.insert(1, f"{report.headline(study)}; {how}.\n")
     (arguments.output / "savings.md").write_text("\n".join(text))
     if arguments.keep:
         (ROOT / "savings.md").write_text("\n".join(text))

@@ -24,6 +24,7 @@ need("matplotlib", "netCDF4")
 from framework import machine, report
 from framework.checks import Outcome
 from framework.lab import Lab
+from framework.options import study_parser
 from framework.program import Program
 
 # Folder and title of each study.
@@ -39,7 +40,7 @@ def positive(text):
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="./run.sh --study NAME", description=__doc__.splitlines()[0])
+    parser = study_parser("NAME", __doc__)
     parser.add_argument("study", choices=STUDIES, help=argparse.SUPPRESS)
     parser.add_argument("--only", type=lambda text: text.split(","), metavar="V7,V8", help="these cases alone")
     parser.add_argument("--quick", action="store_true", help="the short form of each case, as in ctest")
@@ -48,8 +49,6 @@ def parse_arguments():
     parser.add_argument("-j", "--jobs", type=positive, help="cases at a time (default: cores / (ranks x threads))")
     parser.add_argument("-o", "--output", type=Path, help="folder (default out/study_NAME)")
     parser.add_argument("--keep", action="store_true", help="copy report.md and plots into the source folder of the study")
-    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     arguments.output = (arguments.output or Path(f"out/study_{arguments.study}")).absolute()
     return parser, arguments

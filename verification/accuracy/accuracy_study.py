@@ -5,7 +5,6 @@ Runs a wall under smooth pulses and cases with exact answers over mesh size, tim
 edges and margin of the search, and writes report.md and plots. Called again in the same folder, it takes over the finished
 runs of the same program. The exit code is 1 if a run fails, or if kept lists change a bit or miss a pair.
 """
-import argparse
 import datetime
 import shutil
 import signal
@@ -27,6 +26,7 @@ import study_report
 from exact_scenes import Cantilever, SmoothWave, SpinningBlock, TwoBars
 from framework import machine
 from framework.checks import Check
+from framework.options import study_parser
 from framework.program import Program
 from measure import Bench
 from walls import PushedWall, StruckWall, audit, predictability
@@ -50,15 +50,13 @@ class Result:
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="./run.sh --study accuracy", description=__doc__.splitlines()[0])
+    parser = study_parser("accuracy", __doc__)
     parser.add_argument("--quick", action="store_true", help="few meshes and settings, as in ctest")
     parser.add_argument("--repetitions", type=int, help="timed runs of each point, the median counts (default 3, quick 1)")
     parser.add_argument("-n", "--ranks", type=int, default=1, help="MPI ranks of each run (default 1)")
     parser.add_argument("-t", "--threads", type=int, default=1, help="threads of each rank (default 1)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/study_accuracy"), help="folder (default %(default)s)")
     parser.add_argument("--keep", action="store_true", help="copy report.md and plots to verification/accuracy")
-    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     arguments.repetitions = arguments.repetitions or (1 if arguments.quick else 3)
     arguments.output = arguments.output.absolute()

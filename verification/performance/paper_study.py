@@ -5,7 +5,6 @@ Runs `brickwall search` over sizes, methods, ranks and threads and writes study.
 that fails is recorded and the rest goes on; the exit code is then 1. Called again in the same folder, finished runs of the
 same program with the same options are taken over.
 """
-import argparse
 import datetime
 import signal
 import sys
@@ -14,6 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # of framework
 import study_tables as tables
 from framework import machine
+from framework.options import study_parser
 from paper_plan import METHODS, PAPER_SIZES, PaperPlan, default_layouts
 from search_runs import Result, Runner
 
@@ -29,7 +29,7 @@ counting_numbers.__name__ = "list such as 1,2,4"  # argparse tells it
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="./run.sh --study paper", description=__doc__.splitlines()[0])
+    parser = study_parser("paper", __doc__)
     parser.add_argument("-n", "--ranks", type=counting_numbers, help="MPI ranks, such as 1,2,4 (default 1,4)")
     parser.add_argument("-t", "--threads", type=counting_numbers, help="threads per rank (default 1 to the cores, doubling)")
     parser.add_argument("--sizes", type=counting_numbers, default=list(PAPER_SIZES),
@@ -41,8 +41,6 @@ def parse_arguments():
     parser.add_argument("--reference-seconds", type=float, default=60,
                         help="estimated seconds of all-pairs tests that a run of `reference` may take (default 60)")
     parser.add_argument("--limit", type=float, default=900, help="seconds after which a run is stopped (default 900)")
-    parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     arguments.methods = list(dict.fromkeys(arguments.methods.split(",")))
     unknown = [method for method in arguments.methods if method not in METHODS]
