@@ -80,7 +80,10 @@ choose_study() {
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
-value_of() { [[ $# -ge 2 ]] || die "$1 needs a value"; }
+value_of() {
+  [[ $# -ge 2 && -n $2 ]] || die "$1 needs a value"
+  [[ ! $2 =~ ^-[^0-9] ]] || die "$1 needs a value; behind it stands the option $2"
+}
 
 case ${1:-} in run | check | mesh | search) command=$1; shift ;; esac
 while [[ $# -gt 0 ]]; do
@@ -91,9 +94,10 @@ while [[ $# -gt 0 ]]; do
     -n | --ranks) value_of "$@"; ranks=$2; shift 2 ;;
     -t | --threads) value_of "$@"; threads=$2; shift 2 ;;
     -o | --output) value_of "$@"; output=$2; shift 2 ;;
-    --ranks=*) ranks=${1#*=}; shift ;;
-    --threads=*) threads=${1#*=}; shift ;;
-    --output=*) output=${1#*=}; shift ;;
+    --ranks=* | --threads=* | --output=*) # as in two words
+      value_of "${1%%=*}" "${1#*=}"
+      set -- "${1%%=*}" "${1#*=}" "${@:2}"
+      ;;
     --preset) value_of "$@"; preset=$2; shift 2 ;;
     --program) value_of "$@"; program=$2; shift 2 ;;
     --no-picture) picture=no; shift ;;
@@ -188,30 +192,50 @@ hold_summary() {
     esac
   done
 }
-# A kill of this script ends the launcher too, and the launcher its ranks.
-trap 'kill -TERM "$!" 2>/dev/null; exit 143' TERM
-trap 'rm -f "${started:-}"' EXIT
-code=0
+# One file from the rank files, named as rank 0 of this run names its own.
+joined=$output/$name.exo
+first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
+# A run that is cut short may leave rank files of different lengths: they are not joined, but told of.
+interrupted() {
+  trap - INT TERM
+  kill -TERM "$!" 2>/dev/null || true
+  wait "$!" 2>/dev/null || true
+  if [[ $ranks -gt 1 && $first -nt $started ]]; then
+    local epu
+    epu=$(find_epu)
+    echo "run.sh: interrupted; the rank files are not joined. To join what they hold:" >&2
+    echo "  cd '$output' && '${epu:-epu}' -auto '$(basename "$first")'" >&2
+  fi
+  exit "$1"
+}
+find_epu() {
+  local epu
+  epu=$(cached BRICKWALL_EPU)
+  [[ -x $epu ]] || epu=$(command -v epu || true)
+  echo "$epu"
+}
 started=$(mktemp) # what is older is not of this run
+trap 'rm -f "$started"' EXIT
+# A kill of this script ends the launcher too, and the launcher its ranks.
+trap 'interrupted 143' TERM
+trap 'interrupted 130' INT
+code=0
 hold_summary < <(
   exec "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}
 )
 wait "$!" || code=$?
-trap - TERM
+trap - INT TERM
 # mpiexec was told to be quiet, so this is the only word about a crash.
 [[ $code -lt 128 ]] || echo "run.sh: $program ended by signal $((code - 128))" >&2
 
-# One file from the rank files. Those of an earlier run with another number of ranks go away.
-joined=$output/$name.exo
-first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
+# Rank files of an earlier run with another number of ranks go away.
 join_rank_files() {
   local epu other
   for other in "$joined".[0-9]*.0*; do
     [[ -e $other && ${other%.*} != "$joined.$ranks" ]] && rm -f "${other%.*}".[0-9]*
   done
   [[ $ranks -gt 1 ]] || return 0
-  epu=$(cached BRICKWALL_EPU)
-  [[ -x $epu ]] || epu=$(command -v epu || true)
+  epu=$(find_epu)
   if [[ -z $epu ]]; then
     echo "run.sh: no epu found; the rank files $joined.$ranks.* are not joined"
     return 1

@@ -82,6 +82,23 @@ if [[ ! -e $build/build.ninja || ! -e $build/CMakeCache.txt || CMakePresets.json
   [[ -n $(cached Kokkos_DIR) ]] && echo "$dependencies" >"$build/setup.dependencies"
 fi
 
+# Lines of a build go to the log; now and then one is told: on a terminal in place, else as a line every ten seconds or so.
+tell_progress() {
+  local line steps last=$SECONDS
+  while IFS= read -r line; do
+    printf '%s\n' "$line" >>"$log"
+    [[ $line =~ ^\[[0-9]+/[0-9]+\] ]] || continue
+    steps=${BASH_REMATCH[0]}
+    if [[ -t 1 ]]; then
+      printf '\rsetup: %s\033[K' "$steps"
+    elif ((SECONDS - last >= 10)); then
+      say "$steps"
+      last=$SECONDS
+    fi
+  done
+  [[ ! -t 1 ]] || printf '\r\033[K'
+}
+
 # One compiler takes up to 1.5 GB.
 cores=$(nproc)
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
@@ -92,5 +109,6 @@ plan=$(ninja -C "$build" -n "$target" 2>&1 || true)
 if [[ $plan != *"no work to do"* ]]; then
   steps=$(sed -n 's#^\[[0-9]*/\([0-9]*\)\].*#\1#p' <<<"$plan" | tail -n 1)
   [[ ${steps:-99} -le 5 && $plan != *"Re-running CMake"* ]] || say "building $build/ ($jobs at a time)"
-  cmake --build "$build" --target "$target" --parallel "$jobs" >"$log" 2>&1 || fail "the build failed"
+  : >"$log"
+  cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | tell_progress || fail "the build failed"
 fi

@@ -42,6 +42,30 @@ expect 2 run "$inputs/one_brick.toml" --set wall.brics=1
 expect 2 run no_such_deck.toml
 expect 2 run -n none
 
+# An option without its value is told, not taken for what stands behind it.
+for options in "-n -o x" "-o -n 2" "-t --steps 5" "--set --no-picture" "--preset -n 2" "--ranks=" "--output= -n 1"; do
+  # shellcheck disable=SC2086
+  expect 2 run "$inputs/one_brick.toml" $options
+  grep -q -- "^run.sh: ${options%%[ =]*} needs a value" log || fail "run.sh $options: the option without a value is not told"
+done
+[[ ! -e x ]] || fail "an option without its value leaves files"
+
+# A run that is killed says how to join what its ranks have written.
+"$run_sh" run "$inputs/one_brick.toml" --program "$program" -n 2 -t 1 -o killed --steps 100000000 --set time.end=1e3 >log 2>&1 &
+running=$!
+for _ in $(seq 100); do [[ -s killed/one_brick.exo.2.1 && -s killed/history.csv ]] && break; sleep 0.1; done
+code=0
+kill -TERM "$running"
+wait "$running" || code=$?
+[[ $code -eq 143 ]] || fail "a run that is killed ends with $code"
+grep -q 'run.sh: interrupted; the rank files are not joined' log || fail "a killed run does not tell of its rank files"
+join=$(tail -n 1 log)
+[[ ! $join =~ ^\ \ cd\ \'killed\'\ .*\ -auto\ \'one_brick.exo.2.0\'$ ]] && fail "how to join is not told"
+if [[ $join != *"'epu'"* ]]; then
+  (eval "$join") >join.log 2>&1 || { cat join.log; fail "what is told does not join"; }
+  [[ -s killed/one_brick.exo ]] || fail "what is told makes no joined file"
+fi
+
 # Studies: an unknown one is refused with those that there are, decks are not for them, each has a help of its own.
 expect 2 --study papers
 grep -q 'no study "papers"; there are: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
