@@ -254,6 +254,13 @@ void Deck::complain(const std::string& block, const std::string& key, const std:
   _contents->faults.add(at, instance->header + blank + key, found, expected);
 }
 
+std::string Deck::placeOf(const std::string& block) const {
+  const DeckBlock* instance = _contents->findBlock(block);
+  if (!instance)
+    throw Error(ExitCode::internal, "Deck::placeOf: no block \"" + block + "\"");
+  return _contents->faults.placeOf(instance->at);
+}
+
 void Deck::assignText(const std::string& block, const std::string& key, const std::string& value) {
   _contents->value(block, key).entries.at(0).text = value;
 }

@@ -126,6 +126,8 @@ public:
   // and `expected` complete the sentences "found ..." and "expected ...".
   void complain(const std::string& block, const std::string& key, const std::string& found,
                 const std::string& expected);
+  // Where a block stands, to be named in a message: `a.toml:12`, or the --set that gave it.
+  std::string placeOf(const std::string& block) const;
   // Replaces a text, e.g. a relative path by the absolute one, also in resolved().
   void assignText(const std::string& block, const std::string& key, const std::string& value);
   // Number of faults so far.

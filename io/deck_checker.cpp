@@ -53,6 +53,23 @@ std::string joined(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;
 }
 
+// As a deck gives it.
+std::string headerOf(const BlockRule& block) {
+  switch (block.kind) {
+  case BlockKind::repeated:
+    return "[[" + block.name + "]]";
+  case BlockKind::named:
+    return "[" + block.name + ".<name>]";
+  default:
+    return "[" + block.name + "]";
+  }
+}
+
+bool isTables(const TomlNode& node) {
+  return node.kind == Kind::list && !node.entries.empty() &&
+         node.entries.front().kind == Kind::table;
+}
+
 // Finds what the schema does not know.
 class UnknownNames {
 public:
@@ -91,7 +108,7 @@ private:
         visitKeys(node, block, plain);
       else
         _faults.add(node.key_at, block.name,
-                    node.kind == Kind::list ? "an array of tables or values" : node.describe(),
+                    isTables(node) ? "an array of tables [" + plain + "]" : node.describe(),
                     "one table " + plain);
     } else if (block.kind == BlockKind::named) {
       visitNamed(node, block);
@@ -118,7 +135,9 @@ private:
       if (member.kind == Kind::table)
         visitKeys(member, block, "[" + block.name + "." + name + "]");
       else
-        _faults.add(member.key_at, "[" + block.name + "] " + name, member.describe(),
+        _faults.add(member.key_at, "[" + block.name + "] " + name,
+                    isTables(member) ? "an array of tables [[" + block.name + "." + name + "]]"
+                                     : member.describe(),
                     "a table " + header);
   }
 
@@ -168,14 +187,15 @@ private:
     if (prefix.empty())
       for (const std::string& key : keyNames(topBlock(_schema)))
         known.push_back(key);
-    // A block may also be given by its first or last name alone: [fixed] for [[boundary.fixed]].
+    // A block may also be meant by its last name alone: [fixed] for [[boundary.fixed]], [[load.gravity]] for [gravity].
     std::string nearest = nearestName(joined(prefix, name), known);
-    for (const std::string& candidate : known)
-      if (nearest.empty() && candidate.substr(candidate.rfind('.') + 1) == name)
-        nearest = candidate;
-    const bool is_block =
-        node.kind == Kind::table || (node.kind == Kind::list && !node.entries.empty() &&
-                                     node.entries.front().kind == Kind::table);
+    for (const BlockRule& block : _schema)
+      if (nearest.empty() && block.kind != BlockKind::top &&
+          block.name.substr(block.name.rfind('.') + 1) == name)
+        nearest = block.name;
+    if (const BlockRule* block = findBlock(_schema, nearest))
+      nearest = headerOf(*block);
+    const bool is_block = node.kind == Kind::table || isTables(node);
     _faults.add(node.key_at, "",
                 std::string("unknown ") + (is_block ? "block" : "key") + " \"" +
                     joined(prefix, name) + "\"",

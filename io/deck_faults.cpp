@@ -44,12 +44,14 @@ void DeckFaults::add(const Position& at, const std::string& subject, const std::
   _faults.push_back(std::move(fault));
 }
 
+std::string DeckFaults::placeOf(const Position& at) const {
+  return at.option >= 0 ? "--set " + _overrides.at(static_cast<std::size_t>(at.option))
+                        : _path + ":" + std::to_string(at.line);
+}
+
 std::string DeckFaults::tell(const Fault& fault) const {
   const bool from_option = fault.at.option >= 0;
-  std::string out = from_option
-                        ? "--set " + _overrides.at(static_cast<std::size_t>(fault.at.option))
-                        : _path + ":" + std::to_string(fault.at.line);
-  out += ": ";
+  std::string out = placeOf(fault.at) + ": ";
   if (!fault.subject.empty())
     out += fault.subject + ": ";
   out += "found " + fault.found;

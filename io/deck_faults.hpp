@@ -17,6 +17,8 @@ public:
   // (the nearest valid name) may be "".
   void add(const Position& at, const std::string& subject, const std::string& found,
            const std::string& expected, const std::string& nearest = "");
+  // `a.toml:12`, or `--set a.b=c`.
+  std::string placeOf(const Position& at) const;
   int count() const { return static_cast<int>(_faults.size()); }
   int numLines() const { return static_cast<int>(_lines.size()); }
   // All faults, sorted; "" if there are none.

@@ -179,6 +179,22 @@ std::string withoutFunctionName(std::string sentence) {
   return sentence.empty() ? "invalid TOML" : sentence;
 }
 
+// What toml11 found, and its remark at the place: what it expected there, or more of what it found.
+TomlSyntaxError toSyntaxError(const Position& at, std::string found, std::string remark) {
+  if (found == "the next token is not a valid string")
+    found = "a text that does not end on its line or has an unknown escape";
+  if (found == "an invalid key appeared")
+    found = "an invalid key";
+  while (!remark.empty() && remark.back() == '.')
+    remark.pop_back();
+  if (remark.empty() || remark == "here" || remark == "is not a valid key")
+    return TomlSyntaxError(at, found, "");
+  for (const std::string begin : {"expected ", "should be "})
+    if (remark.compare(0, begin.size(), begin) == 0)
+      return TomlSyntaxError(at, found, remark.substr(begin.size()));
+  return TomlSyntaxError(at, found + " (" + remark + ")", "");
+}
+
 // A message of toml11 holds its excerpts as " 12 | the line", each followed by a line of marks and a remark. The last
 // of them that is a line of the text is the place; the exception's own location may be that of a part of it.
 TomlSyntaxError readMessage(const std::string& message, const std::vector<std::string>& lines,
@@ -206,9 +222,7 @@ TomlSyntaxError readMessage(const std::string& message, const std::vector<std::s
     const std::size_t words = marks.find_first_not_of("^~- ", mark);
     remark = words == std::string::npos ? "" : marks.substr(words);
   }
-  if (remark == "here")
-    remark.clear();
-  return TomlSyntaxError(at, withoutFunctionName(parts.front()), remark);
+  return toSyntaxError(at, withoutFunctionName(parts.front()), remark);
 }
 
 toml::value parseText(const std::string& text) {

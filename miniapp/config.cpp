@@ -2,6 +2,7 @@
 #include "miniapp/config.hpp"
 
 #include "mechanics/material.hpp"
+#include "miniapp/boundary_conflicts.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -188,6 +189,7 @@ void readBoundaries(Deck& deck, Config& config) {
     config.prescribed.push_back({deck.text(block, "node_set"), triple(deck, block, "velocity"),
                                  readComponents(deck, block), readPulse(deck, block)});
   }
+  complainOfConflicts(config, deck);
 }
 
 InitialSelection readSelection(Deck& deck, const std::string& block) {

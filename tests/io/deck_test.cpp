@@ -114,7 +114,7 @@ TEST(Deck, TellsAllFaultsInOrderOfLines) {
       "above "
       "-1 and below 0.5",
       "a.toml:7: found unknown block \"wal\"",
-      "did you mean \"wall\"?",
+      "did you mean \"[wall]\"?",
       "a.toml:9: [time] end: found true",
       "a.toml:10: [time] steps: found the real 2.0, expected an integer at least 1",
       "a.toml:12: [[load.pressure]] side_set: found the integer 3, expected a text",
@@ -163,8 +163,24 @@ TEST(Deck, TellsWrongKindsOfTables) {
   EXPECT_TOLD(faultsOf("load = 3\n" + good), "a.toml:1: load: found the integer 3");
   EXPECT_TOLD(faultsOf(good + "[load]\npresure = 3\n"), "unknown key \"load.presure\"");
   EXPECT_TOLD(faultsOf(good + "[[pressure]]\nside_set = \"a\"\n"),
-              "did you mean \"load.pressure\"?");
+              "did you mean \"[[load.pressure]]\"?");
+  EXPECT_TOLD(faultsOf(good + "[[load.time]]\nend = 1.0\n"), "did you mean \"[time]\"?");
+  EXPECT_TOLD(faultsOf(good + "[load.time]\nend = 1.0\n"), "did you mean \"[time]\"?");
+  EXPECT_TOLD(faultsOf(good + "[materials.clay]\ndensity = 1.0\n"),
+              "did you mean \"[material.<name>]\"?");
+  EXPECT_TOLD(faultsOf("[[wall]]\nbricks = [2, 1, 3]\n[limits]\n"),
+              "found an array of tables [[wall]], expected one table [wall]");
+  EXPECT_TOLD(faultsOf("wall = [3]\n[limits]\n"), "found a list of 1, expected one table [wall]");
+  EXPECT_TOLD(faultsOf(good + "[[material.clay]]\ndensity = 1.0\n"),
+              "found an array of tables [[material.clay]], expected a table [material.<name>]");
   EXPECT_TOLD(faultsOf(good + "[time]\ngap = 1.0\n"), "(gap is a key of [wall])");
+}
+
+TEST(Deck, TellsWhereABlockStands) {
+  const Deck deck = parse(good + "[[load.pressure]]\nside_set = \"a\"\n",
+                          {"load.pressure[1].side_set=\"b\"", "load.pressure[0].peak=2"});
+  EXPECT_EQ(deck.placeOf("load.pressure[0]"), "a.toml:4");
+  EXPECT_EQ(deck.placeOf("load.pressure[1]"), "--set load.pressure[1].side_set=\"b\"");
 }
 
 TEST(Deck, PointsAtMissingBlocks) {
@@ -176,9 +192,9 @@ TEST(Deck, StopsAtASyntaxError) {
   EXPECT_TOLD(faultsOf(good + "gap = \n"),
               "a.toml:4: found missing value after key-value separator '='");
   EXPECT_TOLD(faultsOf("[wall]\nbricks = [2, 1\n\ngap = 1\n"),
-              "a.toml:4: found missing array separator");
+              "a.toml:4: found missing array separator `,` after a value, expected `,`\n");
   EXPECT_TOLD(faultsOf("[wall]\ngap = 1.0\ngap = 2.0\n"),
-              "a.toml:3: found value (\"gap\") already exists");
+              "a.toml:3: found value (\"gap\") already exists (value defined twice)\n");
   EXPECT_TOLD(faultsOf("[wall]\ngap = 1.0\n[time]\n[wall]\n\n\n"),
               "a.toml:4: found table (\"wall\") already exists");
   EXPECT_TOLD(faultsOf("[wall]\ngap = 1979-99-99\n"), "a.toml:2: found invalid date");
@@ -231,7 +247,7 @@ TEST(Deck, NamesTheOptionOfAWrongOverride) {
   EXPECT_TOLD(faultsOf(good, {"wall.gap=-1"}),
               "--set wall.gap=-1: [wall] gap: found the integer -1");
   EXPECT_TOLD(faultsOf(good, {"wall.gp=1"}), "--set wall.gp=1: [wall]: found unknown key \"gp\"");
-  EXPECT_TOLD(faultsOf(good, {"wal.gap=1"}), "did you mean \"wall\"?");
+  EXPECT_TOLD(faultsOf(good, {"wal.gap=1"}), "did you mean \"[wall]\"?");
   EXPECT_TOLD(faultsOf(good, {"wall.gap=wide"}),
               "found the text \"wide\", expected a finite number");
   EXPECT_TOLD(faultsOf(good, {"wall.gap"}), "expected block.key=value");

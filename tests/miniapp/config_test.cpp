@@ -221,6 +221,32 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
               "no duration for shape \"sin_squared\"");
 }
 
+TEST(Config, RefusesMotionsThatContradictEachOther) {
+  const std::string fixed =
+      smallest + // 10 lines
+      "[[boundary.fixed]]\nnode_set = \"base\"\ncomponents = [\"x\", \"z\"]\n";
+  const std::string both = fixed + "[[boundary.velocity]]\nnode_set = \"base\"\n"
+                                   "velocity = [1, 2, 3]\n";
+  EXPECT_TOLD(faultsOf(both), "a.toml:14: [[boundary.velocity]]: found another motion of x, z of "
+                              "node set \"base\" than in a.toml:11, expected one motion of each");
+  EXPECT_EQ(faultsOf(both, {"boundary.velocity[0].components=[\"y\"]"}), "");
+  EXPECT_EQ(faultsOf(both, {"boundary.velocity[0].velocity=[0,2,0]"}), ""); // 0 is fixed
+  EXPECT_EQ(faultsOf(both, {"boundary.velocity[0].node_set=top_course"}), "");
+  EXPECT_EQ(faultsOf(fixed + "[[boundary.fixed]]\nnode_set = \"base\"\n"), ""); // twice the same
+  EXPECT_TOLD(faultsOf(fixed, {"boundary.velocity[0].node_set=base",
+                               "boundary.velocity[0].velocity=[0,0,1]"}),
+              "--set boundary.velocity[0].node_set=base: [[boundary.velocity]]: found another "
+              "motion of z");
+  const std::string twice = both + "[[boundary.velocity]]\nnode_set = \"base\"\n"
+                                   "components = [\"y\"]\nvelocity = [0, 2, 0]\n";
+  const std::string only_y = "boundary.velocity[0].components=[\"y\"]";
+  EXPECT_EQ(faultsOf(twice, {only_y}), "");
+  EXPECT_TOLD(faultsOf(twice, {only_y, "boundary.velocity[1].start=0.5"}),
+              "a.toml:17: [[boundary.velocity]]: found another motion of y of node set \"base\" "
+              "than in a.toml:14");
+  EXPECT_TOLD(faultsOf(smallest + "[[boundary.fixed]]\n[[boundary.fixed]]\n"), "no key");
+}
+
 TEST(Config, ReadsAllDecksOfTheProject) {
   int decks = 0;
   for (const auto& entry : std::filesystem::directory_iterator(inputs)) {
