@@ -12,7 +12,6 @@ struct AuditedFaces {
   View<Box*> boxes;
   View<global_id* [6]> ids; // face, body, four corners
 };
-constexpr int num_ids = 6;
 
 AuditedFaces describeOwnFaces(const exec_space& space, const Surface& surface, double tolerance) {
   const AuditedFaces own{
@@ -32,16 +31,14 @@ AuditedFaces describeOwnFaces(const exec_space& space, const Surface& surface, d
 }
 
 template <class ViewType>
-void broadcastRows(const exec_space& space, MPI_Comm comm, int root, ViewType& view, int rows,
-                   std::size_t row_bytes) {
+void broadcastRows(const exec_space& space, MPI_Comm comm, int root, ViewType& view, int rows) {
   if (rankOf(comm) != root)
     view = allocate<ViewType>(space, "contact::audit::received", rows);
   const auto host = Kokkos::create_mirror_view(Kokkos::HostSpace(), view);
   if (rankOf(comm) == root)
     Kokkos::deep_copy(space, host, view);
   space.fence();
-  const int bytes = checkedInt(static_cast<std::int64_t>(row_bytes) * rows, "audit of pairs");
-  checkMpi(MPI_Bcast(host.data(), bytes, MPI_BYTE, root, comm), "MPI_Bcast");
+  broadcast(comm, host.data(), static_cast<std::int64_t>(host.size()), root);
   Kokkos::deep_copy(space, view, host);
 }
 
@@ -93,8 +90,8 @@ std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Surf
   for (int root = 0; root < sizeOf(comm); ++root) {
     AuditedFaces all = own;
     const int count = allReduce(comm, root == rankOf(comm) ? surface.num_faces : 0, MPI_MAX);
-    broadcastRows(space, comm, root, all.boxes, count, sizeof(Box));
-    broadcastRows(space, comm, root, all.ids, count, num_ids * sizeof(global_id));
+    broadcastRows(space, comm, root, all.boxes, count);
+    broadcastRows(space, comm, root, all.ids, count);
     std::int64_t of_root = 0;
     Kokkos::parallel_reduce("contact::audit::count", over(space, pairs.num_rows),
                             CountMissed{FaceAccess{surface, ghosts}, pairs, all, count, config},

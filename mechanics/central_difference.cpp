@@ -116,9 +116,12 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
                           state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
                           boundary.at(time), scales, test});
   };
-  return static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
-             ? launch(std::integral_constant<int, num_force_kinds>())
-             : launch(std::integral_constant<int, viscous_force>());
+  KickSums sums = static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
+                      ? launch(std::integral_constant<int, num_force_kinds>())
+                      : launch(std::integral_constant<int, viscous_force>());
+  if (nodes.others_rest && !(dot(test.around, test.around) <= test.limit * test.limit))
+    ++sums.sum[kick_fast_nodes].high; // what rests is fast against the mean
+  return sums;
 }
 
 } // namespace brickwall::mechanics

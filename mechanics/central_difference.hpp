@@ -23,7 +23,7 @@ void drift(const exec_space& space, double dt, const NodalState& state, const No
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test = {});
-// The same of some nodes.
+// The same of some nodes. Where the others rest, these count as one node that is tested for its speed.
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               double time, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes);

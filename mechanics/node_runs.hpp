@@ -17,6 +17,7 @@ struct NodeSelection {
   bool all = true;
   int num_nodes = 0; // of the mesh
   View<const NodeRun*> runs; // else; none longer than nodes_per_run
+  bool others_rest = false; // those that are left out, some
 
   static NodeSelection allOf(int num_nodes) {
     NodeSelection all_nodes;

@@ -113,6 +113,7 @@ void RestingBodies::selectMoving(const exec_space& space) {
   const auto moving = Kokkos::subview(_moving_runs, some);
   Kokkos::deep_copy(moving, Kokkos::subview(_host_runs, some));
   _moving.all = false;
+  _moving.others_rest = true;
   _moving.runs = moving;
 }
 

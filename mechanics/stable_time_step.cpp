@@ -14,6 +14,7 @@ namespace {
 struct Limits {
   double dt = HUGE_VAL;
   global_id elem = INT64_MAX;
+  double bare = HUGE_VAL; // dt without viscosity, at rest
   double viscous = 0; // c
   double growth = 0; // of omega^2
   double turn = 0; // theta
@@ -22,6 +23,7 @@ struct Limits {
       dt = b.dt;
       elem = b.elem;
     }
+    bare = minOf(bare, b.bare);
     viscous = maxOf(viscous, b.viscous);
     growth = maxOf(growth, b.growth);
     turn = maxOf(turn, b.turn);
@@ -38,18 +40,23 @@ StableTimeStep agree(MPI_Comm comm, const Limits& local) {
   return result;
 }
 
-// The step that whole bodies allow; 0 where it is not known to be longer than that of elements.
+// The step that whole bodies allow, by what is largest over all ranks; 0 where it is not known to be longer than that of elements.
+double stepOfBodies(double viscous, double growth_of_elements, double turn, const StepLoad& load,
+                    const RestFrequency& rest) {
+  if (!(rest.bodies < rest.elements))
+    return 0;
+  const double left = 1 - load.contact, growth = growth_of_elements / left;
+  const double omega = std::sqrt(rest.bodies + growth) + turn * std::sqrt(rest.elements + growth);
+  const double step = viscousStep(2 / omega, viscous / left);
+  return step > 0 ? step : 0; // not for NaN
+}
 double stepOfBodies(MPI_Comm comm, const Limits& local, const StepLoad& load,
                     const RestFrequency& rest) {
   if (!(rest.bodies < rest.elements))
     return 0;
   double largest[3] = {local.viscous, local.growth, local.turn};
   allReduce(comm, largest, 3, MPI_MAX);
-  const double left = 1 - load.contact, growth = largest[1] / left;
-  const double omega =
-      std::sqrt(rest.bodies + growth) + largest[2] * std::sqrt(rest.elements + growth);
-  const double step = viscousStep(2 / omega, largest[0] / left);
-  return step > 0 ? step : 0; // not for NaN
+  return stepOfBodies(largest[0], largest[1], largest[2], load, rest);
 }
 
 struct LimitsAtRest {
@@ -72,7 +79,9 @@ struct LimitsAtRest {
     if (load.viscosity.any())
       mine.viscous = viscousRate(load, material, shape.length,
                                  shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
-    mine.dt = loadedStep(stepOf(omega_square, shape.parallelepiped), mine.viscous, load);
+    const double step = stepOf(omega_square, shape.parallelepiped);
+    mine.dt = loadedStep(step, mine.viscous, load);
+    mine.bare = loadedStep(step, 0, load);
     limits += mine;
   }
 };
@@ -135,15 +144,26 @@ struct LimitsAtDeformation {
 
 } // namespace
 
-StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepLoad& load, const RestFrequency& rest) {
+ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                  const StepLoad& load) {
   Limits limits;
-  Kokkos::parallel_reduce("mechanics::stableTimeStep::at_rest", over(space, mesh.num_elems),
+  Kokkos::parallel_reduce("mechanics::findElementsAtRest", over(space, mesh.num_elems),
                           LimitsAtRest{viewsOf(mesh), load}, Combine<Limits>(limits));
   space.fence();
-  StableTimeStep stable = agree(comm, limits);
-  stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, load, rest));
+  return {agree(comm, limits), allReduce(comm, limits.bare, MPI_MIN),
+          allReduce(comm, limits.viscous, MPI_MAX)};
+}
+
+StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& load,
+                              const RestFrequency& rest) {
+  StableTimeStep stable = elements.step;
+  stable.dt = maxOf(stable.dt, stepOfBodies(elements.viscous, 0, 0, load, rest));
   return stable;
+}
+
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                              const StepLoad& load, const RestFrequency& rest) {
+  return stableTimeStep(findElementsAtRest(space, comm, mesh, load), load, rest);
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,

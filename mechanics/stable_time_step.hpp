@@ -41,7 +41,19 @@ struct RestFrequency {
   double elements = HUGE_VAL; // of the worst element by itself, with all nodes lighter by that
 };
 
-// At rest (u = 0): small-strain moduli, closed form; the longer of the steps by elements and, with `rest`, by bodies. Same on all ranks and for any partition. Collective.
+// What the elements say of the step at rest, over all ranks.
+struct ElementsAtRest {
+  StableTimeStep step; // by the worst element
+  double step_without_viscosity = HUGE_VAL; // time
+  double viscous = 0; // c of the worst element, 1/time
+};
+// One pass over the elements: small-strain moduli, closed form. The same for any partition. Collective.
+ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                  const StepLoad& load);
+// The longer of the steps by elements and, with `rest`, by bodies.
+StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& load,
+                              const RestFrequency& rest);
+// Both at once.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                               const StepLoad& load = {}, const RestFrequency& rest = {});
 

@@ -62,7 +62,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const std::int64_t congruent = simulation.numCongruentElems();
   const bool all_congruent = congruent == scene.part.num_global_elems;
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
-  const auto spared = sparedParts(small, simulation, scene.part.num_global_elems);
+  const auto spared =
+      sparedParts(small, simulation, simulation.contactCounts(), scene.part.num_global_elems);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
     return 0;

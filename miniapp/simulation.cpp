@@ -3,32 +3,11 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "mechanics/central_difference.hpp"
-#include "mechanics/lumped_mass.hpp"
-#include "mechanics/stable_time_step.hpp"
-#include "miniapp/initial_overlaps.hpp"
-#include "miniapp/loads.hpp"
-#include "miniapp/search_choice.hpp"
 #include "miniapp/undo_step.hpp"
 
-#include <cmath>
 #include <sstream>
 
 namespace brickwall::miniapp {
-
-namespace {
-
-// Of StepCounts::host: ranks with a penetration beyond a limit.
-enum HostCount : int { deeper_than_warned, deeper_than_allowed, deeper_than_boxes };
-static_assert(deeper_than_boxes < mechanics::num_host_counts);
-
-std::string reversingDamping(double damping, double dt) {
-  std::ostringstream message;
-  message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
-          << dt << "; expected less than 2 over the step, " << 2 / dt;
-  return message.str();
-}
-
-} // namespace
 
 void Simulation::step() {
   moveNodes();
@@ -175,9 +154,6 @@ void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
     const mechanics::SpeedTest test = _guard.speedTest(_ledger.meanVelocity());
     _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
                             _state, _scales, test, movingNodes());
-    // Against the mean even what rests may be fast.
-    if (_resting.any() && !(dot(test.around, test.around) <= test.limit * test.limit))
-      ++_kick.sum[mechanics::kick_fast_nodes].high;
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, time_of_velocity);
@@ -191,42 +167,6 @@ void Simulation::stepFreeBricks(double dt_kick, double time_of_velocity) {
   _internal.energy += sums.internal.energy;
   _internal.failure += sums.internal.failure;
   _kick += sums.kick;
-}
-
-// Bricks that nothing but their own forces, gravity and prescribed motions moves.
-void Simulation::freeBricks() {
-  _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
-  if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
-      !_config.spare.free_bricks)
-    return;
-  std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
-  for (const auto& load : _loads) {
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
-    for (std::size_t face = 0; face < faces.extent(0); ++face)
-      for (int corner = 0; corner < 4; ++corner)
-        is_loaded[faces(face, corner)] = 1;
-  }
-  _free_bricks = mechanics::FreeBricks(_space, _scene.mesh, *_internal_force, is_loaded);
-  if (_free_bricks.any())
-    _other_nodes = _free_bricks.otherNodes();
-}
-
-// Forces reach a body by its surface, and this rank's part of it by shared nodes. Without contact few bodies ever wake.
-void Simulation::restBodies() {
-  if (!_config.spare.resting_bodies || !_config.contact.enabled)
-    return;
-  std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);
-  const auto surface =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _scene.skin.surface_to_node);
-  for (std::size_t s = 0; s < surface.extent(0); ++s)
-    may_be_pushed[surface(s)] = 1;
-  for (const auto& nodes : sharedNodes(_scene.part).nodes)
-    for (const int node : nodes)
-      may_be_pushed[node] = 1;
-  _resting =
-      mechanics::RestingBodies(_space, _scene.mesh, _state, prescribedMotions(_config, _scene.part),
-                               _boundary.gravity(), may_be_pushed);
-  _internal_force->leaveOutResting(_resting.flags());
 }
 
 void Simulation::allocateForces() {
@@ -292,141 +232,6 @@ std::string Simulation::describeFailure() {
   else
     message << "a load or an energy is not finite or beyond the range of the exact sums";
   return message.str();
-}
-
-Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
-    : _comm(comm), _config(config), _scene(scene),
-      _boundary(_space, scene.mesh.num_nodes, prescribedMotions(config, scene.part),
-                toVec3(config.gravity), config.mass_damping),
-      _shared(scene.shared) {
-  const auto& mesh = scene.mesh;
-  _state.mass = scene.mass;
-  _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
-  _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
-  _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
-  allocateForces();
-  _scales = mechanics::ledgerScales(_space, comm, mesh);
-  const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
-                                                            : mechanics::ElementKind::full;
-  _internal_force = std::make_unique<mechanics::InternalForce>(
-      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
-  _loads = pressureLoads(_space, config, scene);
-  freeBricks();
-  for (const MaterialConfig& material : config.materials)
-    _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
-  setInitialDeformations(_space, config, scene, _shared, _state);
-  setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
-  restBodies();
-
-  setStepLimits();
-  planSteps(longestStepAtStart());
-  if (config.mass_damping * _clock.dt >= 2)
-    throw InputError(reversingDamping(config.mass_damping, _clock.dt));
-  if (config.contact.enabled)
-    setUpContact();
-  _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
-                                    mechanics::totalMass(_space, comm, mesh, scene.mass),
-                                    mechanics::motionOf(_space, mesh, _state, _scales));
-}
-
-void Simulation::setUpContact() {
-  _coupling = std::make_unique<SurfaceCoupling>(_space, _scene, _boundary);
-  _drops_same_body = _config.contact.self == SelfContact::never ||
-                     (_config.contact.self == SelfContact::automatic && _config.wall.has_value());
-  _box_tolerance = _reach =
-      boxTolerance(_config.contact, _scene.shortest_edge, _scene.longest_edge);
-  const contact::SearchConfig search = searchConfig(_config, _box_tolerance, _drops_same_body);
-  const double margin = _config.search.margin * _scene.shortest_edge;
-  _search = std::make_unique<contact::CandidateSearch>(_comm, search, margin);
-  contact::EnforcementConfig enforcement;
-  enforcement.scheme = _config.contact.scheme == ContactScheme::energy_neutral
-                           ? contact::Scheme::energy_neutral
-                           : contact::Scheme::penalty;
-  enforcement.penalty = _config.contact.penalty;
-  enforcement.leaves_out_still = _config.spare.still_contact;
-  enforcement.reference_step = _clock.dt;
-  enforcement.lateral_tolerance = _config.contact.lateral_tolerance;
-  enforcement.edge_tolerance = _config.contact.edge_tolerance;
-  enforcement.friction = _config.contact.friction;
-  enforcement.friction_stiffness = _config.contact.friction_stiffness;
-  enforcement.damping = _config.contact.damping;
-  enforcement.self_contact = !_drops_same_body;
-  enforcement.least_depth = 1e-12 * _scene.shortest_edge;
-  enforcement.deepest_birth = deepestBirth(_config.contact, _scene.shortest_edge);
-  _guard = TunnellingGuard(_config, search.node_tolerance + search.face_tolerance, _clock.dt);
-  _coupling->resetCoordinates(_space, _state.displacement);
-  refuseDeepOverlaps(_space, _comm, _config, _scene, _coupling->surface(), _state.displacement);
-  const contact::FeatureEdges features = contact::findFeatureEdges(_comm, _coupling->surface());
-  _coupling->setTrueEdges(_space, features.true_edges);
-  _enforcement = std::make_unique<contact::Enforcement>(_space, _comm, _coupling->surface(),
-                                                        _coupling->nodeMass(), enforcement,
-                                                        _forces.quantum, _scales.energy);
-  if (!_config.contact.edges)
-    return;
-  _edges = std::make_unique<contact::EdgeContact>(_space, _comm, _coupling->surface(), features,
-                                                  _coupling->nodeMass(), search, margin,
-                                                  enforcement, _forces.quantum, _scales.energy);
-  if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
-    _edges.reset(); // nothing but smooth bodies
-}
-
-ContactCounts Simulation::contactCounts() const {
-  ContactCounts counts;
-  if (!_coupling)
-    return counts;
-  std::int64_t sums[4] = {_search->ghosts().count, _search->pairs().count, _contact.active(),
-                          _lost};
-  allReduce(_comm, sums, 4, MPI_SUM);
-  counts.searches = _search->searches();
-  counts.updates = _search->updates();
-  counts.ghost_faces = sums[0];
-  counts.candidate_pairs = sums[1];
-  counts.active = sums[2];
-  counts.lost = sums[3];
-  counts.missed_pairs = _missed_pairs;
-  counts.largest_penetration = allReduce(_comm, _penetration, MPI_MAX);
-  counts.max_penetration = allReduce(
-      _comm, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration), MPI_MAX);
-  return counts;
-}
-
-GaugeValues Simulation::gauges() {
-  const mechanics::EnergyBalance& b = _ledger.balance();
-  const LimitsConfig& limits = _config.limits;
-  const bool is_deep = (b.host_counts[deeper_than_warned] > 0 &&
-                        _known_penetration <= limits.warn[gauge_penetration]) ||
-                       (b.host_counts[deeper_than_allowed] > 0 &&
-                        _known_penetration <= limits.stop[gauge_penetration]);
-  if (is_deep)
-    _known_penetration = allReduce(_comm, _penetration, MPI_MAX);
-  GaugeValues values;
-  values[gauge_energy] = b.energy_error;
-  values[gauge_momentum] = b.momentum_error;
-  values[gauge_angular_momentum] = _is_objective ? b.angular_momentum_error : 0;
-  values[gauge_contact] = b.contact_error;
-  values[gauge_hourglass] = b.hourglassShare();
-  values[gauge_penetration] = _known_penetration;
-  return values;
-}
-
-std::int64_t Simulation::numRestingElems() const {
-  return allReduce(_comm, _resting.numElems(), MPI_SUM);
-}
-std::int64_t Simulation::sparedElementSteps() const {
-  return allReduce(_comm, _spared_element_steps, MPI_SUM);
-}
-std::int64_t Simulation::numFreeElems() const {
-  return allReduce(_comm, _free_bricks.numElems(), MPI_SUM);
-}
-
-std::int64_t Simulation::numLatticeElems() const {
-  std::int64_t count = 0;
-  for (const auto& lattice : _internal_force->lattices().on_host)
-    count += lattice.numElems();
-  return allReduce(_comm, _config.viscosity.any() ? 0 : count, MPI_SUM);
-}
-std::int64_t Simulation::numCongruentElems() const {
-  return allReduce(_comm, _internal_force->numCongruentElems(), MPI_SUM);
 }
 
 } // namespace brickwall::miniapp

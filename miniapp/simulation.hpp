@@ -70,6 +70,10 @@ struct Checksums {
   std::int64_t interactions = 0;
 };
 
+// Of mechanics::StepCounts::host: ranks with a penetration beyond a limit.
+enum HostCount : int { deeper_than_warned, deeper_than_allowed, deeper_than_boxes };
+static_assert(deeper_than_boxes < mechanics::num_host_counts);
+
 // What the bound of whole bodies is worth (time.bound).
 struct StepGain {
   double step = 1; // the step over that by the worst element by itself, both at rest
@@ -81,6 +85,7 @@ struct StepGain {
 struct StepLimit {
   // The rate is that which the step allows for; at first one that costs few per cent of the step.
   mechanics::StepLoad load = {{}, 0.01, 0};
+  mechanics::ElementsAtRest elements; // under the load, as the run begins
   mechanics::RestFrequency rest; // of the bodies under the load's contact
   double share = 1, largest_share = 1;
 };

@@ -30,9 +30,8 @@ double shareOfAbsentTerms(const Config& config) {
 } // namespace
 
 std::vector<SparedReport> sparedParts(const Config& config, const Simulation& simulation,
-                                      std::int64_t num_elems) {
+                                      const ContactCounts& counts, std::int64_t num_elems) {
   const double elems = static_cast<double>(num_elems);
-  const ContactCounts counts = simulation.contactCounts();
   const std::int64_t steps = simulation.clock().step + 1; // the start evaluates forces too
   const std::int64_t spared = simulation.sparedElementSteps();
   std::vector<SparedReport> parts = {

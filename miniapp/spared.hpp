@@ -10,8 +10,9 @@
 
 namespace brickwall::miniapp {
 
-// Collective. Before the first step what is known of the scene, later what the steps so far have spared.
+// Collective. Before the first step what is known of the scene, later what the steps so far have spared. `counts` are those of
+// the simulation.
 std::vector<SparedReport> sparedParts(const Config& config, const Simulation& simulation,
-                                      std::int64_t num_elems);
+                                      const ContactCounts& counts, std::int64_t num_elems);
 
 } // namespace brickwall::miniapp

@@ -24,6 +24,7 @@ void Simulation::setStepLimits() {
     limit.load.contact = contact_load;
     limit.share = share;
     limit.largest_share = 0.5 * (share + 1);
+    limit.elements = mechanics::findElementsAtRest(_space, _comm, _scene.mesh, limit.load);
     findLargestFrequency(limit);
     _step_limits.push_back(limit);
   };
@@ -39,11 +40,9 @@ void Simulation::findLargestFrequency(StepLimit& limit) {
   const auto mass = contact > 0 ? mechanics::massUnderContact(_space, _scene.mass,
                                                               _scene.skin.surface_to_node, contact)
                                 : _scene.mass;
-  const double by_elements =
-      mechanics::stableTimeStep(_space, _comm, _scene.mesh, mechanics::StepLoad{{}, 0, contact}).dt;
   const auto found =
       mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part), mass,
-                                  _internal_force->kind(), by_elements);
+                                  _internal_force->kind(), limit.elements.step_without_viscosity);
   limit.rest = found.bound;
   _step_gain.products += found.products;
   _step_gain.body_types = found.body_types;
@@ -51,17 +50,13 @@ void Simulation::findLargestFrequency(StepLimit& limit) {
 
 // What the limits allow for bodies at rest: the longer of what elements and whole bodies have.
 double Simulation::longestStepAtRest() {
-  const auto longest = [&](bool by_elements) {
-    double step = HUGE_VAL;
-    for (const StepLimit& limit : _step_limits)
-      step = minOf(step, limit.share * mechanics::stableTimeStep(
-                                           _space, _comm, _scene.mesh, limit.load,
-                                           by_elements ? mechanics::RestFrequency() : limit.rest)
-                                           .dt);
-    return step;
-  };
-  const double step = longest(false);
-  _step_gain.step = step / longest(true);
+  double step = HUGE_VAL, by_elements = HUGE_VAL;
+  for (const StepLimit& limit : _step_limits) {
+    const auto stable = mechanics::stableTimeStep(limit.elements, limit.load, limit.rest);
+    step = minOf(step, limit.share * stable.dt);
+    by_elements = minOf(by_elements, limit.share * limit.elements.step.dt);
+  }
+  _step_gain.step = step / by_elements;
   return step;
 }
 

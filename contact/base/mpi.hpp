@@ -82,13 +82,19 @@ void allReduce(MPI_Comm comm, LimbSums<N>& sums) {
   allReduce(comm, sums.data(), LimbSums<N>::size(), MPI_SUM);
 }
 
+// Collective. Rank `root`'s `n` values at `values` on every rank.
+template <class T>
+void broadcast(MPI_Comm comm, T* values, std::int64_t n, int root) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const int bytes = checkedInt(n * static_cast<std::int64_t>(sizeof(T)), "bytes of a broadcast");
+  checkMpi(MPI_Bcast(values, bytes, MPI_BYTE, root, comm), "MPI_Bcast");
+}
 // Collective. Rank `root`'s text on every rank.
 inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
   std::int64_t length = static_cast<std::int64_t>(text.size());
-  checkMpi(MPI_Bcast(&length, 1, MPI_INT64_T, root, comm), "MPI_Bcast");
+  broadcast(comm, &length, 1, root);
   text.resize(static_cast<std::size_t>(length));
-  checkMpi(MPI_Bcast(text.data(), checkedInt(length, "broadcast"), MPI_CHAR, root, comm),
-           "MPI_Bcast");
+  broadcast(comm, text.data(), length, root);
   return text;
 }
 
@@ -110,7 +116,7 @@ inline void together(MPI_Comm comm, const std::function<void()>& work) {
   const int first = allReduce(comm, code != 0 ? rankOf(comm) : none, MPI_MIN);
   if (first == none)
     return;
-  checkMpi(MPI_Bcast(&code, 1, MPI_INT, first, comm), "MPI_Bcast");
+  broadcast(comm, &code, 1, first);
   throwError(static_cast<ExitCode>(code), broadcast(comm, message, first));
 }
 

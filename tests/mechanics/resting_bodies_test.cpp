@@ -177,5 +177,22 @@ TEST(RestingBodies, WakeInAllTheirRows) {
   EXPECT_EQ(flags(last), 0);
 }
 
+// The mean moves on, those that rest do not: they are fast against it, though nobody kicks them.
+TEST(RestingBodies, AreFastWhereTheMeanIs) {
+  Bricks bricks(MaterialModel::linear);
+  const HexMesh& mesh = bricks.blocks.mesh;
+  const BoundaryConditions boundary(bricks.space, mesh.num_nodes, {}, {});
+  const RestingBodies resting = bricks.resting();
+  ASSERT_EQ(resting.any(), mesh.num_elems > 0);
+  const auto fastNodes = [&](const Vec3& mean) {
+    KickSums sums = kick(bricks.space, mesh, boundary, 0, 1e-9, bricks.forces, bricks.state,
+                         bricks.scales, {mean, 0.5}, resting.movingNodes());
+    allReduce(world, sums);
+    return sums.sum[kick_fast_nodes].high;
+  };
+  EXPECT_EQ(fastNodes({0.4, 0, 0}), 0);
+  EXPECT_GT(fastNodes({0.6, 0, 0}), 0);
+}
+
 } // namespace
 } // namespace brickwall::mechanics
