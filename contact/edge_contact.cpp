@@ -146,6 +146,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
   _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_nodes);
+  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_nodes);
+  _touched = TouchedNodes("contact::EdgeContact", _num_corners);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
   _totals = View<std::int64_t* [3]>("contact::EdgeContact::totals", num_nodes);
   _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
@@ -223,31 +225,49 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
   } else if (!_set.hasForces())
     return;
   const auto corner_to_node = _corner_to_node;
+  const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::EdgeContact::toNodes", over(space, _num_corners),
+      "contact::EdgeContact::toNodes", over(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i);
         for (int d = 0; d < 3; ++d)
-          nodes(corner_to_node(i), d) += of_corners(i, d); // no two corners are one node
+          nodes(corner_to_node(corner), d) += of_corners(corner, d); // no two corners are one node
       });
 }
 
 std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
                                         double relaxation,
-                                        const View<double* [3]>& node_accelerations) {
+                                        const View<double* [3]>& node_accelerations,
+                                        const View<const unsigned char*>& node_has_changed) {
   if (!hasOtherRanks() && !_set.hasForces())
     return 0;
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
+  const auto has_changed = _has_changed;
+  const bool knows_changes = node_has_changed.extent(0) > 0;
+  const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::EdgeContact::accelerations", over(space, _num_corners),
+      "contact::EdgeContact::accelerations", over(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i), node = corner_to_node(corner);
         for (int d = 0; d < 3; ++d)
-          accelerations(i, d) = node_accelerations(corner_to_node(i), d);
+          accelerations(corner, d) = node_accelerations(node, d);
+        has_changed(corner) = knows_changes ? node_has_changed(node) : 1;
       });
   growTo(space, _ghost_accelerations, _search.ghosts().count);
   _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
   return _set.correctForces(space, access(), steps, relaxation, _accelerations,
-                            _ghost_accelerations);
+                            _ghost_accelerations,
+                            knows_changes ? _has_changed : View<unsigned char*>());
+}
+
+// With ghosts, other ranks may act on any corner.
+void EdgeContact::findTouched(const exec_space& space, TouchedNodes& of_surface) {
+  _touched.clear(space);
+  if (hasOtherRanks())
+    _touched.listAll(space);
+  _touched.add(space, _edges, _set.next());
+  of_surface.add(space, _edges, _set.next(), _corner_to_node);
 }
 
 bool EdgeContact::hasOtherRanks() const {

@@ -7,6 +7,7 @@
 #include "contact/interaction_set.hpp"
 #include "contact/pair_motion.hpp"
 #include "contact/still_parts.hpp"
+#include "contact/touched_nodes.hpp"
 
 namespace brickwall::contact {
 
@@ -26,11 +27,14 @@ public:
   void findCandidates(const exec_space& space, const Surface& surface);
 
   // The parts of Enforcement::enforce, which calls them. collectForces is collective: it adds the forces of all edges to `nodes`
-  // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit.
+  // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit; `has_changed`
+  // [surface node] as for InteractionSet. findTouched adds to the surface nodes that contacts of this rank act on, and comes before both.
   ContactSums select(const exec_space& space, double dt);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
-                             const View<double* [3]>& node_accelerations);
+                             const View<double* [3]>& node_accelerations,
+                             const View<const unsigned char*>& has_changed);
+  void findTouched(const exec_space& space, TouchedNodes& of_surface);
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
@@ -73,7 +77,9 @@ private:
   double _previous_dt = 0;
   View<std::int64_t* [3]> _totals; // [corner and edge] forces, quanta, with those from ghosts
   View<std::int64_t* [12]> _returned; // [edge] forces from ghosts, quanta
+  TouchedNodes _touched; // corners
   View<double* [3]> _accelerations; // [corner and edge]
+  View<unsigned char*> _has_changed; // [corner and edge], of corners
   View<double* [12]> _ghost_accelerations;
 };
 

@@ -58,6 +58,7 @@ public:
   const ContactForces& forces() const { return _forces; }
   bool hasForces() const { return !_are_nodes_zero; } // of the present step
   const ContactHistory& history() const { return _history; }
+  const ContactHistory& next() const { return _next; } // of the present step, until advance()
 
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);

@@ -22,12 +22,14 @@ void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_ro
 }
 
 // Accelerations by all forces: those given, and the contact totals; and which of them have changed.
-void accelerate(const exec_space& space, int num_nodes, const View<const double* [3]>& by_others,
+void accelerate(const exec_space& space, const NodeList& list,
+                const View<const double* [3]>& by_others,
                 const View<std::int64_t* [3]>& contact_totals, const Quantum& quantum,
                 const View<const double*>& node_mass, const View<double* [3]>& accelerations,
                 const View<unsigned char*>& has_changed) {
   Kokkos::parallel_for(
-      "contact::accelerate", over(space, num_nodes), KOKKOS_LAMBDA(const std::int64_t node) {
+      "contact::accelerate", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = list(i);
         const double per_quantum = quantum.value / node_mass(node);
         bool is_same = true;
         for (int d = 0; d < 3; ++d) {
@@ -57,6 +59,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                                         std::to_string(config.penalty) + "; both must be > 0");
   _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
   _forces.nodes = _totals;
+  _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
   forgetStatus(space);
@@ -91,10 +94,12 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     sums.edges = edges->select(space, steps.dt);
   const bool had_forces = _has_forces;
   _has_forces = isOnAnyRank(sums.nodes.interactions + sums.edges.interactions > 0);
+  if (_has_forces || had_forces)
+    findTouched(space, faces, edges);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
     makeNeutral(space, faces, steps, neutral, edges, sums);
   if (_has_forces || had_forces)
-    collectForces(space, faces, edges);
+    collectForces(space, edges);
   else
     _forces.ghost_corners = _set.forces().ghost_corners;
   _set.advance();
@@ -153,9 +158,33 @@ void Enforcement::forgetStatus(const exec_space& space) {
   Kokkos::deep_copy(space, _gap, -0.0);
 }
 
+// On several ranks others may act on any node.
+void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
+                              EdgeContact* edges) {
+  if (sizeOf(_comm) > 1) {
+    _touched.listAll(space);
+  } else {
+    forgetTotals(space);
+    _touched.clear(space);
+  }
+  _touched.add(space, faces.surface, _set.next());
+  if (edges != nullptr)
+    edges->findTouched(space, _touched);
+}
+
+void Enforcement::forgetTotals(const exec_space& space) {
+  const auto totals = _totals;
+  const NodeList list = _touched.list();
+  if (list.count > 0)
+    Kokkos::parallel_for(
+        "contact::forgetTotals", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (int d = 0; d < 3; ++d)
+            totals(list(i), d) = 0;
+        });
+}
+
 // forces() = those of the nodes and edges of this rank.
-void Enforcement::collectForces(const exec_space& space, const FaceAccess& faces,
-                                EdgeContact* edges) {
+void Enforcement::collectForces(const exec_space& space, EdgeContact* edges) {
   const auto of_set = _set.forces().nodes;
   _forces.ghost_corners = _set.forces().ghost_corners;
   _forces.nodes = of_set;
@@ -163,9 +192,10 @@ void Enforcement::collectForces(const exec_space& space, const FaceAccess& faces
     return; // nobody adds to them
   _forces.nodes = _totals;
   const auto nodes = _totals;
+  const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::collectForces", over(space, faces.surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t node) {
+      "contact::collectForces", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = list(i);
         for (int d = 0; d < 3; ++d)
           nodes(node, d) = of_set(node, d);
       });
@@ -177,19 +207,20 @@ void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
                               const StepLengths& steps, const NeutralInput* neutral,
                               EdgeContact* edges, EnforcementSums& sums) {
   growTo(space, _ghost_accelerations, faces.ghosts.count);
-  const View<const double* [3]> by_others = neutral->accelerations();
+  const View<const double* [3]> by_others = neutral->accelerations(_touched.list());
   for (int round = 0; round < _config.corrections; ++round) {
     const double relaxation = round == 0 ? 1 : _config.relaxation;
-    collectForces(space, faces, edges);
+    collectForces(space, edges);
     neutral->sum_forces(_forces);
-    accelerate(space, faces.surface.num_nodes, by_others, _forces.nodes, _quantum, _node_mass,
+    accelerate(space, _touched.list(), by_others, _forces.nodes, _quantum, _node_mass,
                _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
-    sums.nodes.invalid +=
-        _set.correctForces(space, faces, steps, relaxation, _accelerations, _ghost_accelerations,
-                           round > 0 ? _has_changed : View<unsigned char*>());
+    const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
+    sums.nodes.invalid += _set.correctForces(space, faces, steps, relaxation, _accelerations,
+                                             _ghost_accelerations, has_changed);
     if (edges != nullptr)
-      sums.edges.invalid += edges->correctForces(space, steps, relaxation, _accelerations);
+      sums.edges.invalid +=
+          edges->correctForces(space, steps, relaxation, _accelerations, has_changed);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "contact/interaction_set.hpp"
 #include "contact/node_faces.hpp"
 #include "contact/still_parts.hpp"
+#include "contact/touched_nodes.hpp"
 
 #include <mpi.h>
 
@@ -19,9 +20,9 @@ namespace brickwall::contact {
 
 // What the energy-neutral scheme needs of the host code besides.
 struct NeutralInput {
-  // Accelerations by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz]. Asked for once in
-  // steps with contact forces on any rank, never in others.
-  std::function<View<const double* [3]>()> accelerations;
+  // Accelerations by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz]; of the listed nodes,
+  // others are not looked at. Asked for once in steps with contact forces on any rank, never in others.
+  std::function<View<const double* [3]>(const NodeList&)> accelerations;
   // Collective. Turns partial sums into totals at every copy of a node: returnToOwners, then the
   // shared-node sum.
   std::function<void(const ContactForces&)> sum_forces;
@@ -69,6 +70,8 @@ public:
   const ContactForces& forces() const { return _forces; }
   // Whether any rank had contact forces in the last enforce(): if not, forces() are zero on all ranks and need no sums.
   bool hasForces() const { return _has_forces; }
+  // The nodes where forces() may be other than 0: on a rank alone those that its contacts act on, on several ranks all.
+  const NodeList& touched() const { return _touched.list(); }
   // [surface node] bodies that the node is inside of, under load or not; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
   // [surface node] least gap, length: minus the deepest penetration, or 0.
@@ -78,9 +81,11 @@ public:
   const ContactHistory& history() const { return _set.history(); }
 
   // A step of enforce(), public only for its kernel.
-  void collectForces(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
+  void collectForces(const exec_space& space, EdgeContact* edges);
+  void forgetTotals(const exec_space& space);
 
 private:
+  void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
   void forgetStatus(const exec_space& space);
   void updateRecords(const exec_space& space, const FaceAccess& faces);
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
@@ -100,8 +105,9 @@ private:
   View<FaceRecord*> _records; // own, remote, ghost faces
   InteractionSet _set;
   StillParts _still;
+  TouchedNodes _touched;
   ContactForces _forces; // its nodes: _totals, or those of _set
-  View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta
+  View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 where not touched
   bool _has_forces = false; // on any rank; else _forces are zero
   double _previous_dt = 0;
   bool _has_status = false; // of any node

@@ -122,8 +122,9 @@ void Simulation::enforceContact(double dt) {
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == ContactScheme::energy_neutral) {
-    neutral.accelerations = [&] {
-      return _coupling->accelerations(_space, _forces, _state, 0.5 * (dt + _clock.dt), _boundary);
+    neutral.accelerations = [&](const contact::NodeList& wanted) {
+      return _coupling->accelerations(_space, wanted, _forces, _state, 0.5 * (dt + _clock.dt),
+                                      _boundary);
     };
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
@@ -139,7 +140,7 @@ void Simulation::enforceContact(double dt) {
   if (!_enforcement->hasForces())
     return; // computeForces() left zeros
   sum_forces(_enforcement->forces());
-  _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
+  _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
 }
 
 // All nodes but those of bricks that step by themselves and of bodies at rest.
@@ -213,7 +214,7 @@ void Simulation::stepBack(double dt_kick) {
   sumSharedNodes();
   forces();
   if (_coupling)
-    _coupling->storeContactForces(_space, _enforcement->forces(), _forces);
+    _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
 }
 
 std::string Simulation::describeFailure() {

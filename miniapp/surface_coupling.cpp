@@ -183,33 +183,33 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
       });
 }
 
-void SurfaceCoupling::storeContactForces(const exec_space& space,
+void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& list,
                                          const contact::ContactForces& forces,
                                          const mechanics::NodalForces& target) const {
   const auto surface_to_node = _surface_to_node;
   const auto totals = forces.nodes;
   const auto values = target.values;
   Kokkos::parallel_for(
-      "coupling::storeContactForces", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::storeContactForces", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int at = list(i);
         for (int d = 0; d < 3; ++d)
-          values(surface_to_node(i), 3 * mechanics::contact_force + d) = totals(i, d);
+          values(surface_to_node(at), 3 * mechanics::contact_force + d) = totals(at, d);
       });
 }
 
-const View<double* [3]>&
-SurfaceCoupling::accelerations(const exec_space& space, const mechanics::NodalForces& forces,
-                               const mechanics::NodalState& state, double dt,
-                               const mechanics::BoundaryConditions& boundary) {
+const View<double* [3]>& SurfaceCoupling::accelerations(
+    const exec_space& space, const contact::NodeList& list, const mechanics::NodalForces& forces,
+    const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
   const auto motion =
       nodalMotion(forces.values, state.mass, boundary.at(0).motion, forces.quantum.value, boundary);
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
-      "coupling::accelerations", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
-        const int node = surface_to_node(i);
+      "coupling::accelerations", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int at = list(i), node = surface_to_node(at);
         for (int d = 0; d < 3; ++d)
-          acceleration(i, d) = motion.acceleration(node, d, velocity(node, d), dt);
+          acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);
       });
   return _accelerations;
 }

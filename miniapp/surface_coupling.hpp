@@ -33,13 +33,15 @@ public:
   // back to their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
-  // The totals that sumContactForces() made of them, as contact_force columns.
-  void storeContactForces(const exec_space& space, const contact::ContactForces& forces,
+  // The totals that sumContactForces() made of them, as contact_force columns; of the listed surface nodes.
+  void storeContactForces(const exec_space& space, const contact::NodeList& list,
+                          const contact::ContactForces& forces,
                           const mechanics::NodalForces& target) const;
 
-  // Accelerations of the surface nodes by all forces in `forces` (totals), gravity and damping in the kick over `dt` to
+  // Accelerations of the listed surface nodes by all forces in `forces` (totals), gravity and damping in the kick over `dt` to
   // come; 0 where prescribed.
   const View<double* [3]>& accelerations(const exec_space& space,
+                                         const contact::NodeList& list,
                                          const mechanics::NodalForces& forces,
                                          const mechanics::NodalState& state, double dt,
                                          const mechanics::BoundaryConditions& boundary);

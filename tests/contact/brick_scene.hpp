@@ -173,7 +173,7 @@ public:
       for (int d = 0; d < 3; ++d)
         host(i, d) = acceleration[_nodes[i]][d];
     Kokkos::deep_copy(values, host);
-    input.accelerations = [values] { return values; };
+    input.accelerations = [values](const NodeList&) { return values; };
     input.sum_forces = [this, &scene](const ContactForces& forces) {
       const auto sum = total(forces, scene.x_new.size(), scene);
       const auto nodes = Kokkos::create_mirror_view(forces.nodes);

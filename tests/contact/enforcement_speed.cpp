@@ -141,7 +141,7 @@ void printSpeed(const char* name, double share_a_step) {
                           scale);
   const View<double* [3]> at_rest("accelerations", wall.surface().num_nodes);
   NeutralInput neutral;
-  neutral.accelerations = [&] { return at_rest; };
+  neutral.accelerations = [&](const NodeList&) { return at_rest; };
   neutral.sum_forces = [](const ContactForces&) {};
   neutral.share_with_ghosts = [](const View<const double* [3]>&, const View<double* [12]>&) {};
   std::vector<double> seconds;
