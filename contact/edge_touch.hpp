@@ -105,17 +105,19 @@ struct EdgeTouch {
     between = a - b;
   }
 
-  // False only if test() at Stage::born is false: the edges are near parallel, cross beyond their ends, or in no depth at all.
+  // False only if test() at Stage::born is false, for a pair that had no contact: the edges are near parallel, cross beyond their
+  // ends (isOn(), and a little for rounding), or in no depth at all.
   KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int other) const {
     Vec3 da, db, between;
     lines(faces, edgeOf(node), other, da, db, between);
     const Crossing crossing(da, db, between);
-    if (!crossing.isAcross(least_sine) || crossing.isFarBeyond(start() + 0.5))
+    if (!crossing.isAcross(least_sine) || crossing.isFarBeyond(0.5 * lateral_tolerance + 1e-6))
       return false;
     const Vec3 across = cross(da, db);
     return !(productIsZero(between.x, across.x) && productIsZero(between.y, across.y) &&
              productIsZero(between.z, across.z));
   }
+  KOKKOS_INLINE_FUNCTION bool mayBeBorn(int, int) const { return true; }
   KOKKOS_INLINE_FUNCTION static bool productIsZero(double a, double b) { return a == 0 || b == 0; }
   // A loaded contact is looked at by test().
   KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& history,

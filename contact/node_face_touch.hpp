@@ -45,9 +45,13 @@ struct NodeFaceTouch {
     return records(recordOf(face)).id;
   }
 
-  // False only if test() at Stage::born is false.
+  // False only if test() at Stage::born is false. The first knows no more than where node and face are, the second also how the
+  // faces around the node stand.
   KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
+  }
+  KOKKOS_INLINE_FUNCTION bool mayBeBorn(int node, int face) const {
+    return isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(Stage::born));
   }
   KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
     return records(recordOf(face))
