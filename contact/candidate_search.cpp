@@ -1,10 +1,10 @@
-// Why kept lists are complete. The boxes of a search at step m are inflated by T = t + margin/2, t the tolerance. Let no
-// coordinate of x^{n-1} and x^n be further than D <= T - t from that of x^m. Then the swept box of a node at step m, inflated
-// by T, holds that of step n, inflated by t: its lower bound is min(x^{m-1}, x^m) - T <= x^m - D - t <= min(x^{n-1}, x^n) - t,
-// and so for the upper bounds, for faces (hulls of their corners) and for the copies of faces on other ranks. Boxes that
-// overlap in step n have overlapped in step m: the pair is listed. This holds bit for bit, since rounding is monotone: only T
-// and D themselves must be right, so D is measured against the difference of the T and t used, less a few units in the last
-// place for the rounding of T - t and of D.
+// Why kept lists are complete. The boxes of a search at step m are inflated by T = t + margin/2, t the tolerance. Let the swept
+// box of each node, from x^{n-1} to x^n, stick out of that from x^{m-1} to x^m by no more than D <= T - t along any axis. Then the
+// box of step m, inflated by T, holds that of step n, inflated by t: min(x^{m-1}, x^m) - T <= min(x^{n-1}, x^n) + D - T <=
+// min(x^{n-1}, x^n) - t, and so for the upper bounds, for faces (hulls of their corners) and for the copies of faces on other
+// ranks. Boxes that overlap in step n have overlapped in step m: the pair is listed. This holds bit for bit, since rounding is
+// monotone: only T and D themselves must be right, so D is measured against the difference of the T and t used, less a few units
+// in the last place for the rounding of T - t and of D.
 #include "contact/candidate_search.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -27,41 +27,44 @@ SearchConfig withMargin(SearchConfig config, double margin) {
   return config;
 }
 
-// |to - from| along the axis where it is largest; infinity if `to` is not finite.
-KOKKOS_INLINE_FUNCTION double motionBetween(const Vec3& from, const Vec3& to) {
-  double largest = 0;
+// How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
+KOKKOS_INLINE_FUNCTION double excessOf(const Vec3& x, const Vec3& low, const Vec3& high) {
+  double largest = -HUGE_VAL;
   for (int d = 0; d < 3; ++d) {
-    const double moved = std::fabs(to[d] - from[d]);
-    largest = maxOf(largest, moved <= DBL_MAX ? moved : HUGE_VAL); // also of NaN
+    const double excess = maxOf(low[d] - x[d], x[d] - high[d]);
+    largest = maxOf(largest, std::fabs(x[d]) <= DBL_MAX ? excess : HUGE_VAL); // also of NaN
   }
   return largest;
 }
 
-// Of this rank's nodes, in both configurations of the step.
-double largestMotion(const exec_space& space, const View<const double* [3]>& searched_at,
+// By how much nodes of this rank have left the swept boxes of the last search, in either configuration of the step.
+double largestMotion(const exec_space& space, const View<const double* [6]>& searched_at,
                      const Surface& surface) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   double largest = 0;
   Kokkos::parallel_reduce(
       "contact::largestMotion", over(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& all) {
-        const Vec3 from = rowOf(searched_at, node);
-        all = maxOf(all, maxOf(motionBetween(from, rowOf(x_old, node)),
-                               motionBetween(from, rowOf(x_new, node))));
+        const Vec3 low = {searched_at(node, 0), searched_at(node, 1), searched_at(node, 2)};
+        const Vec3 high = {searched_at(node, 3), searched_at(node, 4), searched_at(node, 5)};
+        all = maxOf(all, maxOf(excessOf(rowOf(x_old, node), low, high),
+                               excessOf(rowOf(x_new, node), low, high)));
       },
       Kokkos::Max<double>(largest));
   space.fence();
   return maxOf(largest, 0.0); // of no nodes it is below
 }
 
-void copyCoordinates(const exec_space& space, const Surface& surface,
-                     const View<double* [3]>& copy) {
-  const auto x_new = surface.coordinates_new;
+void keepSweptBoxes(const exec_space& space, const Surface& surface,
+                    const View<double* [6]>& searched_at) {
+  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
-      "contact::copyCoordinates", over(space, surface.num_nodes),
+      "contact::keepSweptBoxes", over(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
-        for (int d = 0; d < 3; ++d)
-          copy(node, d) = x_new(node, d);
+        for (int d = 0; d < 3; ++d) {
+          searched_at(node, d) = minOf(x_old(node, d), x_new(node, d));
+          searched_at(node, 3 + d) = maxOf(x_old(node, d), x_new(node, d));
+        }
       });
 }
 
@@ -128,7 +131,7 @@ void CandidateSearch::findGhosts(const exec_space& space, const Surface& surface
   _global.findGhosts(space, surface);
   if (_margin > 0) {
     growTo(space, _searched_at, surface.num_nodes);
-    copyCoordinates(space, surface, _searched_at);
+    keepSweptBoxes(space, surface, _searched_at);
   }
   _num_nodes = surface.num_nodes;
   _num_faces = surface.num_faces;

@@ -11,8 +11,8 @@ namespace brickwall::contact {
 class CandidateSearch {
 public:
   // `comm` must outlive the search. `margin` (length, the same on all ranks): ghosts and pairs are searched with boxes
-  // larger by it and kept until nodes have moved half of it; 0 searches in every step. Throws InputError for a tolerance
-  // or a margin that is negative or not finite.
+  // larger by it and kept until nodes have left their swept boxes by half of it; 0 searches in every step. Throws InputError
+  // for a tolerance or a margin that is negative or not finite.
   CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
 
   // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin the pairs are those of
@@ -74,12 +74,13 @@ private:
   MPI_Comm _comm;
   SearchConfig _config; // of a step, without the margin
   double _margin;
-  double _allowed_motion = 0; // of a node since the last search, along an axis
+  double _allowed_motion = 0; // of a node out of its swept box of the last search, along an axis
   GlobalSearch _global;
   LocalSearch _local;
   bool _has_lists = false, _has_pairs = false; // of the last search
   int _num_nodes = 0, _num_faces = 0; // of the last search
-  View<double* [3]> _searched_at { "contact::CandidateSearch::searched_at", 0 }; // x^m [node][xyz]
+  // Swept boxes of the last search: [node][low xyz, high xyz].
+  View<double* [6]> _searched_at { "contact::CandidateSearch::searched_at", 0 };
   std::int64_t _updates = 0, _searches = 0;
 };
 

@@ -196,6 +196,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   if (_still.isUnchanged() && _search.ghosts().count == 0 && !_has_touched &&
       _set.history().count == 0) {
     _set.selectNone(space, access());
+    findTouched(space);
     return {};
   }
   SelectInteractions<EdgeTouch> select;
@@ -211,6 +212,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   select.touch.previous = _set.history().interactions;
   const ContactSums sums = _set.select(space, _search.pairs(), select);
   _has_touched = sums.touching > 0;
+  findTouched(space);
   return sums;
 }
 
@@ -262,12 +264,11 @@ std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengt
 }
 
 // With ghosts, other ranks may act on any corner.
-void EdgeContact::findTouched(const exec_space& space, TouchedNodes& of_surface) {
+void EdgeContact::findTouched(const exec_space& space) {
   _touched.clear(space);
   if (hasOtherRanks())
     _touched.listAll(space);
   _touched.add(space, _edges, _set.next());
-  of_surface.add(space, _edges, _set.next(), _corner_to_node);
 }
 
 bool EdgeContact::hasOtherRanks() const {

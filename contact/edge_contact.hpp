@@ -28,13 +28,15 @@ public:
 
   // The parts of Enforcement::enforce, which calls them. collectForces is collective: it adds the forces of all edges to `nodes`
   // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit; `has_changed`
-  // [surface node] as for InteractionSet. findTouched adds to the surface nodes that contacts of this rank act on, and comes before both.
+  // [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
                              const View<double* [3]>& node_accelerations,
                              const View<const unsigned char*>& has_changed);
-  void findTouched(const exec_space& space, TouchedNodes& of_surface);
+  void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
+    of_surface.add(space, _edges, _set.next(), _corner_to_node);
+  }
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
@@ -59,6 +61,7 @@ public:
 
 private:
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
+  void findTouched(const exec_space& space);
   bool hasOtherRanks() const; // with ghosts of our edges, or the other way round
 
   // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low

@@ -169,7 +169,7 @@ void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
   }
   _touched.add(space, faces.surface, _set.next());
   if (edges != nullptr)
-    edges->findTouched(space, _touched);
+    edges->addTouched(space, _touched);
 }
 
 void Enforcement::forgetTotals(const exec_space& space) {

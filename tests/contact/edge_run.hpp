@@ -32,12 +32,13 @@ inline SearchConfig searchOf(double reach) {
 // A scene's edges with their forces on the nodes of the part.
 struct EdgeRun {
   template <class Cut>
-  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {})
+  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {},
+          double margin = 0)
       : scene(s), part(s, comm, cut, 0.3), total("test::edge_forces", part.surface().num_nodes) {
     c.reference_step = dt;
     edges = std::make_unique<EdgeContact>(
         exec_space(), comm, part.surface(), findFeatureEdges(comm, part.surface()), part.nodeMass(),
-        searchOf(0.2), 0, c, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
+        searchOf(0.2), margin, c, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
   }
   // Collective. Forces of all nodes.
   std::vector<std::array<std::int64_t, 3>> step() {
