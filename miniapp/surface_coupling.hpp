@@ -40,8 +40,7 @@ public:
 
   // Accelerations of the listed surface nodes by all forces in `forces` (totals), gravity and damping in the kick over `dt` to
   // come; 0 where prescribed.
-  const View<double* [3]>& accelerations(const exec_space& space,
-                                         const contact::NodeList& list,
+  const View<double* [3]>& accelerations(const exec_space& space, const contact::NodeList& list,
                                          const mechanics::NodalForces& forces,
                                          const mechanics::NodalState& state, double dt,
                                          const mechanics::BoundaryConditions& boundary);
