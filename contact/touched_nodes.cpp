@@ -18,10 +18,15 @@ TouchedNodes::TouchedNodes(const std::string& label, int num_nodes)
 void TouchedNodes::clear(const exec_space& space) {
   const auto nodes = _nodes;
   const auto is_listed = _is_listed;
+  const auto count = _count;
   if (_num_listed > 0)
     Kokkos::parallel_for(
         "contact::TouchedNodes::clear", over(space, _num_listed),
-        KOKKOS_LAMBDA(const std::int64_t i) { is_listed(nodes(i)) = 0; });
+        KOKKOS_LAMBDA(const std::int64_t i) {
+          is_listed(nodes(i)) = 0;
+          if (i == 0)
+            count() = 0;
+        });
   _num_listed = 0;
   _list = {0, _nodes};
 }
@@ -44,7 +49,6 @@ void TouchedNodes::add(const exec_space& space, const Surface& surface, const Co
   const auto count = _count;
   const auto interactions = pairs.interactions;
   const bool is_mapped = to_node.data() != nullptr;
-  Kokkos::deep_copy(space, _count, _num_listed);
   Kokkos::parallel_for(
       "contact::TouchedNodes::add", over(space, pairs.count), KOKKOS_LAMBDA(const std::int64_t i) {
         const Interaction& pair = interactions(i);
