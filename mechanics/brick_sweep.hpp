@@ -15,14 +15,6 @@
 
 namespace brickwall::mechanics {
 
-// f(0), f(1), f(2) with constants: loops over large bodies would keep arrays out of registers.
-template <class F>
-KOKKOS_FORCEINLINE_FUNCTION void forAxes(const F& f) {
-  f(std::integral_constant<int, 0>());
-  f(std::integral_constant<int, 1>());
-  f(std::integral_constant<int, 2>());
-}
-
 // What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces, W nodes at a time:
 //   planes.load(plane, buffers), planes.finish(plane, p, forces)
 template <MaterialModel model, class Shapes, int W>
@@ -63,8 +55,7 @@ private:
   template <bool is_counted, bool with_energy, class Planes>
   void addLayer(int layer, Planes& planes) {
     for (int axis = 0; axis < 3; ++axis)
-      for (int g = 0; g < 4; ++g)
-        _from_left[axis][g].v = typename Integer::vector{};
+      _from_left[0][axis] = FromLeft<W>::none();
     const int slots = numPacks() * W;
     for (int p = 0; p < slots; p += W) {
       Integer force[3];
@@ -76,7 +67,7 @@ private:
       for (int p = slots; p < _lattice.planeNodes(); p += W) {
         Integer force[3];
         for (int axis = 0; axis < 3; ++axis)
-          force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p));
+          force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p)) - Shift::behind();
         planes.finish(layer, p, force);
       }
   }
@@ -86,41 +77,50 @@ private:
     const int slots = numPacks() * W;
     for (int p = 0; p < slots; p += W)
       for (int axis = 0; axis < 3; ++axis)
-        storePack(_buffers.pack(p).below[axis], _buffers.behind(axis, p));
+        storePack(_buffers.pack(plane, p).below[axis] + (Shift::behind() - Shift::below()),
+                  _buffers.behind(axis, p));
     for (int p = 0; p < _lattice.planeNodes(); p += W) {
       Integer force[3];
       for (int axis = 0; axis < 3; ++axis) {
-        force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p));
+        force[axis] = loadPack<Integer>(_buffers.atNodes(axis, p)) - Shift::behind();
         if (p < slots)
-          force[axis] = force[axis] + _buffers.pack(p).above[axis];
+          force[axis] = force[axis] + (_buffers.pack(plane, p).above[axis] - Shift::above());
       }
       planes.finish(plane, p, force);
     }
   }
 
+  // Rounds the forces on an axis and scatters them before the next axis' are made.
+  struct TakeForces {
+    LatticeSweep& sweep;
+    int layer, p;
+    Rounding<W>& rounded;
+    Integer (&force)[3];
+    KOKKOS_FORCEINLINE_FUNCTION void operator()(int axis, const Real (&forces)[num_modes]) const {
+      Integer f[num_modes];
+      for (int m = 0; m < num_modes; ++m)
+        f[m] = rounded.shifted(forces[m]);
+      sweep.scatter(layer, p, axis, f, force[axis]);
+    }
+  };
   // The elements at p; `force` is what all elements give to nodes [p, p + W) of the lower plane.
   template <bool is_counted, bool with_energy>
   KOKKOS_FORCEINLINE_FUNCTION void addPack(int layer, int p, Integer (&force)[3]) {
     Real u[3][num_modes];
     gatherModes(layer, p, u);
-    TlpsForces<Real> forces;
-    _shapes.with(layer, p, [&](const auto& geometry, const auto& stiffness) {
-      tlpsForces<model, VolumeChange::small>(u, geometry, stiffness, with_energy, forces);
-    });
+    TlpsPoint<Real> point;
     Rounding<W> rounded;
-    Integer f[3][num_modes];
-    forAxes([&](auto axis) {
-      for (int m = 0; m < num_modes; ++m)
-        f[axis][m] = rounded(forces.force[axis][m]);
-    });
-    rounded.need(isWithin(forces.J - 1.0, small_volume_change<model>));
+    const auto& shape = _shapes.at(layer, p);
+    tlpsForcesByAxis<model, VolumeChange::small>(u, shape.geometry, shape.stiffness, with_energy,
+                                                 TakeForces{*this, layer, p, rounded, force},
+                                                 point);
+    rounded.need(isWithin(point.J - 1.0, small_volume_change<model>));
     if (__builtin_expect(!rounded.isGood(), 0)) {
       addUnusualPack<is_counted, with_energy>(layer, p, force);
       return;
     }
     if (with_energy)
-      addEnergies(forces.material_energy, forces.hourglass_energy);
-    forAxes([&](auto axis) { scatter(p, axis, f[axis], force[axis]); });
+      addEnergies(point.material_energy, point.hourglass_energy);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void gatherModes(int layer, int p, Real (&u)[3][num_modes]) const {
@@ -142,7 +142,7 @@ private:
                             loadPack<Real>(high + row + 1),
                             loadPack<Real>(high + row)};
     cornersToModes(corner, u);
-    const Integer is_element = _buffers.pack(p).is_element;
+    const Integer is_element = _buffers.isElement(p);
     for (int m = 0; m < num_modes; ++m)
       u[m] = masked(u[m], is_element);
   }
@@ -153,17 +153,16 @@ private:
     Real u[3][num_modes];
     gatherModes(layer, p, u);
     TlpsForces<Real> forces;
-    _shapes.with(layer, p, [&](const auto& geometry, const auto& stiffness) {
-      tlpsForces<model>(u, geometry, stiffness, with_energy, forces);
-    });
+    const auto& shape = _shapes.at(layer, p);
+    tlpsForces<model>(u, shape.geometry, shape.stiffness, with_energy, forces);
     dropFailed(layer, p, is_counted, forces);
     if (with_energy)
       addEnergies(forces.material_energy, forces.hourglass_energy);
     for (int axis = 0; axis < 3; ++axis) {
       Integer f[num_modes];
       for (int m = 0; m < num_modes; ++m)
-        f[m] = toFixed(forces.force[axis][m]);
-      scatter(p, axis, f, force[axis]);
+        f[m] = toFixed(forces.force[axis][m]) + Rounding<W>::shift();
+      scatter(layer, p, axis, f, force[axis]);
     }
   }
 
@@ -203,35 +202,39 @@ private:
   }
 
   // Corner forces combine along xi in registers: a node takes those of its own element and of the one to its left; then eta
-  // and zeta tell rows and planes apart.
-  KOKKOS_FORCEINLINE_FUNCTION void scatter(int p, int axis, const Integer (&f)[num_modes],
-                                           Integer& force) {
-    Integer(&left)[4] = _from_left[axis];
-    const Integer x1 = alongXi(-f[0], f[0], left[0]); // of modes 1, eta, zeta, eta zeta
-    const Integer xe = alongXi(f[1] - f[5], f[1] + f[5], left[1]);
-    const Integer xz = alongXi(f[2] - f[4], f[2] + f[4], left[2]);
-    const Integer xez = alongXi(f[3] - f[6], f[3] + f[6], left[3]);
+  // and zeta tell rows and planes apart. Each of `f` is a force and Rounding::shift(). Nothing is overwritten that doing a pack
+  // again would need.
+  KOKKOS_FORCEINLINE_FUNCTION void scatter(int layer, int p, int axis,
+                                           const Integer (&f)[num_modes], Integer& force) {
+    const FromLeft<W>& left = _from_left[p / W % 2][axis];
+    FromLeft<W>& next = _from_left[1 - p / W % 2][axis];
+    const Integer x1 =
+        alongXi(-f[0], f[0], left.sum[0], next.sum[0]); // modes 1, eta, zeta, eta zeta
+    const Integer xe = alongXi(f[1] - f[5], f[1] + f[5], left.sum[1], next.sum[1]);
+    const Integer xz = alongXi(f[2] - f[4], f[2] + f[4], left.sum[2], next.sum[2]);
+    const Integer xez = alongXi(f[3] - f[6], f[3] + f[6], left.sum[3], next.sum[3]);
     const Integer low_even = x1 - xz, low_odd = xe - xez, high_even = x1 + xz, high_odd = xe + xez;
-    PackBuffers<W>& pack = _buffers.pack(p);
-    storePack(pack.below[axis] + (low_even + low_odd), _buffers.behind(axis, p));
+    const PackBuffers<W>& lower = _buffers.pack(layer, p);
+    PackBuffers<W>& upper = _buffers.pack(layer + 1, p);
+    storePack(lower.below[axis] + (low_even + low_odd), _buffers.behind(axis, p));
     force =
-        (pack.above[axis] + (low_even - low_odd)) + loadPack<Integer>(_buffers.atNodes(axis, p));
-    pack.above[axis] = high_even - high_odd;
-    pack.below[axis] = high_even + high_odd;
+        (lower.above[axis] + (low_even - low_odd)) + loadPack<Integer>(_buffers.atNodes(axis, p));
+    upper.above[axis] = high_even - high_odd;
+    upper.below[axis] = high_even + high_odd;
   }
   static KOKKOS_FORCEINLINE_FUNCTION Integer alongXi(const Integer& minus, const Integer& plus,
-                                                     Integer& left) {
-    const Integer from_left = shiftedIn(left, plus);
-    left = plus;
-    return minus + from_left;
+                                                     const Integer& left, Integer& next) {
+    next = plus;
+    return minus + shiftedIn(left, plus);
   }
+  using Shift = SumShift<W>;
   const BrickLattice& _lattice;
   const Shapes _shapes;
   const ForceArguments& _a;
   PlaneBuffers<W> _buffers;
   ForceSums& _sums;
   SplitScale _scale;
-  Integer _from_left[3][4];
+  FromLeft<W> _from_left[2][3]; // of even and odd packs, [xyz]
   LaneSums<num_stored_energies, W> _energy;
   int _rows = 0;
 };

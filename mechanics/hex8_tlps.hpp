@@ -244,170 +244,178 @@ KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& 
       A[i][k] = geometry.Q[k][i] + (H[i][0] * geometry.Q[k][0] + H[i][1] * geometry.Q[k][1] +
                                     H[i][2] * geometry.Q[k][2]);
 }
-// Forces by modes from dU/dF = P, T = sum_a g_a (x) s_a and r_a = A s_a: f_m = (P + T Q - sum_a r_a (x) M_a) B_m + r_m.
+// Forces on the modes of one axis i of space, from row i of dU/dF = P, of T = sum_a g_a (x) s_a and of r_a = A s_a:
+// f_m = (P + T Q - sum_a r_a (x) M_a) B_m + r_m.
 template <class Real>
-KOKKOS_INLINE_FUNCTION void
-modeForces(const Real (&P)[3][3], const Real (&T)[3][3], const Real (&r)[num_hourglass_modes][3],
-           const TlpsGeometry<Real>& geometry, Real (&force)[3][num_modes]) {
-  for (int i = 0; i < 3; ++i) {
-    Real D[3];
-    for (int j = 0; j < 3; ++j)
-      D[j] = P[i][j] +
-             (T[i][0] * geometry.Q[0][j] + T[i][1] * geometry.Q[1][j] + T[i][2] * geometry.Q[2][j]);
-    for (int j = 0; j < 3; ++j)
-      D[j] -= r[0][i] * geometry.M[0][j] + r[1][i] * geometry.M[1][j] +
-              (r[2][i] * geometry.M[2][j] + r[3][i] * geometry.M[3][j]);
-    for (int m = 0; m < num_modes; ++m) {
-      const Real share =
-          D[0] * geometry.B[m][0] + D[1] * geometry.B[m][1] + D[2] * geometry.B[m][2];
-      force[i][m] = m >= 3 ? Real(share + r[m >= 3 ? m - 3 : 0][i]) : share;
-    }
+KOKKOS_FORCEINLINE_FUNCTION void
+modeForces(const Real (&P)[3], const Real (&T)[3], const Real (&r)[num_hourglass_modes],
+           const TlpsGeometry<Real>& geometry, Real (&force)[num_modes]) {
+  Real D[3];
+  for (int j = 0; j < 3; ++j)
+    D[j] = P[j] + (T[0] * geometry.Q[0][j] + T[1] * geometry.Q[1][j] + T[2] * geometry.Q[2][j]);
+  for (int j = 0; j < 3; ++j)
+    D[j] -= r[0] * geometry.M[0][j] + r[1] * geometry.M[1][j] +
+            (r[2] * geometry.M[2][j] + r[3] * geometry.M[3][j]);
+  for (int m = 0; m < num_modes; ++m) {
+    const Real share = D[0] * geometry.B[m][0] + D[1] * geometry.B[m][1] + D[2] * geometry.B[m][2];
+    force[m] = m >= 3 ? Real(share + r[m >= 3 ? m - 3 : 0]) : share;
   }
 }
 template <class Real>
-KOKKOS_INLINE_FUNCTION void modeForces(const Real (&P)[3][3], const Real (&T)[3][3],
-                                       const Real (&r)[num_hourglass_modes][3], const TlpsBox& box,
-                                       Real (&force)[3][num_modes]) {
-  for (int i = 0; i < 3; ++i) {
-    Real D[3];
-    for (int j = 0; j < 3; ++j)
-      D[j] = P[i][j] + (T[i][0] * box.Q[0][j] + T[i][1] * box.Q[1][j] + T[i][2] * box.Q[2][j]);
-    for (int m = 0; m < 3; ++m)
-      force[i][m] = D[0] * box.B[m][0] + D[1] * box.B[m][1] + D[2] * box.B[m][2];
-    for (int a = 0; a < num_hourglass_modes; ++a)
-      force[i][3 + a] = r[a][i];
-  }
+KOKKOS_FORCEINLINE_FUNCTION void modeForces(const Real (&P)[3], const Real (&T)[3],
+                                            const Real (&r)[num_hourglass_modes],
+                                            const TlpsBox& box, Real (&force)[num_modes]) {
+  Real D[3];
+  for (int j = 0; j < 3; ++j)
+    D[j] = P[j] + (T[0] * box.Q[0][j] + T[1] * box.Q[1][j] + T[2] * box.Q[2][j]);
+  for (int m = 0; m < 3; ++m)
+    force[m] = D[0] * box.B[m][0] + D[1] * box.B[m][1] + D[2] * box.B[m][2];
+  for (int a = 0; a < num_hourglass_modes; ++a)
+    force[3 + a] = r[a];
 }
+
+// What an element tells besides its forces.
 template <class Real>
-struct TlpsForces {
-  Real force[3][num_modes]; // [xyz][mode], minus dU/du_m in quanta
+struct TlpsPoint {
   Real J;
   Real material_energy, hourglass_energy; // only when asked for
 };
 
-template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Geometry,
-          class Stiffness>
-KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
-                                            const Stiffness& stiffness, bool with_energy,
-                                            TlpsForces<Real>& out) {
-  Real H[3][3];
+// What the forces on one axis of space are made of.
+template <class Real, class Geometry>
+struct TlpsParts {
+  const Geometry& geometry;
+  Real P[3][3], A[3][3];
+  Real g[num_hourglass_modes][3], s[num_hourglass_modes][3];
+
+  KOKKOS_FORCEINLINE_FUNCTION void forces(int i, Real (&force)[num_modes]) const {
+    Real r[num_hourglass_modes], T[3];
+    for (int a = 0; a < num_hourglass_modes; ++a)
+      r[a] = A[i][0] * s[a][0] + A[i][1] * s[a][1] + A[i][2] * s[a][2];
+    for (int k = 0; k < 3; ++k)
+      T[k] = g[0][i] * s[0][k] + g[1][i] * s[1][k] + (g[2][i] * s[2][k] + g[3][i] * s[3][k]);
+    modeForces(P[i], T, r, geometry, force);
+  }
+};
+// take(i, force) for the axes i of space, with i constant in each call: loops would keep arrays out of registers.
+template <class Real, class Parts, class Take>
+KOKKOS_FORCEINLINE_FUNCTION void takeForces(const Parts& parts, const Take& take) {
+  Real x[num_modes], y[num_modes], z[num_modes];
+  parts.forces(0, x);
+  take(0, x);
+  parts.forces(1, y);
+  take(1, y);
+  parts.forces(2, z);
+  take(2, z);
+}
+
+// Calls take(axis, force) for one axis of space after the other, as soon as its forces are known: by mode, minus dU/du_m in
+// quanta. What takes them at once leaves registers to the other axes.
+template <MaterialModel model, VolumeChange volume, class Real, class Geometry, class Stiffness,
+          class Take>
+KOKKOS_FORCEINLINE_FUNCTION void tlpsForcesByAxis(const Real (&u)[3][num_modes],
+                                                  const Geometry& geometry,
+                                                  const Stiffness& stiffness, bool with_energy,
+                                                  const Take& take, TlpsPoint<Real>& out) {
+  Real H[3][3], q[num_hourglass_modes][3];
   meanGradient(u, geometry, H);
   StressPoint<Real> point;
   evaluateMaterial<model, volume>(H, stiffness.lambda, stiffness.mu, with_energy, point);
   out.J = point.J;
 
-  Real g[num_hourglass_modes][3], A[3][3], q[num_hourglass_modes][3], s[num_hourglass_modes][3];
-  hourglassStrains(u, geometry, H, g);
-  deformedAxes(H, geometry, A);
-  for (int a = 0; a < num_hourglass_modes; ++a)
-    for (int k = 0; k < 3; ++k)
-      q[a][k] = A[0][k] * g[a][0] + A[1][k] * g[a][1] + A[2][k] * g[a][2];
-  hourglassStress(q, stiffness, s);
-
-  Real r[num_hourglass_modes][3], T[3][3];
-  for (int a = 0; a < num_hourglass_modes; ++a)
-    for (int i = 0; i < 3; ++i)
-      r[a][i] = A[i][0] * s[a][0] + A[i][1] * s[a][1] + A[i][2] * s[a][2];
+  TlpsParts<Real, Geometry> parts{geometry, {}, {}, {}, {}};
   for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      parts.P[i][j] = point.P[i][j];
+  hourglassStrains(u, geometry, H, parts.g);
+  deformedAxes(H, geometry, parts.A);
+  for (int a = 0; a < num_hourglass_modes; ++a)
     for (int k = 0; k < 3; ++k)
-      T[i][k] = g[0][i] * s[0][k] + g[1][i] * s[1][k] + (g[2][i] * s[2][k] + g[3][i] * s[3][k]);
-  modeForces(point.P, T, r, geometry, out.force);
+      q[a][k] = parts.A[0][k] * parts.g[a][0] + parts.A[1][k] * parts.g[a][1] +
+                parts.A[2][k] * parts.g[a][2];
+  hourglassStress(q, stiffness, parts.s);
   if (with_energy) {
     out.material_energy = stiffness.inverse_factor * point.W;
-    Real product = q[0][0] * s[0][0];
+    Real product = q[0][0] * parts.s[0][0];
     for (int k = 1; k < 3 * num_hourglass_modes; ++k)
-      product += q[k / 3][k % 3] * s[k / 3][k % 3];
+      product += q[k / 3][k % 3] * parts.s[k / 3][k % 3];
     out.hourglass_energy = (0.5 * stiffness.inverse_factor) * product;
   }
+  takeForces<Real>(parts, take);
 }
 
-// Three numbers for x, y, z.
 template <class Real>
-struct Triple {
-  Real x, y, z;
-  KOKKOS_FORCEINLINE_FUNCTION Triple& operator+=(const Triple& b) {
-    x += b.x, y += b.y, z += b.z;
-    return *this;
+struct BrickParts {
+  const TlpsBrick& brick;
+  const Real (&u)[3][num_modes];
+  Real P[3][3], F[3][3];
+  Real s[num_hourglass_modes][3];
+
+  KOKKOS_FORCEINLINE_FUNCTION void forces(int i, Real (&force)[num_modes]) const {
+    for (int k = 0; k < 3; ++k)
+      force[k] = brick.b[k] * (P[i][k] + s[3][k] * u[i][6] + s[0][k] * u[i][3] + s[1][k] * u[i][4] +
+                               s[2][k] * u[i][5]);
+    for (int a = 0; a < num_hourglass_modes; ++a)
+      force[3 + a] = s[a][0] * F[i][0] + s[a][1] * F[i][1] + s[a][2] * F[i][2];
   }
 };
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Triple<Real> operator+(const Triple<Real>& a, const Triple<Real>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class Factor, class Real>
-KOKKOS_FORCEINLINE_FUNCTION Triple<Real> operator*(const Factor& s, const Triple<Real>& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Real dot(const Triple<Real>& a, const Triple<Real>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION void setMode(TlpsForces<Real>& forces, int m, const Triple<Real>& f) {
-  forces.force[0][m] = f.x, forces.force[1][m] = f.y, forces.force[2][m] = f.z;
-}
-
-// Of a brick, spelled out and ordered for few numbers at a time: the compiler keeps them in registers.
-template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const TlpsBrick& brick,
-                                            const BrickStiffness& k, bool with_energy,
-                                            TlpsForces<Real>& out) {
-  const double b0 = brick.b[0], b1 = brick.b[1], b2 = brick.b[2];
-  const Real H[3][3] = {{u[0][0] * b0, u[0][1] * b1, u[0][2] * b2},
-                        {u[1][0] * b0, u[1][1] * b1, u[1][2] * b2},
-                        {u[2][0] * b0, u[2][1] * b1, u[2][2] * b2}};
+template <MaterialModel model, VolumeChange volume, class Real, class Take>
+KOKKOS_FORCEINLINE_FUNCTION void
+tlpsForcesByAxis(const Real (&u)[3][num_modes], const TlpsBrick& brick, const BrickStiffness& k,
+                 bool with_energy, const Take& take, TlpsPoint<Real>& out) {
+  Real H[3][3];
+  meanGradient(u, brick, H);
   StressPoint<Real> point;
   evaluateMaterial<model, volume>(H, k.lambda, k.mu, with_energy, point);
   out.J = point.J;
-  const Triple<Real> A0 = {H[0][0] + 1.0, H[1][0], H[2][0]}; // columns of F
-  const Triple<Real> A1 = {H[0][1], H[1][1] + 1.0, H[2][1]};
-  const Triple<Real> A2 = {H[0][2], H[1][2], H[2][2] + 1.0};
-  const auto strain = [&](int m) { return Triple<Real>{u[0][m], u[1][m], u[2][m]}; };
-
-  // The fourth mode stands alone.
-  const Triple<Real> g3 = strain(6);
-  const Real q30 = dot(A0, g3), q31 = dot(A1, g3), q32 = dot(A2, g3);
-  const Real s30 = k.fourth[0] * q30, s31 = k.fourth[1] * q31, s32 = k.fourth[2] * q32;
-  setMode(out, 6, s30 * A0 + s31 * A1 + s32 * A2);
-  Real product = q30 * s30 + q31 * s31 + q32 * s32;
-  // columns of P + sum of g_a (x) s_a
-  Triple<Real> T0 = Triple<Real>{point.P[0][0], point.P[1][0], point.P[2][0]} + s30 * g3;
-  Triple<Real> T1 = Triple<Real>{point.P[0][1], point.P[1][1], point.P[2][1]} + s31 * g3;
-  Triple<Real> T2 = Triple<Real>{point.P[0][2], point.P[1][2], point.P[2][2]} + s32 * g3;
-
-  const Triple<Real> g0 = strain(3), g1 = strain(4), g2 = strain(5);
-  const Real q00 = dot(A0, g0), q01 = dot(A1, g0), q02 = dot(A2, g0);
-  const Real q10 = dot(A0, g1), q11 = dot(A1, g1), q12 = dot(A2, g1);
-  const Real q20 = dot(A0, g2), q21 = dot(A1, g2), q22 = dot(A2, g2);
-
-  const Real s00 = k.own[0][0] * q00 + (k.twist[2] * q11 + k.twist[1] * q22);
-  const Real s01 = k.own[0][1] * q01 + k.cross[0][1] * q10;
-  const Real s02 = k.own[0][2] * q02 + k.cross[0][2] * q20;
-  setMode(out, 3, s00 * A0 + s01 * A1 + s02 * A2);
-  product += q00 * s00 + q01 * s01 + q02 * s02;
-  T0 += s00 * g0, T1 += s01 * g0, T2 += s02 * g0;
-
-  const Real s10 = k.own[1][0] * q10 + k.cross[0][1] * q01;
-  const Real s11 = k.own[1][1] * q11 + (k.twist[0] * q22 + k.twist[2] * q00);
-  const Real s12 = k.own[1][2] * q12 + k.cross[1][2] * q21;
-  setMode(out, 4, s10 * A0 + s11 * A1 + s12 * A2);
-  product += q10 * s10 + q11 * s11 + q12 * s12;
-  T0 += s10 * g1, T1 += s11 * g1, T2 += s12 * g1;
-
-  const Real s20 = k.own[2][0] * q20 + k.cross[0][2] * q02;
-  const Real s21 = k.own[2][1] * q21 + k.cross[1][2] * q12;
-  const Real s22 = k.own[2][2] * q22 + (k.twist[1] * q00 + k.twist[0] * q11);
-  setMode(out, 5, s20 * A0 + s21 * A1 + s22 * A2);
-  product += q20 * s20 + q21 * s21 + q22 * s22;
-  T0 += s20 * g2, T1 += s21 * g2, T2 += s22 * g2;
-
-  setMode(out, 0, b0 * T0);
-  setMode(out, 1, b1 * T1);
-  setMode(out, 2, b2 * T2);
+  BrickParts<Real> parts{brick, u, {}, {}, {}};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      parts.P[i][j] = point.P[i][j];
+      parts.F[i][j] = i == j ? Real(H[i][j] + 1.0) : H[i][j];
+    }
+  Real q[num_hourglass_modes][3];
+  for (int a = 0; a < num_hourglass_modes; ++a)
+    for (int j = 0; j < 3; ++j)
+      q[a][j] =
+          parts.F[0][j] * u[0][3 + a] + parts.F[1][j] * u[1][3 + a] + parts.F[2][j] * u[2][3 + a];
+  Real(&s)[num_hourglass_modes][3] = parts.s;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, l = (i + 2) % 3;
+    s[i][i] = k.own[i][i] * q[i][i] + (k.twist[l] * q[j][j] + k.twist[j] * q[l][l]);
+    s[i][j] = k.own[i][j] * q[i][j] + k.cross[i][j] * q[j][i];
+    s[i][l] = k.own[i][l] * q[i][l] + k.cross[i][l] * q[l][i];
+    s[3][i] = k.fourth[i] * q[3][i];
+  }
   if (with_energy) {
+    Real product = q[3][0] * s[3][0] + q[3][1] * s[3][1] + q[3][2] * s[3][2];
+    for (int a = 0; a < 3; ++a)
+      product += q[a][0] * s[a][0] + q[a][1] * s[a][1] + q[a][2] * s[a][2];
     out.material_energy = k.inverse_factor * point.W;
     out.hourglass_energy = (0.5 * k.inverse_factor) * product;
   }
+  takeForces<Real>(parts, take);
+}
+
+template <class Real>
+struct TlpsForces : TlpsPoint<Real> {
+  Real force[3][num_modes]; // [xyz][mode]
+};
+template <class Real>
+struct StoreForces {
+  TlpsForces<Real>& forces;
+  KOKKOS_FORCEINLINE_FUNCTION void operator()(int axis, const Real (&force)[num_modes]) const {
+    for (int m = 0; m < num_modes; ++m)
+      forces.force[axis][m] = force[m];
+  }
+};
+// All at once.
+template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Geometry,
+          class Stiffness>
+KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
+                                            const Stiffness& stiffness, bool with_energy,
+                                            TlpsForces<Real>& out) {
+  tlpsForcesByAxis<model, volume>(u, geometry, stiffness, with_energy, StoreForces<Real>{out}, out);
 }
 
 } // namespace brickwall::mechanics

@@ -239,11 +239,15 @@ inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
 template <int W>
 class Rounding {
 public:
-  KOKKOS_FORCEINLINE_FUNCTION IntPackOf<W> operator()(const PackOf<W>& a) {
+  static constexpr std::uint64_t shift_bits = 0x4338000000000000;
+
+  // The integer and shift(), modulo 2^64.
+  KOKKOS_FORCEINLINE_FUNCTION IntPackOf<W> shifted(const PackOf<W>& a) {
     const bits sum = (bits)(a.v + 6755399441055744.0);
     _misfit |= sum ^ shift_bits;
-    return (typename IntPackOf<W>::vector)(sum - shift_bits);
+    return (typename IntPackOf<W>::vector)sum;
   }
+  static IntPackOf<W> shift() { return (typename IntPackOf<W>::vector)(bits{} + shift_bits); }
   // Counts as if a number had not fitted where this is false (0 in a lane).
   KOKKOS_FORCEINLINE_FUNCTION void need(const IntPackOf<W>& condition) {
     _misfit |= (bits)~condition.v;
@@ -252,7 +256,6 @@ public:
 
 private:
   using bits = typename VectorsOf<W>::bits;
-  static constexpr std::uint64_t shift_bits = 0x4338000000000000;
   bits _misfit = {};
 };
 
@@ -332,6 +335,11 @@ KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], doubl
 // early.)
 __attribute__((always_inline)) inline void prefetchLine(const double* address) {
   __builtin_prefetch(address);
+}
+
+// The same into the second-level cache only.
+__attribute__((always_inline)) inline void prefetchFarLine(const double* address) {
+  __builtin_prefetch(address, 0, 2);
 }
 
 // The first `count` <= W of them, then zeros.

@@ -8,13 +8,36 @@
 
 namespace brickwall::mechanics {
 
-// In the lanes of one pack of elements.
+// Rounded forces keep the shift S of their rounding (Rounding::shifted), modulo 2^64: sums of forces in integers carry as many
+// S as they have forces on modes with a plus, less those with a minus. Where all eight elements of a node, with those that
+// are not there counted as forces of zero, have been added up, none is left.
+template <int W>
+struct SumShift {
+  static IntPackOf<W> times(std::int64_t count) {
+    return typename IntPackOf<W>::vector{} +
+           static_cast<std::int64_t>(static_cast<std::uint64_t>(count) * Rounding<W>::shift_bits);
+  }
+  static IntPackOf<W> above() { return times(-2); }
+  static IntPackOf<W> below() { return times(6); }
+  static IntPackOf<W> behind() { return times(4); }
+};
+
+// Sums of forces of the elements to the left, in the lanes of their nodes at the right: on modes 1, eta, zeta, eta zeta of
+// their faces there.
+template <int W>
+struct FromLeft {
+  IntPackOf<W> sum[4];
+  static FromLeft none() {
+    const IntPackOf<W> one = SumShift<W>::times(1), two = SumShift<W>::times(2);
+    return {{one, two, two, two}};
+  }
+};
+
+// In the lanes of one pack of elements: forces that the layer below has given to the nodes at its upper face, of the row of each
+// element's first node, and of the row behind, [xyz].
 template <int W>
 struct PackBuffers {
-  // Forces that the layer below has given to the nodes at its upper face: of the row of each element's first node, and of
-  // the row behind, [xyz].
   IntPackOf<W> above[3], below[3];
-  IntPackOf<W> is_element; // -1, or 0 at the ends of rows
 };
 
 template <int W>
@@ -22,27 +45,32 @@ class PlaneBuffers {
 public:
   // Numbers that a lattice needs.
   static std::int64_t sizeFor(const BrickLattice& lattice) {
-    return 6 * stride(lattice) + 3 * behindStride(lattice) + numPacks(lattice) * numbers_per_pack +
-           W;
+    return 6 * stride(lattice) + 3 * behindStride(lattice) +
+           numPacks(lattice) * (2 * numbers_per_pack + W) + W;
   }
   PlaneBuffers(double* memory, const BrickLattice& lattice)
       : _row(lattice.rowNodes()), _stride(stride(lattice)), _behind_stride(behindStride(lattice)),
         _displacement(aligned(memory)),
         _behind(reinterpret_cast<std::int64_t*>(_displacement + 6 * _stride)),
-        _packs(reinterpret_cast<PackBuffers<W>*>(_behind + 3 * _behind_stride)) {
+        _packs(reinterpret_cast<PackBuffers<W>*>(_behind + 3 * _behind_stride)),
+        _is_element(reinterpret_cast<IntPackOf<W>*>(_packs + 2 * numPacks(lattice))) {
     memset(memory, 0, sizeFor(lattice) * sizeof(double));
+    clearForces(lattice);
     markElements(lattice);
   }
   // Of a plane of nodes, up to those behind the last pack of elements.
   double* displacement(int plane, int axis) const {
     return _displacement + (plane % 2 * 3 + axis) * _stride;
   }
-  PackBuffers<W>& pack(int p) const { return _packs[p / W]; }
+  // Of the nodes of a plane, from the layer below.
+  PackBuffers<W>& pack(int plane, int p) const { return _packs[p / W * 2 + plane % 2]; }
+  // -1, or 0 at the ends of rows.
+  const IntPackOf<W>& isElement(int p) const { return _is_element[p / W]; }
   // Complete forces of the elements at p on the nodes of the row behind them.
   std::int64_t* behind(int axis, int p) const {
     return _behind + axis * _behind_stride + firstRow(_row) + p;
   }
-  // The same by these nodes; 0 for those of the first row.
+  // The same by these nodes; none for those of the first row.
   const std::int64_t* atNodes(int axis, int p) const { return behind(axis, p - _row); }
 
   static int packs(int count) { return (count + W - 1) / W; }
@@ -65,11 +93,20 @@ private:
   static std::int64_t behindStride(const BrickLattice& lattice) {
     return firstRow(lattice.rowNodes()) + (packs(lattice.planeNodes()) + 1) * W;
   }
-  void markElements(const BrickLattice& lattice) {
+  void clearForces(const BrickLattice& lattice) const {
+    for (int k = 0; k < 3 * _behind_stride; k += W)
+      storePack(SumShift<W>::behind(), _behind + k);
+    for (int k = 0; k < 2 * numPacks(lattice); ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        _packs[k].above[axis] = SumShift<W>::above();
+        _packs[k].below[axis] = SumShift<W>::below();
+      }
+  }
+  void markElements(const BrickLattice& lattice) const {
     const int slots = _row * lattice.ny, padded = numPacks(lattice) * W;
     int i = 0;
     for (int p = 0; p < padded; ++p) {
-      _packs[p / W].is_element.v[p % W] = -static_cast<std::int64_t>(i < lattice.nx && p < slots);
+      _is_element[p / W].v[p % W] = -static_cast<std::int64_t>(i < lattice.nx && p < slots);
       i = i == lattice.nx ? 0 : i + 1;
     }
   }
@@ -79,6 +116,7 @@ private:
   double* _displacement;
   std::int64_t* _behind;
   PackBuffers<W>* _packs;
+  IntPackOf<W>* _is_element;
 };
 
 } // namespace brickwall::mechanics
