@@ -184,7 +184,7 @@ KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
                                            const ContactHistory& previous, int count,
                                            KnownContact* contacts) {
   using namespace known_contact;
-  using Real = RealOfWidth<simd_width>::type;
+  using Real = Lanes;
   constexpr int width = Gathered<Real>::width;
   Gathered<Real> gathered;
   Found<Real> found;

@@ -4,7 +4,7 @@
 // exactly flat normals.
 #pragma once
 
-#include "contact/base/real_lanes.hpp"
+#include "contact/base/triple.hpp"
 
 namespace brickwall::contact {
 
@@ -167,7 +167,7 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
     left_to_do = left_to_do & !is_last;
   }
   const Triple<Real> area = cross(a + eta * c, b + xi * c);
-  const Real length = rootOf(dot(area, area));
+  const Real length = squareRoot(dot(area, area));
   const Mask has_normal = length > Real(0.0);
   point.found = converged & has_normal;
   point.nowhere = point.nowhere | (converged & !has_normal);

@@ -142,9 +142,9 @@ private:
                             loadPack<Real>(high + row + 1),
                             loadPack<Real>(high + row)};
     cornersToModes(corner, u);
-    const Integer is_element = _buffers.isElement(p);
+    const auto& is_element = _buffers.isElement(p);
     for (int m = 0; m < num_modes; ++m)
-      u[m] = masked(u[m], is_element);
+      u[m] = whereOrZero(is_element, u[m]);
   }
 
   // The same for packs in which elements deform far or fail: those that fail give no force and no energy.

@@ -71,7 +71,8 @@ struct KickRuns {
     }
     if (others != 0)
       return false;
-    IntPackOf<W> f[3], owned;
+    IntPackOf<W> f[3];
+    MaskPackOf<W> owned;
     for (int i = 0; i < 3; ++i)
       memcpy(&f[i].v, force[i], sizeof f[i].v);
     memcpy(&owned.v, is_owned, sizeof owned.v);

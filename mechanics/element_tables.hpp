@@ -2,7 +2,10 @@
 // bodies, and displacements as modes. Included by the kernels of InternalForce only.
 #pragma once
 
+#include "contact/base/pack.hpp"
 #include "mechanics/internal_force.hpp"
+
+#include <cstring>
 
 namespace brickwall::mechanics {
 

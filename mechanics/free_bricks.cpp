@@ -58,11 +58,11 @@ struct SteppedPlanes {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRows(int node) const {
     const std::size_t at = 3 * static_cast<std::size_t>(node);
     for (int line = 0; line < 3; ++line) {
-      prefetchLine(displacement.data() + at + W * line);
-      prefetchLine(velocity.data() + at + W * line);
-      prefetchLine(reference.data() + at + W * line);
+      prefetch(displacement.data() + at + W * line);
+      prefetch(velocity.data() + at + W * line);
+      prefetch(reference.data() + at + W * line);
     }
-    prefetchLine(mass.data() + node);
+    prefetch(mass.data() + node);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void finish(int plane, int p, const IntPackOf<W> (&force)[3]) {

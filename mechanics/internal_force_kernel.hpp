@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mechanics/element_tables.hpp"
+#include "mechanics/pack_rounding.hpp"
 
 #include <type_traits>
 

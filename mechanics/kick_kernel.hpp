@@ -5,6 +5,7 @@
 #include "mechanics/boundary_conditions.hpp"
 #include "mechanics/lane_sums.hpp"
 #include "mechanics/ledger_sums.hpp"
+#include "mechanics/pack_memory.hpp"
 
 namespace brickwall::mechanics {
 
@@ -208,6 +209,7 @@ class PackKicker {
 public:
   using Real = PackOf<W>;
   using Integer = IntPackOf<W>;
+  using Mask = MaskPackOf<W>;
 
   PackKicker(const KickNode<kinds>& node_kick, KickSums& sums)
       : _node_kick(node_kick), _sums(sums), _limit(node_kick.test.limit * node_kick.test.limit),
@@ -247,11 +249,12 @@ public:
     kickLanes(
         first, W, f, [](const Real& a) { return a; }, [] { return firstLanes<W>(W); });
   }
-  // The first `count` of them. `owned`: -1 in the lanes of these that are owned, else 0.
+  // The first `count` of them. `owned`: those of them that are owned.
   __attribute__((noinline)) void kickSome(std::int64_t first, int count, const Integer (&f)[3],
-                                          const Integer& owned) {
+                                          const Mask& owned) {
     kickLanes(
-        first, count, f, [&](const Real& a) { return masked(a, owned); }, [&] { return owned; });
+        first, count, f, [&](const Real& a) { return whereOrZero(owned, a); },
+        [&] { return owned; });
   }
 
   void kickOne(std::int64_t node, const std::int64_t (&columns)[3 * kinds]) {
@@ -289,15 +292,15 @@ private:
   static constexpr int scaleIndex(int term) {
     return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
   }
-  __attribute__((noinline)) void countFast(Real vx, Real vy, Real vz, Integer owned) {
+  __attribute__((noinline)) void countFast(Real vx, Real vy, Real vz, Mask owned) {
     const Real v[3] = {vx, vy, vz};
     const Vec3& around = _node_kick.test.around;
     const Real apart[3] = {v[0] - around.x, v[1] - around.y, v[2] - around.z};
     const Real square = NodeKick<Real>::dotOf(apart, apart);
-    const Integer fast = typename Integer::vector(~(square.v <= _limit) & owned.v);
-    if (anyLane(fast.v))
+    const Mask fast = (!(square <= Real(_limit))) & owned;
+    if (isAny(fast))
       for (int lane = 0; lane < W; ++lane)
-        _sums.sum[kick_fast_nodes].high -= fast[lane];
+        _sums.sum[kick_fast_nodes].high -= fast.v[lane];
   }
   __attribute__((noinline)) void fold() {
     const SplitScale* scales[num_plain_kick_terms];

@@ -3,7 +3,7 @@
 // Oishi 2008, error-free extraction); their bit patterns are added up as integers. The sum is that of LimbSum::add, exactly.
 #pragma once
 
-#include "mechanics/pack.hpp"
+#include "contact/base/pack.hpp"
 
 namespace brickwall::mechanics {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mechanics/internal_force_kernel.hpp"
+#include "mechanics/pack_memory.hpp"
 
 namespace brickwall::mechanics {
 
@@ -42,7 +43,7 @@ public:
     Elements elements;
     loadGeometry(_a.tables, row, 0, elements.geometry);
     for (int k = 0; k < Geometry::size; ++k)
-      prefetchFarLine(&_a.tables.geometry(row, k, 0) + rows_ahead * Geometry::size * W);
+      prefetchFar(&_a.tables.geometry(row, k, 0) + rows_ahead * Geometry::size * W);
     elements.stiffness = stiffnessOf(elements.geometry, _moduli, _a.inverse_quantum);
     return elements;
   }

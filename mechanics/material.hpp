@@ -3,9 +3,9 @@
 // strains come from H without cancellation).
 #pragma once
 
+#include "contact/base/pack.hpp"
 #include "contact/base/portable_math.hpp"
 #include "mechanics/hex_mesh.hpp"
-#include "mechanics/pack.hpp"
 
 namespace brickwall::mechanics {
 

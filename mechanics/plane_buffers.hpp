@@ -4,7 +4,8 @@
 
 #include "mechanics/brick_lattice.hpp"
 #include "mechanics/hex8_modes.hpp"
-#include "mechanics/pack.hpp"
+#include "mechanics/pack_memory.hpp"
+#include "mechanics/pack_rounding.hpp"
 
 namespace brickwall::mechanics {
 
@@ -53,7 +54,7 @@ public:
         _displacement(aligned(memory)),
         _behind(reinterpret_cast<std::int64_t*>(_displacement + 6 * _stride)),
         _packs(reinterpret_cast<PackBuffers<W>*>(_behind + 3 * _behind_stride)),
-        _is_element(reinterpret_cast<IntPackOf<W>*>(_packs + 2 * numPacks(lattice))) {
+        _is_element(reinterpret_cast<MaskPackOf<W>*>(_packs + 2 * numPacks(lattice))) {
     memset(memory, 0, sizeFor(lattice) * sizeof(double));
     clearForces(lattice);
     markElements(lattice);
@@ -64,8 +65,8 @@ public:
   }
   // Of the nodes of a plane, from the layer below.
   PackBuffers<W>& pack(int plane, int p) const { return _packs[p / W * 2 + plane % 2]; }
-  // -1, or 0 at the ends of rows.
-  const IntPackOf<W>& isElement(int p) const { return _is_element[p / W]; }
+  // Not at the ends of rows.
+  const MaskPackOf<W>& isElement(int p) const { return _is_element[p / W]; }
   // Complete forces of the elements at p on the nodes of the row behind them.
   std::int64_t* behind(int axis, int p) const {
     return _behind + axis * _behind_stride + firstRow(_row) + p;
@@ -116,7 +117,7 @@ private:
   double* _displacement;
   std::int64_t* _behind;
   PackBuffers<W>* _packs;
-  IntPackOf<W>* _is_element;
+  MaskPackOf<W>* _is_element;
 };
 
 } // namespace brickwall::mechanics

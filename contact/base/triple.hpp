@@ -1,0 +1,42 @@
+// Vectors of any scalar type: of one point, or of as many as a pack has lanes.
+#pragma once
+
+#include "contact/base/pack.hpp"
+#include "contact/base/vec3.hpp"
+
+namespace brickwall {
+
+// Vec3 of any scalar type.
+template <class Real>
+struct Triple {
+  Real x, y, z;
+};
+KOKKOS_INLINE_FUNCTION Triple<double> triple(const Vec3& a) {
+  return {a.x, a.y, a.z};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> operator+(const Triple<Real>& a, const Triple<Real>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> operator-(const Triple<Real>& a, const Triple<Real>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> operator-(const Triple<Real>& a) {
+  return {-a.x, -a.y, -a.z};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> operator*(const Real& s, const Triple<Real>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real dot(const Triple<Real>& a, const Triple<Real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> cross(const Triple<Real>& a, const Triple<Real>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+} // namespace brickwall

@@ -1,0 +1,108 @@
+// Packs from and to memory. Host code.
+#pragma once
+
+#include "contact/base/pack.hpp"
+
+#include <cstring>
+
+namespace brickwall::mechanics {
+
+// W numbers from and to memory.
+template <class Pack, class Number>
+inline Pack loadPack(const Number* from) {
+  Pack pack;
+  memcpy(&pack.v, from, sizeof pack.v);
+  return pack;
+}
+template <class Pack, class Number>
+inline void storePack(const Pack& pack, Number* to) {
+  memcpy(to, &pack.v, sizeof pack.v);
+}
+
+// W rows of three numbers each, packed, as lanes of x, y and z: `rows(k)` is the k-th of the three packs that they fill.
+template <int W, class Rows>
+KOKKOS_FORCEINLINE_FUNCTION void triplesOf(const Rows& rows, PackOf<W> (&lanes)[3]) {
+  static_assert(W == 8);
+  using V = typename PackOf<W>::vector;
+  using I = typename IntPackOf<W>::vector;
+  const V a = rows(0).v, b = rows(1).v, c = rows(2).v;
+  lanes[0].v =
+      shuffled(shuffled(a, b, I{0, 3, 6, 9, 12, 15, 0, 0}), c, I{0, 1, 2, 3, 4, 5, 10, 13});
+  lanes[1].v =
+      shuffled(shuffled(a, b, I{1, 4, 7, 10, 13, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 8, 11, 14});
+  lanes[2].v =
+      shuffled(shuffled(a, b, I{2, 5, 8, 11, 14, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 9, 12, 15});
+}
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
+  static_assert(W == 8);
+  using I = typename IntPackOf<W>::vector;
+  const auto &x = lanes[0].v, &y = lanes[1].v, &z = lanes[2].v;
+  const auto a = shuffled(shuffled(x, y, I{0, 8, 0, 1, 9, 0, 2, 10}), z, I{0, 1, 8, 3, 4, 9, 6, 7});
+  const auto b =
+      shuffled(shuffled(x, y, I{0, 3, 11, 0, 4, 12, 0, 5}), z, I{10, 1, 2, 11, 4, 5, 12, 7});
+  const auto c =
+      shuffled(shuffled(x, y, I{13, 0, 6, 14, 0, 7, 15, 0}), z, I{0, 13, 2, 3, 14, 5, 6, 15});
+  memcpy(rows, &a, sizeof a);
+  memcpy(rows + 8, &b, sizeof b);
+  memcpy(rows + 16, &c, sizeof c);
+}
+
+// Asks for a line of memory that will be read later, into the second-level cache only. (Forced inline as prefetch() is.)
+KOKKOS_FORCEINLINE_FUNCTION void prefetchFar(const void* address) {
+  __builtin_prefetch(address, 0, 2);
+}
+
+// The first `count` <= W of them, then zeros.
+template <class Pack, class Number>
+KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
+  Pack pack = {};
+  if (count >= static_cast<int>(sizeof pack.v / sizeof(Number)))
+    return loadPack<Pack>(from);
+  memcpy(&pack.v, from, sizeof(Number) * count);
+  return pack;
+}
+
+// Rows of three numbers of `count` <= W nodes; the other lanes are zero. What is copied has its own place in memory, so that
+// the lanes of the usual case stay in registers.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void loadSomeTriples(const double* rows, int count,
+                                                 PackOf<W> (&lanes)[3]) {
+  if (count >= W) {
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(rows + W * k); }, lanes);
+  } else {
+    double some[3 * W] = {};
+    for (int k = 0; k < 3 * count; ++k)
+      some[k] = rows[k];
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(some + W * k); }, lanes);
+  }
+}
+// Of the sums of two arrays of rows.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void loadSumOfTriples(const double* a, const double* b, int count,
+                                                  PackOf<W> (&lanes)[3]) {
+  if (count >= W) {
+    triplesOf(
+        [&](int k) { return loadPack<PackOf<W>>(a + W * k) + loadPack<PackOf<W>>(b + W * k); },
+        lanes);
+  } else {
+    double some[3 * W] = {};
+    for (int k = 0; k < 3 * count; ++k)
+      some[k] = a[k] + b[k];
+    triplesOf([&](int k) { return loadPack<PackOf<W>>(some + W * k); }, lanes);
+  }
+}
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void storeSomeTriples(const PackOf<W> (&lanes)[3], int count,
+                                                  double* rows) {
+  if (count >= W) {
+    storeTriples(lanes, rows);
+  } else {
+    double some[3 * W];
+    storeTriples(lanes, some);
+    for (int k = 0; k < 3 * count; ++k)
+      rows[k] = some[k];
+  }
+}
+
+} // namespace brickwall::mechanics
