@@ -97,6 +97,7 @@ struct FindHits : InteractionForces<Touch> {
     nearest.previous = hit.previous;
     nearest.previous_face = hit.previous_face;
     nearest.contact_work = hit.contact_work;
+    nearest.closing_before = hit.closing_before;
     nearest.has_ended = hit.has_ended;
     hit = nearest;
     return true;
@@ -109,13 +110,14 @@ struct FindHits : InteractionForces<Touch> {
     hit.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
     hit.previous_face = -1;
     hit.known = nullptr;
-    hit.contact_work = 0;
+    hit.contact_work = hit.closing_before = 0;
     hit.has_ended = false;
     for (int k = 0; k < num_known; ++k)
       if (known[k].slot == slot) {
         hit.known = &known[k];
         hit.previous_face = known[k].face;
         hit.contact_work = bookWork(known[k], sums);
+        hit.closing_before = -dot(previous.interactions(hit.previous).normal, known[k].last_motion);
       }
   }
 

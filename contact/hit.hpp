@@ -14,6 +14,8 @@ struct Hit {
   double depth; // P
   Vec3 motion; // of the node in this step as seen from the face point
   double contact_work; // energy that the last force put into the contact with the same body
+  double
+      closing_before; // motion of this step along the last normal, at the point where that force acted
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1

@@ -55,7 +55,14 @@ struct InteractionForces {
     now.damping = now.first_damping;
     if (now.taper < 1)
       fading.work = workOf(fading, motion, now, hit.face);
-    addTo(sums, now, hit, fading.work);
+    addTo(sums, now, hit);
+    if (goesOn(hit)) {
+      const double stored =
+          storedBetween(previous.interactions(hit.previous), now, hit, fading.work);
+      sums.terms.add(spring_stored, stored, energy_scale);
+      if (config.scheme == Scheme::energy_neutral)
+        followWork(now, stored);
+    }
     FrictionSpring friction;
     if (config.friction > 0)
       rub(now, hit, motion, friction, sums);
@@ -95,8 +102,8 @@ struct InteractionForces {
     now.offset = depth - minOf(depth, maxOf(0.0, now.closing));
   }
 
-  // The spring keeps its energy when the node moves to another face, and when it must become softer: then e may be
-  // below 0, and what is stored beyond P comes back in the last step before the node is outside.
+  // The spring goes on closing as the last force did when the node moves to another face, and keeps its energy when it must become
+  // softer: then e may be below 0, and what is stored beyond P comes back in the last step before the node is outside.
   KOKKOS_INLINE_FUNCTION void carryOn(Interaction& now, const Interaction& last, const Hit& hit,
                                       double stiffness_cap) const {
     now.is_new = 0;
@@ -105,7 +112,8 @@ struct InteractionForces {
     now.offset = minOf(last.offset, hit.depth);
     if (last.face != now.face || (last.is_held && !now.is_held)) {
       const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
-      now.offset = hit.depth - maxOf(last.depth, 0.0) * std::sqrt(last.taper / taper);
+      const double depth = maxOf(last.depth + hit.closing_before, 0.0);
+      now.offset = hit.depth - depth * std::sqrt(last.taper / taper);
     }
     now.stiffness = last.stiffness;
     if (stiffness_cap > 0 && stiffness_cap < now.stiffness) {
@@ -114,15 +122,29 @@ struct InteractionForces {
       now.stiffness = stiffness_cap;
     }
     if (last.taper < 1)
-      matchStored(now, hit);
+      matchStored(now, last, hit);
   }
 
-  // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has.
-  KOKKOS_INLINE_FUNCTION void matchStored(Interaction& now, const Hit& hit) const {
+  // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has: at the
+  // half step, k w p^n p^{n+1}/2.
+  KOKKOS_INLINE_FUNCTION void matchStored(Interaction& now, const Interaction& last,
+                                          const Hit& hit) const {
     const double depth = hit.depth - now.offset, stored = maxOf(now.stored, 0.0);
-    const double softened = now.stiffness * touch.taperOf(faces, now.node, hit);
-    if (depth > 0 && softened * depth * depth > 4 * stored)
-      now.offset = hit.depth - std::sqrt(2 * stored / softened);
+    const double taper = 0.5 * (last.taper + touch.taperOf(faces, now.node, hit));
+    const double softened = now.stiffness * taper;
+    if (depth > 0 && softened * last.depth * depth > 4 * stored)
+      now.offset = hit.depth - 2 * stored / (softened * last.depth);
+  }
+
+  // Where normals turn and faces change, what the spring holds drifts from the work that was done on it, more than the last step
+  // could give back. So from the next step on the spring feels a little more, or less, until half of what is missing is made up.
+  KOKKOS_INLINE_FUNCTION static void followWork(Interaction& now, double held) {
+    constexpr double noise = 1e-9, most = 0.1; // of the energy; of p
+    const double missing = now.stored - held;
+    if (!(now.taper * now.depth > 0 && std::fabs(missing) > noise * std::fabs(now.stored)))
+      return;
+    const double change = missing / (now.stiffness * now.taper * now.depth);
+    now.offset -= minOf(maxOf(change, -most * now.depth), most * now.depth);
   }
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.
@@ -200,19 +222,14 @@ struct InteractionForces {
     return on_spring;
   }
 
-  KOKKOS_INLINE_FUNCTION void addTo(ContactSums& sums, const Interaction& now, const Hit& hit,
-                                    double fading_work) const {
+  KOKKOS_INLINE_FUNCTION void addTo(ContactSums& sums, const Interaction& now,
+                                    const Hit& hit) const {
     ++sums.interactions;
     sums.active += now.depth > 0;
     if (now.depth > 0) {
       sums.max_penetration = maxOf(sums.max_penetration, touch.relativeDepth(faces, hit));
       sums.deepest = maxOf(sums.deepest, hit.depth);
     }
-    if (!goesOn(hit))
-      return;
-    sums.terms.add(spring_stored,
-                   storedBetween(previous.interactions(hit.previous), now, hit, fading_work),
-                   energy_scale);
   }
   // At the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, U = k w p^2/2, W^n the work of the forces of x^n over the motion between the two;
   // without fading that is k p^n p^{n+1}/2.

@@ -115,7 +115,7 @@ struct ContactConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation, of the shortest skin edge
   ContactScheme scheme = ContactScheme::energy_neutral; // contact/penalty.hpp
-  double penalty = 0.5; // s
+  double penalty = 0.6; // s
   double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
   double edge_tolerance = 0.1; // the same beyond true edges, where the force fades out
   double friction = 0; // mu, Coulomb

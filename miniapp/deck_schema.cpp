@@ -163,7 +163,7 @@ std::vector<BlockRule> methodBlocks() {
              "first and last steps of a contact weighted to make no energy, or plain penalty")
             .byDefault("energy_neutral"),
         real("penalty", "", "stiffness s = k dt^2/m; stiffer contact may shorten the step")
-            .byDefault("0.5")
+            .byDefault("0.6")
             .above(0)
             .below(1.95),
         real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")

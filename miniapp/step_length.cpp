@@ -13,8 +13,8 @@
 namespace brickwall::miniapp {
 
 // Bodies that fly free, and bodies that are pressed all over their surface. Contact is never that bad, so little is kept there
-// for bodies that stiffen as they deform. A step may take half of what is kept: bodies are never quite at rest, and cuts
-// should be few.
+// for bodies that stiffen as they deform. Cuts should be few, since each changes the energy a little; bodies are never quite
+// at rest, so a step may take half of what is kept, and under contact all of it.
 void Simulation::setStepLimits() {
   constexpr double most = 0.97; // of the step under contact
   const ContactConfig& contact = _config.contact;
@@ -23,7 +23,7 @@ void Simulation::setStepLimits() {
     limit.load.viscosity = _config.viscosity;
     limit.load.contact = contact_load;
     limit.share = share;
-    limit.largest_share = 0.5 * (share + 1);
+    limit.largest_share = contact_load > 0 ? 1 : 0.5 * (share + 1);
     limit.elements = mechanics::findElementsAtRest(_space, _comm, _scene.mesh, limit.load);
     findLargestFrequency(limit);
     _step_limits.push_back(limit);
@@ -157,7 +157,8 @@ void Simulation::guardAgainstTunnelling() {
   const Region region("step::tunnelling guard");
   ++_guarded_steps;
   while (true) {
-    const double allowed = _guard.allowedMotion(_clock.dt);
+    const bool is_early = !_enforcement->hasForces();
+    const double allowed = _guard.tolerableMotion(_clock.dt, is_early);
     contact::PairMotion fastest = contact::fastestPair(
         _space, _comm, _coupling->surface(), _search->ghosts(), _search->pairs(), allowed);
     if (_edges) {
@@ -170,7 +171,7 @@ void Simulation::guardAgainstTunnelling() {
     // A throw leaves the state of the step before.
     const double drifted = _clock.dt_before;
     takeBackDrift();
-    shortenDrift(_guard.shorten(drifted, fastest, _clock.step, _clock.time));
+    shortenDrift(_guard.shorten(drifted, fastest, is_early, _clock.step, _clock.time));
     mechanics::drift(_space, _clock.dt, _state);
     _coupling->gatherAgain(_space, _state.displacement);
     _clock.advance();

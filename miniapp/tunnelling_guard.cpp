@@ -33,9 +33,12 @@ TunnellingGuard::TunnellingGuard(const Config& config, double reach, double refe
     _allowed = reach * minOf(0.5, config.contact.penalty);
 }
 
-double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, std::int64_t step,
-                                double time) {
-  const double sure = _allowed / (pair.motion / dt); // the reference step in which it would be
+double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
+                                std::int64_t step, double time) {
+  const double spare =
+      is_early && _action == GuardAction::cut ? 0.8 : 1; // 3/4 of it is below early_share
+  const double sure =
+      spare * _allowed / (pair.motion / dt); // the reference step in which it would be
   const bool is_too_short = 0.5 * sure < _shortest_step;
   if (_action == GuardAction::cut && !is_too_short) {
     _reference_step = 0.75 * sure;
