@@ -39,7 +39,7 @@ using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int6
 constexpr bool host_accessible =
     Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
 
-// Elements that one thread takes at once in SIMD lanes (mechanics/pack.hpp); 1 on a device, whose lanes are threads.
+// Elements that one thread takes at once in SIMD lanes (contact/base/pack.hpp); 1 on a device, whose lanes are threads.
 constexpr int simd_width = std::is_same<exec_space, host_exec_space>::value ? 8 : 1;
 
 // Nodes that the contact search takes at once: the lanes of a SIMD register; 1 on a device, whose lanes are threads.

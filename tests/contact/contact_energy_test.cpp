@@ -1,5 +1,6 @@
 // Energy of impacts of elastic bricks, by the half-step gauge: what each scheme may make or lose. The bricks are of
 // springs, so that no other part of the program is needed. Momentum checks do not see these errors.
+#include "contact/node_face_touch.hpp"
 #include "contact/spring_bricks.hpp"
 
 #include <gtest/gtest.h>
@@ -87,6 +88,35 @@ TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
   EXPECT_LT(penalty, 4e-2);
   EXPECT_LT(neutral, 5e-3);
   EXPECT_LT(neutral, penalty);
+}
+
+Interaction springThatHolds(double work) {
+  Interaction spring;
+  spring.stiffness = 3;
+  spring.taper = 0.5;
+  spring.depth = 0.2;
+  spring.offset = 0.1;
+  spring.stored = work;
+  return spring;
+}
+double offsetAfter(double work, double held) {
+  Interaction spring = springThatHolds(work);
+  InteractionForces<NodeFaceTouch>::followWork(spring, held);
+  return spring.offset;
+}
+
+// At the half step to come it holds k w p^n p^{n+1}/2, and p = P - e.
+TEST(ContactEnergy, ASpringTakesUpHalfOfTheWorkThatItLacks) {
+  const double held = 0.01, missing = 1e-4, gain = 0.1 - offsetAfter(held + missing, held);
+  EXPECT_NEAR(0.5 * 3 * 0.5 * 0.2 * gain, missing / 2, 1e-17);
+  const double loss = offsetAfter(held - missing, held) - 0.1;
+  EXPECT_NEAR(loss, gain, 1e-15);
+}
+
+TEST(ContactEnergy, ASpringChangesByNoMoreThanATenthAndNotByRounding) {
+  EXPECT_NEAR(offsetAfter(1.0, 0.01), 0.1 - 0.02, 1e-15);
+  EXPECT_NEAR(offsetAfter(0.0, 1.0), 0.1 + 0.02, 1e-15);
+  EXPECT_EQ(offsetAfter(0.01, 0.01 * (1 + 1e-12)), 0.1);
 }
 
 } // namespace
