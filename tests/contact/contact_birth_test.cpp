@@ -194,7 +194,8 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheSmallestAngleOn) {
     ASSERT_EQ(run.sums.active, 1) << angle;
     const Interaction pair = onlyInteraction(run);
     EXPECT_NEAR(pair.depth, 0.01, 1e-14) << angle; // |x| ~ 1, over the sine of .05
-    EXPECT_DOUBLE_EQ(pair.stiffness, 0.5 * 0.5 / (dt * dt) / pair.inverse_mass);
+    EXPECT_DOUBLE_EQ(pair.stiffness,
+                     0.5 * EnforcementConfig().penalty / (dt * dt) / pair.inverse_mass);
     EXPECT_DOUBLE_EQ(pair.force, pair.stiffness * pair.depth);
     EXPECT_EQ(pair.taper, 1);
   }
@@ -218,7 +219,8 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheRimOfItsConeOn) {
     ASSERT_EQ(run.sums.active, inside > 0.05 ? 1 : 0) << inside;
     if (run.sums.active == 1) {
       const Interaction pair = onlyInteraction(run);
-      EXPECT_DOUBLE_EQ(pair.stiffness, 0.5 * 0.5 / (dt * dt) / pair.inverse_mass);
+      EXPECT_DOUBLE_EQ(pair.stiffness,
+                       0.5 * EnforcementConfig().penalty / (dt * dt) / pair.inverse_mass);
     }
   }
 }

@@ -32,7 +32,7 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
   const double a = 0.5 - 0.013, b = 0.5 + 0.013;
   const double inverse_mass = 2 * 4 * 0.5 * 0.5 + 4 * (a * a + b * b);
   EXPECT_NEAR(push.z * Quantum::forForceScale(100).value,
-              0.5 * 0.5 / (dt * dt) / inverse_mass * 0.005, 1e-12);
+              0.5 * EnforcementConfig().penalty / (dt * dt) / inverse_mass * 0.005, 1e-12);
   EXPECT_NEAR(norm(moment) / push.z, 0, 1e-12);
   // A node is inside only half a diagonal later.
   auto nodes = EnforcementConfig();
