@@ -200,7 +200,7 @@ TEST(TunnellingGuard, DecidesAlikeOnAnyRanksAndWithAnyMargin) {
       "ends = \"ragged\"\n[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = "
       "0.2\n[[initial.velocity]]\nbrick = [0, 0, 0]\nvelocity = [0.3, 0.01, 0.1]\n"
       "[[initial.velocity]]\nbrick = [1, 0, 1]\nvelocity = [-0.1, 0, -0.3]\n"
-      "tolerance = 0.1\n[time]\nend = 3.0\n";
+      "[contact]\ntolerance = 0.1\n[time]\nend = 3.0\n";
   Case whole(deck, MPI_COMM_SELF), cut(deck);
   Case kept(deck + "[search.reuse]\nmargin = 0.5\n");
   for (Case* bricks : {&whole, &cut, &kept})
