@@ -107,7 +107,7 @@ public:
   // Steps whose pairs were looked at because some nodes moved fast.
   std::int64_t guardedSteps() const { return _guarded_steps; }
   // Speed of a node against a face up to which steps of the present length are not cut; infinite without a guard.
-  double sureSpeed() const { return _guard.allowedMotion(_clock.dt) / _clock.dt; }
+  double sureSpeed() const { return _guard.tolerableMotion(_clock.dt, true) / _clock.dt; }
   std::int64_t searches() const { return _search ? _search->searches() : 0; } // since the start
   // Steps in all until the end time (or the deck's number of steps).
   std::int64_t plannedSteps() const { return _planned_steps; }
