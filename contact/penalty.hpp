@@ -3,8 +3,9 @@
 // tested against every candidate face, so both sides of a joint are nodes and faces in turn (two passes).
 //
 // An interaction is born when a node is found inside a face of another body, with the offset e of that penetration which the
-// step's motion did not bring; the spring then feels p = P - e. e never grows while the face stays the same; when the node
-// moves to another face of the body, e is chosen so that p stays.
+// step's motion did not bring; the spring then feels p = P - e. When the node moves to another face of the body, e is chosen so
+// that p goes on by what the last force closed; in the energy-neutral scheme e also follows the work done on the spring
+// (interaction_forces.hpp). Otherwise e never grows while the face stays the same.
 #pragma once
 
 #include "contact/interaction_set.hpp"
