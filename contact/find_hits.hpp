@@ -116,8 +116,8 @@ struct FindHits : InteractionForces<Touch> {
       if (known[k].slot == slot) {
         hit.known = &known[k];
         hit.previous_face = known[k].face;
-        hit.contact_work = bookWork(known[k], sums);
         hit.closing_before = -dot(previous.interactions(hit.previous).normal, known[k].last_motion);
+        hit.contact_work = bookWork(known[k], hit.closing_before, sums);
       }
   }
 

@@ -194,13 +194,14 @@ struct InteractionForces {
 
   // Books the work of the last step's forces over the half step before and after them, of which the second half is the
   // motion of this step. Returns the work done on the contact's spring: dt F n . (v^{n-1/2} + v^{n+1/2})/2 and its fading part.
-  KOKKOS_INLINE_FUNCTION double bookWork(const KnownContact& known, ContactSums& sums) const {
+  // `closing_now`: that motion of this step, along the last normal.
+  KOKKOS_INLINE_FUNCTION double bookWork(const KnownContact& known, double closing_now,
+                                         ContactSums& sums) const {
     const int index = known.previous, last_face = known.face;
     const Interaction& last = previous.interactions(index);
     const Vec3& motion = known.last_motion;
     const double kick = 0.5 * (previous_dt + dt);
-    const double closing =
-        kick * 0.5 * (last.closing / previous_dt - dot(last.normal, motion) / dt);
+    const double closing = kick * 0.5 * (last.closing / previous_dt + closing_now / dt);
     double on_spring = last.force * closing;
     if (last.taper < 1) {
       const FadingForce& fading = previous.fading(index);

@@ -35,8 +35,7 @@ TunnellingGuard::TunnellingGuard(const Config& config, double reach, double refe
 
 double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
                                 std::int64_t step, double time) {
-  const double spare =
-      is_early && _action == GuardAction::cut ? 0.8 : 1; // 3/4 of it is below early_share
+  const double spare = actsEarly(is_early) ? 0.8 : 1; // 3/4 of it is below early_share
   const double sure =
       spare * _allowed / (pair.motion / dt); // the reference step in which it would be
   const bool is_too_short = 0.5 * sure < _shortest_step;

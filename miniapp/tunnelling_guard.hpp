@@ -31,7 +31,7 @@ public:
   // The motion at which to act. While nothing is in contact a cut costs no energy, and speeds may double in an impact: so then,
   // early, at two thirds of that.
   double tolerableMotion(double dt, bool is_early) const {
-    return (is_early && _action == GuardAction::cut ? early_share : 1) * allowedMotion(dt);
+    return (actsEarly(is_early) ? early_share : 1) * allowedMotion(dt);
   }
 
   // For a pair that moves by more than that in a step of dt: shortens the reference step so that it moves by 3/4 of what is
@@ -45,6 +45,8 @@ public:
   double referenceStep() const { return _reference_step; }
 
 private:
+  bool actsEarly(bool is_early) const { return is_early && _action == GuardAction::cut; }
+
   static constexpr double early_share = 2.0 / 3;
   GuardAction _action = GuardAction::off;
   double _allowed = HUGE_VAL; // in a reference step

@@ -195,12 +195,6 @@ inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a)
   return shuffled(before.v, a.v, I{7, 8, 9, 10, 11, 12, 13, 14});
 }
 
-// Whether all are > 0.
-template <int W>
-inline bool allPositive(const PackOf<W>& a) {
-  return !anyLane(~(a.v > 0.0));
-}
-
 // The smaller, or NaN as soon as one is NaN.
 KOKKOS_INLINE_FUNCTION double minOrNan(double a, double b) {
   return a < b ? a : (a != a ? a : b);
