@@ -82,6 +82,8 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   exactly(_places, num_clusters + 1);
   exactly(pairs.block_begin, num_clusters);
   exactly(pairs.row_begin, num_clusters * row_width);
+  exactly(pairs.changed, num_clusters);
+  ++pairs.version;
   pairs.row_nodes = order.node_order;
   _used = std::int64_t(order.num_clusters) * first_room;
   const std::int64_t size =
@@ -135,11 +137,12 @@ void ClusterPairs::find(const exec_space& space, const Surface& surface, const G
         overInChunks(space, (order.num_clusters + group_size - 1) / group_size, 8),
         FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
                  _ghost_forest.tree(0), _room, pairs.block_begin, pairs.row_begin, pairs.faces,
-                 order.num_clusters, repeat},
+                 pairs.changed, order.num_clusters, repeat},
         Combine<PairCounts>(counts));
     space.fence();
     return counts;
   };
+  ++pairs.version;
   _counts = search(false);
   if (_counts.crowded > 0) {
     checkedInt(_counts.largest + _counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");

@@ -82,6 +82,7 @@ struct FindRows {
   View<const int*> room;
   View<const std::int64_t*> block_begin;
   View<int*> row_begin, faces;
+  View<unsigned char*> changed; // whether rows are others than those of the last search, or may be
   int num_clusters;
   bool repeat; // only clusters whose place has changed
 
@@ -134,6 +135,7 @@ struct FindRows {
                                        const BlockList& near_ghosts, PairCounts& sums) const {
     int* const begin = &row_begin(std::int64_t(cluster) * row_width);
     const unsigned owned = test.order.owned(cluster);
+    changed(cluster) = owned != 0;
     if (owned == 0) {
       for (int lane = 0; lane <= cluster_size; ++lane)
         begin[lane] = 0;
@@ -162,11 +164,14 @@ struct FindRows {
                                          PairCounts& sums) const {
     int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
     int total = 0;
+    int difference = repeat; // what is at a new place is of no use
     sortTogether(hits.key, hits.item, hits.lanes, hits.count);
     for (int lane = 0; lane < cluster_size; ++lane) {
+      difference |= begin[lane] ^ total;
       begin[lane] = total;
       total += selectByBit(hits.item, hits.lanes, hits.count, lane, selected + total);
     }
+    difference |= begin[cluster_size] ^ total;
     begin[cluster_size] = total;
     sums.pairs += total;
     if (total > room(cluster)) {
@@ -174,8 +179,11 @@ struct FindRows {
       return;
     }
     int* const rows = faces.data() + block_begin(cluster);
-    for (int i = 0; i < total; ++i)
+    for (int i = 0; i < total; ++i) {
+      difference |= rows[i] ^ selected[i];
       rows[i] = selected[i];
+    }
+    changed(cluster) = difference != 0;
   }
 
   // Any rows: counted, written, sorted.

@@ -2,7 +2,7 @@
 #include "contact/edge_contact.hpp"
 
 #include "contact/base/region.hpp"
-#include "contact/edge_touch.hpp"
+#include "contact/edge_separation.hpp"
 
 #include <algorithm>
 
@@ -154,7 +154,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
   _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, config, quantum);
-  _still = StillParts(space, "contact::EdgeContact", _edges, _num_corners);
+  _still = StillParts("contact::EdgeContact", _edges, _corner_to_node);
+  _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
 
 void EdgeContact::gather(const exec_space& space, const Surface& surface) {
@@ -190,11 +191,18 @@ void EdgeContact::findCandidates(const exec_space& space, const Surface& surface
   _search.update(space, _edges);
 }
 
-ContactSums EdgeContact::select(const exec_space& space, double dt) {
-  if (_config.leaves_out_still)
-    _still.update(space, _edges, _search.pairs().step_test);
-  if (_still.isUnchanged() && _search.ghosts().count == 0 && !_has_touched &&
-      _set.history().count == 0) {
+bool EdgeContact::leavesOutAll() const {
+  return _search.ghosts().count == 0 && !_has_touched && _set.history().count == 0 &&
+         (_still.isUnchanged() || _sleeping.numAwake() == 0);
+}
+
+ContactSums EdgeContact::select(const exec_space& space, double dt, const SurfaceMotion& motion) {
+  const CandidatePairs& pairs = _search.pairs();
+  if (_config.leaves_out_still) {
+    _still.update(space, _edges, motion, pairs.step_test);
+    _sleeping.wake(space, pairs, motion, _still.isUnchanged());
+  }
+  if (leavesOutAll()) {
     _set.selectNone(space, access());
     findTouched(space);
     return {};
@@ -205,13 +213,18 @@ ContactSums EdgeContact::select(const exec_space& space, double dt) {
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = access();
   select.still = _still.flags();
+  select.sleep = _sleeping.state();
+  select.has_asleep = _sleeping.hasAsleep();
   select.touch.lateral_tolerance = _config.lateral_tolerance;
   select.touch.edge_tolerance = _config.edge_tolerance;
   select.touch.num_corners = _num_corners;
   select.touch.node_mass = _corner_mass;
   select.touch.previous = _set.history().interactions;
-  const ContactSums sums = _set.select(space, _search.pairs(), select);
+  const ContactSums sums = _set.select(space, pairs, select);
   _has_touched = sums.touching > 0;
+  if (_config.leaves_out_still)
+    _sleeping.lull(space, select.touch, select.faces, pairs, motion, _set.next().row_count,
+                   _still.flags().clear);
   findTouched(space);
   return sums;
 }

@@ -6,6 +6,7 @@
 #include "contact/feature_edges.hpp"
 #include "contact/interaction_set.hpp"
 #include "contact/pair_motion.hpp"
+#include "contact/sleeping_blocks.hpp"
 #include "contact/still_parts.hpp"
 #include "contact/touched_nodes.hpp"
 
@@ -26,10 +27,11 @@ public:
   // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
   void findCandidates(const exec_space& space, const Surface& surface);
 
-  // The parts of Enforcement::enforce, which calls them. collectForces is collective: it adds the forces of all edges to `nodes`
+  // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
+  // leaves_out_still is set. collectForces is collective: it adds the forces of all edges to `nodes`
   // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit; `has_changed`
   // [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
-  ContactSums select(const exec_space& space, double dt);
+  ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
                              const View<double* [3]>& node_accelerations,
@@ -52,6 +54,7 @@ public:
   } // of the present step, from contacts of this rank
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }
+  const SleepingBlocks& sleeping() const { return _sleeping; } // as Enforcement's
   const ContactHistory& history() const { return _set.history(); }
   // Of the nodes that the history names: corners, then edges by numbers of their own.
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
@@ -61,6 +64,7 @@ public:
 
 private:
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
+  bool leavesOutAll() const;
   void findTouched(const exec_space& space);
   bool hasOtherRanks() const; // with ghosts of our edges, or the other way round
 
@@ -74,6 +78,7 @@ private:
   CandidateSearch _search;
   InteractionSet _set;
   StillParts _still;
+  SleepingBlocks _sleeping;
   bool _has_touched = false; // in the last step, with a force or without
   EnforcementConfig _config;
   LimbScale _energy_scale;

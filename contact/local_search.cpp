@@ -128,6 +128,7 @@ void LocalSearch::findByBoxes(const exec_space& space, const Surface& surface,
     compressRows(space, surface.num_nodes, _results, _offsets, _pairs);
   }
   layOutRowsByNode(space, surface.num_nodes, _offsets, _pairs);
+  _pairs.version = 0;
   sortRows(space, rules, _pairs);
 }
 

@@ -211,14 +211,12 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const Surface& surface, int face) {
 } // namespace
 
 void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
-                              const View<const unsigned char*>& is_kept,
-                              const View<FaceRecord*>& records) {
+                              const RecordsWanted& wanted, const View<FaceRecord*>& records) {
   const Surface s = surface;
-  const bool has_kept = is_kept.extent(0) > 0;
   Kokkos::parallel_for(
       "contact::NodeFaces::ownRecords", over(space, _num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
-        if (has_kept && is_kept(face))
+        if (!wanted.take(face))
           return;
         records(face) = {meanPlane(ownQuad(s, static_cast<int>(face))), s.face_body(face),
                          s.face_ids(face)};

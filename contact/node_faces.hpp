@@ -20,6 +20,21 @@ struct NodeFaceLists {
   View<double*> corner_share;
 };
 
+// Which records of own faces are to be made. Empty Views: no face is still, all are wanted.
+struct RecordsWanted {
+  View<const unsigned char*> still; // [own face] has not moved since the last step
+  View<const unsigned char*> is_wanted; // [own face]
+  View<unsigned char*>
+      is_current; // [own face] the record is that of the last step, then of this one
+
+  KOKKOS_INLINE_FUNCTION bool take(std::int64_t face) const {
+    const bool has_it = still.extent(0) > 0 && still(face) && is_current(face);
+    const bool takes = !has_it && (is_wanted.extent(0) == 0 || is_wanted(face));
+    is_current(face) = has_it || takes;
+    return takes;
+  }
+};
+
 class NodeFaces {
 public:
   // Column of Surface::face_attributes that holds mu; columns 0..3 are the corner masses.
@@ -38,10 +53,9 @@ public:
   int numRemote() const { return _num_remote; }
 
   // Collective. Fills records(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
-  // only the normal and the area. The bits are those of the face's own rank. Own faces whose flag in `is_kept` is set stay as
-  // they are; it may be empty.
-  void updateRecords(const exec_space& space, const Surface& surface,
-                     const View<const unsigned char*>& is_kept, const View<FaceRecord*>& records);
+  // only the normal and the area. The bits are those of the face's own rank. Own faces that are not wanted are left out.
+  void updateRecords(const exec_space& space, const Surface& surface, const RecordsWanted& wanted,
+                     const View<FaceRecord*>& records);
 
 private:
   NodeFaceLists _lists;

@@ -4,22 +4,11 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/edge_contact.hpp"
-#include "contact/node_face_touch.hpp"
+#include "contact/node_face_separation.hpp"
 
 namespace brickwall::contact {
 
 namespace {
-
-void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_row,
-                  const View<FaceRecord*>& records) {
-  Kokkos::parallel_for(
-      "contact::enforce::ghostRecords", over(space, faces.ghosts.count),
-      KOKKOS_LAMBDA(const std::int64_t ghost) {
-        const int face = faces.surface.num_faces + static_cast<int>(ghost);
-        records(first_row + ghost) = {meanPlane(faces.quad(face)), faces.body(face),
-                                      faces.id(face)};
-      });
-}
 
 // Accelerations by all forces: those given, and the contact totals; and which of them have changed.
 void accelerate(const exec_space& space, const NodeList& list,
@@ -49,10 +38,10 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                          const Quantum& quantum, const LimbScale& energy_scale)
     : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
       _node_mass(node_mass), _node_faces(space, comm, surface),
-      _records(allocate<View<FaceRecord*>>(space, "contact::Enforcement::records",
-                                           surface.num_faces + _node_faces.numRemote())),
+      _records(space, surface, _node_faces),
       _set(space, "contact::Enforcement", surface, 4, config, quantum),
-      _still(space, "contact::Enforcement", surface, surface.num_nodes) {
+      _motion(space, "contact::Enforcement", surface), _still("contact::Enforcement", surface),
+      _sleeping(space, "contact::Enforcement", surface.num_nodes) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
                                         std::to_string(config.reference_step) + ", penalty " +
@@ -80,18 +69,22 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     throw Error(ExitCode::internal,
                 "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   const FaceAccess faces{surface, ghosts};
-  if (_config.leaves_out_still)
-    _still.update(space, surface, pairs.step_test);
+  if (_config.leaves_out_still) {
+    _motion.update(space, surface);
+    _still.update(space, surface, _motion, pairs.step_test);
+    _sleeping.wake(space, pairs, _motion, _still.isUnchanged());
+  }
   EnforcementSums sums;
-  // On several ranks the faces around a node may be others' and move.
-  if (_still.isUnchanged() && sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0) {
+  if (leavesOutAll()) {
     _set.selectNone(space, faces);
+    if (!_still.isUnchanged())
+      _records.forget(space);
   } else {
-    updateRecords(space, faces);
+    _records.update(space, faces, pairs, _still.flags(), _sleeping, _node_faces);
     sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
   }
   if (edges != nullptr)
-    sums.edges = edges->select(space, steps.dt);
+    sums.edges = edges->select(space, steps.dt, _motion);
   const bool had_forces = _has_forces;
   _has_forces = isOnAnyRank(sums.nodes.interactions + sums.edges.interactions > 0);
   if (_has_forces || had_forces)
@@ -113,15 +106,10 @@ bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
 }
 
-void Enforcement::updateRecords(const exec_space& space, const FaceAccess& faces) {
-  const int first_ghost = faces.surface.num_faces + _node_faces.numRemote();
-  const auto num_records = static_cast<std::int64_t>(first_ghost) + faces.ghosts.count;
-  const bool has_room = num_records <= static_cast<std::int64_t>(_records.extent(0));
-  growTo(space, _records, num_records);
-  _node_faces.updateRecords(space, faces.surface,
-                            has_room ? _still.flags().faces : View<const unsigned char*>(),
-                            _records);
-  ghostRecords(space, faces, first_ghost, _records);
+// On several ranks the faces around a node may be others' and move, and their areas are exchanged.
+bool Enforcement::leavesOutAll() const {
+  return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 &&
+         (_still.isUnchanged() || _sleeping.numAwake() == 0);
 }
 
 ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
@@ -132,6 +120,8 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = faces;
   select.still = _still.flags();
+  select.sleep = _sleeping.state();
+  select.has_asleep = _sleeping.hasAsleep();
   NodeFaceTouch& touch = select.touch;
   touch.lateral_tolerance = _config.lateral_tolerance;
   touch.edge_tolerance = _config.edge_tolerance;
@@ -139,7 +129,7 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   touch.shared_cosine = _config.shared_cosine;
   touch.least_depth = _config.least_depth;
   touch.around = _node_faces.lists();
-  touch.records = _records;
+  touch.records = _records.records();
   touch.num_faces = faces.surface.num_faces;
   touch.num_remote = _node_faces.numRemote();
   touch.node_mass = _node_mass;
@@ -149,6 +139,9 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
     forgetStatus(space);
   const ContactSums sums = _set.select(space, pairs, select);
   _has_status = sums.touching > 0;
+  if (_config.leaves_out_still)
+    _sleeping.lull(space, touch, faces, pairs, _motion, _set.next().row_count,
+                   _still.flags().clear);
   return sums;
 }
 

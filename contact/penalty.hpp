@@ -8,9 +8,8 @@
 // (interaction_forces.hpp). Otherwise e never grows while the face stays the same.
 #pragma once
 
+#include "contact/face_records.hpp"
 #include "contact/interaction_set.hpp"
-#include "contact/node_faces.hpp"
-#include "contact/still_parts.hpp"
 #include "contact/touched_nodes.hpp"
 
 #include <mpi.h>
@@ -78,6 +77,8 @@ public:
   // [surface node] least gap, length: minus the deepest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
 
+  // Rows of candidates that need not be looked at.
+  const SleepingBlocks& sleeping() const { return _sleeping; }
   // The interactions, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
@@ -88,7 +89,7 @@ public:
 private:
   void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
   void forgetStatus(const exec_space& space);
-  void updateRecords(const exec_space& space, const FaceAccess& faces);
+  bool leavesOutAll() const;
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
   void makeNeutral(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
@@ -103,9 +104,11 @@ private:
   LimbScale _energy_scale;
   View<const double*> _node_mass;
   NodeFaces _node_faces;
-  View<FaceRecord*> _records; // own, remote, ghost faces
+  FaceRecords _records;
   InteractionSet _set;
+  SurfaceMotion _motion;
   StillParts _still;
+  SleepingBlocks _sleeping;
   TouchedNodes _touched;
   ContactForces _forces; // its nodes: _totals, or those of _set
   View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 where not touched

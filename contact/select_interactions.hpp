@@ -5,6 +5,7 @@
 #pragma once
 
 #include "contact/find_hits.hpp"
+#include "contact/sleep_state.hpp"
 #include "contact/still_parts.hpp"
 
 namespace brickwall::contact {
@@ -29,9 +30,13 @@ struct SelectInteractions : FindHits<Touch> {
   using Base::touch;
 
   static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
+  static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
+  static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
   static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
   StillFlags still;
+  SleepState sleep;
+  bool has_asleep = false; // else `sleep` is not looked at
   View<std::int64_t> next_count;
 
   // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
@@ -47,9 +52,14 @@ struct SelectInteractions : FindHits<Touch> {
     const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
     std::int64_t to_see[rows_at_once];
     int num_to_see = 0;
-    for (std::int64_t row = begin; row < end; ++row)
-      if (!isEmpty(row) && !still.isClear(pairs, row))
-        to_see[num_to_see++] = row;
+    for (std::int64_t first = begin; first < end; first += rows_of_block) {
+      if (has_asleep && sleep.sleeps(first / rows_of_block))
+        continue;
+      const std::int64_t last = minOf(first + rows_of_block, end);
+      for (std::int64_t row = first; row < last; ++row)
+        if (!isEmpty(row) && !still.isClear(pairs, row))
+          to_see[num_to_see++] = row;
+    }
     if (num_to_see == 0)
       return;
     for (int r = 0; r < num_to_see; ++r)

@@ -63,9 +63,12 @@ struct CandidatePairs {
   // [block][rows_per_block + 1] where the block's rows begin, and its last row ends, from block_begin
   View<int*> row_begin{"contact::CandidatePairs::row_begin", 0};
   View<int*> faces{"contact::CandidatePairs::faces", 0};
+  // [block] 0: its rows are those of the last search, which had the version before; of no use where the version is 0
+  View<unsigned char*> changed{"contact::CandidatePairs::changed", 0};
+  std::int64_t version = 0; // goes up by 1 with each search, by 2 where the rows are in a new order
   StepTest step_test;
 
-  static CandidatePairs none() { return {0, 0, {}, {}, {}, {}, {}}; } // as of GhostFaces
+  static CandidatePairs none() { return {0, 0, {}, {}, {}, {}, {}, 0, {}}; } // as of GhostFaces
 
   KOKKOS_INLINE_FUNCTION int node(std::int64_t row) const { return row_nodes(row); }
   KOKKOS_INLINE_FUNCTION std::int64_t begin(std::int64_t row) const { return at(row, 0); }

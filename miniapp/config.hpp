@@ -148,7 +148,7 @@ struct SpareConfig {
   bool resting_bodies = true; // mechanics/resting_bodies.hpp
   bool free_bricks = true; // mechanics/free_bricks.hpp
   bool lattices = true; // mechanics/brick_lattice.hpp
-  bool still_contact = true; // contact/still_parts.hpp
+  bool still_contact = true; // contact/still_parts.hpp, sleeping_blocks.hpp
 };
 
 // [time]

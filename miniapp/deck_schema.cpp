@@ -239,7 +239,8 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("true"),
         boolean("lattices", "connectivity of bricks whose elements are a lattice")
             .byDefault("true"),
-        boolean("still_contact", "contact of nodes and faces that have not moved")
+        boolean("still_contact",
+                "contact of what has not moved, or not by so much that it could touch")
             .byDefault("true")}},
       {"time",
        BlockKind::single,

@@ -34,7 +34,8 @@ struct EdgeRun {
   template <class Cut>
   EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {},
           double margin = 0)
-      : scene(s), part(s, comm, cut, 0.3), total("test::edge_forces", part.surface().num_nodes) {
+      : scene(s), part(s, comm, cut, 0.3), motion(exec_space(), "test", part.surface()),
+        total("test::edge_forces", part.surface().num_nodes) {
     c.reference_step = dt;
     edges = std::make_unique<EdgeContact>(
         exec_space(), comm, part.surface(), findFeatureEdges(comm, part.surface()), part.nodeMass(),
@@ -44,7 +45,8 @@ struct EdgeRun {
   std::vector<std::array<std::int64_t, 3>> step() {
     part.update(scene);
     edges->findCandidates(exec_space(), part.surface());
-    sums = edges->select(exec_space(), dt);
+    motion.update(exec_space(), part.surface());
+    sums = edges->select(exec_space(), dt, motion);
     Kokkos::deep_copy(total, 0);
     edges->collectForces(exec_space(), total);
     edges->advance(dt);
@@ -58,6 +60,7 @@ struct EdgeRun {
   }
   Scene scene;
   ScenePart part;
+  SurfaceMotion motion;
   View<std::int64_t* [3]> total;
   std::unique_ptr<EdgeContact> edges;
   ContactSums sums;

@@ -93,6 +93,55 @@ TEST(MovingWallTest, RefittedTreesFindWhatNewOnesFind) {
             4 * sizeOf(comm)); // bricks have parted: sorted again
 }
 
+// [block] the nodes of its rows and their faces.
+std::vector<std::vector<int>> blocksOf(const CandidatePairs& pairs) {
+  const HostRows rows(pairs);
+  std::vector<std::vector<int>> blocks((pairs.num_rows + CandidatePairs::rows_per_block - 1) /
+                                       CandidatePairs::rows_per_block);
+  for (int r = 0; r < pairs.num_rows; ++r) {
+    auto& block = blocks[r / CandidatePairs::rows_per_block];
+    block.push_back(-1 - rows.node(r));
+    for (const int face : rows.faces(r))
+      block.push_back(face);
+  }
+  return blocks;
+}
+
+TEST(MovingWallTest, BlocksThatAreNotMarkedAsChangedHaveTheRowsThatTheyHad) {
+  const exec_space space;
+  std::int64_t kept = 0, changed = 0;
+  for (const double speed : {0.0005, 0.05}) {
+    SurfaceCase c = makeWall(5);
+    const LocalSurface first = localSurface(c, rankOf(comm));
+    Searches lasting(configOf(c, SearchMethod::cluster));
+    std::vector<std::vector<int>> last;
+    std::int64_t version = 0;
+    for (int step = 0; step < 30; ++step) {
+      drift(c, speed);
+      const Surface now = localSurface(c, rankOf(comm)).surface;
+      Surface moved = first.surface;
+      moved.coordinates_old = now.coordinates_old;
+      moved.coordinates_new = now.coordinates_new;
+      const CandidatePairs& pairs = lasting.search(space, moved);
+      space.fence();
+      const auto blocks = blocksOf(pairs);
+      const auto marks = onHost(pairs.changed);
+      ASSERT_GT(pairs.version, version);
+      for (std::size_t b = 0; b < blocks.size() && pairs.version == version + 1; ++b) {
+        kept += marks(b) == 0;
+        changed += marks(b) != 0;
+        if (marks(b) == 0) {
+          ASSERT_EQ(blocks[b], last[b]) << "block " << b << ", step " << step;
+        }
+      }
+      last = blocks;
+      version = pairs.version;
+    }
+  }
+  EXPECT_GT(allReduce(comm, kept, MPI_SUM), 100);
+  EXPECT_GT(allReduce(comm, changed, MPI_SUM), 100);
+}
+
 // Bytes of Views alive, counted by Kokkos' own callbacks.
 std::int64_t live_bytes = 0, most_live_bytes = 0;
 
