@@ -33,25 +33,46 @@ struct SteppedPlanes {
 
   void load(int plane, const PlaneBuffers<W>& buffers) const {
     const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
-    for (int p = 0; p < nodes; p += W) {
-      PackOf<W> u[3];
-      double* const rows = &displacement(first + p, 0);
-      if (drifts)
-        driftRows(&velocity(first + p, 0), nodes - p, rows);
-      loadSomeTriples(rows, nodes - p, u);
-      for (int axis = 0; axis < 3; ++axis)
-        storePack(u[axis], buffers.displacement(plane, axis) + p);
+    int p = 0;
+    for (; p + W <= nodes; p += W) {
+      // Through registers: what has just been stored is slow to load again.
+      PackOf<W> rows[3], u[3];
+      driftRows(first + p, rows);
+      triplesOf([&](int k) { return rows[k]; }, u);
+      storeRows(plane, p, u, buffers);
+    }
+    if (p < nodes)
+      loadRest(plane, p, nodes - p, buffers);
+  }
+  // Three packs of `rows` are the displacements of W nodes.
+  KOKKOS_FORCEINLINE_FUNCTION void driftRows(int node, PackOf<W> (&rows)[3]) const {
+    double* const u = &displacement(node, 0);
+    const double* const v = &velocity(node, 0);
+    for (int k = 0; k < 3; ++k) {
+      rows[k] = loadPack<PackOf<W>>(u + W * k);
+      if (drifts) {
+        rows[k] = rows[k] + dt_drift * loadPack<PackOf<W>>(v + W * k);
+        storePack(rows[k], u + W * k);
+      }
     }
   }
-
-  void driftRows(const double* v, int count, double* u) const {
-    if (count >= W) {
-      for (int k = 0; k < 3 * W; k += W)
-        storePack(loadPack<PackOf<W>>(u + k) + dt_drift * loadPack<PackOf<W>>(v + k), u + k);
-    } else {
-      for (int k = 0; k < 3 * count; ++k)
-        u[k] += dt_drift * v[k];
-    }
+  __attribute__((noinline)) void loadRest(int plane, int p, int count,
+                                          const PlaneBuffers<W>& buffers) const {
+    const int node = lattice.first_node + plane * lattice.planeNodes() + p;
+    PackOf<W> u[3] = {PackOf<W>(0.0), PackOf<W>(0.0), PackOf<W>(0.0)};
+    for (int lane = 0; lane < count; ++lane)
+      for (int axis = 0; axis < 3; ++axis) {
+        double& moved = displacement(node + lane, axis);
+        if (drifts)
+          moved += dt_drift * velocity(node + lane, axis);
+        setLane(u[axis], lane, moved);
+      }
+    storeRows(plane, p, u, buffers);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static void storeRows(int plane, int p, const PackOf<W> (&u)[3],
+                                                    const PlaneBuffers<W>& buffers) {
+    for (int axis = 0; axis < 3; ++axis)
+      storePack(u[axis], buffers.displacement(plane, axis) + p);
   }
 
   // What load() and finish() will want of W nodes.

@@ -59,7 +59,8 @@ KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
   Pack pack = {};
   if (count >= static_cast<int>(sizeof pack.v / sizeof(Number)))
     return loadPack<Pack>(from);
-  memcpy(&pack.v, from, sizeof(Number) * count);
+  for (int lane = 0; lane < count; ++lane) // few: cheaper than a call of memcpy
+    pack.v[lane] = from[lane];
   return pack;
 }
 

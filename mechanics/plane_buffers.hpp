@@ -55,7 +55,7 @@ public:
         _behind(reinterpret_cast<std::int64_t*>(_displacement + 6 * _stride)),
         _packs(reinterpret_cast<PackBuffers<W>*>(_behind + 3 * _behind_stride)),
         _is_element(reinterpret_cast<MaskPackOf<W>*>(_packs + 2 * numPacks(lattice))) {
-    memset(memory, 0, sizeFor(lattice) * sizeof(double));
+    clearTails(lattice);
     clearForces(lattice);
     markElements(lattice);
   }
@@ -93,6 +93,12 @@ private:
   }
   static std::int64_t behindStride(const BrickLattice& lattice) {
     return firstRow(lattice.rowNodes()) + (packs(lattice.planeNodes()) + 1) * W;
+  }
+  // What is behind the displacements of a plane is read, to be masked.
+  void clearTails(const BrickLattice& lattice) const {
+    for (int row = 0; row < 6; ++row)
+      for (int p = lattice.planeNodes(); p < _stride; ++p)
+        _displacement[row * _stride + p] = 0;
   }
   void clearForces(const BrickLattice& lattice) const {
     for (int k = 0; k < 3 * _behind_stride; k += W)

@@ -124,7 +124,7 @@ TEST(FreeBricks, ChangeNoBit) {
     }
 }
 
-// Volumes change by more than an eighth in some elements, which sweeps handle apart.
+// Volumes change by more than a sixteenth in some elements, which sweeps handle apart.
 TEST(FreeBricks, ChangeNoBitWhereElementsDeformFar) {
   for (const MaterialModel model : {MaterialModel::neo_hookean, MaterialModel::svk}) {
     Scene scene = sceneOf(model);
