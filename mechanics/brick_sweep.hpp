@@ -239,6 +239,11 @@ private:
   int _rows = 0;
 };
 
+template <class Sweep, class Planes>
+void runSweep(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
+  sweep.run(slab, planes);
+}
+
 // Runs the lattice's sweep for its material and shape.
 template <int W, class Planes>
 void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const ForceArguments& a,
@@ -248,8 +253,8 @@ void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const Force
   const auto run = [&](auto model) {
     const auto sweep = [&](const auto& shapes) {
       using Shapes = std::decay_t<decltype(shapes)>;
-      LatticeSweep<decltype(model)::value, Shapes, W>(lattice, shapes, a, memory, sums)
-          .run(slab, planes);
+      LatticeSweep<decltype(model)::value, Shapes, W> its_sweep(lattice, shapes, a, memory, sums);
+      runSweep(its_sweep, slab, planes);
     };
     if (lattice.geometry_row >= 0)
       sweep(StoredShapes<W>(lattice, material, a));

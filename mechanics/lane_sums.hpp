@@ -3,6 +3,7 @@
 // Oishi 2008, error-free extraction); their bit patterns are added up as integers. The sum is that of LimbSum::add, exactly.
 #pragma once
 
+#include "contact/base/fixed_point.hpp"
 #include "contact/base/pack.hpp"
 
 namespace brickwall::mechanics {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
+#include "contact/base/lanes.hpp"
 #include "contact/base/pack.hpp"
 
 namespace brickwall::mechanics {
@@ -38,7 +39,12 @@ public:
   KOKKOS_FORCEINLINE_FUNCTION void need(const MaskPackOf<W>& condition) {
     _misfit |= (bits)~condition.v;
   }
-  KOKKOS_FORCEINLINE_FUNCTION bool isGood() const { return !anyLane(_misfit >> 52); }
+  KOKKOS_FORCEINLINE_FUNCTION bool isGood() const {
+    const bits exponents = _misfit >> 52;
+    std::uint64_t lanes[W];
+    __builtin_memcpy(lanes, &exponents, sizeof lanes);
+    return !anyBitIn(lanes);
+  }
 
 private:
   using bits = typename VectorsOf<W>::bits;

@@ -204,6 +204,19 @@ KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks
   return written;
 }
 
+// Whether any of eight numbers has a bit that is set.
+KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[8]) {
+#if defined(BRICKWALL_LANES_AVX512)
+  const __m512i all = _mm512_loadu_si512(numbers);
+  return _mm512_test_epi64_mask(all, all) != 0;
+#else
+  std::uint64_t any = 0;
+  for (const std::uint64_t number : numbers)
+    any |= number;
+  return any != 0;
+#endif
+}
+
 // Number of the lowest bit that is set; bits != 0.
 KOKKOS_INLINE_FUNCTION int lowestBit(unsigned bits) {
 #if defined(__CUDA_ARCH__)
