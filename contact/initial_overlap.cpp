@@ -5,27 +5,12 @@
 #include "contact/candidate_search.hpp"
 #include "contact/face_access.hpp"
 #include "contact/hex_overlap.hpp"
+#include "contact/nearest_on_face.hpp"
 
 namespace brickwall::contact {
 namespace {
 
-// Squared distance of x from the face's point of parameters kept within the face.
-KOKKOS_INLINE_FUNCTION double squaredDistance(const Quad& face, const Vec3& x,
-                                              const FacePoint& point) {
-  if (!point.has_parameters) // a triangle
-    return point.excess <= 0 ? point.gap * point.gap : HUGE_VAL;
-  const double xi = maxOf(-1.0, minOf(1.0, point.xi)), eta = maxOf(-1.0, minOf(1.0, point.eta));
-  const double weight[4] = {0.25 * (1 - xi) * (1 - eta), 0.25 * (1 + xi) * (1 - eta),
-                            0.25 * (1 + xi) * (1 + eta), 0.25 * (1 - xi) * (1 + eta)};
-  Vec3 away = x;
-  for (int j = 0; j < 4; ++j)
-    away -= weight[j] * face.corner[j];
-  return dot(away, away);
-}
-
 struct FindDeepest {
-  static constexpr double on_rim = 1e-9; // where two faces meet, of half-lengths
-
   FaceAccess faces;
   CandidatePairs pairs;
 
@@ -42,20 +27,15 @@ struct FindDeepest {
   KOKKOS_INLINE_FUNCTION LeadingPair inBody(int node, global_id body, std::int64_t end,
                                             std::int64_t& pair) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    double nearest = HUGE_VAL;
+    double least = HUGE_VAL;
     LeadingPair found;
     for (; pair < end && faces.body(pairs.faces(pair)) == body; ++pair) {
       const int face = pairs.faces(pair);
-      const Quad quad = faces.quad(face);
-      const FacePoint point = project(quad, x);
-      if (!point.valid)
+      const NearestOnFace nearest = nearestOnFace(faces.quad(face), x);
+      if (!(nearest.square < least))
         continue;
-      const double square = squaredDistance(quad, x, point);
-      if (!(square < nearest))
-        continue;
-      nearest = square;
-      const bool is_behind = point.gap < 0 && point.excess <= on_rim;
-      found.value = is_behind ? -point.gap : 0;
+      least = nearest.square;
+      found.value = nearest.depth;
       found.pair = {faces.surface.node_ids(node), faces.id(face), faces.surface.node_body(node),
                     body};
     }

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double reach = 0.5;
 
-InitialOverlap overlapOf(const Scene& scene) {
-  const ScenePart part(scene, MPI_COMM_SELF, onOneRank, reach);
-  return deepestOverlap(exec_space(), MPI_COMM_SELF, part.surface(), reach);
+InitialOverlap overlapOf(const Scene& scene, double within = reach) {
+  const ScenePart part(scene, MPI_COMM_SELF, onOneRank, within);
+  return deepestOverlap(exec_space(), MPI_COMM_SELF, part.surface(), within);
 }
 
 // A cube of edge length .5 on one corner, its diagonal along the axis `up` from there.
@@ -98,6 +98,46 @@ TEST(InitialOverlap, ANodeBeyondASharpEdgeIsOutsideThoughBehindOneOfItsFaces) {
   });
   addOnCorner(scene, {2 + 0.5 * beyond, 0.5, beyond}, 0);
   EXPECT_EQ(overlapOf(scene).depth, 0);
+}
+
+// A bar twisted about z, its middle in the origin: its sides are strongly warped.
+Scene twistedBar(double twist) {
+  Scene scene;
+  scene.addBrick({0.5, 1.5, 1.5}, {1, 2, 1}, 1, [&](const Vec3& p) {
+    const Vec3 q = p - Vec3{0.25, 0.75, 0.75};
+    const double c = std::cos(twist * q.z), s = std::sin(twist * q.z);
+    return Vec3{c * q.x - s * q.y, s * q.x + c * q.y, q.z};
+  });
+  return scene;
+}
+
+// Cubes around twisted bars, with a plane between each and its bar: none is in it, whatever faces see of them.
+TEST(InitialOverlap, BodiesWithAPlaneBetweenThemDoNotOverlapHoweverWarped) {
+  constexpr double gap = 0.1;
+  for (const double twist : {-1.2, -0.6, 0.9, 1.2})
+    for (int turn = 0; turn < 16; ++turn)
+      for (const double height : {-0.8, -0.3, 0.0, 0.4, 0.8}) {
+        Scene scene = twistedBar(twist);
+        const double flat = std::sqrt(1 - height * height), angle = std::acos(-1.0) * turn / 8;
+        const Vec3 away = {flat * std::cos(angle), flat * std::sin(angle), height};
+        double farthest = 0;
+        for (const Vec3& x : scene.x_new)
+          farthest = std::max(farthest, dot(x, away));
+        // the cube's corners are up to sqrt(3)/4 from its middle
+        const Vec3 middle = (farthest + 0.25 * std::sqrt(3.0) + gap) * away;
+        scene.addBox(middle - Vec3{0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}, {1, 1, 1});
+        EXPECT_EQ(overlapOf(scene, 1.5).depth, 0) << twist << " " << turn << " " << height;
+      }
+}
+
+TEST(InitialOverlap, ANodeInATwistedBarIsFoundWhereverItIs) {
+  const Vec3 tips[] = {{0.02, 0.1, 0.05}, {-0.04, 0.3, -0.03}, {0.05, -0.35, 0.02}};
+  for (const double twist : {-1.2, 0.9, 1.2})
+    for (const Vec3& tip : tips) {
+      Scene scene = twistedBar(twist);
+      addOnCorner(scene, tip, 0);
+      EXPECT_GT(overlapOf(scene, 1.5).depth, 0.04) << twist << " " << tip.y;
+    }
 }
 
 TEST(InitialOverlap, IsTheSamePairOnAnyRanksAndCut) {
