@@ -18,6 +18,15 @@ std::string reversingDamping(double damping, double dt) {
   return message.str();
 }
 
+void markNodes(const std::vector<mechanics::PressureLoad>& loads, std::vector<char>& marks) {
+  for (const auto& load : loads) {
+    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
+    for (std::size_t face = 0; face < faces.extent(0); ++face)
+      for (int corner = 0; corner < 4; ++corner)
+        marks[faces(face, corner)] = 1;
+  }
+}
+
 } // namespace
 
 Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
@@ -62,18 +71,14 @@ void Simulation::freeBricks() {
       !_config.spare.free_bricks)
     return;
   std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
-  for (const auto& load : _loads) {
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
-    for (std::size_t face = 0; face < faces.extent(0); ++face)
-      for (int corner = 0; corner < 4; ++corner)
-        is_loaded[faces(face, corner)] = 1;
-  }
+  markNodes(_loads, is_loaded);
   _free_bricks = mechanics::FreeBricks(_space, _scene.mesh, *_internal_force, is_loaded);
   if (_free_bricks.any())
     _other_nodes = _free_bricks.otherNodes();
 }
 
-// Forces reach a body by its surface, and this rank's part of it by shared nodes. Without contact few bodies ever wake.
+// Forces reach a body by its surface and by loads, which may be on sides inside it, and this rank's part of it by shared nodes.
+// Without contact few bodies ever wake.
 void Simulation::restBodies() {
   if (!_config.spare.resting_bodies || !_config.contact.enabled)
     return;
@@ -85,6 +90,7 @@ void Simulation::restBodies() {
   for (const auto& nodes : sharedNodes(_scene.part).nodes)
     for (const int node : nodes)
       may_be_pushed[node] = 1;
+  markNodes(_loads, may_be_pushed);
   _resting =
       mechanics::RestingBodies(_space, _scene.mesh, _state, prescribedMotions(_config, _scene.part),
                                _boundary.gravity(), may_be_pushed);

@@ -1,0 +1,75 @@
+// Scenes from mesh files that a test makes: a generated wall whose sets, corners and blocks the test changes.
+#pragma once
+
+#include "contact/base/mpi.hpp"
+#include "io/mesh_writer.hpp"
+#include "io/wall_generator.hpp"
+#include "miniapp/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+namespace brickwall::miniapp::testing {
+
+// A mesh file in a folder of its own, written by rank 0 and removed with the last rank. Collective.
+class MeshFile {
+public:
+  template <class Change>
+  MeshFile(const io::WallConfig& wall, const Change& change) {
+    std::string folder =
+        (std::filesystem::temp_directory_path() / "brickwall_scene_XXXXXX").string();
+    if (rankOf(MPI_COMM_WORLD) == 0) {
+      EXPECT_NE(mkdtemp(folder.data()), nullptr);
+      io::MeshPart part = io::generateWall(MPI_COMM_SELF, wall);
+      change(part);
+      io::writeMesh(MPI_COMM_SELF, folder + "/mesh.exo", part, {});
+    }
+    _folder = broadcast(MPI_COMM_WORLD, folder);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  ~MeshFile() {
+    MPI_Barrier(MPI_COMM_WORLD);
+    std::error_code error;
+    if (rankOf(MPI_COMM_WORLD) == 0)
+      std::filesystem::remove_all(_folder, error);
+  }
+  MeshFile(const MeshFile&) = delete;
+  MeshFile& operator=(const MeshFile&) = delete;
+  std::string path() const { return _folder + "/mesh.exo"; }
+  // The deck of this mesh, of one material, with `blocks` added.
+  Config config(const std::string& blocks) const {
+    return parseConfig("[mesh]\nfile = \"" + path() +
+                           "\"\n[material.brick]\ndensity = 1.0\nyoungs_modulus = 1.0\n"
+                           "poissons_ratio = 0.3\n[time]\nend = 8.0\n" +
+                           blocks,
+                       "deck.toml");
+  }
+
+private:
+  std::string _folder;
+};
+
+// What makes a scene of it fail, "" if nothing does.
+inline std::string faultOf(const Config& config) {
+  try {
+    const Scene scene = makeScene(exec_space(), MPI_COMM_WORLD, config);
+    const Simulation simulation(MPI_COMM_WORLD, config, scene);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline io::WallConfig oneBrick(std::array<std::int64_t, 3> elements) {
+  io::WallConfig wall;
+  wall.bricks = {1, 1, 1};
+  wall.brick = {static_cast<double>(elements[0]), static_cast<double>(elements[1]),
+                static_cast<double>(elements[2])};
+  wall.elements = elements;
+  return wall;
+}
+
+} // namespace brickwall::miniapp::testing
