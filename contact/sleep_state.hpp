@@ -5,17 +5,21 @@
 
 namespace brickwall::contact {
 
-constexpr int max_bounds = 4; // pairs of bodies in a block; blocks with more do not sleep
+constexpr int max_bounds = 6; // pairs of bodies in a block; blocks with more do not sleep
 
 // For kernels: one entry a block.
 struct SleepState {
   static constexpr unsigned char awake = 255;
 
   View<unsigned char*> num_bounds; // `awake`, or the number of bounds that it sleeps by
-  View<KeptBound* [max_bounds]> bounds;
+  // First bounds of all blocks, then the second ones, and so on: few blocks have many.
+  View<KeptBound*> bounds;
   // Blocks whose bounds cannot be found, or are soon used up, are left alone for some steps: twice as many from time to time.
   View<unsigned char*> age, wait, patience;
 
+  KOKKOS_INLINE_FUNCTION KeptBound& bound(std::int64_t block, int b) const {
+    return bounds(b * static_cast<std::int64_t>(num_bounds.extent(0)) + block);
+  }
   KOKKOS_INLINE_FUNCTION bool sleeps(std::int64_t block) const {
     return num_bounds(block) != awake;
   }

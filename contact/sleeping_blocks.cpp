@@ -9,7 +9,7 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
       _num_awake(_num_blocks) {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
-  _state.bounds = allocate<View<KeptBound* [max_bounds]>>(space, label + "::bounds", n);
+  _state.bounds = allocate<View<KeptBound*>>(space, label + "::bounds", max_bounds * n);
   _state.age = View<unsigned char*>(label + "::age", n);
   _state.wait = View<unsigned char*>(label + "::wait", n);
   _state.patience = View<unsigned char*>(label + "::patience", n);
@@ -44,7 +44,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
         }
         bool sleeps = are_same || changed(block) == 0;
         for (int b = 0; b < count && sleeps; ++b)
-          sleeps = state.bounds(block, b).holds(motions, rounding);
+          sleeps = state.bound(block, b).holds(motions, rounding);
         constexpr int soon = 4;
         if (sleeps) {
           state.age(block) = static_cast<unsigned char>(minOf(state.age(block) + 1, soon));

@@ -69,7 +69,7 @@ struct FindBounds {
         return;
       }
     for (int b = 0; b < count; ++b)
-      state.bounds(block, b) = bounds[b];
+      state.bound(block, b) = bounds[b];
     state.num_bounds(block) = static_cast<unsigned char>(count);
     state.age(block) = 0;
     for (std::int64_t row = begin; row < end; ++row)
