@@ -45,7 +45,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
         bool sleeps = are_same || changed(block) == 0;
         for (int b = 0; b < count && sleeps; ++b)
           sleeps = state.bound(block, b).holds(motions, rounding);
-        constexpr int soon = 4;
+        constexpr int soon = 16; // what it costs to find bounds is made up for by then
         if (sleeps) {
           state.age(block) = static_cast<unsigned char>(minOf(state.age(block) + 1, soon));
           return;
