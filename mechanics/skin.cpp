@@ -40,7 +40,7 @@ std::vector<LocalFace> facesOnce(const HexMesh& mesh, const HostMesh& host) {
   for (int elem = 0; elem < mesh.num_elems; ++elem)
     for (int side = 0; side < 6; ++side)
       if (++uses[keyOf(host, elem, side)] > 2)
-        throw InputError("findSkin: side " + std::to_string(side + 1) + " of element " +
+        throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
                          std::to_string(host.elem_ids(elem) + 1) +
                          " belongs to more than two elements");
   std::vector<LocalFace> faces;
@@ -78,8 +78,8 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HexMesh& mesh, const Hos
   together(comm, [&] {
     for (std::size_t s = 0; s < suspects.size(); ++s)
       if (uses[s] > 2)
-        throw InputError("findSkin: side " + std::to_string(faces[suspects[s]].side + 1) +
-                         " of element " +
+        throw InputError("side " + std::to_string(faces[suspects[s]].side + 1) +
+                         " of the element with 1-based id " +
                          std::to_string(host.elem_ids(faces[suspects[s]].elem) + 1) +
                          " belongs to more than two elements");
   });

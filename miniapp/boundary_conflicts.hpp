@@ -2,12 +2,18 @@
 #pragma once
 
 #include "io/deck.hpp"
+#include "io/mesh_part.hpp"
 #include "miniapp/config.hpp"
+
+#include <mpi.h>
 
 namespace brickwall::miniapp {
 
 // Adds a fault for each [[boundary.fixed]] and [[boundary.velocity]] of `config` that moves a component of a node set otherwise than one
-// before it, naming both places. Node sets of different names may share nodes: these follow the later one.
+// before it, naming both places.
 void complainOfConflicts(const Config& config, io::Deck& deck);
+
+// The same of node sets of different names that share nodes of this mesh. Collective; throws InputError on all ranks.
+void refuseConflictsOfSets(MPI_Comm comm, const Config& config, const io::MeshPart& part);
 
 } // namespace brickwall::miniapp

@@ -46,6 +46,8 @@ const char* modelName(mechanics::MaterialModel model) {
 } // namespace
 
 int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
+  if (config.wall)
+    refuseUnknownBodies(config, io::WallLayout(toWallConfig(*config.wall)).numBricks());
   const Config small = smallestLikeScene(config);
   const Scene scene = makeScene(exec_space(), comm, small);
   const Simulation simulation(comm, small, scene);
@@ -127,6 +129,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::printf(
       "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
       1e-6 * bytes.host_and_device / ranks, ranks, 1e-6 * bytes.device / ranks);
+  for (const std::string& warning : scene.warnings)
+    std::printf("warning: %s\n", warning.c_str());
   return 0;
 }
 

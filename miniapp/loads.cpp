@@ -36,9 +36,9 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   return shape;
 }
 
-// Local elements that an entry of the deck's block names.
+// Local elements that an entry names.
 std::vector<unsigned char> chosenElements(const Config& config, const Scene& scene,
-                                          const std::string& block, const InitialSelection& entry) {
+                                          const InitialSelection& entry) {
   const auto& part = scene.part;
   std::vector<unsigned char> chosen(part.elem_ids.size(), 1);
   if (entry.block) {
@@ -52,9 +52,6 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
                      place.course == (*entry.brick)[2];
     }
   } else if (entry.body) {
-    if (*entry.body >= part.num_global_bodies)
-      throw InputError(block + ": the mesh has no body " + std::to_string(*entry.body) +
-                       "; it has " + std::to_string(part.num_global_bodies) + ", from 0");
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.elem_body[elem] == *entry.body;
   }
@@ -114,11 +111,11 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
                           const mechanics::BoundaryConditions& boundary,
                           const mechanics::NodalState& state) {
   for (const auto& entry : config.initial_velocities)
-    mechanics::setInitialField(
-        space, scene.mesh, shared, chosenElements(config, scene, "initial.velocity", entry),
-        mechanics::rigidVelocity(toVec3(entry.velocity), toVec3(entry.angular_velocity),
-                                 toVec3(entry.center)),
-        state.velocity);
+    mechanics::setInitialField(space, scene.mesh, shared, chosenElements(config, scene, entry),
+                               mechanics::rigidVelocity(toVec3(entry.velocity),
+                                                        toVec3(entry.angular_velocity),
+                                                        toVec3(entry.center)),
+                               state.velocity);
   if (!boundary.any())
     return;
   const auto at_start = boundary.at(0);
@@ -139,9 +136,8 @@ void setInitialDeformations(const exec_space& space, const Config& config, const
     for (int k = 0; k < 9; ++k)
       field.gradient(k / 3, k % 3) = entry.gradient[static_cast<std::size_t>(k)];
     field.center = toVec3(entry.center);
-    mechanics::setInitialField(space, scene.mesh, shared,
-                               chosenElements(config, scene, "initial.deformation", entry), field,
-                               state.displacement);
+    mechanics::setInitialField(space, scene.mesh, shared, chosenElements(config, scene, entry),
+                               field, state.displacement);
   }
 }
 

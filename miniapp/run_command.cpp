@@ -59,6 +59,9 @@ public:
         _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
         _limits(config.limits), _output_ticker(config.output.interval, false),
         _history_ticker(config.output.history_interval, true) {
+    if (rankOf(_comm) == 0)
+      for (const std::string& warning : _scene.warnings)
+        std::cout << "warning: " << warning << std::endl;
     if (_options.write_output)
       openOutput();
   }
@@ -189,7 +192,8 @@ private:
     report.counted_searches = _simulation.searches() - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
-    report.warnings_told = _limits.warnings().size();
+    report.warnings.insert(report.warnings.begin(), _scene.warnings.begin(), _scene.warnings.end());
+    report.warnings_told = _scene.warnings.size() + _limits.warnings().size();
     if (!_breakdown.empty())
       report.failures.push_back(_breakdown);
     if (_out_of_time)

@@ -5,6 +5,8 @@
 #include "io/mesh_reader.hpp"
 #include "io/wall_generator.hpp"
 #include "mechanics/lumped_mass.hpp"
+#include "miniapp/boundary_conflicts.hpp"
+#include "miniapp/face_name.hpp"
 #include "miniapp/to_device.hpp"
 
 #include <utility>
@@ -50,6 +52,26 @@ mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
   return mesh;
 }
 
+void refuseEdgesOfNoLength(const exec_space& space, MPI_Comm comm, const Scene& scene) {
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto ids = scene.skin.face_ids;
+  const auto X = scene.mesh.reference_coordinates;
+  global_id first = INT64_MAX;
+  Kokkos::parallel_reduce(
+      "miniapp::refuseEdgesOfNoLength", over(space, scene.skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face, global_id& least) {
+        for (int corner = 0; corner < 4; ++corner)
+          if (!(norm(rowOf(X, face_to_nodes(face, (corner + 1) % 4)) -
+                     rowOf(X, face_to_nodes(face, corner))) > 0))
+            least = minOf(least, ids(face));
+      },
+      Kokkos::Min<global_id>(first));
+  first = allReduce(comm, first, MPI_MIN);
+  if (first != INT64_MAX)
+    throw InputError("the mesh has an edge of length zero on " + faceName(first) +
+                     "; expected hexahedra with eight corners apart");
+}
+
 void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
   const auto face_to_nodes = scene.skin.face_to_nodes;
   const auto X = scene.mesh.reference_coordinates;
@@ -68,9 +90,7 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
   scene.shortest_edge = allReduce(comm, shortest, MPI_MIN);
   scene.longest_edge = allReduce(comm, longest, MPI_MAX);
   if (!(scene.shortest_edge > 0))
-    throw InputError(
-        "the mesh has an exterior face with an edge of length zero; expected hexahedra "
-        "with eight corners apart");
+    refuseEdgesOfNoLength(space, comm, scene);
 }
 
 template <class Set>
@@ -125,7 +145,41 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     throw InputError(faults);
 }
 
+// What is on a set without members does nothing, and its deck says nothing of it.
+std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io::MeshPart& part) {
+  std::vector<std::string> warnings;
+  const auto warnIfEmpty = [&](const char* where, const char* kind, const std::string& name,
+                               std::size_t members) {
+    if (allReduce(comm, static_cast<std::int64_t>(members), MPI_SUM) == 0)
+      warnings.push_back(std::string("[[") + where + "]] does nothing: the mesh has nothing in " +
+                         kind + " \"" + name + "\"");
+  };
+  for (const auto& load : config.pressures)
+    warnIfEmpty("load.pressure", "side set", load.side_set,
+                sideSetOf(part, load.side_set).elems.size());
+  for (const auto& fixed : config.fixed)
+    warnIfEmpty("boundary.fixed", "node set", fixed.node_set,
+                nodeSetOf(part, fixed.node_set).nodes.size());
+  for (const auto& moving : config.prescribed)
+    warnIfEmpty("boundary.velocity", "node set", moving.node_set,
+                nodeSetOf(part, moving.node_set).nodes.size());
+  return warnings;
+}
+
 } // namespace
+
+void refuseUnknownBodies(const Config& config, global_id num_bodies) {
+  const auto refuse = [&](const char* block, const InitialSelection& entry) {
+    if (entry.body && *entry.body >= num_bodies)
+      throw InputError(config.deck_path + ": [[" + block + "]]: found body " +
+                       std::to_string(*entry.body) + "; expected one of the " +
+                       std::to_string(num_bodies) + " bodies, from 0");
+  };
+  for (const auto& entry : config.initial_velocities)
+    refuse("initial.velocity", entry);
+  for (const auto& entry : config.initial_deformations)
+    refuse("initial.deformation", entry);
+}
 
 io::WallConfig toWallConfig(const WallConfig& wall) {
   io::WallConfig config;
@@ -155,6 +209,9 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   Scene scene;
   scene.part = makeMeshPart(comm, config);
   checkNames(config, scene.part);
+  refuseUnknownBodies(config, scene.part.num_global_bodies);
+  refuseConflictsOfSets(comm, config, scene.part);
+  scene.warnings = emptySets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
   scene.node_is_owned.reserve(scene.part.node_owner.size());
   for (const int owner : scene.part.node_owner)
@@ -164,9 +221,13 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
   scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
-  scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
+  try {
+    scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
+    measureSkinEdges(space, comm, scene);
+  } catch (const InputError& error) { // all ranks have it
+    throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
+  }
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
-  measureSkinEdges(space, comm, scene);
   return scene;
 }
 

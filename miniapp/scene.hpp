@@ -24,11 +24,12 @@ struct Scene {
   std::vector<unsigned char> node_is_owned; // host copy [node]
   global_id num_faces = 0; // exterior faces of all ranks
   double shortest_edge = 0, longest_edge = 0; // of all skin faces of all ranks, length
+  std::vector<std::string> warnings; // of what the deck asks of this mesh; equal on all ranks
 };
 
 // Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws
 // InputError (on all ranks) with all names of sets and blocks that the mesh lacks and all blocks without material; also
-// for a mesh that cannot be read and for a bad element.
+// for bodies that the mesh lacks, for node sets that share nodes but move them otherwise, for a mesh that cannot be read and for a bad element.
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
 
 // The nodes that this rank shares, as the mechanics lists them.
@@ -36,6 +37,9 @@ mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part);
 
 // The mesh alone, still on the host. Collective.
 io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config);
+
+// Throws InputError where an initial condition names a body that a scene of so many bodies lacks.
+void refuseUnknownBodies(const Config& config, global_id num_bodies);
 
 // The generator's view of [wall].
 io::WallConfig toWallConfig(const WallConfig& wall);
