@@ -1,10 +1,12 @@
 // brickwall: MPI and Kokkos up, one command, down again. The only place that turns an exception into a message and an
 // exit code.
 #include "contact/base/backend.hpp"
+#include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/commands.hpp"
 #include "miniapp/failure.hpp"
 
+#include <cstdio>
 #include <iostream>
 
 namespace {
@@ -50,6 +52,15 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   return code;
 }
 
+// `code`, or that of output where what was printed has not gone out: a full disk is told only now.
+int withOutputFlushed(int code) {
+  std::cout << std::flush;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout)
+    return code;
+  std::cerr << "brickwall: error: standard output cannot be written" << std::endl;
+  return code == 0 ? static_cast<int>(ExitCode::output) : code;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -63,6 +74,7 @@ int main(int argc, char** argv) {
   } else if (rankOf(MPI_COMM_WORLD) == 0) {
     (code == 0 ? std::cout : std::cerr) << line.text << std::flush;
   }
+  code = withOutputFlushed(code);
   MPI_Finalize();
   return code;
 }

@@ -9,6 +9,7 @@
 #include "miniapp/simulation.hpp"
 
 #include <cmath>
+#include <sstream>
 
 namespace brickwall::miniapp {
 
@@ -83,6 +84,12 @@ void Simulation::planSteps(double longest) {
   constexpr double most = 1e15; // of a deck's time.steps too
   const double steps = maxOf(std::ceil(left / longest * (1 - 1e-12)), 1.0);
   _clock.dt = left / steps;
+  if (!(_clock.dt > 0)) {
+    std::ostringstream message;
+    message << "the stable step is " << longest << ", of which time.end = " << _config.time.end
+            << " takes more than a number can say; expected another density, stiffness or size";
+    throw InputError(message.str());
+  }
   _planned_steps = _clock.step + static_cast<std::int64_t>(minOf(steps, most));
   if (_config.time.steps)
     _planned_steps = minOf(_planned_steps, *_config.time.steps);

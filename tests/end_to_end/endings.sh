@@ -81,6 +81,12 @@ for ranks in 1 3; do
   program=$brickwall
   rm -rf "$work/out"
 done
+expect "check refuses a body that the whole wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99'
+for command in check run; do
+  code=0
+  "$brickwall" $command "$inputs/brick_wall.toml" "${small[@]}" --steps 2 -o "$work/out" >/dev/full 2>"$work/log" || code=$?
+  { [[ $code -eq 4 ]] && grep -q 'standard output' "$work/log"; } || { echo "FAILED $command on a full standard output: exit code $code"; failures=$((failures + 1)); }
+done
 # A mesh written and read back.
 expect "a mesh is written" 0 'elements' 1 mesh "$inputs/brick_wall.toml" "${small[@]}"
 cat >"$work/mesh.toml" <<DECK

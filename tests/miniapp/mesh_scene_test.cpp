@@ -41,5 +41,80 @@ TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyRanks) {
   }
 }
 
+// Nodes at x = 0 ("left") and at y = 0 ("front"), which share an edge, and "nothing".
+void addNodeSets(io::MeshPart& part) {
+  io::NodeSet left, front, nothing;
+  left.id = 201, left.name = "left";
+  front.id = 202, front.name = "front_nodes";
+  nothing.id = 203, nothing.name = "nothing";
+  for (int node = 0; node < part.numNodes(); ++node) {
+    if (part.coordinates[3 * node] == 0)
+      left.nodes.push_back(node);
+    if (part.coordinates[3 * node + 1] == 0)
+      front.nodes.push_back(node);
+  }
+  part.node_sets = {left, front, nothing};
+}
+
+TEST(MeshScene, SetsThatShareNodesAreRefusedWhereTheirMotionsDiffer) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const std::string fixed = "[[boundary.fixed]]\nnode_set = \"left\"\n";
+  const auto moved = [&](const char* motion) {
+    return mesh.config(fixed + "[[boundary.velocity]]\nnode_set = \"front_nodes\"\n" + motion);
+  };
+  const std::string fault = faultOf(moved("velocity = [0.1, 0, -0.1]\n"));
+  EXPECT_NE(fault.find("boundary.fixed[0] and boundary.velocity[0]"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("different motions of x, z of nodes"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("\"left\" and \"front_nodes\", 4 of them, the first node 0 (1-based id 1)"),
+            std::string::npos)
+      << fault;
+  EXPECT_EQ(faultOf(moved("velocity = [0, 0, 0]\n")), ""); // they agree
+  EXPECT_EQ(faultOf(mesh.config("[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"
+                                "[[boundary.velocity]]\nnode_set = \"front_nodes\"\n"
+                                "velocity = [0, 0, 0.1]\ncomponents = [\"z\"]\n")),
+            "");
+}
+
+TEST(MeshScene, SetsWithoutMembersAreWarnedOf) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const Scene scene =
+      makeScene(exec_space(), MPI_COMM_WORLD,
+                mesh.config("[[boundary.fixed]]\nnode_set = \"nothing\"\n"
+                            "[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
+}
+
+TEST(MeshScene, AnEdgeOfNoLengthIsNamedWithFileAndElement) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart& part) { // the second becomes a wedge
+    const auto node = [&](int corner) { return 3 * part.elem_nodes[8 + corner]; };
+    for (const int corner : {2, 6}) // of one coordinate with its neighbour along y
+      for (int d = 0; d < 3; ++d)
+        part.coordinates[node(corner) + d] = part.coordinates[node(corner - 1) + d];
+  });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
+  EXPECT_NE(fault.find("of the element with 1-based id 2"), std::string::npos) << fault;
+}
+
+TEST(MeshScene, ASideOfThreeElementsIsNamedWithFileAndElement) {
+  const MeshFile mesh(oneBrick({3, 1, 1}),
+                      [](io::MeshPart& part) { // the third on the first's place
+                        for (int corner = 0; corner < 8; ++corner)
+                          part.elem_nodes[16 + corner] = part.elem_nodes[corner];
+                      });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
+  EXPECT_NE(fault.find("side 2 of the element with 1-based id "), std::string::npos) << fault;
+}
+
+TEST(MeshScene, AStepTooShortForANumberIsAFaultOfTheDeck) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart&) {});
+  Config config = mesh.config("");
+  config.materials[0].material.density = 1e-300;
+  config.time.end = 1e200;
+  EXPECT_NE(faultOf(config).find("the stable step is "), std::string::npos);
+}
+
 } // namespace
 } // namespace brickwall::miniapp::testing
