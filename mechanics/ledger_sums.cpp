@@ -1,5 +1,6 @@
 #include "mechanics/ledger_sums.hpp"
 
+#include "contact/base/fixed_point.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/hex8_geometry.hpp"
 
@@ -15,12 +16,14 @@ struct MeshExtremes {
   double fastest = 0; // sqrt((lambda + 2 mu)/rho)
   double inverse_slowest = 0;
   double farthest = 0; // coordinate magnitude
+  double inverse_softest = 0; // 1/(mu h): of the least stiffness, that of shear
   KOKKOS_INLINE_FUNCTION MeshExtremes& operator+=(const MeshExtremes& b) {
     force = maxOf(force, b.force);
     edge = maxOf(edge, b.edge);
     fastest = maxOf(fastest, b.fastest);
     inverse_slowest = maxOf(inverse_slowest, b.inverse_slowest);
     farthest = maxOf(farthest, b.farthest);
+    inverse_softest = maxOf(inverse_softest, b.inverse_softest);
     return *this;
   }
 };
@@ -40,6 +43,7 @@ MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_ele
         one.force = modulus * one.edge * one.edge;
         one.fastest = speed;
         one.inverse_slowest = 1 / speed;
+        one.inverse_softest = 1 / (material.mu() * one.edge);
         for (int c = 0; c < 8; ++c)
           for (int j = 0; j < 3; ++j)
             one.farthest = maxOf(one.farthest, std::fabs(X[c][j]));
@@ -50,12 +54,22 @@ MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_ele
   return result;
 }
 
+// Energy: of all elements' shear springs under forces of as many quanta as a hundred roundings make. Nearly incompressible
+// materials have coarse quanta, for these follow the stiffness against compression.
+double noiseOfForces(double largest_force, double inverse_softest, std::int64_t num_elems) {
+  constexpr double quanta = 128;
+  const double force = quanta * Quantum::forForceScale(largest_force).value;
+  return static_cast<double>(num_elems) * force * force * inverse_softest;
+}
+
 } // namespace
 
 LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
   const MeshExtremes local = extremesOf(space, viewsOf(mesh), mesh.num_elems);
-  double e[5] = {local.force, local.edge, local.fastest, local.inverse_slowest, local.farthest};
-  allReduce(comm, e, 5, MPI_MAX);
+  double e[6] = {local.force,           local.edge,     local.fastest,
+                 local.inverse_slowest, local.farthest, local.inverse_softest};
+  allReduce(comm, e, 6, MPI_MAX);
+  const auto num_elems = allReduce(comm, static_cast<std::int64_t>(mesh.num_elems), MPI_SUM);
   constexpr double headroom = 1048576; // 2^20
   const double energy = headroom * e[0] * e[1], momentum = energy * e[3], mass = momentum * e[3];
   const double distance = e[4] + e[1];
@@ -65,7 +79,7 @@ LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh&
           LimbScale::forLargest(momentum * distance),
           LimbScale::forLargest(mass * distance),
           LimbScale::forLargest(mass * distance * distance),
-          1e-24 * e[0] * e[1]};
+          maxOf(1e-24 * e[0] * e[1], noiseOfForces(e[0], e[5], num_elems))};
 }
 
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,

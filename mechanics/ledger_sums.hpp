@@ -19,7 +19,8 @@ struct LedgerScales {
   LimbScale angular; // angular momenta
   LimbScale first_moment; // m x
   LimbScale inertia; // m x^2
-  // Energy: 1e-14 of the largest element's at a strain of one. Stored energies round to less of that at any strain.
+  // Energy: 1e-24 of the largest element's at a strain of one, or what rounded forces may do to the softest one. Below it
+  // energies are no measure of errors.
   double noise = 0;
 };
 
