@@ -158,7 +158,7 @@ std::vector<BlockRule> methodBlocks() {
         real("tolerance", "", "inflation of the search boxes, of the shortest element edge")
             .byDefault("0.05")
             .above(0)
-            .atMost(1),
+            .atMost(0.45), // reaches twice that: not through a brick of one element
         word("scheme", {"energy_neutral", "penalty"},
              "first and last steps of a contact weighted to make no energy, or plain penalty")
             .byDefault("energy_neutral"),

@@ -247,6 +247,12 @@ TEST(Config, RefusesMotionsThatContradictEachOther) {
   EXPECT_TOLD(faultsOf(smallest + "[[boundary.fixed]]\n[[boundary.fixed]]\n"), "no key");
 }
 
+// A brick of one element is an edge thick: contact that reaches as far takes nodes of its far side for nodes in it.
+TEST(Config, ContactDoesNotReachThroughABrick) {
+  EXPECT_EQ(faultsOf(smallest + "[contact]\ntolerance = 0.45\n"), "");
+  EXPECT_TOLD(faultsOf(smallest + "[contact]\ntolerance = 0.5\n"), "at most 0.45");
+}
+
 TEST(Config, ReadsAllDecksOfTheProject) {
   int decks = 0;
   for (const auto& entry : std::filesystem::directory_iterator(inputs)) {
