@@ -137,11 +137,12 @@ struct EdgeTouch {
     const int own = edgeOf(node);
     Vec3 da, db, between;
     lines(faces, own, other, da, db, between);
-    hit.is_held = stage == Stage::held;
+    const Crossing crossing(da, db, between);
+    const bool is_held = stage == Stage::held;
+    hit.is_held = is_held && (previous(hit.previous).is_held || !crossing.isAcross(parallel_sine));
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);
-    const bool is_kept = stage == Stage::kept;
-    const Crossing crossing(da, db, between);
+    const bool is_kept = stage == Stage::kept || is_held;
     const double aa = crossing.aa, bb = crossing.bb;
     // A contact that is held goes on where the edges cross when they are open again.
     if (is_kept && previous(hit.previous).is_held && !crossing.isAcross(parallel_sine))
@@ -164,7 +165,8 @@ struct EdgeTouch {
     }
     if (!(depth > 0) ||
         !isOn(goesOn(faces, own), s, depth, std::sqrt(aa), hit.previous >= 0, overhang) ||
-        !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), is_kept, lateral_tolerance))
+        !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), is_kept,
+              is_held ? overhang : lateral_tolerance))
       return false;
     const EdgeCone cone_a(faces.quad(own), faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
@@ -198,9 +200,6 @@ struct EdgeTouch {
     if (!(dot(way, last.normal) > 0 &&
           square < deepest * deepest * minOf(dot(da, da), dot(db, db))))
       return false;
-    const double aa = dot(da, da), ab = dot(da, db), bb = dot(db, db);
-    if (!last.is_held && aa * bb - ab * ab > parallel_sine * parallel_sine * aa * bb)
-      return false;
     const double depth = std::sqrt(square);
     setHit(s, t, (1 / depth) * way, depth, other, hit);
     return true;
@@ -208,9 +207,10 @@ struct EdgeTouch {
 
   // Beyond the end of a brick's edge a contact that has begun fades out, as beyond the edges of faces: from `start` on over `way`,
   // in shares of the edge's length.
+  static constexpr double depths_to_end = 3;
   KOKKOS_INLINE_FUNCTION double start() const { return 0.1 * edge_tolerance; }
   KOKKOS_INLINE_FUNCTION double way(double depth, double length) const {
-    return minOf(maxOf(0.4 * edge_tolerance, 1.5 * depth / length), 0.5);
+    return minOf(maxOf(0.4 * edge_tolerance, depths_to_end * depth / length), 0.5);
   }
   // Whether a point at share `s` of the edge is on it: exactly where another edge goes on, else with a tolerance. A contact that
   // has begun goes on a little over the next edge, since pressed edges are bent; the pushing one over half of it, so that a
@@ -236,7 +236,7 @@ struct EdgeTouch {
     taper.slope = at_second ? -steepness : steepness;
     taper.left = t * all;
     if (all > 0.4 * edge_tolerance && all < 0.5)
-      taper.growth = steepness * beyond / all * 1.5 / length;
+      taper.growth = steepness * beyond / all * depths_to_end / length;
     return taper;
   }
 

@@ -14,7 +14,7 @@ struct EnforcementConfig {
   Scheme scheme = Scheme::penalty;
   // s: k = min(eps A, s m_red/dt_ref^2). It takes mult s/4 of the mass of surface nodes, mult 2.05, with crossing edges 2.55: the
   // step must be stable for what is left.
-  double penalty = 0.6;
+  double penalty = 0.9;
   double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
   double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
   double edge_tolerance =

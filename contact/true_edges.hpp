@@ -10,8 +10,9 @@ namespace brickwall::contact {
 
 // Bit j of a mask: edge j of a face, from corner j to corner j + 1, is a true edge: eta = -1, xi = 1, eta = 1, xi = -1.
 //
-// Beyond a true edge the force fades out over the way max(.8 edge_tolerance, 2 P) (in half-lengths, at most 1): a light node that
-// is pressed in deep would else cross a narrow way in one step. At 2 P the lateral stiffness 6 (k p^2/2)/way^2 stays below k.
+// Beyond a true edge the force fades out over the way max(.8 edge_tolerance, 4 P) (in half-lengths, at most 1): a light node that
+// is pressed in deep would else cross a narrow way in a few steps, and be thrown back by it. At 4 P the lateral stiffness
+// 6 (k p^2/2)/way^2 is a fifth of k; at 2 P, where it is three quarters, the energy on the way errs ten times as much.
 struct EdgeReach {
   int mask = 0;
   double lateral_tolerance =
@@ -23,11 +24,12 @@ struct EdgeReach {
     half[0] = 0.25 * norm((face.corner[1] - face.corner[0]) + (face.corner[2] - face.corner[3]));
     half[1] = 0.25 * norm((face.corner[3] - face.corner[0]) + (face.corner[2] - face.corner[1]));
   }
+  static constexpr double depths_to_end = 4; // the way over P
   static constexpr double farthest = 1.1; // no contact farther beyond an edge, in half-lengths
 
   KOKKOS_INLINE_FUNCTION double start() const { return 1 + 0.2 * edge_tolerance; }
   KOKKOS_INLINE_FUNCTION double way(int direction, double depth) const {
-    return minOf(maxOf(0.8 * edge_tolerance, 2 * depth / half[direction]), 1.0);
+    return minOf(maxOf(0.8 * edge_tolerance, depths_to_end * depth / half[direction]), 1.0);
   }
   KOKKOS_INLINE_FUNCTION bool isTrue(int direction, double parameter) const {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
@@ -70,7 +72,7 @@ KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, doub
   taper.slope = parameter > 0 ? -steepness : steepness;
   taper.left = t * way;
   if (way > 0.8 * reach.edge_tolerance && way < 1)
-    taper.growth = steepness * beyond / way * 2 / reach.half[direction];
+    taper.growth = steepness * beyond / way * EdgeReach::depths_to_end / reach.half[direction];
   return taper;
 }
 

@@ -265,6 +265,13 @@ void Deck::assignText(const std::string& block, const std::string& key, const st
   _contents->value(block, key).entries.at(0).text = value;
 }
 
+void Deck::assignReal(const std::string& block, const std::string& key, double value) {
+  DeckValue& given = _contents->value(block, key);
+  given.is_good = true;
+  given.entries.assign(1, {});
+  given.entries[0].real = value;
+}
+
 int Deck::faults() const {
   return _contents->faults.count();
 }

@@ -213,6 +213,12 @@ double contactLoad(double penalty, double damping, bool edges) {
   return load;
 }
 
+double penaltyOfEqualLoad(double undamped, double damping) {
+  // s/4 + zeta sqrt(s) = s_0/4
+  const double root = 2 * (std::sqrt(damping * damping + 0.25 * undamped) - damping);
+  return root * root;
+}
+
 View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
                                const View<const int*>& surface_to_node, double contact_load) {
   const auto left = allocate<View<double*>>(space, "mechanics::massUnderContact", mass.extent(0));

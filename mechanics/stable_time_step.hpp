@@ -69,6 +69,8 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
 // mass, two passes: mult 2.05), damping zeta; crossing edges bring mult to 2.55. Friction needs nothing more: its spring, of at most
 // the same stiffness, acts across the normal one. Throws InputError unless s >= 0, zeta >= 0 and a <= .99.
 double contactLoad(double penalty, double damping = 0, bool edges = false);
+// The penalty that brings, with this damping, the load of `undamped` alone.
+double penaltyOfEqualLoad(double undamped, double damping);
 
 // `mass` where nodes of the surface are lighter by a.
 View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,

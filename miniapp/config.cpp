@@ -2,6 +2,7 @@
 #include "miniapp/config.hpp"
 
 #include "mechanics/material.hpp"
+#include "mechanics/stable_time_step.hpp"
 #include "miniapp/boundary_conflicts.hpp"
 
 #include <algorithm>
@@ -255,7 +256,7 @@ std::vector<InitialDeformationConfig> readInitialDeformations(Deck& deck) {
   return deformations;
 }
 
-void readMethods(const Deck& deck, Config& config) {
+void readMethods(Deck& deck, Config& config) {
   config.formulation = choice<Formulation>(deck, "element", "formulation", {"tlps", "full"});
   config.gravity = triple(deck, "gravity", "acceleration");
   config.viscosity.linear = deck.real("viscosity", "linear");
@@ -266,12 +267,15 @@ void readMethods(const Deck& deck, Config& config) {
   config.contact.tolerance = deck.real("contact", "tolerance");
   config.contact.scheme =
       choice<ContactScheme>(deck, "contact", "scheme", {"energy_neutral", "penalty"});
-  config.contact.penalty = deck.real("contact", "penalty");
   config.contact.lateral_tolerance = deck.real("contact", "lateral_tolerance");
   config.contact.edge_tolerance = deck.real("contact", "edge_tolerance");
   config.contact.friction = deck.real("contact", "friction");
   config.contact.friction_stiffness = deck.real("contact", "friction_stiffness");
   config.contact.damping = deck.real("contact", "damping");
+  if (!deck.has("contact", "penalty"))
+    deck.assignReal("contact", "penalty",
+                    mechanics::penaltyOfEqualLoad(config.contact.penalty, config.contact.damping));
+  config.contact.penalty = deck.real("contact", "penalty");
   config.contact.edges = deck.boolean("contact", "edges");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});
   config.contact.guard = choice<GuardAction>(deck, "contact", "guard", {"cut", "stop", "off"});

@@ -115,7 +115,7 @@ struct ContactConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation, of the shortest skin edge
   ContactScheme scheme = ContactScheme::energy_neutral; // contact/penalty.hpp
-  double penalty = 0.6; // s
+  double penalty = 0.9; // s
   double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
   double edge_tolerance = 0.1; // the same beyond true edges, where the force fades out
   double friction = 0; // mu, Coulomb
@@ -156,7 +156,7 @@ struct SpareConfig {
 enum class StepBound { lanczos, element };
 struct TimeConfig {
   double end = 0; // time
-  double safety = 0.8; // chi: of the stable step
+  double safety = 0.9; // chi: of the stable step
   StepBound bound = StepBound::lanczos;
   std::optional<std::int64_t> steps; // stop after so many, even before `end`
   std::int64_t check_interval = 500; // steps between checks of the stable step

@@ -162,8 +162,9 @@ std::vector<BlockRule> methodBlocks() {
         word("scheme", {"energy_neutral", "penalty"},
              "first and last steps of a contact weighted to make no energy, or plain penalty")
             .byDefault("energy_neutral"),
-        real("penalty", "", "stiffness s = k dt^2/m; stiffer contact may shorten the step")
-            .byDefault("0.6")
+        real("penalty", "",
+             "stiffness s = k dt^2/m, 0.9 where not given, less with damping; stiffer contact may "
+             "shorten the step")
             .above(0)
             .below(1.95),
         real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")
@@ -246,7 +247,7 @@ std::vector<BlockRule> methodBlocks() {
        BlockKind::single,
        "steps in time",
        {real("end", "s", "time at which the run ends").mustBeGiven().above(0),
-        real("safety", "", "step over the stable step").byDefault("0.8").above(0).atMost(1),
+        real("safety", "", "step over the stable step").byDefault("0.9").above(0).atMost(1),
         word("bound", {"lanczos", "element"},
              "stable step of whole bodies by their largest frequency, or of the worst element by "
              "itself")

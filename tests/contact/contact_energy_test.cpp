@@ -56,7 +56,7 @@ TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 60);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 60);
   EXPECT_GT(penalty, 1e-2); // first and last step of the episode
-  EXPECT_LT(neutral, 1e-3);
+  EXPECT_LT(neutral, 0.05 * penalty); // what three rounds leave of the error of that step
 }
 
 // Measured: .28 / .011 % and 1.53 / .045 % (penalty / energy-neutral).

@@ -84,7 +84,7 @@ TEST(Taper, IsOneOnTheFaceAndZeroAtTheReach) {
   EXPECT_NEAR(taperAt(reach, 0, -1.06, 0).value, 0.5, 1e-12);
   EXPECT_NEAR(taperAt(reach, 0, 1.1, 0).value, 0, 1e-12);
   EXPECT_EQ(taperAt(reach, 1, 1.1, 0).value, 1);
-  EXPECT_NEAR(taperAt(reach, 0, 1.12, 0.1).value, 0.5, 1e-12); // over twice the depth
+  EXPECT_NEAR(taperAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
 }
 
 // The edges of boxes, however cut: 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1) segments.

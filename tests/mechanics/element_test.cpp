@@ -412,6 +412,9 @@ TEST(ContactLoad, IsTheShareOfTheMassThatSpringsAndDampersTake) {
   EXPECT_DOUBLE_EQ(contactLoad(0.5), 0.5 * 2.05 / 4);
   EXPECT_DOUBLE_EQ(contactLoad(0.5, 0.1), 2.05 * (0.125 + 0.1 * std::sqrt(0.5)));
   EXPECT_DOUBLE_EQ(contactLoad(0.75, 0, true), 2.55 * 0.1875);
+  for (const bool edges : {false, true})
+    EXPECT_DOUBLE_EQ(contactLoad(penaltyOfEqualLoad(0.9, 0.2), 0.2, edges),
+                     contactLoad(0.9, 0, edges));
   EXPECT_THROW(contactLoad(-1), InputError);
   EXPECT_THROW(contactLoad(2), InputError);
   EXPECT_THROW(contactLoad(0.5, -1), InputError);

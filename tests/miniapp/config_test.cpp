@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -75,7 +76,8 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.search.margin, 0); // performance decks search in every step
   EXPECT_FALSE(config.viscosity.any());
   EXPECT_EQ(config.mass_damping, 0);
-  EXPECT_EQ(config.time.safety, 0.8);
+  EXPECT_EQ(config.time.safety, 0.9);
+  EXPECT_DOUBLE_EQ(config.contact.penalty, 0.9);
   EXPECT_EQ(config.time.bound, StepBound::lanczos);
   EXPECT_FALSE(config.time.steps.has_value());
   EXPECT_EQ(config.limits.stop[gauge_energy], 0.1);
@@ -85,6 +87,16 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.search.audit, 0);
   EXPECT_TRUE(config.spare.resting_bodies && config.spare.free_bricks && config.spare.lattices &&
               config.spare.still_contact);
+}
+
+// With damping contact takes the same share of the step as without: s/4 + zeta sqrt(s) = .9/4.
+TEST(Config, LeavesLessPenaltyToDampedContactUnlessGiven) {
+  const std::string damped = smallest + "[contact]\ndamping = 0.2\n";
+  const Config config = parseConfig(damped, "a.toml");
+  EXPECT_NEAR(0.25 * config.contact.penalty + 0.2 * std::sqrt(config.contact.penalty), 0.225,
+              1e-15);
+  EXPECT_EQ(parseConfig(config.resolved_deck, "a.toml").contact.penalty, config.contact.penalty);
+  EXPECT_EQ(parseConfig(damped + "penalty = 0.75\n", "a.toml").contact.penalty, 0.75);
 }
 
 TEST(Config, ReadsEveryKey) {
