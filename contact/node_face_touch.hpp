@@ -14,6 +14,9 @@ struct NodeFaceTouch {
 
   static constexpr bool knows_motion = true; // look() works out all of a KnownContact
 
+  // In half-lengths of a face: bodies whose edges overlap by less pass each other.
+  static constexpr double highest_lip = 0.02;
+
   double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
   NodeFaceLists around;
   View<const FaceRecord*> records; // own, remote, ghost faces
@@ -74,7 +77,9 @@ struct NodeFaceTouch {
                                    Hit& hit) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     return isFacing(x, node, face, stage) &&
-           accept(faces, face, stage, project(faces.quad(face), x), hit);
+           accept(faces, face, stage, project(faces.quad(face), x), hit) &&
+           !((stage == Stage::born || stage == Stage::switched) &&
+             passesBeside(faces, node, face, hit));
   }
   // test() at Stage::kept.
   KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const KnownContact& known,
@@ -105,6 +110,28 @@ struct NodeFaceTouch {
     hit.face = face;
     hit.is_held = false;
     return true;
+  }
+
+  // Whether the node is at a true edge of the face, and its body lies beyond that: bodies that only touch along an edge, such as
+  // one that slides over the joint of two others, would else catch on lips of any height. A_i and the face then share no area.
+  KOKKOS_INLINE_FUNCTION bool passesBeside(const FaceAccess& faces, int node, int face,
+                                           const Hit& hit) const {
+    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1 - highest_lip)
+      return false;
+    const Quad quad = faces.quad(face);
+    const EdgeReach reach = reachOf(faces, face, quad);
+    const Vec3* q = quad.corner;
+    const Vec3 along[2] = {(q[1] - q[0]) + (q[2] - q[3]), (q[3] - q[0]) + (q[2] - q[1])};
+    for (int d = 0; d < 2; ++d) {
+      const double place = hit.place[d];
+      if (std::fabs(place) < 1 - highest_lip || !reach.isTrue(d, place))
+        continue;
+      const double length = norm(along[d]);
+      const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along[d];
+      if (isOpposed(node, outward, opposed_cosine))
+        return true;
+    }
+    return false;
   }
 
   // Whether the node stands before the face, not behind or beside it.
