@@ -19,6 +19,21 @@ FaceKey keyOf(const HostMesh& host, int elem, int side) {
   return key;
 }
 
+bool allShared(const HostMesh& host, int elem, int side, const std::vector<char>& is_shared) {
+  bool all = true;
+  for (const int c : hex8_sides[side])
+    all = all && is_shared[host.elem_to_nodes(elem, c)];
+  return all;
+}
+
+std::vector<char> sharedFlags(const HexMesh& mesh, const SharedNodeLists& shared) {
+  std::vector<char> is_shared(mesh.num_nodes, 0);
+  for (const auto& list : shared.nodes)
+    for (const int node : list)
+      is_shared[node] = 1;
+  return is_shared;
+}
+
 struct KeyHash {
   std::size_t operator()(const FaceKey& key) const {
     std::uint64_t hash = 0;
@@ -33,40 +48,39 @@ struct LocalFace {
   int elem, side;
 };
 
-// Faces of this rank's elements that no other element of this rank shares, in the order of element, then side.
-std::vector<LocalFace> facesOnce(const HexMesh& mesh, const HostMesh& host) {
+[[noreturn]] void complainOfThird(const HostMesh& host, int elem, int side) {
+  throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
+                   std::to_string(host.elem_ids(elem) + 1) + " belongs to more than two elements");
+}
+
+// Faces of this rank's elements that may be of the skin or on a cut, in the order of element, then side: what no other element of
+// this rank shares, and what one does but may belong to a third on another rank, since all its corners are shared.
+std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
+                                  const std::vector<char>& is_shared) {
   std::unordered_map<FaceKey, int, KeyHash> uses;
   uses.reserve(static_cast<std::size_t>(mesh.num_elems) * 4);
   for (int elem = 0; elem < mesh.num_elems; ++elem)
     for (int side = 0; side < 6; ++side)
       if (++uses[keyOf(host, elem, side)] > 2)
-        throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
-                         std::to_string(host.elem_ids(elem) + 1) +
-                         " belongs to more than two elements");
+        complainOfThird(host, elem, side);
   std::vector<LocalFace> faces;
   for (int elem = 0; elem < mesh.num_elems; ++elem)
     for (int side = 0; side < 6; ++side) {
       const FaceKey key = keyOf(host, elem, side);
-      if (uses.at(key) == 1)
+      if (uses.at(key) == 1 || allShared(host, elem, side, is_shared))
         faces.push_back({key, elem, side});
     }
   return faces;
 }
 
 // Only faces whose corners are all shared can lie on a cut.
-std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HexMesh& mesh, const HostMesh& host,
-                                   const SharedNodeLists& shared, std::vector<LocalFace> faces) {
-  std::vector<char> is_shared(mesh.num_nodes, 0);
-  for (const auto& list : shared.nodes)
-    for (const int node : list)
-      is_shared[node] = 1;
+std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
+                                   const std::vector<char>& is_shared,
+                                   std::vector<LocalFace> faces) {
   std::vector<std::size_t> suspects;
   std::vector<FaceKey> keys;
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    bool all = true;
-    for (const int c : hex8_sides[faces[f].side])
-      all = all && is_shared[host.elem_to_nodes(faces[f].elem, c)];
-    if (all) {
+    if (allShared(host, faces[f].elem, faces[f].side, is_shared)) {
       suspects.push_back(f);
       keys.push_back(faces[f].key);
     }
@@ -78,10 +92,7 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HexMesh& mesh, const Hos
   together(comm, [&] {
     for (std::size_t s = 0; s < suspects.size(); ++s)
       if (uses[s] > 2)
-        throw InputError("side " + std::to_string(faces[suspects[s]].side + 1) +
-                         " of the element with 1-based id " +
-                         std::to_string(host.elem_ids(faces[suspects[s]].elem) + 1) +
-                         " belongs to more than two elements");
+        complainOfThird(host, faces[suspects[s]].elem, faces[suspects[s]].side);
   });
   std::size_t next = 0;
   faces.erase(std::remove_if(faces.begin(), faces.end(),
@@ -114,8 +125,9 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
               const SharedNodeLists& shared) {
   const HostMesh host = copyToHost(space, mesh);
   std::vector<LocalFace> faces;
-  together(comm, [&] { faces = facesOnce(mesh, host); });
-  faces = withoutCuts(comm, mesh, host, shared, std::move(faces));
+  const std::vector<char> is_shared = sharedFlags(mesh, shared);
+  together(comm, [&] { faces = outerFaces(mesh, host, is_shared); });
+  faces = withoutCuts(comm, host, is_shared, std::move(faces));
   std::vector<int> surface_to_node;
   const std::vector<int> surface_of =
       surfaceNodes(comm, mesh, host, shared, faces, surface_to_node);

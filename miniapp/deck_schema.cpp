@@ -163,8 +163,9 @@ std::vector<BlockRule> methodBlocks() {
              "first and last steps of a contact weighted to make no energy, or plain penalty")
             .byDefault("energy_neutral"),
         real("penalty", "",
-             "stiffness s = k dt^2/m, 0.9 where not given, less with damping; stiffer contact may "
+             "stiffness s = k dt^2/m, where not given less with damping; stiffer contact may "
              "shorten the step")
+            .byDefault("0.9")
             .above(0)
             .below(1.95),
         real("lateral_tolerance", "", "accepted distance beyond a face's edge, in |xi|")

@@ -133,7 +133,7 @@ TEST(TunnellingGuard, StopsInTheStateBeforeAndNamesThePair) {
 
 // A thousandth of the stable step is not enough for 1000 times the speed of sound.
 TEST(TunnellingGuard, GivesUpWhereTheStepWouldVanish) {
-  Case bricks(thrown(1000, "tolerance = 1.0\n"));
+  Case bricks(thrown(1000, "tolerance = 0.45\n"));
   bricks.simulation.start();
   const std::string message = whyItStops(bricks);
   EXPECT_NE(message.find("below 1/1000 of the stable one"), std::string::npos) << message;

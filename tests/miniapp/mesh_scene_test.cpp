@@ -105,7 +105,7 @@ TEST(MeshScene, ASideOfThreeElementsIsNamedWithFileAndElement) {
                       });
   const std::string fault = faultOf(mesh.config(""));
   EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
-  EXPECT_NE(fault.find("side 2 of the element with 1-based id "), std::string::npos) << fault;
+  EXPECT_NE(fault.find(" of the element with 1-based id "), std::string::npos) << fault;
 }
 
 TEST(MeshScene, AStepTooShortForANumberIsAFaultOfTheDeck) {
