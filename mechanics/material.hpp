@@ -15,8 +15,8 @@ namespace brickwall::mechanics {
 constexpr double log_series_reach = 0.0625;
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real logSeries(const Real& s, const Real& t) {
-  const Real t2 = t * t;
-  return s * ((2.0 + t * (2.0 / 3)) + t2 * ((2.0 / 5 + t * (2.0 / 7)) + t2 * (2.0 / 9)));
+  // t^2 has no name: nvcc knows no packs, not even of the host, as variables of a function for both
+  return s * ((2.0 + t * (2.0 / 3)) + (t * t) * ((2.0 / 5 + t * (2.0 / 7)) + (t * t) * (2.0 / 9)));
 }
 // With s known.
 KOKKOS_INLINE_FUNCTION double logOnePlus(double d, double s) {

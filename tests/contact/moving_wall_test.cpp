@@ -138,7 +138,9 @@ TEST(MovingWallTest, BlocksThatAreNotMarkedAsChangedHaveTheRowsThatTheyHad) {
       version = pairs.version;
     }
   }
-  EXPECT_GT(allReduce(comm, kept, MPI_SUM), 100);
+  if (cluster_size > 1) { // on a device all rows are made anew
+    EXPECT_GT(allReduce(comm, kept, MPI_SUM), 100);
+  }
   EXPECT_GT(allReduce(comm, changed, MPI_SUM), 100);
 }
 

@@ -99,6 +99,9 @@ struct Count {
   std::int64_t touching = 0, woken = 0, asleep = 0, edges_asleep = 0;
 };
 
+// Searches on a device make all rows anew, and say so of each: none sleeps there.
+constexpr bool rows_last = cluster_size > 1;
+
 Count compare(double speed, double margin, int num_steps) {
   EnforcementConfig with = config(), without = config();
   with.friction = without.friction = 0.3;
@@ -129,7 +132,7 @@ TEST(SleepingBlocks, BricksThatComeAndGoTouchAsIfAllRowsWereLookedAtInEachStep) 
   for (const double speed : {0.25, 1.0, 4.0}) {
     const Count count = compare(speed, 0, 250);
     EXPECT_GT(count.touching, 1000) << speed;
-    if (sizeOf(world) > 1) // most blocks have ghosts
+    if (sizeOf(world) > 1 || !rows_last) // most blocks have ghosts
       continue;
     EXPECT_GT(count.asleep, 50) << speed;
     EXPECT_GT(count.edges_asleep, 50) << speed;
@@ -174,12 +177,16 @@ TEST(SleepingBlocks, EdgesThatCrossNowAndThenTouchAsIfAllWereLookedAtInEachStep)
     asleep += sleeping.numBlocks() - sleeping.numAwake();
   }
   EXPECT_GT(touching, 50);
-  EXPECT_GT(asleep, 100);
-  EXPECT_GT(woken, 1);
+  if (rows_last) {
+    EXPECT_GT(asleep, 100);
+    EXPECT_GT(woken, 1);
+  }
 }
 
 // A wall of four bricks that fly apart: after the first steps nothing is looked at.
 TEST(SleepingBlocks, WhatFliesApartSleeps) {
+  if (!rows_last)
+    GTEST_SKIP() << "on a device rows are made anew in each search";
   Scene scene;
   for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 0, 1}, Vec3{2, 0, 1}})
     scene.addBox(corner, {2, 1, 1}, {8, 4, 4});
@@ -224,6 +231,8 @@ TEST(SurfaceMotion, SumsBoundTheMotionOfEveryNode) {
 
 // Two bodies; the sums are set by hand.
 TEST(KeptBound, HoldsUntilTheGapMayBeClosedOrTheBodiesHaveTurned) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
   const View<double* [6]> host("sums", 2);
   const View<global_id*> ids("ids", 2);
   KeptBound bound;
