@@ -87,7 +87,7 @@ def answers_text(study, results, general, audits):
              "**What does the congruent path gain at zero error?** The same wall with an inner node of each brick shifted by 1e-10 of an "
              f"edge takes the general path: {general['elements']:.2f} times the time for the elements' forces, {general['loop']:.2f} times "
              f"that of the whole loop; displacements differ by {general['difference']:.1e} of their size.\n",
-             "**Not there:** sleeping bricks; single precision.\n"]
+             "**Not there:** single precision.\n"]
     return "\n".join(parts)
 
 

@@ -73,8 +73,10 @@ def evaluate(lab):
         history = run.history
         energy = curves[name] = (history["time"], energy_change(history))
         into, when = deepest(run, twist, count)
+        jumps = np.abs(np.diff(energy[1]))
+        is_cut = np.diff(history["timestep"]) != 0  # the energy of a half step depends on the step's length
         births = np.maximum(np.diff(history["contacts"]), 0).sum()
-        rows.append([name, energy[1][-1], np.abs(energy[1]).max(), np.abs(np.diff(energy[1])).max(), into, float(when), int(births),
+        rows.append([name, energy[1][-1], np.abs(energy[1]).max(), jumps[~is_cut].max(), jumps[is_cut].max(initial=0.0), into, float(when), int(births),
                      history["dissipated_energy"][-1] / np.abs(history["external_work"]).max(), history["momentum_error"][-1],
                      history["angular_momentum_error"][-1], int(history["lost_contacts"][-1])])
     judged = [row for row in rows if row[0] in ("twist 7", "twist 23", "twist 41")]
@@ -82,19 +84,19 @@ def evaluate(lab):
     lab.check(max(row[3] for row in judged), 0, 1e-3, "energy_in_one_step")
     # A brick M = 4 kg falls by .6 m at most, v = 3.4 m/s; the softest contact, of edges, has k = s m/(2 dt^2) = 8e5 N/m: it gives
     # way by v sqrt(M/k) = 7.6 mm.
-    lab.check(max(row[4] for row in judged), 0, 0.15, "bricks_in_each_other")
-    lab.check(max(row[8] for row in rows), 0, 1e-12, "momentum")
-    lab.check(max(row[9] for row in rows), 0, 1e-12, "angular_momentum")
-    lab.check(min(row[6] for row in judged), 1000, 0, "births", error=max(0, 1000 - min(row[6] for row in judged)))
-    if max(row[9] for row in rows) > 1e-12:
+    lab.check(max(row[5] for row in judged), 0, 0.15, "bricks_in_each_other")
+    lab.check(max(row[9] for row in rows), 0, 1e-12, "momentum")
+    lab.check(max(row[10] for row in rows), 0, 1e-12, "angular_momentum")
+    lab.check(min(row[7] for row in judged), 1000, 0, "births", error=max(0, 1000 - min(row[7] for row in judged)))
+    if max(row[10] for row in rows) > 1e-12:
         lab.weak_spot(f"friction acts on the node and on the face a penetration apart, a couple that is missing in the angular momentum: "
-                      f"{max(row[9] for row in rows):.1g} of its scale, {min(row[9] for row in rows):.1g} without friction")
-    worst = max(judged, key=lambda row: row[4])
-    if worst[4] > 0.15:
-        lab.weak_spot(f"{worst[0]}: two bricks stand {worst[4]:.2g} elements in each other at t = {worst[5]:.2g} s, where one lands on "
+                      f"{max(row[10] for row in rows):.1g} of its scale, {min(row[10] for row in rows):.1g} without friction")
+    worst = max(judged, key=lambda row: row[5])
+    if worst[5] > 0.15:
+        lab.weak_spot(f"{worst[0]}: two bricks stand {worst[5]:.2g} elements in each other at t = {worst[6]:.2g} s, where one lands on "
                       "another with a corner, whose stiffness is bound by the mass of a lone node")
     lab.table("Energies over the largest kinetic + internal energy, depths of fitted boxes in elements:",
-              ["tower", "energy, final", "energy, largest", "in one step", "bricks in each other", "at t", "births, at least",
+              ["tower", "energy, final", "energy, largest", "in one step", "where the step is cut", "bricks in each other", "at t", "births, at least",
                "taken by friction / work of gravity", "momentum error", "angular momentum error", "contacts let go"], rows)
     with lab.figure("Energy by time, less the work of gravity, over the largest") as axes:
         for name, (times, energy) in curves.items():
