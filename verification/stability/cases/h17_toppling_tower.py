@@ -74,7 +74,8 @@ def evaluate(lab):
         energy = curves[name] = (history["time"], energy_change(history))
         into, when = deepest(run, twist, count)
         jumps = np.abs(np.diff(energy[1]))
-        is_cut = np.diff(history["timestep"]) != 0  # the energy of a half step depends on the step's length
+        # The energy of a half step depends on its length; a row tells the length of the next step.
+        is_cut = np.diff(history["timestep"], prepend=history["timestep"][0])[:-1] != 0
         births = np.maximum(np.diff(history["contacts"]), 0).sum()
         rows.append([name, energy[1][-1], np.abs(energy[1]).max(), jumps[~is_cut].max(), jumps[is_cut].max(initial=0.0), into, float(when), int(births),
                      history["dissipated_energy"][-1] / np.abs(history["external_work"]).max(), history["momentum_error"][-1],
