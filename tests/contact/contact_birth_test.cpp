@@ -260,6 +260,35 @@ TEST(HeldContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
   EXPECT_TRUE(was_held); // still, though the edges cross again
 }
 
+// The lower ridge stays between two edges of the upper one that are bent away from it: where it is pressed in deep, the lines of
+// both edges cross it beyond their ends, by more than the lateral tolerance.
+TEST(HeldContact, AnEdgeSlidesOverABendOfTheOtherEdge) {
+  constexpr double bend = 0.513, slope = -0.2;
+  Scene scene = crossedRidges(0.001);
+  for (std::size_t i = 0; i < scene.x_new.size(); ++i)
+    if (scene.node_body[i] == 1)
+      scene.x_new[i].z += slope * std::fabs(scene.x_new[i].y - bend);
+  scene.move(1, {0, -bend + 0.15, -slope * 0.15});
+  scene.step();
+  EdgeRun run(scene, MPI_COMM_SELF, onOneRank);
+  run.step();
+  for (int step = 0; step < 45; ++step) {
+    run.move(1, {0, 0, -0.01});
+    run.step();
+    ASSERT_EQ(run.sums.active, 1) << step;
+  }
+  bool has_been_beyond = false;
+  for (int step = 0; step < 30; ++step) {
+    run.move(1, {0, -0.01, 0});
+    run.step();
+    ASSERT_EQ(run.sums.active, 1) << step;
+    const Interaction pair = onlyInteraction(run);
+    EXPECT_EQ(pair.is_new, 0) << step;
+    has_been_beyond = has_been_beyond || pair.weight[0] < -0.05 || pair.weight[1] < -0.05;
+  }
+  EXPECT_TRUE(has_been_beyond);
+}
+
 // Parallel edges that slide on: the force goes along the way between the two points, so it brings no couple.
 TEST(HeldContact, ParallelEdgesThatSlideFeelNoCoupleAndEndWhenTheWayIsGone) {
   EdgeRun run(ridgesAt(0.06, 0.001), MPI_COMM_SELF, onOneRank);
