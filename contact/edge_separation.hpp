@@ -10,12 +10,15 @@ namespace brickwall::contact {
 // An edge with its cone, and how fast they turn.
 struct TurningEdge {
   Quad quad;
+  EdgeCone cone;
   Vec3 way; // from its first end to its second
   double turn; // of its direction
   double cone_turn; // of the cone's normals, at most
   double limit; // of s
 
-  KOKKOS_INLINE_FUNCTION TurningEdge(const FaceAccess& faces, int edge) : quad(faces.quad(edge)) {
+  KOKKOS_INLINE_FUNCTION TurningEdge(const FaceAccess& faces, int edge)
+      : quad(faces.quad(edge)), cone(quad, faces.attribute(edge, EdgeTouch::cosine_column),
+                                     faces.attribute(edge, EdgeTouch::sine_column)) {
     way = quad.corner[1] - quad.corner[0];
     const double length = norm(way);
     turn = 2 / length;
@@ -28,9 +31,7 @@ struct TurningEdge {
     limit = of_area.limit;
   }
   // How far a unit vector across the edge surely lies outside of the cone, as EdgeCone::depthOf() finds it; else negative.
-  KOKKOS_INLINE_FUNCTION double outside(const FaceAccess& faces, int edge, const Vec3& n) const {
-    const EdgeCone cone(quad, faces.attribute(edge, EdgeTouch::cosine_column),
-                        faces.attribute(edge, EdgeTouch::sine_column));
+  KOKKOS_INLINE_FUNCTION double outside(const Vec3& n) const {
     return maxOf(
         -dot(n, cone.first + cone.second),
         maxOf(-dot(cross(cone.first, n), cone.tangent), -dot(cross(n, cone.second), cone.tangent)));
@@ -43,8 +44,8 @@ KOKKOS_INLINE_FUNCTION TurningEdge surroundingsOf(const EdgeTouch& touch, const 
 }
 
 // Why EdgeTouch::test() fails at Stage::born.
-KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch& touch, const FaceAccess& faces,
-                                               const TurningEdge& own, int node, int other_edge) {
+KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch&, const FaceAccess& faces,
+                                               const TurningEdge& own, int, int other_edge) {
   constexpr double least_outside = 0.1; // directions that are closer to a cone are left to the gap
   const TurningEdge other(faces, other_edge);
   const Crossing crossing(own.way, other.way, own.quad.corner[0] - other.quad.corner[0]);
@@ -61,9 +62,7 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch& touch, const Fac
   const Vec3 across = cross(own.way, other.way);
   Vec3 normal = (1 / norm(across)) * across;
   const double normal_turn = 2 * (own.turn + other.turn) / sine;
-  const EdgeCone cone(other.quad, faces.attribute(other_edge, EdgeTouch::cosine_column),
-                      faces.attribute(other_edge, EdgeTouch::sine_column));
-  double outward = dot(normal, cone.first + cone.second);
+  double outward = dot(normal, other.cone.first + other.cone.second);
   if (outward < 0) {
     normal = -normal;
     outward = -outward;
@@ -76,8 +75,7 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch& touch, const Fac
   const double sure = minOf(minOf(outward, 0.5) - 1e-9, 0.5 * sine);
   if (!(sure > 0 && rate > 0))
     return apart;
-  const double outside = maxOf(own.outside(faces, touch.edgeOf(node), -normal),
-                               other.outside(faces, other_edge, normal));
+  const double outside = maxOf(own.outside(-normal), other.outside(normal));
   if (outside > least_outside) {
     apart.most_spread = minOf(limit, minOf(sure, outside - 1e-9) / rate);
     return apart;
