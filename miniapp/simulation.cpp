@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "contact/true_edges.hpp"
 #include "mechanics/central_difference.hpp"
 #include "miniapp/undo_step.hpp"
 
@@ -67,12 +68,13 @@ void Simulation::auditCandidates() {
     _missed_pairs += _edges->countMissedPairs(_space);
 }
 
-// Boxes of node and face together reach as far as the deepest loaded contact may fade out beyond an edge (four times its depth, and
-// a little), but no farther than the shortest edge: a node that is pressed in deep keeps its faces. They grow with some reserve and
-// shrink late, so that lists that are kept stay of use.
+// Boxes of node and face together reach as far as the deepest loaded contact may fade out beyond an edge (its depth times
+// depths_to_end, and a little), but no farther than the shortest edge: a node that is pressed in deep keeps its faces. They grow
+// with some reserve and shrink late, so that lists that are kept stay of use.
 double Simulation::reachOf(double deepest) const {
-  const double wanted =
-      0.5 * (4.2 * deepest + 0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
+  constexpr double depths_to_end = contact::EdgeReach::depths_to_end;
+  const double wanted = 0.5 * ((depths_to_end + 0.2) * deepest +
+                               0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
   return deepest > 0 ? minOf(wanted, 0.5 * _scene.shortest_edge) : 0;
 }
 void Simulation::reachAsDeepAsContacts() {
