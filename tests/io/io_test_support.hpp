@@ -3,13 +3,12 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/mesh_part.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -19,27 +18,7 @@
 
 namespace brickwall::io::testing {
 
-// A folder of its own for each test, made by rank 0 and removed when the last rank is done.
-class TemporaryFolder {
-public:
-  explicit TemporaryFolder(MPI_Comm comm) : _comm(comm) {
-    std::string name = (std::filesystem::temp_directory_path() / "brickwall_io_XXXXXX").string();
-    if (rankOf(comm) == 0 && mkdtemp(name.data()) == nullptr)
-      name.clear();
-    _path = broadcast(comm, name);
-  }
-  ~TemporaryFolder() {
-    MPI_Barrier(_comm);
-    std::error_code error;
-    if (rankOf(_comm) == 0)
-      std::filesystem::remove_all(_path, error);
-  }
-  std::string operator/(const std::string& file) const { return _path + "/" + file; }
-
-private:
-  MPI_Comm _comm;
-  std::string _path;
-};
+using brickwall::testing::TemporaryFolder;
 
 template <class T>
 std::vector<std::vector<T>> gatherToAll(MPI_Comm comm, const std::vector<T>& mine) {

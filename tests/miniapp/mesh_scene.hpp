@@ -5,11 +5,11 @@
 #include "io/mesh_writer.hpp"
 #include "io/wall_generator.hpp"
 #include "miniapp/simulation.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
 
 namespace brickwall::miniapp::testing {
@@ -19,26 +19,14 @@ class MeshFile {
 public:
   template <class Change>
   MeshFile(const io::WallConfig& wall, const Change& change) {
-    std::string folder =
-        (std::filesystem::temp_directory_path() / "brickwall_scene_XXXXXX").string();
     if (rankOf(MPI_COMM_WORLD) == 0) {
-      EXPECT_NE(mkdtemp(folder.data()), nullptr);
       io::MeshPart part = io::generateWall(MPI_COMM_SELF, wall);
       change(part);
-      io::writeMesh(MPI_COMM_SELF, folder + "/mesh.exo", part, {});
+      io::writeMesh(MPI_COMM_SELF, path(), part, {});
     }
-    _folder = broadcast(MPI_COMM_WORLD, folder);
     MPI_Barrier(MPI_COMM_WORLD);
   }
-  ~MeshFile() {
-    MPI_Barrier(MPI_COMM_WORLD);
-    std::error_code error;
-    if (rankOf(MPI_COMM_WORLD) == 0)
-      std::filesystem::remove_all(_folder, error);
-  }
-  MeshFile(const MeshFile&) = delete;
-  MeshFile& operator=(const MeshFile&) = delete;
-  std::string path() const { return _folder + "/mesh.exo"; }
+  std::string path() const { return _folder / "mesh.exo"; }
   // The deck of this mesh, of one material, with `blocks` added.
   Config config(const std::string& blocks) const {
     return parseConfig("[mesh]\nfile = \"" + path() +
@@ -49,7 +37,7 @@ public:
   }
 
 private:
-  std::string _folder;
+  brickwall::testing::TemporaryFolder _folder{MPI_COMM_WORLD};
 };
 
 // What makes a scene of it fail, "" if nothing does.
