@@ -2,7 +2,8 @@
 // were kept then (separation.hpp), the motion of the bodies since does not bring any of them to it. A block wakes when its bounds
 // are used up, or when its rows have changed since the last search: a pair that was not listed then has no bound.
 //
-// `Touch` knows the geometry: with node_face_separation.hpp or edge_separation.hpp. Blocks with ghosts do not sleep, for other ranks' motion is not known here, nor do rows with a contact.
+// `Touch` knows the geometry: with node_face_separation.hpp or edge_separation.hpp. Blocks with ghosts do not sleep, for other
+// ranks' motion is not known here, nor do rows with a contact.
 #pragma once
 
 #include "contact/face_access.hpp"

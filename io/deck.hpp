@@ -130,7 +130,7 @@ public:
   std::string placeOf(const std::string& block) const;
   // Replaces a text, e.g. a relative path by the absolute one, also in resolved().
   void assignText(const std::string& block, const std::string& key, const std::string& value);
-  // Gives an optional key a value that depends on others, also in resolved().
+  // Gives a key that the deck leaves out a value that depends on other keys, also in resolved().
   void assignReal(const std::string& block, const std::string& key, double value);
   // Number of faults so far.
   int faults() const;
