@@ -2,6 +2,7 @@
 #include "contact/node_faces.hpp"
 
 #include "contact/base/tags.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <algorithm>
 #include <map>
@@ -100,16 +101,6 @@ struct Adjacent {
   int row;
   bool operator<(const Adjacent& b) const { return face_id < b.face_id; }
 };
-
-template <class T>
-View<T*> toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
-  auto device = allocate<View<T*>>(space, label, values.size());
-  auto host = Kokkos::create_mirror_view(device);
-  std::copy(values.begin(), values.end(), host.data());
-  Kokkos::deep_copy(space, device, host);
-  space.fence();
-  return device;
-}
 
 } // namespace
 

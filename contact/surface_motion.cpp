@@ -1,6 +1,7 @@
 // See surface_motion.hpp.
 #include "contact/surface_motion.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 
 #include <algorithm>
@@ -15,16 +16,6 @@ namespace {
 // are made use of are .05 at least.
 constexpr double rounding_share = 1024 * DBL_EPSILON;
 constexpr int piece_length = simd_width > 1 ? 256 : 16;
-
-template <class T>
-View<T*> toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
-  auto device = allocate<View<T*>>(space, label, values.size());
-  auto host = Kokkos::create_mirror_view(device);
-  std::copy(values.begin(), values.end(), host.data());
-  Kokkos::deep_copy(space, device, host);
-  space.fence();
-  return device;
-}
 
 // A sum that is not above (side -1) or not below (side 1) the true one.
 KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {

@@ -23,7 +23,7 @@ BoundaryConditions::BoundaryConditions(const exec_space& space, int num_nodes,
         if (motions[m].component[i])
           motion_of[3 * static_cast<std::size_t>(node) + i] = static_cast<unsigned char>(m + 1);
     }
-  _motion_of = copyRowsToDevice<unsigned char, 3>(space, "mechanics::BoundaryConditions::motion_of",
+  _motion_of = toDevice<View<unsigned char* [3]>>(space, "mechanics::BoundaryConditions::motion_of",
                                                   motion_of);
   for (PrescribedMotion& motion : _motions)
     motion.nodes.clear();

@@ -72,7 +72,7 @@ LatticeTables latticeTables(const exec_space& space, const std::vector<BrickLatt
                             std::int64_t scratch_width) {
   LatticeTables tables;
   tables.on_host = lattices;
-  tables.lattices = copyToDevice(space, "mechanics::LatticeTables::lattices", lattices);
+  tables.lattices = toDevice(space, "mechanics::LatticeTables::lattices", lattices);
   if (!lattices.empty())
     tables.scratch =
         View<double**>("mechanics::LatticeTables::scratch",

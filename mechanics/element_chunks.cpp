@@ -107,8 +107,8 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
     }
     chunks.push_back(chunk);
   }
-  result.chunks = copyToDevice(space, "mechanics::ElementChunks::chunks", chunks);
-  result.packs = copyToDevice(space, "mechanics::ElementChunks::packs", packs);
+  result.chunks = toDevice(space, "mechanics::ElementChunks::chunks", chunks);
+  result.packs = toDevice(space, "mechanics::ElementChunks::packs", packs);
   return result;
 }
 

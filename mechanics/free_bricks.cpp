@@ -70,7 +70,7 @@ NodeSelection selectNodes(const exec_space& space, const std::vector<char>& mark
       appendNode(node, runs);
   NodeSelection selection;
   selection.all = false;
-  selection.runs = copyToDevice(space, "mechanics::FreeBricks::node_runs", runs);
+  selection.runs = toDevice(space, "mechanics::FreeBricks::node_runs", runs);
   return selection;
 }
 
@@ -95,7 +95,7 @@ FreeBricks::FreeBricks(const exec_space& space, const HexMesh& mesh, InternalFor
   }
   const std::vector<LatticeSlab> slabs = cutIntoSlabs(lattices, rows, internal.threads());
   _has_pieces = slabs.size() > rows.size();
-  _slabs = copyToDevice(space, "mechanics::FreeBricks::slabs", slabs);
+  _slabs = toDevice(space, "mechanics::FreeBricks::slabs", slabs);
   _own_nodes = selectNodes(space, is_own, 1);
   _other_nodes = selectNodes(space, is_own, 0);
   internal.leaveOut(space, rows);

@@ -18,8 +18,7 @@ AffineField rigidVelocity(const Vec3& velocity, const Vec3& angular_velocity, co
 void setInitialField(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
                      const std::vector<unsigned char>& elem_is_chosen, const AffineField& field,
                      const View<double* [3]>& target) {
-  const auto chosen =
-      copyToDevice(space, "mechanics::setInitialField::elem_is_chosen", elem_is_chosen);
+  const auto chosen = toDevice(space, "mechanics::setInitialField::elem_is_chosen", elem_is_chosen);
   const auto elem_to_nodes = mesh.elem_to_nodes;
   View<std::int64_t**> touches("mechanics::setInitialField::touches", mesh.num_nodes, 1);
   Kokkos::parallel_for(

@@ -67,14 +67,14 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
     for (std::size_t b = 0; b < shapes.size(); ++b)
       if (shapes[b].congruent)
         boxes[b] = CongruentShape::of(shapes[b].jacobian);
-    _tables.boxes = copyToDevice(space, "mechanics::InternalForce::boxes", boxes);
+    _tables.boxes = toDevice(space, "mechanics::InternalForce::boxes", boxes);
     storeGeometry<TlpsGeometry<double>>(space, cut.num_geometry_rows, _tables);
   } else {
     std::vector<FullGeometry<double>> full(shapes.size());
     for (std::size_t b = 0; b < shapes.size(); ++b)
       if (shapes[b].congruent)
         full[b] = fullShape(shapes[b].jacobian);
-    _tables.full_shapes = copyToDevice(space, "mechanics::InternalForce::full_shapes", full);
+    _tables.full_shapes = toDevice(space, "mechanics::InternalForce::full_shapes", full);
     storeGeometry<FullGeometry<double>>(space, cut.num_geometry_rows, _tables);
   }
 }
@@ -123,8 +123,8 @@ void InternalForce::leaveOut(const exec_space& space, const std::vector<int>& fr
     if (std::find(free_lattices.begin(), free_lattices.end(), row) == free_lattices.end())
       others.push_back(row);
   const auto slabsOf = [&](const std::string& name, const std::vector<int>& rows) {
-    return copyToDevice(space, "mechanics::InternalForce::" + name,
-                        cutIntoSlabs(_lattices.on_host, rows, _threads));
+    return toDevice(space, "mechanics::InternalForce::" + name,
+                    cutIntoSlabs(_lattices.on_host, rows, _threads));
   };
   _slabs = slabsOf("slabs", others);
   _left_out = slabsOf("left_out", free_lattices);

@@ -92,17 +92,16 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
   chosen.mesh.num_nodes = static_cast<int>(seeds.size());
   chosen.mesh.num_elems = static_cast<int>(elem_ids.size());
   chosen.mesh.elem_to_nodes =
-      copyRowsToDevice<int, 8>(space, "mechanics::largestFrequency::elem_to_nodes", elem_nodes);
-  chosen.mesh.elem_ids = copyToDevice(space, "mechanics::largestFrequency::elem_ids", elem_ids);
-  chosen.mesh.node_is_owned = copyToDevice(space, "mechanics::largestFrequency::owned", owned);
-  chosen.mesh.elem_block =
-      copyToDevice(space, "mechanics::largestFrequency::elem_block", elem_block);
+      toDevice<View<int* [8]>>(space, "mechanics::largestFrequency::elem_to_nodes", elem_nodes);
+  chosen.mesh.elem_ids = toDevice(space, "mechanics::largestFrequency::elem_ids", elem_ids);
+  chosen.mesh.node_is_owned = toDevice(space, "mechanics::largestFrequency::owned", owned);
+  chosen.mesh.elem_block = toDevice(space, "mechanics::largestFrequency::elem_block", elem_block);
   chosen.mesh.materials = mesh.materials;
   chosen.mesh.reference_coordinates =
-      copyRowsToDevice<double, 3>(space, "mechanics::largestFrequency::X", coordinates);
+      toDevice<View<double* [3]>>(space, "mechanics::largestFrequency::X", coordinates);
   chosen.shared = SharedNodeSum(space, comm, lists);
-  chosen.mass = copyToDevice(space, "mechanics::largestFrequency::mass", masses);
-  chosen.seeds = copyToDevice(space, "mechanics::largestFrequency::seeds", seeds);
+  chosen.mass = toDevice(space, "mechanics::largestFrequency::mass", masses);
+  chosen.seeds = toDevice(space, "mechanics::largestFrequency::seeds", seeds);
   return chosen;
 }
 

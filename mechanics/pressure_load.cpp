@@ -59,7 +59,7 @@ double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& 
 
 PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                            const std::vector<int>& face_to_nodes)
-    : _pressure(pressure), _face_to_nodes(copyRowsToDevice<int, 4>(
+    : _pressure(pressure), _face_to_nodes(toDevice<View<int* [4]>>(
                                space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)) {
   if (pressure.shape.kind == PulseKind::constant)
     return;

@@ -75,13 +75,12 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
     rests[b] = rests[_first_row[b]];
     _has_several_rows = _has_several_rows || _first_row[b] != b;
   }
-  _flags = copyToDevice(space, "mechanics::RestingBodies::flags", rests);
+  _flags = toDevice(space, "mechanics::RestingBodies::flags", rests);
   _constant_flags = _flags;
   _host_flags = Kokkos::View<int*, Kokkos::HostSpace>("mechanics::RestingBodies::host_flags",
                                                       static_cast<std::size_t>(num_bodies));
-  _watched = copyToDevice(space, "mechanics::RestingBodies::watched", watched);
-  _body_of_watched =
-      copyToDevice(space, "mechanics::RestingBodies::body_of_watched", body_of_watched);
+  _watched = toDevice(space, "mechanics::RestingBodies::watched", watched);
+  _body_of_watched = toDevice(space, "mechanics::RestingBodies::body_of_watched", body_of_watched);
   _moving_runs = View<NodeRun*>("mechanics::RestingBodies::moving_runs", num_runs);
   _host_runs =
       Kokkos::View<NodeRun*, Kokkos::HostSpace>("mechanics::RestingBodies::host_runs", num_runs);

@@ -146,13 +146,13 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   Skin skin;
   skin.num_faces = static_cast<int>(faces.size());
   skin.num_nodes = static_cast<int>(surface_to_node.size());
-  skin.face_to_elem = copyToDevice(space, "mechanics::Skin::face_to_elem", elems);
-  skin.face_to_side = copyToDevice(space, "mechanics::Skin::face_to_side", sides);
-  skin.face_ids = copyToDevice(space, "mechanics::Skin::face_ids", ids);
-  skin.face_to_nodes = copyRowsToDevice<int, 4>(space, "mechanics::Skin::face_to_nodes", nodes);
+  skin.face_to_elem = toDevice(space, "mechanics::Skin::face_to_elem", elems);
+  skin.face_to_side = toDevice(space, "mechanics::Skin::face_to_side", sides);
+  skin.face_ids = toDevice(space, "mechanics::Skin::face_ids", ids);
+  skin.face_to_nodes = toDevice<View<int* [4]>>(space, "mechanics::Skin::face_to_nodes", nodes);
   skin.face_to_surface_nodes =
-      copyRowsToDevice<int, 4>(space, "mechanics::Skin::face_to_surface_nodes", surface);
-  skin.surface_to_node = copyToDevice(space, "mechanics::Skin::surface_to_node", surface_to_node);
+      toDevice<View<int* [4]>>(space, "mechanics::Skin::face_to_surface_nodes", surface);
+  skin.surface_to_node = toDevice(space, "mechanics::Skin::surface_to_node", surface_to_node);
   return skin;
 }
 

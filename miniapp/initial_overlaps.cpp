@@ -1,11 +1,11 @@
 #include "miniapp/initial_overlaps.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/box_pairs.hpp"
 #include "contact/initial_overlap.hpp"
 #include "miniapp/face_name.hpp"
 #include "miniapp/search_choice.hpp"
-#include "miniapp/to_device.hpp"
 
 #include <algorithm>
 #include <sstream>

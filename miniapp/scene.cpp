@@ -1,13 +1,13 @@
 #include "miniapp/scene.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 #include "io/mesh_reader.hpp"
 #include "io/wall_generator.hpp"
 #include "mechanics/lumped_mass.hpp"
 #include "miniapp/boundary_conflicts.hpp"
 #include "miniapp/face_name.hpp"
-#include "miniapp/to_device.hpp"
 
 #include <utility>
 

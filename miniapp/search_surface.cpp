@@ -1,7 +1,7 @@
 #include "miniapp/search_surface.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "io/hashed_random.hpp"
-#include "miniapp/to_device.hpp"
 
 #include <algorithm>
 #include <utility>

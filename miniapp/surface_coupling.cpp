@@ -1,7 +1,7 @@
 #include "miniapp/surface_coupling.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "miniapp/acceleration.hpp"
-#include "miniapp/to_device.hpp"
 
 #include <utility>
 

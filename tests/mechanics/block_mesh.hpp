@@ -133,13 +133,13 @@ inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,
     }
   mesh.num_nodes = static_cast<int>(out.node_ids.size());
   mesh.num_elems = static_cast<int>(elem_ids.size());
-  mesh.elem_to_nodes = copyRowsToDevice<int, 8>(space, "test::elem_to_nodes", elem_nodes);
-  mesh.elem_ids = copyToDevice(space, "test::elem_ids", elem_ids);
-  mesh.node_ids = copyToDevice(space, "test::node_ids", out.node_ids);
-  mesh.node_is_owned = copyToDevice(space, "test::node_is_owned", owned);
-  mesh.elem_block = copyToDevice(space, "test::elem_block", elem_block);
-  mesh.materials = copyToDevice(space, "test::materials", materials);
-  mesh.reference_coordinates = copyRowsToDevice<double, 3>(space, "test::X", coordinates);
+  mesh.elem_to_nodes = toDevice<View<int* [8]>>(space, "test::elem_to_nodes", elem_nodes);
+  mesh.elem_ids = toDevice(space, "test::elem_ids", elem_ids);
+  mesh.node_ids = toDevice(space, "test::node_ids", out.node_ids);
+  mesh.node_is_owned = toDevice(space, "test::node_is_owned", owned);
+  mesh.elem_block = toDevice(space, "test::elem_block", elem_block);
+  mesh.materials = toDevice(space, "test::materials", materials);
+  mesh.reference_coordinates = toDevice<View<double* [3]>>(space, "test::X", coordinates);
   for (const auto& [other, list] : shared) {
     out.shared.ranks.push_back(other);
     out.shared.nodes.push_back(list);
@@ -159,7 +159,7 @@ inline View<double* [3]> nodalField(const exec_space& space, const HexMesh& mesh
     for (int j = 0; j < 3; ++j)
       values.push_back(value[j]);
   }
-  return copyRowsToDevice<double, 3>(space, "test::field", values);
+  return toDevice<View<double* [3]>>(space, "test::field", values);
 }
 
 inline NodalState stateAtRest(const exec_space& space, MPI_Comm comm, BlockMesh& blocks) {

@@ -157,7 +157,7 @@ double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, doub
   const exec_space space;
   const auto mass =
       massUnderContact(space, lumpedMass(space, MPI_COMM_SELF, blocks.mesh, blocks.sum),
-                       copyToDevice(space, "surface", surface), a);
+                       toDevice(space, "surface", surface), a);
   const StepLoad load = {{}, 0, a};
   const double bound = stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, load).dt;
   const RestFrequency rest = largestFrequency(space, MPI_COMM_SELF, blocks.mesh, blocks.shared,

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace brickwall::miniapp {
+namespace brickwall {
 
 // A device copy of `values`, entry by entry: rank-1 Views, or [n][W] from rows stored one after another.
 template <class ViewType, class T>
@@ -29,5 +29,9 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
   space.fence();
   return device;
 }
+template <class T>
+View<T*> toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
+  return toDevice<View<T*>>(space, label, values);
+}
 
-} // namespace brickwall::miniapp
+} // namespace brickwall
