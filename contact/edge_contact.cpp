@@ -132,6 +132,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _num_corners = static_cast<int>(corners.size());
   _edges = edgeSurface(space, surface, edges, corners);
   const auto masses = hostCopy(node_mass);
+  const auto face_ids = hostCopy(surface.face_ids), face_body = hostCopy(surface.face_body);
   _corner_to_node = filled<View<int*>>(
       space, "contact::EdgeContact::corner_to_node",
       [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, _num_corners);
@@ -142,6 +143,15 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
           v(i) = masses(corners[i]);
       },
       _num_corners);
+  _records = filled<View<EdgeRecord*>>(
+      space, "contact::EdgeContact::records",
+      [&](auto& v) {
+        for (int e = 0; e < _edges.num_faces; ++e) {
+          const FeatureEdge& edge = edges.convex[e];
+          v(e) = {{}, face_body(edge.face), 4 * face_ids(edge.face) + edge.edge};
+        }
+      },
+      _edges.num_faces);
   const int num_nodes = _edges.num_nodes, num_edges = _edges.num_faces;
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
@@ -149,6 +159,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_nodes);
   _touched = TouchedNodes("contact::EdgeContact", _num_corners);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
+  _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
   _totals = View<std::int64_t* [3]>("contact::EdgeContact::totals", num_nodes);
   _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
   _edges.coordinates_old = _old;
@@ -163,6 +174,7 @@ void EdgeContact::gather(const exec_space& space, const Surface& surface) {
   const auto edge_to_nodes = _edges.face_to_nodes;
   const auto x_old = _old, x_new = _new;
   const int num_corners = _num_corners;
+  const auto records = _records;
   Kokkos::parallel_for(
       "contact::EdgeContact::gatherCorners", over(space, num_corners),
       KOKKOS_LAMBDA(const std::int64_t i) {
@@ -182,13 +194,37 @@ void EdgeContact::gather(const exec_space& space, const Surface& surface) {
                                   x_new(a, d) - over_new, x_new(b, d) + over_new};
           x_old(num_corners + e, d) = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
           x_new(num_corners + e, d) = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
+          records(e).end[0][d] = x_new(a, d);
+          records(e).end[1][d] = x_new(b, d);
         }
+      });
+}
+
+void EdgeContact::recordGhosts(const exec_space& space) {
+  const FaceAccess faces = access();
+  growTo(space, _ghost_records, faces.ghosts.count);
+  const auto records = _ghost_records;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::recordGhosts", over(space, faces.ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
+        const int edge = faces.surface.num_faces + static_cast<int>(ghost);
+        EdgeRecord& record = records(ghost);
+        for (int j = 0; j < 2; ++j) {
+          const Vec3 x =
+              faces.corner(edge, j, faces.surface.coordinates_new, faces.ghosts.coordinates_new);
+          for (int d = 0; d < 3; ++d)
+            record.end[j][d] = x[d];
+        }
+        record.body = faces.body(edge);
+        record.id = faces.id(edge);
       });
 }
 
 void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
   gather(space, surface);
   _search.update(space, _edges);
+  if (_search.ghosts().count > 0)
+    recordGhosts(space);
 }
 
 bool EdgeContact::leavesOutAll() const {
@@ -212,6 +248,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = access();
+  select.first_row = _num_corners; // those of corners, which the searches list before
   select.still = _still.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
@@ -219,6 +256,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   select.touch.edge_tolerance = _config.edge_tolerance;
   select.touch.num_corners = _num_corners;
   select.touch.node_mass = _corner_mass;
+  select.touch.records = {_records, _ghost_records};
   select.touch.previous = _set.history().interactions;
   const ContactSums sums = _set.select(space, pairs, select);
   _has_touched = sums.touching > 0;

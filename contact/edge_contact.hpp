@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/candidate_search.hpp"
+#include "contact/edge_records.hpp"
 #include "contact/feature_edges.hpp"
 #include "contact/interaction_set.hpp"
 #include "contact/pair_motion.hpp"
@@ -61,6 +62,7 @@ public:
 
   // Set-up and updates, public only for their kernels.
   void gather(const exec_space& space, const Surface& surface);
+  void recordGhosts(const exec_space& space);
 
 private:
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
@@ -75,6 +77,7 @@ private:
   View<const int*> _corner_to_node; // [corner] node of the host's surface
   View<double*[3]> _old, _new; // coordinates of _edges
   View<double*> _corner_mass; // [corner]
+  View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;
   InteractionSet _set;
   StillParts _still;

@@ -5,6 +5,7 @@
 // its outward normals follow the body: n_1 is the face's, n_2 = cos n_1 + sin (t x n_1), t from corner 0 to corner 1.
 #pragma once
 
+#include "contact/edge_births.hpp"
 #include "contact/known_contact.hpp"
 #include "contact/select_interactions.hpp"
 #include "contact/true_edges.hpp"
@@ -57,6 +58,7 @@ struct Crossing {
 struct EdgeTouch {
   static constexpr bool books_spring_work = true;
   static constexpr bool knows_motion = false; // look() works out last_motion alone
+  static constexpr bool tests_rows_together = true; // by rowsThatBear()
   // Of face attributes, behind the corner masses: FeatureEdge's.
   static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
@@ -78,20 +80,23 @@ struct EdgeTouch {
   int num_corners; // rows below it are ends of edges, row num_corners + e is edge e
   View<const double*> node_mass; // [corner]
   View<const Interaction*> previous;
+  EdgeRecords records;
 
   // Each pair of edges once: the one of the lower body pushes.
   KOKKOS_INLINE_FUNCTION bool pushes(global_id own_body, global_id body) const {
     return own_body <= body;
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int) const {}
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int) const {}
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int) const {}
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int edge) const {
-    return faces.body(edge);
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int edge) const { prefetch(&records.of(edge)); }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
+    prefetch(&records.of(edgeOf(node)));
   }
-  KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess& faces, int edge) const {
-    return faces.id(edge);
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int) const {}
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int edge) const {
+    return records.of(edge).body;
+  }
+  KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int edge) const {
+    return records.of(edge).id;
   }
 
   // The edges at x^{n+1} from their first ends, and the way from the first end of `other` to that of `own`.
@@ -105,20 +110,29 @@ struct EdgeTouch {
     between = a - b;
   }
 
-  // False only if test() at Stage::born is false, for a pair that had no contact: the edges are near parallel, cross beyond their
-  // ends (isOn(), and a little for rounding), or in no depth at all.
-  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int other) const {
-    Vec3 da, db, between;
-    lines(faces, edgeOf(node), other, da, db, between);
-    const Crossing crossing(da, db, between);
-    if (!crossing.isAcross(least_sine) || crossing.isFarBeyond(0.5 * lateral_tolerance + 1e-6))
-      return false;
-    const Vec3 across = cross(da, db);
-    return !(productIsZero(between.x, across.x) && productIsZero(between.y, across.y) &&
-             productIsZero(between.z, across.z));
+  // Bit r: row rows[r] of edge e holds an edge that e may come to touch: 0 only if test() at Stage::born is false for all that it is
+  // to push. Of the rows of the bits in `wanted`. Rows are in the order of bodies, those that e does not push come first.
+  KOKKOS_INLINE_FUNCTION unsigned rowsThatBear(const FaceAccess& faces, const CandidatePairs& pairs,
+                                               const std::int64_t* rows, int count,
+                                               unsigned wanted) const {
+    const EdgeBirthLimits limits{least_sine, 0.5 * lateral_tolerance, deepest_birth};
+    EdgeBirths<Lanes> births{faces, records, limits, cosine_column, sine_column, 0, {}, {}};
+    for (int r = 0; r < count; ++r) {
+      if (!(wanted >> r & 1u))
+        continue;
+      const int own = edgeOf(pairs.node(rows[r]));
+      const global_id body = records.of(own).body;
+      const std::int64_t begin = pairs.begin(rows[r]);
+      for (std::int64_t p = pairs.end(rows[r]); p-- > begin;) {
+        const int other = pairs.faces(p);
+        if (!pushes(body, records.of(other).body))
+          break;
+        births.add(r, own, other);
+      }
+    }
+    births.finish();
+    return births.rows;
   }
-  KOKKOS_INLINE_FUNCTION bool mayBeBorn(int, int) const { return true; }
-  KOKKOS_INLINE_FUNCTION static bool productIsZero(double a, double b) { return a == 0 || b == 0; }
   // A loaded contact is looked at by test().
   KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& history,
                                    int count, KnownContact* contacts) const {

@@ -89,8 +89,9 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     functor.add = pairForces(space, functor.faces);
     ContactSums sums;
     Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
-    const std::int64_t parts = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
-    Kokkos::parallel_reduce("contact::selectInteractions", over(space, parts), functor,
+    const std::int64_t begin = functor.first_row / Select::rows_at_once;
+    const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
+    Kokkos::parallel_reduce("contact::selectInteractions", range_policy(space, begin, end), functor,
                             Combine<ContactSums>(sums));
     _next.count = sums.interactions;
     _are_nodes_zero = sums.interactions == 0;

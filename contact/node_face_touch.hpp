@@ -13,6 +13,7 @@ struct NodeFaceTouch {
       false; // it is the ledger's contact work, less that of edges, friction, damping
 
   static constexpr bool knows_motion = true; // look() works out all of a KnownContact
+  static constexpr bool tests_rows_together = false;
 
   // In half-lengths of a face: bodies whose edges overlap by less pass each other.
   static constexpr double highest_lip = 0.02;

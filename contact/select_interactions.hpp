@@ -12,7 +12,7 @@ namespace brickwall::contact {
 
 // Rows of candidates, one per surface node, some at once: tests the node against its candidates, chooses one face of each opposing
 // body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
-// Rows without history where no contact can begin (Touch::mayTouch, mayBeBorn) are left as they are: row_count must be 0 before, and
+// Rows without history where no contact can begin (Touch::mayTouch, mayBeBorn, or rowsThatBear) are left as they are: row_count must be 0 before, and
 // what Touch::record() writes that of no contact. Contacts that go on are looked at together.
 template <class Touch>
 struct SelectInteractions : FindHits<Touch> {
@@ -34,6 +34,7 @@ struct SelectInteractions : FindHits<Touch> {
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
   static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
+  std::int64_t first_row = 0; // rows before it are empty
   StillFlags still;
   SleepState sleep;
   bool has_asleep = false; // else `sleep` is not looked at
@@ -66,13 +67,18 @@ struct SelectInteractions : FindHits<Touch> {
       prefetchHead(pairs.node(to_see[r]));
     for (int r = 0; r < num_to_see; ++r)
       prefetchRow(to_see[r]);
+    if constexpr (Touch::tests_rows_together) {
+      num_to_see = keepRowsThatBear(to_see, num_to_see);
+      if (num_to_see == 0)
+        return;
+    }
     Work work;
     for (int r = 0; r < num_to_see; ++r) {
       const std::int64_t row = to_see[r];
       const int node = pairs.node(row), count = previous.row_count(node);
       if (count > 0)
         still.clear(node) = 0;
-      else if (!mayBearAny(row, node))
+      else if (!mayBear(row, node))
         continue;
       if (work.num_known + count > max_known)
         finish(work, sums);
@@ -115,8 +121,14 @@ struct SelectInteractions : FindHits<Touch> {
     prefetch(&faces.surface.node_body(node));
     touch.prefetchNode(node);
   }
-  // Whether a contact may begin in a row without any; `clear` remembers whether none of its pairs could be touched even if the faces
-  // around the node turned.
+  // Whether a contact may begin in a row without any.
+  KOKKOS_INLINE_FUNCTION bool mayBear(std::int64_t row, int node) const {
+    if constexpr (Touch::tests_rows_together)
+      return true; // else it is not kept
+    else
+      return mayBearAny(row, node);
+  }
+  // `clear` remembers whether none of its pairs could be touched even if the faces around the node turned.
   KOKKOS_INLINE_FUNCTION bool mayBearAny(std::int64_t row, int node) const {
     const std::int64_t end = pairs.end(row);
     bool is_clear = true, may_bear = false;
@@ -127,6 +139,25 @@ struct SelectInteractions : FindHits<Touch> {
       }
     still.clear(node) = is_clear;
     return may_bear;
+  }
+  // The same for rows at once, by Touch::rowsThatBear(), where nothing but the two of a pair matters. Keeps these rows and those with
+  // history; returns their number.
+  KOKKOS_INLINE_FUNCTION int keepRowsThatBear(std::int64_t* rows, int count) const {
+    static_assert(rows_at_once <= 32, "a bit for each row");
+    unsigned without_history = 0;
+    for (int r = 0; r < count; ++r)
+      without_history |= static_cast<unsigned>(previous.row_count(pairs.node(rows[r])) == 0) << r;
+    const unsigned bearing = touch.rowsThatBear(faces, pairs, rows, count, without_history);
+    int num_kept = 0;
+    for (int r = 0; r < count; ++r) {
+      const std::int64_t row = rows[r];
+      const bool has_none = without_history >> r & 1u, may_bear = bearing >> r & 1u;
+      if (has_none)
+        still.clear(pairs.node(row)) = !may_bear;
+      rows[num_kept] = row;
+      num_kept += !has_none || may_bear;
+    }
+    return num_kept;
   }
   KOKKOS_INLINE_FUNCTION void findKnown(std::int64_t row, int node, int count, Work& work) const {
     const std::int64_t end = pairs.end(row);

@@ -8,6 +8,10 @@ namespace brickwall::miniapp {
 
 namespace {
 
+// Of the shortest element edge. Lists of edges are kept even where those of nodes are made anew in each step: contacts do not depend
+// on it, and few of the pairs come near each other.
+constexpr double edge_margin = 0.2;
+
 contact::EnforcementConfig enforcementConfig(const Config& config, double shortest_edge,
                                              double reference_step, bool drops_same_body) {
   const ContactConfig& deck = config.contact;
@@ -53,7 +57,8 @@ void Simulation::setUpContact() {
   if (!_config.contact.edges)
     return;
   _edges = std::make_unique<contact::EdgeContact>(_space, _comm, _coupling->surface(), features,
-                                                  _coupling->nodeMass(), search, margin,
+                                                  _coupling->nodeMass(), search,
+                                                  maxOf(margin, edge_margin * _scene.shortest_edge),
                                                   enforcement, _forces.quantum, _scales.energy);
   if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
     _edges.reset(); // nothing but smooth bodies
