@@ -279,7 +279,8 @@ struct EdgeTouch {
     return faces.id(own) >= faces.id(other);
   }
 
-  // Edges end their contacts before they are apart again.
+  // Edges slide on over bends (isOn()), and end their contacts before they are apart again.
+  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess&, const Hit&) const { return false; }
   KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess&, int, int) const { return false; }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {

@@ -50,8 +50,12 @@ struct FindHits : InteractionForces<Touch> {
     // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
     const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
     const bool has_face = is_loaded && hit.previous_face >= 0;
-    if (has_face && touch.testAgain(faces, *hit.known, hit))
+    if (has_face && touch.testAgain(faces, *hit.known, hit)) {
+      // Where faces meet, the node's place chooses between them, not which of them was the first: who covers it better takes over.
+      if (touch.isPastInner(faces, hit))
+        findNearest(node, begin, end, Stage::born, true, hit, leastWeight(hit));
       return true;
+    }
     hit.known = nullptr;
     // Where it went out through the face, the contact has ended and given back its energy; what it touches now, it meets anew.
     hit.has_ended = has_face && touch.isOutside(faces, node, hit.previous_face);
@@ -76,16 +80,18 @@ struct FindHits : InteractionForces<Touch> {
            hit.depth > last.offset;
   }
 
-  // The least penetrated of the candidates [begin, end), but for a previous face that the node has left.
+  // The least penetrated of the candidates [begin, end) with a least weight above `covered`, but for a previous face that the node
+  // has left.
   KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
-                                          Stage stage, bool has_left, Hit& hit) const {
+                                          Stage stage, bool has_left, Hit& hit,
+                                          double covered = -HUGE_VAL) const {
     bool found = false;
     Hit nearest, other;
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
       other.previous = has_left || face == hit.previous_face ? hit.previous : -1;
       if ((has_left && face == hit.previous_face) || !isTouching(node, face, stage, other) ||
-          !hasComeThrough(node, other))
+          !hasComeThrough(node, other) || !(leastWeight(other) > covered))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -101,6 +107,11 @@ struct FindHits : InteractionForces<Touch> {
     nearest.has_ended = hit.has_ended;
     hit = nearest;
     return true;
+  }
+
+  // Of the face's corners: below 0 beyond an edge.
+  KOKKOS_INLINE_FUNCTION static double leastWeight(const Hit& hit) {
+    return minOf(minOf(hit.weight[0], hit.weight[1]), minOf(hit.weight[2], hit.weight[3]));
   }
 
   // What the node touched on `body` at the last step, if that face is among its candidates, and the work that its forces did since.

@@ -135,6 +135,17 @@ struct NodeFaceTouch {
     return false;
   }
 
+  // Whether the node is beyond an edge where the body's surface goes on; farther than it moves at rest.
+  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const Hit& hit) const {
+    constexpr double past = 1 + 1e-7;
+    const bool is_past[2] = {std::fabs(hit.place[0]) > past, std::fabs(hit.place[1]) > past};
+    if (!(is_past[0] || is_past[1]) || !faces.hasAttribute(NodeFaces::true_edges_column))
+      return false;
+    EdgeReach reach;
+    reach.mask = static_cast<int>(faces.attribute(hit.face, NodeFaces::true_edges_column));
+    return (is_past[0] && !reach.isTrue(0, hit.place[0])) ||
+           (is_past[1] && !reach.isTrue(1, hit.place[1]));
+  }
   // Whether the node stands before the face, not behind or beside it.
   KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess& faces, int node, int face) const {
     const Quad quad = faces.quad(face);

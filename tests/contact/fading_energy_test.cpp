@@ -21,12 +21,12 @@ TEST(StoredBetween, WithoutFadingIsHalfTheProductOfStiffnessAndBothDepths) {
     }
 }
 
-// A fixed plate [-1, 1] x [-1, 1] with true edges, its face on top of half-length 1, and a cube with one corner down. The node there
-// has the mass 1, its spring the stiffness 1.
+// A fixed plate [-1, 1] x [-1, 1] with true edges, its top of one face of half-length 1 or more along x, and a cube with one corner
+// down. The node there has the mass 1, its spring the stiffness 1.
 class CornerOnPlate {
 public:
-  CornerOnPlate(const Vec3& start)
-      : _scene(sceneAt(start)), _tip(_scene.nodeAt(1, start)),
+  CornerOnPlate(const Vec3& start, int faces = 1)
+      : _scene(sceneAt(start, faces)), _tip(_scene.nodeAt(1, start)),
         _part((_scene.mass[_tip] = 1, _scene), MPI_COMM_SELF, onOneRank, 0.5),
         _surface(_part.surface()) {
     _surface.face_attributes = withTrueEdges(_surface);
@@ -64,9 +64,9 @@ public:
   ContactSums sums;
 
 private:
-  static Scene sceneAt(const Vec3& start) {
+  static Scene sceneAt(const Vec3& start, int faces) {
     Scene scene;
-    scene.addBox({-1, -1, -2}, {2, 2, 2}, {1, 1, 1});
+    scene.addBox({-1, -1, -2}, {2, 2, 2}, {faces, 1, 1});
     scene.fix(0);
     scene.addBrick({0.6, 0.6, 0.6}, {1, 1, 1}, 1, [&](const Vec3& p) {
       return start + Vec3{(p.x - p.y) / std::sqrt(2.0), (p.x + p.y - 2 * p.z) / std::sqrt(6.0),
@@ -115,6 +115,27 @@ TEST(StoredBetween, WhereTheFadingStandsStillIsThatOfASofterSpring) {
     EXPECT_NEAR(run.stored(), 0.5 * taper * depth * next_depth, 1e-15) << rise;
     depth = next_depth;
   }
+}
+
+// The top of two faces that meet at x = 0: the node is on the one that covers it, to 1e-7, and its spring does not notice.
+TEST(HandOver, GoesToTheFaceThatCoversTheNodeAtNoEnergy) {
+  CornerOnPlate run({-0.1, 0.13, 0.01}, 2);
+  run.move({0, 0, -0.03}, 1);
+  const global_id left = run.contact().face;
+  for (const double x : {0.01, -0.01, 1e-6, -1e-6, 1e-7, -1e-7}) {
+    run.move({x - run.position().x, 0, 0}, 1);
+    const Interaction contact = run.contact();
+    EXPECT_EQ(contact.face == left, x < 0) << x;
+    EXPECT_EQ(contact.is_new, 0);
+    EXPECT_NEAR(contact.depth, 0.02, 1e-15);
+    EXPECT_NEAR(contact.offset, 0, 1e-15);
+    EXPECT_NEAR(run.stored(), 0.5 * 0.02 * 0.02, 1e-15);
+    for (const double weight : contact.weight)
+      EXPECT_GE(weight, 0);
+  }
+  const global_id before = run.contact().face; // a slide over the edge and back by less is rest
+  run.move({1.02e-7, 0, 0}, 1);
+  EXPECT_EQ(run.contact().face, before);
 }
 
 // The corner comes down near the true edge and slides over it freely, while the spring swings once, by sin t. The worst error of
