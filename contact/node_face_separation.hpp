@@ -10,11 +10,14 @@ namespace brickwall::contact {
 // Of a node, for all its candidates.
 struct NodeSurroundings {
   TurnRate turn; // of the faces around it
+  double flatness = 1; // |sum a n|/sum a over these faces: 1 amid a flat side, 0 for a needle's tip
   bool is_known = true; // false: some are other ranks', whose motion is not known here
 };
 KOKKOS_INLINE_FUNCTION NodeSurroundings surroundingsOf(const NodeFaceTouch& touch,
                                                        const FaceAccess& faces, int node) {
   NodeSurroundings all;
+  Vec3 outward;
+  double area = 0;
   for (int k = touch.around.offsets(node); k < touch.around.offsets(node + 1); ++k) {
     const int row = touch.around.rows(k);
     if (row >= touch.num_faces) {
@@ -22,8 +25,20 @@ KOKKOS_INLINE_FUNCTION NodeSurroundings surroundingsOf(const NodeFaceTouch& touc
       return all;
     }
     all.turn.include(TurnRate::ofFace(faces.quad(row)));
+    const double part = touch.around.corner_share(row) * touch.records(row).plane.area;
+    outward += part * touch.records(row).plane.normal;
+    area += part;
   }
+  all.flatness = area > 0 ? norm(outward) / area : 0;
   return all;
+}
+
+// By how much the faces around a node may turn until its mean normal can oppose a face that none of them opposes. While none does,
+// sum a n . n_F >= -c sum a with the cosine c of opposed faces, so the mean normal is not within the cosine C of sharp corners as
+// long as the flatness is above c/C. When faces turn by t, their area vectors change by .45 t at most (separation.hpp).
+KOKKOS_INLINE_FUNCTION double turnToSharp(double flatness, double opposed_cosine) {
+  const double least = opposed_cosine / NodeFaceTouch::sharp_cosine;
+  return (flatness - least) / (0.45 * (1 + least));
 }
 
 // Why NodeFaceTouch::test() fails at Stage::born. Bodies that lie side by side have faces that are in one plane and turned the same
@@ -40,6 +55,7 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const NodeFaceTouch& touch, const
     for (int k = touch.around.offsets(node); k < touch.around.offsets(node + 1); ++k)
       least = minOf(least, dot(touch.records(touch.around.rows(k)).plane.normal, plane.normal) +
                                touch.opposed_cosine);
+    least = minOf(least, turnToSharp(around.flatness, touch.opposed_cosine));
     if (least > least_cosine) {
       TurnRate both = turn;
       both.include(around.turn);

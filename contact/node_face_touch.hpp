@@ -18,6 +18,10 @@ struct NodeFaceTouch {
   // In half-lengths of a face: bodies whose edges overlap by less pass each other.
   static constexpr double highest_lip = 0.02;
 
+  // A node whose faces are all steep against a face sticks out against it if its mean normal is within 44.8 degrees. Where it is
+  // farther off, a face of the slimmest corner, its three faces 120 degrees apart, opposes: sin 44.8 cos 60 > opposed_cosine.
+  static constexpr double sharp_cosine = 0.71;
+
   double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
   NodeFaceLists around;
   View<const FaceRecord*> records; // own, remote, ghost faces
@@ -268,18 +272,30 @@ struct NodeFaceTouch {
                                              double cosine) {
     return dot(plane.normal, normal) < -cosine;
   }
+  // A face of the node opposes the direction; or the node sticks out against it, all of whose faces may be steep.
   KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
-    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
-      if (opposes(records(around.rows(k)).plane, normal, cosine))
+    Vec3 outward;
+    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
+      const int row = around.rows(k);
+      const MeanPlane& plane = records(row).plane;
+      if (opposes(plane, normal, cosine))
         return true;
-    return false;
+      outward += (around.corner_share(row) * plane.area) * plane.normal;
+    }
+    const double along = dot(outward, normal);
+    return along < 0 && along * along > sharp_cosine * sharp_cosine * dot(outward, outward);
   }
   KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal) const {
+    const Tributary part = tributary(node, normal, opposed_cosine);
+    return part.area > 0 ? part : tributary(node, normal, 0);
+  }
+  // Of the faces that oppose the direction.
+  KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal, double cosine) const {
     Tributary part;
     for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
       const int row = around.rows(k);
       const MeanPlane& plane = records(row).plane;
-      if (!opposes(plane, normal, opposed_cosine))
+      if (!opposes(plane, normal, cosine))
         continue;
       const double area = around.corner_share(row) * plane.area;
       part.area += area;

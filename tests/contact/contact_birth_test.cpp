@@ -12,6 +12,30 @@ double storedIn(const ContactSums& sums) {
   return sums.terms.sum[spring_stored].value(energyScale());
 }
 
+// A corner of three edges that stand `slim` off its axis, which is tilted by `tilt` towards `azimuth` (radians), came down by .01 into
+// a plate. Whether its tip is in contact.
+bool tipTouches(double slim, double tilt, double azimuth) {
+  Scene scene;
+  scene.addBox({-4, -4, -1}, {8, 8, 1}, {1, 1, 1});
+  Vec3 edge[3];
+  for (int i = 0; i < 3; ++i) {
+    const double around = 2 * M_PI * i / 3 - azimuth;
+    const Vec3 upright = {std::sin(slim) * std::cos(around), std::sin(slim) * std::sin(around),
+                          std::cos(slim)};
+    edge[i] = {std::cos(tilt) * upright.x + std::sin(tilt) * upright.z, upright.y,
+               std::cos(tilt) * upright.z - std::sin(tilt) * upright.x};
+  }
+  const Vec3 tip = {0.3, 0.2, -0.01};
+  const int body = scene.addBrick({1, 1, 1}, {1, 1, 1}, 1, [&](const Vec3& p) {
+    return tip + p.x * edge[0] + p.y * edge[1] + p.z * edge[2];
+  });
+  scene.cameBy(body, {0, 0, -0.01});
+  auto run = alone(scene, config());
+  run->step();
+  const auto contact = run->of(run->scene.nodeAt(body, tip));
+  return contact.size() == 1 && contact[0].depth > 0.009 && contact[0].stiffness > 0;
+}
+
 // A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that came down by `fall`.
 ContactSums blockInPlate(double depth, double fall, double deepest_birth) {
   Scene scene;
@@ -83,6 +107,16 @@ TEST(ContactBirth, ALoadedNodeThatLeavesThroughItsFaceMeetsTheNextOneAnew) {
   EXPECT_EQ(at_wall[0].stored, 0);
   EXPECT_EQ(at_wall[0].is_new, 1);
   EXPECT_EQ(storedIn(run->sums), 0);
+}
+
+// No face of a slim corner is turned to the plate by much, but the corner is.
+TEST(ContactBirth, CornersTouchFacesHoweverSlimAndTilted) {
+  constexpr double degree = M_PI / 180;
+  for (const double slim : {60.0, 36.0, 20.0, 8.0, 2.0, 0.3})
+    for (double tilt = 0; tilt + slim < 85; tilt += 2)
+      for (double azimuth = 0; azimuth <= 60; azimuth += 10)
+        EXPECT_TRUE(tipTouches(slim * degree, tilt * degree, azimuth * degree))
+            << "edges " << slim << " off the axis, tilt " << tilt << ", azimuth " << azimuth;
 }
 
 // One that is still behind the floor takes its energy along to the wall, less what the floor gave back on the way.
