@@ -62,6 +62,13 @@ double noiseOfForces(double largest_force, double inverse_softest, std::int64_t 
   return static_cast<double>(num_elems) * force * force * inverse_softest;
 }
 
+// Energy: of the sums of elements' energies, each rounded to the last limb. At 64 times the worst of one sum what several of them err by
+// is some hundredths.
+double noiseOfSums(const LimbScale& energy, std::int64_t num_elems) {
+  constexpr double times_worst = 64;
+  return times_worst * 0.5 * energy.tail_quantum * static_cast<double>(num_elems);
+}
+
 } // namespace
 
 LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
@@ -73,13 +80,14 @@ LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh&
   constexpr double headroom = 1048576; // 2^20
   const double energy = headroom * e[0] * e[1], momentum = energy * e[3], mass = momentum * e[3];
   const double distance = e[4] + e[1];
-  return {LimbScale::forLargest(energy),
+  const LimbScale energy_scale = LimbScale::forLargest(energy);
+  return {energy_scale,
           LimbScale::forLargest(headroom * e[0] * e[2]),
           LimbScale::forLargest(momentum),
           LimbScale::forLargest(momentum * distance),
           LimbScale::forLargest(mass * distance),
           LimbScale::forLargest(mass * distance * distance),
-          maxOf(1e-24 * e[0] * e[1], noiseOfForces(e[0], e[5], num_elems))};
+          maxOf(noiseOfSums(energy_scale, num_elems), noiseOfForces(e[0], e[5], num_elems))};
 }
 
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,

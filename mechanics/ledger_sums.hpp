@@ -19,8 +19,7 @@ struct LedgerScales {
   LimbScale angular; // angular momenta
   LimbScale first_moment; // m x
   LimbScale inertia; // m x^2
-  // Energy: 1e-24 of the largest element's at a strain of one, or what rounded forces may do to the softest one. Below it
-  // energies are no measure of errors.
+  // Energy: what the rounding of sums and of forces may come to. Below it energies are no measure of errors.
   double noise = 0;
 };
 

@@ -92,6 +92,20 @@ TEST(StoredEnergy, OfALinearSolidIsMinusTheWorkOfItsForces) {
   EXPECT_GT(std::fabs(b.work[internal_force]), 1e-3 * b.peak_total);
 }
 
+// However little a body moves, as in the first steps of a smooth pulse: rounding is no error of the physics.
+TEST(EnergyError, OfBodiesThatHardlyMoveIsFarBelowTheUsualLimit) {
+  for (double amplitude = 1e-3; amplitude > 1e-22; amplitude *= 0.3) {
+    Solver solver = linearSolid();
+    stir(solver, amplitude);
+    const double dt = 0.8 * solver.stableStep();
+    solver.start(dt);
+    for (int s = 0; s < 20; ++s) {
+      solver.step(dt);
+      EXPECT_LE(solver.ledger.balance().energy_error, 0.02) << amplitude << ", step " << s;
+    }
+  }
+}
+
 // Forces are the gradient of the energy; what is left is that of a nonlinear body, of second order in dt.
 TEST(StoredEnergy, FollowsItsWorkWithSecondOrder) {
   const auto errorOf = [](double share) {
