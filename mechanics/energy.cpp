@@ -149,6 +149,7 @@ void EnergyLedger::gaugeHalfStep() {
   raise(b.peak_stored, held);
   raise(b.peak_total, b.kinetic + held);
   const double size = std::max(b.peak_total, _scales.noise);
+  b.is_above_noise = b.peak_total >= _scales.noise;
   raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
   b.energy_error = quotient(_energy_gap, size);
 
@@ -197,9 +198,9 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   raise(_largest_other, std::max({std::sqrt(2 * b.kinetic * _total_mass), norm(b.impulse_gravity),
                                   norm(b.impulse_reaction)}));
   // A load that has hardly begun is no measure.
-  b.momentum_error =
-      quotient(_momentum_gap,
-               _largest_load > 0 ? std::max(_largest_load, 1e-4 * _largest_other) : _largest_other);
+  const double size =
+      _largest_load > 0 ? std::max(_largest_load, 1e-4 * _largest_other) : _largest_other;
+  b.momentum_error = quotient(_momentum_gap, std::max(size, _scales.momentum_noise));
 }
 
 void EnergyLedger::bookMoments(double dt_kick, const KickSums& kick) {
@@ -216,7 +217,8 @@ void EnergyLedger::bookMoments(double dt_kick, const KickSums& kick) {
   raise(_largest_moment,
         std::max({norm(b.moment_external), norm(b.moment_gravity), norm(b.moment_reaction),
                   _radius_of_gyration * std::sqrt(2 * b.kinetic * _total_mass)}));
-  b.angular_momentum_error = quotient(_angular_gap, _largest_moment);
+  b.angular_momentum_error =
+      quotient(_angular_gap, std::max(_largest_moment, _scales.angular_noise));
 }
 
 } // namespace brickwall::mechanics

@@ -66,6 +66,7 @@ struct EnergyBalance {
   double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
   double peak_kinetic = 0, peak_stored = 0;
   double peak_total = 0; // of kinetic + stored at half steps
+  bool is_above_noise = false; // peak_total: else the errors of energy tell nothing
   double peak_internal = 0, peak_hourglass = 0; // of U^n, and of its hourglass share
   std::int64_t fast_nodes = 0; // of the last kick, by its SpeedTest, over all ranks
   std::int64_t host_counts[num_host_counts] = {}; // of the last step, over all ranks

@@ -62,12 +62,12 @@ double noiseOfForces(double largest_force, double inverse_softest, std::int64_t 
   return static_cast<double>(num_elems) * force * force * inverse_softest;
 }
 
-// Energy: of the sums of elements' energies, each rounded to the last limb. At 64 times the worst of one sum what several of them err by
-// is some hundredths.
-double noiseOfSums(const LimbScale& energy, std::int64_t num_elems) {
-  constexpr double times_worst = 64;
-  return times_worst * 0.5 * energy.tail_quantum * static_cast<double>(num_elems);
+// What the rounding of terms to the last limb may do to a sum over elements or nodes, times a factor.
+double noiseOfSums(const LimbScale& scale, std::int64_t num_elems, double factor) {
+  return factor * 0.5 * scale.tail_quantum * static_cast<double>(num_elems);
 }
+constexpr double of_energy = 256; // what several sums err by is then a hundredth
+constexpr double of_momentum = 1e11; // and 1e-10 after many steps
 
 } // namespace
 
@@ -80,14 +80,19 @@ LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh&
   constexpr double headroom = 1048576; // 2^20
   const double energy = headroom * e[0] * e[1], momentum = energy * e[3], mass = momentum * e[3];
   const double distance = e[4] + e[1];
-  const LimbScale energy_scale = LimbScale::forLargest(energy);
-  return {energy_scale,
-          LimbScale::forLargest(headroom * e[0] * e[2]),
-          LimbScale::forLargest(momentum),
-          LimbScale::forLargest(momentum * distance),
-          LimbScale::forLargest(mass * distance),
-          LimbScale::forLargest(mass * distance * distance),
-          maxOf(noiseOfSums(energy_scale, num_elems), noiseOfForces(e[0], e[5], num_elems))};
+  const LimbScale energy_scale = LimbScale::forLargest(energy),
+                  momentum_scale = LimbScale::forLargest(momentum),
+                  angular_scale = LimbScale::forLargest(momentum * distance);
+  return {
+      energy_scale,
+      LimbScale::forLargest(headroom * e[0] * e[2]),
+      momentum_scale,
+      angular_scale,
+      LimbScale::forLargest(mass * distance),
+      LimbScale::forLargest(mass * distance * distance),
+      maxOf(noiseOfSums(energy_scale, num_elems, of_energy), noiseOfForces(e[0], e[5], num_elems)),
+      noiseOfSums(momentum_scale, num_elems, of_momentum),
+      noiseOfSums(angular_scale, num_elems, of_momentum)};
 }
 
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,

@@ -21,6 +21,8 @@ struct LedgerScales {
   LimbScale inertia; // m x^2
   // Energy: what the rounding of sums and of forces may come to. Below it energies are no measure of errors.
   double noise = 0;
+  // Likewise of momenta and angular momenta: 1e11 times what rounding does to one of their sums.
+  double momentum_noise = 0, angular_noise = 0;
 };
 
 // Terms up to 2^20 times those of an element at strain one moving at the speed of sound fit. Collective.

@@ -120,6 +120,11 @@ void printBalance(std::ostream& out, const BalanceReport& balance) {
 } // namespace
 
 void judgeFigures(RunReport& report) {
+  if (report.balance.is_rounding)
+    report.warnings.push_back(
+        format("no energy of the run, at most %.3g, exceeds what the rounding of "
+               "forces and sums may make: its errors tell nothing",
+               report.balance.peak_energy));
   if (report.search.lost_contacts > 0)
     report.warnings.push_back(
         std::to_string(report.search.lost_contacts) +

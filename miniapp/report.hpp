@@ -52,6 +52,7 @@ struct BalanceReport {
   double contact_error = 0, penetration = 0; // of the square root of a face's area
   double external_work = 0, dissipated_energy = 0;
   double peak_kinetic_energy = 0, peak_stored_energy = 0, peak_energy = 0;
+  bool is_rounding = false; // something moves, by so little that errors of energy tell nothing
 };
 
 // A step that was shortened, with all that follow it.

@@ -60,6 +60,7 @@ BalanceReport balanceReport(const Config& config, const mechanics::EnergyBalance
   report.peak_kinetic_energy = balance.peak_kinetic;
   report.peak_stored_energy = balance.peak_stored;
   report.peak_energy = balance.peak_total;
+  report.is_rounding = balance.peak_total > 0 && !balance.is_above_noise;
   return report;
 }
 

@@ -8,6 +8,7 @@
 #include "mechanics/lumped_mass.hpp"
 #include "miniapp/boundary_conflicts.hpp"
 #include "miniapp/face_name.hpp"
+#include "miniapp/force_range.hpp"
 
 #include <utility>
 
@@ -213,6 +214,8 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   refuseConflictsOfSets(comm, config, scene.part);
   scene.warnings = emptySets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
+  for (const std::string& warning : checkForceRange(comm, scene.part, materials))
+    scene.warnings.push_back(warning);
   scene.node_is_owned.reserve(scene.part.node_owner.size());
   for (const int owner : scene.part.node_owner)
     scene.node_is_owned.push_back(owner == rankOf(comm));

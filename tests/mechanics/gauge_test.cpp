@@ -101,7 +101,7 @@ TEST(EnergyError, OfBodiesThatHardlyMoveIsFarBelowTheUsualLimit) {
     solver.start(dt);
     for (int s = 0; s < 20; ++s) {
       solver.step(dt);
-      EXPECT_LE(solver.ledger.balance().energy_error, 0.02) << amplitude << ", step " << s;
+      EXPECT_LE(solver.ledger.balance().energy_error, 0.01) << amplitude << ", step " << s;
     }
   }
 }

@@ -1,5 +1,6 @@
 // What simulations make of meshes with sets and elements that no wall has.
 #include "mesh_scene.hpp"
+#include "miniapp/force_range.hpp"
 
 namespace brickwall::miniapp::testing {
 namespace {
@@ -83,6 +84,32 @@ TEST(MeshScene, SetsWithoutMembersAreWarnedOf) {
                             "[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"));
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
+}
+
+// Two bricks, the second a block of its own, `stiffer` times as stiff as the first: forces are rounded to 2^-54 to 2^-53 of its
+// strength.
+std::vector<std::string> warningsOfContrast(double stiffer) {
+  io::WallConfig wall = oneBrick({2, 2, 2});
+  wall.bricks = {2, 1, 1};
+  io::MeshPart part = io::generateWall(MPI_COMM_WORLD, wall);
+  part.blocks[0].name = "soft";
+  part.blocks.push_back({2, "stiff", 8});
+  for (int elem = 0; elem < part.numElems(); ++elem)
+    part.elem_block[elem] = part.elem_body[elem] == 1;
+  const mechanics::Material soft = {mechanics::MaterialModel::neo_hookean, 1, 1, 0.2};
+  const mechanics::Material stiff = {mechanics::MaterialModel::neo_hookean, 1, stiffer, 0.2};
+  return checkForceRange(MPI_COMM_WORLD, part, {soft, stiff});
+}
+
+TEST(MeshScene, ForcesTooCoarseForASoftBlockAreWarnedOfAndRefused) {
+  const double limit = coarse_forces * std::ldexp(1.0, 53),
+               refused = too_coarse_forces * std::ldexp(1.0, 53);
+  EXPECT_TRUE(warningsOfContrast(0.99 * limit).empty());
+  const auto warnings = warningsOfContrast(2.01 * limit);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("element block 'soft'"), std::string::npos) << warnings[0];
+  EXPECT_EQ(warningsOfContrast(0.99 * refused).size(), 1u);
+  EXPECT_THROW(warningsOfContrast(2.01 * refused), InputError);
 }
 
 TEST(MeshScene, AnEdgeOfNoLengthIsNamedWithFileAndElement) {

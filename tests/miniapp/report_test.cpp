@@ -396,6 +396,16 @@ TEST(Report, FailsForMissedPairsAndWarnsOfLostContacts) {
   EXPECT_TRUE(json["balance"].contains("penetration"));
 }
 
+TEST(Report, WarnsOfEnergiesThatAreRounding) {
+  RunReport report = sampleReport();
+  report.balance.is_rounding = true;
+  report.balance.peak_energy = 3e-20;
+  judgeFigures(report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("at most 3e-20"), std::string::npos);
+  EXPECT_TRUE(report.pass());
+}
+
 TEST(Report, FindsAFullDisk) {
   if (!std::filesystem::exists("/dev/full"))
     GTEST_SKIP() << "no /dev/full here";

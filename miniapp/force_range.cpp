@@ -1,0 +1,69 @@
+#include "miniapp/force_range.hpp"
+
+#include "contact/base/error.hpp"
+#include "contact/base/fixed_point.hpp"
+#include "contact/base/mpi.hpp"
+#include "mechanics/hex8_geometry.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// (lambda + 2 mu) h^2 of this rank's weakest element of each block, and of its strongest of all.
+struct ForceRange {
+  std::vector<double> weakest; // [block]
+  double strongest = 0;
+};
+ForceRange forceRangeOf(const io::MeshPart& part,
+                        const std::vector<mechanics::Material>& materials) {
+  ForceRange range;
+  range.weakest.assign(part.blocks.size(), HUGE_VAL);
+  for (int elem = 0; elem < part.numElems(); ++elem) {
+    mechanics::CornerCoordinates X;
+    for (int corner = 0; corner < 8; ++corner)
+      for (int d = 0; d < 3; ++d)
+        X[corner][d] = part.coordinates[3 * part.elem_nodes[8 * elem + corner] + d];
+    const int block = part.elem_block[elem];
+    const double h = mechanics::longestEdge(X);
+    const double force = (materials[block].lambda() + 2 * materials[block].mu()) * h * h;
+    range.weakest[block] = std::min(range.weakest[block], force);
+    range.strongest = std::max(range.strongest, force);
+  }
+  return range;
+}
+
+} // namespace
+
+std::vector<std::string> checkForceRange(MPI_Comm comm, const io::MeshPart& part,
+                                         const std::vector<mechanics::Material>& materials) {
+  ForceRange range = forceRangeOf(part, materials);
+  allReduce(comm, range.weakest.data(), static_cast<int>(range.weakest.size()), MPI_MIN);
+  range.strongest = allReduce(comm, range.strongest, MPI_MAX);
+  std::vector<std::string> warnings;
+  if (!(range.strongest > 0))
+    return warnings;
+  const double quantum = Quantum::forForceScale(range.strongest).value;
+  for (std::size_t block = 0; block < range.weakest.size(); ++block) {
+    const double rounding = quantum / range.weakest[block];
+    if (!(rounding > coarse_forces))
+      continue;
+    char text[400];
+    std::snprintf(text, sizeof text,
+                  "element block '%s': forces are rounded to %.2g of its weakest element's at a "
+                  "strain of one, "
+                  "since another one's are %.2g times as strong ((lambda + 2 mu) h^2)",
+                  part.blocks[block].name.c_str(), rounding,
+                  range.strongest / range.weakest[block]);
+    if (rounding > too_coarse_forces)
+      throw InputError(std::string(text) +
+                       "; expected at most 1e-6: make the strong elements smaller or softer, or "
+                       "prescribe the motion of a small part of that body");
+    warnings.push_back(text);
+  }
+  return warnings;
+}
+
+} // namespace brickwall::miniapp
