@@ -27,32 +27,19 @@ SearchConfig withMargin(SearchConfig config, double margin) {
   return config;
 }
 
-// How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
-KOKKOS_INLINE_FUNCTION double excessOf(const Vec3& x, const Vec3& low, const Vec3& high) {
-  double largest = -HUGE_VAL;
-  for (int d = 0; d < 3; ++d) {
-    const double excess = maxOf(low[d] - x[d], x[d] - high[d]);
-    largest = maxOf(largest, std::fabs(x[d]) <= DBL_MAX ? excess : HUGE_VAL); // also of NaN
-  }
-  return largest;
-}
-
 // By how much nodes of this rank have left the swept boxes of the last search, in either configuration of the step.
-double largestMotion(const exec_space& space, const View<const double* [6]>& searched_at,
-                     const Surface& surface) {
+double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes,
+                   const Surface& surface) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   double largest = 0;
   Kokkos::parallel_reduce(
       "contact::largestMotion", over(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& all) {
-        const Vec3 low = {searched_at(node, 0), searched_at(node, 1), searched_at(node, 2)};
-        const Vec3 high = {searched_at(node, 3), searched_at(node, 4), searched_at(node, 5)};
-        all = maxOf(all, maxOf(excessOf(rowOf(x_old, node), low, high),
-                               excessOf(rowOf(x_new, node), low, high)));
+        all = maxOf(all, leftBy(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
       },
       Kokkos::Max<double>(largest));
   space.fence();
-  return maxOf(largest, 0.0); // of no nodes it is below
+  return largest;
 }
 
 void keepSweptBoxes(const exec_space& space, const Surface& surface,
@@ -97,9 +84,12 @@ void CandidateSearch::configure(const SearchConfig& config) {
 }
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
-  if (!_has_pairs)
-    _has_lists = false;
-  updateGhosts(space, surface);
+  return update(space, surface, largestMotion(space, surface));
+}
+
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface,
+                                              double motion) {
+  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
   if (!_has_pairs)
     _local.findCandidatePairs(space, surface, _global);
   _has_pairs = true;
@@ -107,23 +97,36 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Sur
 }
 
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface) {
+  return updateGhosts(space, surface, largestMotion(space, surface));
+}
+
+// A coordinate that is not finite makes all ranks search, and so tell.
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface,
+                                                double motion) {
   ++_updates;
-  if (mayKeepLists(space, surface))
+  bool may_keep = false;
+  if (_margin > 0) {
+    const Region region("measureMotion");
+    const double here =
+        hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL; // of no nodes it is below
+    may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
+  }
+  if (may_keep)
     _global.refreshGhosts(space, surface);
   else
     findGhosts(space, surface);
   return _global.ghosts();
 }
 
-// A coordinate that is not finite makes all ranks search, and so tell.
-bool CandidateSearch::mayKeepLists(const exec_space& space, const Surface& surface) const {
-  if (_margin == 0)
-    return false;
+bool CandidateSearch::hasListsOf(const Surface& surface) const {
+  return _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
+}
+
+double CandidateSearch::largestMotion(const exec_space& space, const Surface& surface) const {
+  if (_margin == 0 || !hasListsOf(surface))
+    return HUGE_VAL;
   const Region region("measureMotion");
-  const bool same_surface =
-      _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
-  const double motion = same_surface ? largestMotion(space, _searched_at, surface) : HUGE_VAL;
-  return allReduce(_comm, motion, MPI_MAX) <= _allowed_motion;
+  return motionOutOf(space, _searched_at, surface);
 }
 
 void CandidateSearch::findGhosts(const exec_space& space, const Surface& surface) {

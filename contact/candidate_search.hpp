@@ -6,7 +6,25 @@
 #include "contact/local_search.hpp"
 #include "contact/pair_audit.hpp"
 
+#include <cmath>
+
 namespace brickwall::contact {
+
+// How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
+KOKKOS_INLINE_FUNCTION double leftBy(const Vec3& x, const Vec3& low, const Vec3& high) {
+  double largest = maxOf(low[0] - x[0], x[0] - high[0]);
+  for (int d = 1; d < 3; ++d)
+    largest = maxOf(largest, maxOf(low[d] - x[d], x[d] - high[d]));
+  const double zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); // or NaN
+  return zero == 0 ? largest : HUGE_VAL;
+}
+// The same of a row of sweptBoxes(), for both configurations.
+KOKKOS_INLINE_FUNCTION double leftBy(const View<const double* [6]>& boxes, std::int64_t node,
+                                     const Vec3& x_old, const Vec3& x_new) {
+  const Vec3 low = {boxes(node, 0), boxes(node, 1), boxes(node, 2)};
+  const Vec3 high = {boxes(node, 3), boxes(node, 4), boxes(node, 5)};
+  return maxOf(leftBy(x_old, low, high), leftBy(x_new, low, high));
+}
 
 class CandidateSearch {
 public:
@@ -22,6 +40,15 @@ public:
   // change, in any way, unless forget() is called. Throws PhysicsError on all ranks together, naming node and rank, when a
   // coordinate is not finite.
   const CandidatePairs& update(const exec_space& space, const Surface& surface);
+
+  // Collective. The same for a host that has read the coordinates anyway: `motion` is by how much nodes of this rank have left
+  // sweptBoxes() in either configuration of the step, along an axis where that is most (leftBy() of all nodes; any number if
+  // there are no such boxes).
+  const CandidatePairs& update(const exec_space& space, const Surface& surface, double motion);
+  // [node][low xyz, high xyz] of the last search, as far as its lists may be kept; else of no nodes.
+  View<const double* [6]> sweptBoxes() const {
+    return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
+  }
 
   // Collective. The same without pairs, for hosts that need no more than the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface);
@@ -68,7 +95,9 @@ public:
 
 private:
   void configure(const SearchConfig& config);
-  bool mayKeepLists(const exec_space& space, const Surface& surface) const;
+  bool hasListsOf(const Surface& surface) const;
+  double largestMotion(const exec_space& space, const Surface& surface) const;
+  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface, double motion);
   void findGhosts(const exec_space& space, const Surface& surface);
 
   MPI_Comm _comm;

@@ -3,155 +3,20 @@
 
 #include "contact/base/region.hpp"
 #include "contact/edge_separation.hpp"
-
-#include <algorithm>
+#include "contact/edge_surface.hpp"
 
 namespace brickwall::contact {
-namespace {
-
-template <class ViewType>
-auto hostCopy(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
-// A device View filled on the host by set(host view).
-template <class ViewType, class Set, class... Extents>
-ViewType filled(const exec_space& space, const std::string& label, const Set& set,
-                Extents... extents) {
-  auto device = allocate<ViewType>(space, label, extents...);
-  auto host = Kokkos::create_mirror_view(device);
-  set(host);
-  Kokkos::deep_copy(space, device, host);
-  space.fence();
-  return device;
-}
-
-// Numbers that no node of a mesh has.
-constexpr global_id first_edge_node_id = global_id(1) << 60;
-
-// Nodes of the host's surface at the corners of the listed faces, ascending.
-std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges) {
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
-  std::vector<int> corners;
-  for (const FeatureEdge& edge : edges.convex)
-    for (int j = 0; j < 4; ++j)
-      corners.push_back(face_to_nodes(edge.face, j));
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  return corners;
-}
-
-// The static part of the surface of edges.
-Surface edgeSurface(const exec_space& space, const Surface& surface, const FeatureEdges& edges,
-                    const std::vector<int>& corners) {
-  const int num_corners = static_cast<int>(corners.size());
-  const int num_edges = static_cast<int>(edges.convex.size());
-  const int num_nodes = num_corners + num_edges;
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
-  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
-  const auto node_body = hostCopy(surface.node_body), face_body = hostCopy(surface.face_body);
-  const auto attributes = hostCopy(surface.face_attributes);
-  const auto idOf = [&](int e) {
-    return 4 * face_ids(edges.convex[e].face) + edges.convex[e].edge;
-  };
-  Surface s;
-  s.num_nodes = num_nodes;
-  s.num_faces = num_edges;
-  s.face_to_nodes = filled<View<int* [4]>>(
-      space, "contact::EdgeContact::edge_to_nodes",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          for (int j = 0; j < 4; ++j) {
-            const int node = face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
-            v(e, j) = static_cast<int>(std::lower_bound(corners.begin(), corners.end(), node) -
-                                       corners.begin());
-          }
-      },
-      num_edges);
-  s.node_ids = filled<View<global_id*>>(
-      space, "contact::EdgeContact::node_ids",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) =
-              i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
-      },
-      num_nodes);
-  s.node_body = filled<View<global_id*>>(
-      space, "contact::EdgeContact::node_body",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) = i < num_corners ? node_body(corners[i])
-                                 : face_body(edges.convex[i - num_corners].face);
-      },
-      num_nodes);
-  s.node_is_owned = filled<View<unsigned char*>>( // only edges look for partners
-      space, "contact::EdgeContact::node_is_owned",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) = i >= num_corners;
-      },
-      num_nodes);
-  s.face_ids = filled<View<global_id*>>(
-      space, "contact::EdgeContact::edge_ids",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          v(e) = idOf(e);
-      },
-      num_edges);
-  s.face_body = filled<View<global_id*>>(
-      space, "contact::EdgeContact::edge_body",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          v(e) = face_body(edges.convex[e].face);
-      },
-      num_edges);
-  s.face_attributes = filled<View<double**>>(
-      space, "contact::EdgeContact::attributes",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e) {
-          const FeatureEdge& edge = edges.convex[e];
-          for (int j = 0; j < 4; ++j)
-            v(e, j) = attributes(edge.face, (edge.edge + j) % 4);
-          v(e, EdgeTouch::cosine_column) = edge.cosine;
-          v(e, EdgeTouch::sine_column) = edge.sine;
-          v(e, EdgeTouch::goes_on_column) = edge.goes_on;
-        }
-      },
-      num_edges, EdgeTouch::num_columns);
-  return s;
-}
-
-} // namespace
-
 EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
                          const FeatureEdges& edges, const View<const double*>& node_mass,
                          const SearchConfig& search, double margin, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
     : _search(comm, search, margin), _config(config), _energy_scale(energy_scale) {
-  const std::vector<int> corners = cornersOf(surface, edges);
-  _num_corners = static_cast<int>(corners.size());
-  _edges = edgeSurface(space, surface, edges, corners);
-  const auto masses = hostCopy(node_mass);
-  const auto face_ids = hostCopy(surface.face_ids), face_body = hostCopy(surface.face_body);
-  _corner_to_node = filled<View<int*>>(
-      space, "contact::EdgeContact::corner_to_node",
-      [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, _num_corners);
-  _corner_mass = filled<View<double*>>(
-      space, "contact::EdgeContact::corner_mass",
-      [&](auto& v) {
-        for (int i = 0; i < _num_corners; ++i)
-          v(i) = masses(corners[i]);
-      },
-      _num_corners);
-  _records = filled<View<EdgeRecord*>>(
-      space, "contact::EdgeContact::records",
-      [&](auto& v) {
-        for (int e = 0; e < _edges.num_faces; ++e) {
-          const FeatureEdge& edge = edges.convex[e];
-          v(e) = {{}, face_body(edge.face), 4 * face_ids(edge.face) + edge.edge};
-        }
-      },
-      _edges.num_faces);
+  const EdgeSurface made = edgeSurface(space, surface, edges, node_mass);
+  _edges = made.surface;
+  _num_corners = made.num_corners;
+  _corner_to_node = made.corner_to_node;
+  _corner_mass = made.corner_mass;
+  _records = made.records;
   const int num_nodes = _edges.num_nodes, num_edges = _edges.num_faces;
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
@@ -169,35 +34,53 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
 
-void EdgeContact::gather(const exec_space& space, const Surface& surface) {
+// Returns by how much they have left the boxes of the last search, since they are at hand here.
+double EdgeContact::gather(const exec_space& space, const Surface& surface) {
   const auto corner_to_node = _corner_to_node;
   const auto edge_to_nodes = _edges.face_to_nodes;
   const auto x_old = _old, x_new = _new;
   const int num_corners = _num_corners;
   const auto records = _records;
-  Kokkos::parallel_for(
+  const View<const double* [6]> boxes = _search.sweptBoxes();
+  const bool has_boxes = boxes.extent(0) > 0;
+  double of_corners = 0, of_edges = 0;
+  Kokkos::parallel_reduce(
       "contact::EdgeContact::gatherCorners", over(space, num_corners),
-      KOKKOS_LAMBDA(const std::int64_t i) {
+      KOKKOS_LAMBDA(const std::int64_t i, double& most) {
+        const int node = corner_to_node(i);
+        const Vec3 before = rowOf(surface.coordinates_old, node);
+        const Vec3 now = rowOf(surface.coordinates_new, node);
         for (int d = 0; d < 3; ++d) {
-          x_old(i, d) = surface.coordinates_old(corner_to_node(i), d);
-          x_new(i, d) = surface.coordinates_new(corner_to_node(i), d);
+          x_old(i, d) = before[d];
+          x_new(i, d) = now[d];
         }
-      });
-  Kokkos::parallel_for(
+        if (has_boxes)
+          most = maxOf(most, leftBy(boxes, i, before, now));
+      },
+      Kokkos::Max<double>(of_corners));
+  Kokkos::parallel_reduce(
       "contact::EdgeContact::sweepEdges", over(space, _edges.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t e) {
+      KOKKOS_LAMBDA(const std::int64_t e, double& most) {
         const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
+        Vec3 low, high;
         for (int d = 0; d < 3; ++d) {
           const double over_old = EdgeTouch::overhang * (x_old(b, d) - x_old(a, d));
           const double over_new = EdgeTouch::overhang * (x_new(b, d) - x_new(a, d));
           const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
                                   x_new(a, d) - over_new, x_new(b, d) + over_new};
-          x_old(num_corners + e, d) = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
-          x_new(num_corners + e, d) = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
+          low[d] = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
+          high[d] = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
+          x_old(num_corners + e, d) = low[d];
+          x_new(num_corners + e, d) = high[d];
           records(e).end[0][d] = x_new(a, d);
           records(e).end[1][d] = x_new(b, d);
         }
-      });
+        if (has_boxes)
+          most = maxOf(most, leftBy(boxes, num_corners + e, low, high));
+      },
+      Kokkos::Max<double>(of_edges));
+  space.fence();
+  return maxOf(of_corners, of_edges);
 }
 
 void EdgeContact::recordGhosts(const exec_space& space) {
@@ -221,8 +104,8 @@ void EdgeContact::recordGhosts(const exec_space& space) {
 }
 
 void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
-  gather(space, surface);
-  _search.update(space, _edges);
+  const double motion = gather(space, surface);
+  _search.update(space, _edges, motion);
   if (_search.ghosts().count > 0)
     recordGhosts(space);
 }

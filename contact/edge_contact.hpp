@@ -61,7 +61,7 @@ public:
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
 
   // Set-up and updates, public only for their kernels.
-  void gather(const exec_space& space, const Surface& surface);
+  double gather(const exec_space& space, const Surface& surface);
   void recordGhosts(const exec_space& space);
 
 private:
