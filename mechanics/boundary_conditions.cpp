@@ -29,8 +29,8 @@ BoundaryConditions::BoundaryConditions(const exec_space& space, int num_nodes,
     motion.nodes.clear();
 }
 
-BoundaryConditions::AtTime BoundaryConditions::at(double time) const {
-  AtTime result;
+BoundaryConditions::DuringStep BoundaryConditions::during(const TimeSpan& drift) const {
+  DuringStep result;
   result.motion = _motion_of;
   result.gravity = _gravity;
   result.mass_damping = _mass_damping;
@@ -38,7 +38,9 @@ BoundaryConditions::AtTime BoundaryConditions::at(double time) const {
   for (auto& velocity : result.velocity)
     velocity[0] = velocity[1] = velocity[2] = 0;
   for (std::size_t m = 0; m < _motions.size(); ++m) {
-    const Vec3 velocity = _motions[m].shape(time - _motions[m].start) * _motions[m].velocity;
+    const double start = _motions[m].start;
+    const Vec3 velocity =
+        _motions[m].shape.mean({drift.begin - start, drift.end - start}) * _motions[m].velocity;
     for (int i = 0; i < 3; ++i)
       result.velocity[m + 1][i] = velocity[i];
   }

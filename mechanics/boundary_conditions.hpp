@@ -1,5 +1,6 @@
 // What acts on every node by itself: prescribed motion by component (fixed = velocity zero), gravity, and damping by mass.
-// Velocities are prescribed at half steps, so positions follow by the drift; reactions are booked by the kick.
+// Velocities are prescribed at half steps, as the mean over the drift to come, so that positions follow exactly; reactions are
+// booked by the kick.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -28,17 +29,21 @@ public:
                      const std::vector<PrescribedMotion>& motions, const Vec3& gravity,
                      double mass_damping = 0);
 
-  // What a kernel needs at one time.
-  struct AtTime {
+  // What a kernel needs for one step.
+  struct DuringStep {
     View<const unsigned char* [3]> motion; // [node][xyz] 0 free, else index into velocity
-    double velocity[max_motions + 1][3]; // length/time
+    double velocity[max_motions + 1][3]; // means over the step, length/time
     Vec3 gravity; // length/time^2
     double mass_damping = 0; // 1/time
     bool any = false; // false: no component is prescribed
   };
-  AtTime at(double time) const;
+  DuringStep during(const TimeSpan& drift) const;
 
-  const Vec3& gravity() const { return _gravity; }
+  View<const unsigned char* [3]> motion() const { return _motion_of; } // DuringStep::motion
+
+  const Vec3& gravity() const {
+    return _gravity;
+  }
   double massDamping() const { return _mass_damping; }
   bool any() const { return !_motions.empty(); }
 

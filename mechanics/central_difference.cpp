@@ -101,21 +101,21 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
 } // namespace
 
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
-              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test) {
-  return kick(space, mesh, boundary, time, dt, forces, state, scales, test,
+  return kick(space, mesh, boundary, drift, dt, forces, state, scales, test,
               NodeSelection::allOf(mesh.num_nodes));
 }
 
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
-              double time, double dt, const NodalForces& forces, const NodalState& state,
+              const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes) {
   const auto launch = [&](auto kinds) {
     return launchKick(space, nodes,
                       KickNode<decltype(kinds)::value>{
                           mesh.reference_coordinates, state.displacement, state.velocity,
                           state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
-                          boundary.at(time), scales, test});
+                          boundary.during(drift), scales, test});
   };
   KickSums sums = static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
                       ? launch(std::integral_constant<int, num_force_kinds>())

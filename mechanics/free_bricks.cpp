@@ -103,9 +103,10 @@ FreeBricks::FreeBricks(const exec_space& space, const HexMesh& mesh, InternalFor
 
 FreeBricks::Result FreeBricks::step(const exec_space& space, const HexMesh& mesh,
                                     const InternalForce& internal,
-                                    const BoundaryConditions& boundary, double time, bool drifts,
-                                    double dt_drift, double dt_kick, const NodalState& state,
-                                    const LedgerScales& scales, const SpeedTest& test) const {
+                                    const BoundaryConditions& boundary, const TimeSpan& next_drift,
+                                    bool drifts, double dt_drift, double dt_kick,
+                                    const NodalState& state, const LedgerScales& scales,
+                                    const SpeedTest& test) const {
   if (drifts && _has_pieces) {
     drift(space, dt_drift, state, _own_nodes);
     drifts = false;
@@ -121,7 +122,7 @@ FreeBricks::Result FreeBricks::step(const exec_space& space, const HexMesh& mesh
                               {},
                               quantum.value,
                               dt_kick,
-                              boundary.at(time),
+                              boundary.during(next_drift),
                               scales,
                               test};
   const BrickSums sums = launch(space, BrickStepFunctor<simd_width>{internal.lattices(),

@@ -28,8 +28,8 @@ public:
   };
   // u += dt_drift v if `drifts`, then v as kick() does. Arguments as there. Not collective; fences.
   Result step(const exec_space& space, const HexMesh& mesh, const InternalForce& internal,
-              const BoundaryConditions& boundary, double time, bool drifts, double dt_drift,
-              double dt_kick, const NodalState& state, const LedgerScales& scales,
+              const BoundaryConditions& boundary, const TimeSpan& next_drift, bool drifts,
+              double dt_drift, double dt_kick, const NodalState& state, const LedgerScales& scales,
               const SpeedTest& test = {}) const;
 
 private:

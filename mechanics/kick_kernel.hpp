@@ -68,7 +68,7 @@ struct KickNode {
   View<const unsigned char*> is_owned;
   View<std::int64_t**> forces;
   double quantum, dt;
-  BoundaryConditions::AtTime boundary;
+  BoundaryConditions::DuringStep boundary;
   LedgerScales scales;
   SpeedTest test;
 

@@ -8,8 +8,8 @@ namespace {
 
 // Adds one face's loads; returns how many of its four corners did not fit.
 struct AddPressure {
-  Pressure pressure;
-  double time;
+  MeanPressure pressure;
+  bool follower;
   View<int* [4]> face_to_nodes;
   View<const double*[3]> reference, displacement;
   View<std::int64_t**> forces;
@@ -20,9 +20,9 @@ struct AddPressure {
     for (int c = 0; c < 4; ++c) {
       const int node = face_to_nodes(face, c);
       X[c] = rowOf(reference, node);
-      x[c] = pressure.follower ? X[c] + rowOf(displacement, node) : X[c];
+      x[c] = follower ? X[c] + rowOf(displacement, node) : X[c];
     }
-    quadPressureLoads(pressure, time, X, x, load);
+    quadPressureLoads(pressure, X, x, load);
     for (int c = 0; c < 4; ++c)
       misfits += addCorner(face_to_nodes(face, c), inverse_quantum * load[c]) ? 0 : 1;
   }
@@ -71,14 +71,14 @@ PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const P
 }
 
 std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
-                               const View<const double* [3]>& displacement, double time,
+                               const View<const double* [3]>& displacement, const TimeSpan& span,
                                const NodalForces& forces) const {
-  if (time > _end)
+  if (span.begin > _end)
     return 0;
   std::int64_t misfits = 0;
-  const AddPressure functor{
-      _pressure,    time,          _face_to_nodes,        mesh.reference_coordinates,
-      displacement, forces.values, forces.quantum.inverse};
+  const AddPressure functor{MeanPressure(_pressure, span), _pressure.follower, _face_to_nodes,
+                            mesh.reference_coordinates,    displacement,       forces.values,
+                            forces.quantum.inverse};
   Kokkos::parallel_reduce("mechanics::PressureLoad::add",
                           over(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))), functor,
                           Kokkos::Sum<std::int64_t>(misfits));

@@ -19,20 +19,41 @@ struct Pressure {
   Vec3 centre; // length
   double radius = HUGE_VAL; // length (standard deviation)
   double speed = HUGE_VAL; // of the arrival, length/time; infinite: at once everywhere
+};
 
-  KOKKOS_INLINE_FUNCTION double at(const Vec3& X, double time) const {
-    if (!gaussian)
-      return peak * shape(time - start);
-    const double r = norm(X - centre), s = r / radius;
-    return peak * shape(time - start - r / speed) * portableExp(-0.5 * s * s);
+// The mean of a pressure over a span of time, by place. What does not differ from place to place is worked out once.
+class MeanPressure {
+public:
+  KOKKOS_INLINE_FUNCTION MeanPressure(const Pressure& pressure, const TimeSpan& span)
+      : _pressure(pressure), _span{span.begin - pressure.start, span.end - pressure.start},
+        _width(pressure.shape.ofWidth(_span)),
+        _is_wave(pressure.gaussian && pressure.speed < HUGE_VAL),
+        _everywhere(_is_wave ? 0 : pressure.peak * pressure.shape.mean(_span, _width)) {}
+
+  KOKKOS_INLINE_FUNCTION double at(const Vec3& X) const {
+    if (!_pressure.gaussian)
+      return _everywhere;
+    const double r = norm(X - _pressure.centre), s = r / _pressure.radius;
+    const double without_distance = _is_wave ? ofWave(r / _pressure.speed) : _everywhere;
+    return without_distance == 0 ? 0 : without_distance * portableExp(-0.5 * s * s);
   }
+
+private:
+  KOKKOS_INLINE_FUNCTION double ofWave(double delay) const {
+    return _pressure.peak * _pressure.shape.mean({_span.begin - delay, _span.end - delay}, _width);
+  }
+
+  Pressure _pressure;
+  TimeSpan _span; // from the start
+  PulseShape::Width _width;
+  bool _is_wave;
+  double _everywhere;
 };
 
 // Nodal loads of pressure on one quad with corners x, outward by the right-hand rule; X are the reference corners.
 // load_I = -integral p N_I (x_xi cross x_eta); the integrand is biquadratic for uniform p.
-KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Pressure& pressure, double time,
-                                              const Vec3 (&X)[4], const Vec3 (&x)[4],
-                                              Vec3 (&load)[4]) {
+KOKKOS_INLINE_FUNCTION void quadPressureLoads(const MeanPressure& pressure, const Vec3 (&X)[4],
+                                              const Vec3 (&x)[4], Vec3 (&load)[4]) {
   constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
   const double corner_xi[4] = {-1, 1, 1, -1}, corner_eta[4] = {-1, -1, 1, 1};
   for (int c = 0; c < 4; ++c)
@@ -48,7 +69,7 @@ KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Pressure& pressure, double t
       along_xi += (0.25 * corner_xi[c] * b) * x[c];
       along_eta += (0.25 * corner_eta[c] * a) * x[c];
     }
-    const Vec3 traction = -pressure.at(position, time) * cross(along_xi, along_eta);
+    const Vec3 traction = -pressure.at(position) * cross(along_xi, along_eta);
     for (int c = 0; c < 4; ++c)
       load[c] += shape[c] * traction;
   }
@@ -60,11 +81,12 @@ public:
   PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                const std::vector<int>& face_to_nodes);
 
-  // Adds the loads at X + u and `time` to the external_force columns. Returns the number of corner loads on this rank
-  // beyond the range of the quantum, or NaN (they are not added); EnergyLedger::bookStep takes the count. Not
-  // collective.
+  // Adds the loads at X + u of the mean pressure over `span` to the external_force columns: the span that the kick covers,
+  // from the middle of the last step to the middle of the next, each beginning where the one before ended.
+  // Returns the number of corner loads on this rank beyond the range of the quantum, or NaN (they are not added);
+  // EnergyLedger::bookStep takes the count. Not collective.
   std::int64_t add(const exec_space& space, const HexMesh& mesh,
-                   const View<const double* [3]>& displacement, double time,
+                   const View<const double* [3]>& displacement, const TimeSpan& span,
                    const NodalForces& forces) const;
 
   const Pressure& pressure() const { return _pressure; }

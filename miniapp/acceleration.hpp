@@ -13,7 +13,7 @@ template <class Values, class Masses, class Motions>
 struct NodalMotion {
   Values values; // NodalForces::values after the shared-node sum
   Masses mass;
-  Motions motion; // BoundaryConditions::AtTime::motion
+  Motions motion; // BoundaryConditions::DuringStep::motion
   double quantum, damping;
   Vec3 gravity;
   bool any_prescribed;

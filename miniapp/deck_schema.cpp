@@ -18,7 +18,8 @@ const std::vector<std::string> pulse_shapes = {"step", "half_sine", "sin_squared
 
 // Keys of a course in time, see PulseConfig.
 std::vector<KeyRule> pulseKeys(const std::string& default_shape) {
-  return {word("shape", pulse_shapes, "course in time").byDefault(default_shape),
+  return {word("shape", pulse_shapes, "course in time; each step has its mean over the step")
+              .byDefault(default_shape),
           real("start", "s", "time at which it begins").byDefault("0.0").atLeast(0),
           real("duration", "s", "how long it lasts; optional for shape = \"step\"").above(0),
           real("decay", "", "of shape = \"friedlander\" only, there 1.0 if not given").atLeast(0)};

@@ -118,7 +118,7 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
                                state.velocity);
   if (!boundary.any())
     return;
-  const auto at_start = boundary.at(0);
+  const auto at_start = boundary.during({});
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
       "miniapp::prescribedInitialVelocity", over(space, scene.mesh.num_nodes),

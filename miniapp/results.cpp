@@ -81,8 +81,7 @@ void Results::fillNodal(Simulation& simulation) {
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
   const auto values = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.values);
   const auto& boundary = simulation.boundary();
-  const auto motion =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.at(0).motion);
+  const auto motion = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.motion());
   const double quantum = forces.quantum.value;
   const auto nodal_motion = nodalMotion(values, mass, motion, quantum, boundary);
   const double half_step = 0.5 * simulation.clock().dt;

@@ -16,22 +16,24 @@ void Simulation::step() {
   guardAgainstTunnelling();
   auditCandidates();
   adaptTimeStep();
-  computeForces(_clock.time);
+  computeInternalForces();
   watchCompression();
+  addLoads(nextLoadSpan());
   sumSharedNodes();
   enforceContact(_clock.dt_before);
-  kickVelocities(0.5 * (_clock.dt_before + _clock.dt), _clock.time + 0.5 * _clock.dt);
+  kickVelocities(0.5 * (_clock.dt_before + _clock.dt));
   bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
 }
 
 void Simulation::start() {
   findContactCandidates();
   auditCandidates();
-  computeForces(_clock.time);
+  computeInternalForces();
   watchCompression();
+  addLoads(nextLoadSpan());
   sumSharedNodes();
   enforceContact(_clock.dt);
-  kickVelocities(0.5 * _clock.dt, 0.5 * _clock.dt);
+  kickVelocities(0.5 * _clock.dt);
   bookEnergies(0.5 * _clock.dt);
 }
 
@@ -91,22 +93,31 @@ void Simulation::reachAsDeepAsContacts() {
     _edges->setTolerance(_reach);
 }
 
-void Simulation::computeForces(double time) {
+void Simulation::computeInternalForces() {
   _has_all_forces = !_free_bricks.any();
   if (_other_nodes.numRuns() > 0)
     mechanics::zeroForces(_space, _forces);
   else
     _forces.values = View<std::int64_t**>(); // needed for output only
-  {
-    const Region region("step::internal force");
-    _resting_elems = _resting.numElems();
-    _internal = _internal_force->add(_space, _state.displacement, _state.velocity,
-                                     _config.viscosity, _forces, true);
-  }
+  const Region region("step::internal force");
+  _resting_elems = _resting.numElems();
+  _internal = _internal_force->add(_space, _state.displacement, _state.velocity, _config.viscosity,
+                                   _forces, true);
+}
+
+// What the kick covers: from where the last one ended, to the bit, so that no part of a pulse is lost or counted twice, to the
+// middle of the step to come.
+mechanics::TimeSpan Simulation::nextLoadSpan() const {
+  return {_load_span.end, _clock.time + 0.5 * _clock.dt};
+}
+
+void Simulation::addLoads(const mechanics::TimeSpan& span) {
   const Region region("step::loads");
+  _load_span_before = _load_span;
+  _load_span = span;
   _load_failures = 0;
   for (const auto& load : _loads)
-    _load_failures += load.add(_space, _scene.mesh, _state.displacement, time, _forces);
+    _load_failures += load.add(_space, _scene.mesh, _state.displacement, span, _forces);
 }
 
 void Simulation::sumSharedNodes() {
@@ -140,7 +151,7 @@ void Simulation::enforceContact(double dt) {
   _penetration =
       maxOf(_penetration, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration));
   if (!_enforcement->hasForces())
-    return; // computeForces() left zeros
+    return; // computeInternalForces() left zeros
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
 }
@@ -150,22 +161,23 @@ const mechanics::NodeSelection& Simulation::movingNodes() const {
   return _resting.any() ? _resting.movingNodes() : _other_nodes;
 }
 
-void Simulation::kickVelocities(double dt_kick, double time_of_velocity) {
+void Simulation::kickVelocities(double dt_kick) {
+  const mechanics::TimeSpan next_drift{_clock.time, _clock.time + _clock.dt};
   {
     const Region region("step::kick");
     _resting.wake(_space, _forces);
     const mechanics::SpeedTest test = _guard.speedTest(_ledger.meanVelocity());
-    _kick = mechanics::kick(_space, _scene.mesh, _boundary, time_of_velocity, dt_kick, _forces,
-                            _state, _scales, test, movingNodes());
+    _kick = mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
+                            _scales, test, movingNodes());
   }
   if (_free_bricks.any())
-    stepFreeBricks(dt_kick, time_of_velocity);
+    stepFreeBricks(dt_kick, next_drift);
 }
 
-void Simulation::stepFreeBricks(double dt_kick, double time_of_velocity) {
+void Simulation::stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift) {
   const Region region("step::free bricks");
   const auto sums =
-      _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, time_of_velocity,
+      _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, next_drift,
                         !_free_have_drifted, _clock.dt_before, dt_kick, _state, _scales);
   _internal.energy += sums.internal.energy;
   _internal.failure += sums.internal.failure;
@@ -212,7 +224,8 @@ void Simulation::stepBack(double dt_kick) {
   undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, forces(), _state);
   _clock.time -= _clock.dt_before;
   _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
-  computeForces(_clock.time);
+  computeInternalForces();
+  addLoads(_load_span_before);
   sumSharedNodes();
   forces();
   if (_coupling)

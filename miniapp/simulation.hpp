@@ -159,11 +159,13 @@ private:
   void freeBricks();
   void restBodies();
   const mechanics::NodeSelection& movingNodes() const;
-  void stepFreeBricks(double dt_kick, double time_of_velocity);
-  void computeForces(double time);
+  void stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift);
+  void computeInternalForces();
+  void addLoads(const mechanics::TimeSpan& span);
+  mechanics::TimeSpan nextLoadSpan() const;
   void enforceContact(double dt);
   void sumSharedNodes();
-  void kickVelocities(double dt_kick, double time_of_velocity);
+  void kickVelocities(double dt_kick);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);
   void setStepLimits(); // collective
@@ -197,6 +199,7 @@ private:
   mechanics::NodeSelection _other_nodes;
   bool _free_have_drifted = true, _has_all_forces = true; // in the step under way
   std::vector<mechanics::PressureLoad> _loads;
+  mechanics::TimeSpan _load_span, _load_span_before; // that the last two kicks have covered
   mechanics::LedgerScales _scales;
   mechanics::EnergyLedger _ledger;
 

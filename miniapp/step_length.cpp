@@ -192,8 +192,8 @@ void Simulation::takeBackDrift() {
 }
 
 // The drift to come becomes shorter, and so does the kick that led to its velocity: half of what the drift loses is taken back,
-// with the forces of that kick, as if the length had been known. A node's depth is its speed times the reference step, so that
-// is shortened too: what is born in contact from now on is stiffer.
+// with the forces of that kick, as if the length had been known; only loads keep their mean over the longer kick. A node's depth
+// is its speed times the reference step, so that is shortened too: what is born in contact from now on is stiffer.
 void Simulation::shortenDrift(double longest) {
   _enforcement->setReferenceStep(_guard.referenceStep());
   if (_edges)
@@ -202,8 +202,9 @@ void Simulation::shortenDrift(double longest) {
   if (longest >= before)
     return;
   shortenSteps(longest, StepCut::Reason::tunnelling);
+  _load_span.end = _clock.time + 0.5 * _clock.dt;
   const double dt_kick = 0.5 * (_clock.dt - before);
-  kickVelocities(dt_kick, _clock.time + 0.5 * _clock.dt);
+  kickVelocities(dt_kick);
   _ledger.bookCorrection(_comm, dt_kick, _clock.dt, _kick);
   if (_ledger.balance().failures > 0)
     throw PhysicsError(describeFailure());

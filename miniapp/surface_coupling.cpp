@@ -54,7 +54,7 @@ void SurfaceCoupling::fillNodes(const exec_space& space, const Scene& scene,
   const auto body_of_node = toDevice<View<global_id*>>(space, "coupling::body_of_node", bodies);
 
   auto node_mass = allocate<View<double*>>(space, "coupling::node_mass", _num_nodes);
-  const auto prescribed = boundary.at(0).motion;
+  const auto prescribed = boundary.motion();
   const bool any = boundary.any();
   const auto surface_to_node = _surface_to_node;
   const auto node_ids = _node_ids, node_body = _node_body;
@@ -203,7 +203,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
   const auto motion =
-      nodalMotion(forces.values, state.mass, boundary.at(0).motion, forces.quantum.value, boundary);
+      nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
       "coupling::accelerations", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {

@@ -9,7 +9,7 @@ void undoKickAndDrift(const exec_space& space, const mechanics::HexMesh& mesh,
                       double dt_drift, const mechanics::NodalForces& forces,
                       const mechanics::NodalState& state) {
   const auto motion =
-      nodalMotion(forces.values, state.mass, boundary.at(0).motion, forces.quantum.value, boundary);
+      nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
   const auto u = state.displacement, v = state.velocity;
   Kokkos::parallel_for(
       "miniapp::undoKickAndDrift", over(space, mesh.num_nodes),

@@ -51,13 +51,24 @@ KOKKOS_INLINE_FUNCTION double portableExp(double x) {
   return std::ldexp(series, static_cast<int>(k));
 }
 
+// (1 - sin(y)/y) 6/y^2 for |y| <= pi/2, from y^2: Taylor, the first term left out is below 1e-20.
+KOKKOS_INLINE_FUNCTION double portableSineTail(double y_squared) {
+  double series = 1;
+  for (int n = 22; n >= 4; n -= 2)
+    series = 1 - series * (y_squared / (n * (n + 1)));
+  return series;
+}
+
 // sin(pi s) for 0 <= s <= 1, symmetric about 1/2 to the last bit.
 KOKKOS_INLINE_FUNCTION double portableSinPi(double s) {
   const double y = 3.14159265358979323846 * (s <= 0.5 ? s : 1 - s), w = y * y;
-  double series = 1;
-  for (int n = 22; n >= 2; n -= 2) // Taylor in y <= pi/2: the first term left out is below 1e-20
-    series = 1 - series * (w / (n * (n + 1)));
-  return y * series;
+  return y * (1 - portableSineTail(w) * (w / 6));
+}
+
+// 1 - sin(pi s)/(pi s) for 0 <= s <= 1, without cancellation.
+KOKKOS_INLINE_FUNCTION double portableOneMinusSincPi(double s) {
+  const double y = 3.14159265358979323846 * s, w = y * y;
+  return s <= 0.5 ? portableSineTail(w) * (w / 6) : 1 - portableSinPi(s) / y;
 }
 
 } // namespace brickwall

@@ -22,7 +22,7 @@ TEST(PortableMath, AgreesWithLongDoubleToFourUlp) {
   const auto uniform = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
-  double worst_log = 0, worst_exp = 0, worst_sin = 0;
+  double worst_log = 0, worst_exp = 0, worst_sin = 0, worst_sinc = 0;
   for (int i = 0; i < 100000; ++i) {
     const double d = i % 2 == 0 ? uniform(-0.9999, 3) : std::exp2(-uniform(0, 60));
     worst_log = std::fmax(worst_log, relativeError(portableLog1p(d), std::log1p((long double)d)));
@@ -32,10 +32,15 @@ TEST(PortableMath, AgreesWithLongDoubleToFourUlp) {
     constexpr long double pi = 3.14159265358979323846264338327950288L;
     worst_sin = std::fmax(worst_sin, relativeError(portableSinPi(s), std::sin(pi * s)));
     ASSERT_EQ(portableSinPi(1 - s), portableSinPi(1 - (1 - s)));
+    const double share = uniform(1.0 / 16, 1);
+    worst_sinc =
+        std::fmax(worst_sinc, relativeError(portableOneMinusSincPi(share),
+                                            1 - std::sin(pi * share) / (pi * (long double)share)));
   }
   EXPECT_LE(worst_log, four_ulp);
   EXPECT_LE(worst_exp, four_ulp);
   EXPECT_LE(worst_sin, four_ulp);
+  EXPECT_LE(worst_sinc, four_ulp); // the reference errs by 2^-64/s^2, at s = 1/16 a 16th of an ulp
 }
 
 TEST(PortableMath, KeepsTheEndsOfItsRanges) {
@@ -51,6 +56,9 @@ TEST(PortableMath, KeepsTheEndsOfItsRanges) {
   EXPECT_EQ(portableSinPi(0), 0);
   EXPECT_EQ(portableSinPi(1), 0);
   EXPECT_NEAR(portableSinPi(0.5), 1, four_ulp);
+  EXPECT_EQ(portableOneMinusSincPi(0), 0);
+  EXPECT_EQ(portableOneMinusSincPi(1), 1);
+  EXPECT_NEAR(portableOneMinusSincPi(1e-9) / 1.6449340668482264e-18, 1, four_ulp); // (pi s)^2/6
 }
 
 } // namespace

@@ -86,10 +86,10 @@ std::vector<std::int64_t> run(Scene& scene, bool frees, int threads, double mass
     zeroForces(space, forces);
     InternalForceResult stored = internal.add(space, state.displacement, forces, true);
     scene.blocks.sum.sum(space, forces.values);
-    KickSums sums = kick(space, mesh, boundary, 0, dt, forces, state, scales, test, others);
+    KickSums sums = kick(space, mesh, boundary, {}, dt, forces, state, scales, test, others);
     if (bricks.any()) {
       const auto result =
-          bricks.step(space, mesh, internal, boundary, 0, drifts, dt, dt, state, scales, test);
+          bricks.step(space, mesh, internal, boundary, {}, drifts, dt, dt, state, scales, test);
       stored.energy += result.internal.energy;
       stored.failure += result.internal.failure;
       sums += result.kick;

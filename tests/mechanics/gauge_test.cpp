@@ -281,8 +281,8 @@ TEST(Correction, OfAKickLeavesWhatTheShorterKickWouldHaveMade) {
       const double back = 0.5 * (before + shorter) - 0.5 * (before + dt);
       solver->ledger.bookCorrection(world, back, shorter,
                                     kick(solver->space, solver->blocks.mesh, *solver->boundary,
-                                         solver->time + 0.5 * shorter, back, solver->forces,
-                                         solver->state, solver->scales));
+                                         {solver->time, solver->time + shorter}, back,
+                                         solver->forces, solver->state, solver->scales));
     }
     for (int s = 0; s < 10; ++s)
       solver->step(shorter);
@@ -312,8 +312,8 @@ TEST(SpeedTest, CountsTheNodesOfAllRanksThatMoveUnlikeTheRest) {
   EXPECT_EQ(solver.ledger.balance().fast_nodes, 0); // nobody has asked
   zeroForces(solver.space, solver.forces);
   const auto count = [&](const SpeedTest& test) {
-    KickSums sums = kick(solver.space, solver.blocks.mesh, *solver.boundary, 0, 1e-9, solver.forces,
-                         solver.state, solver.scales, test);
+    KickSums sums = kick(solver.space, solver.blocks.mesh, *solver.boundary, {}, 1e-9,
+                         solver.forces, solver.state, solver.scales, test);
     allReduce(world, sums);
     return sums.sum[kick_fast_nodes].high;
   };

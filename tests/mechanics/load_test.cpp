@@ -1,4 +1,4 @@
-// Pressure on faces and the time shapes.
+// Pressure on faces.
 #include "mechanics/pressure_load.hpp"
 #include "mechanics/skin.hpp"
 #include "tests/mechanics/block_mesh.hpp"
@@ -7,31 +7,6 @@
 
 namespace brickwall::mechanics {
 namespace {
-
-TEST(PulseShape, ImpulsesAreTheClosedForms) {
-  constexpr double T = 0.8, pi = 3.14159265358979323846;
-  const double b = 1.7;
-  const struct {
-    PulseShape shape;
-    double impulse;
-  } cases[] = {{{PulseKind::step, T}, T},
-               {{PulseKind::half_sine, T}, 2 * T / pi},
-               {{PulseKind::sin_squared, T}, T / 2},
-               {{PulseKind::triangle, T, 0.25}, T / 2},
-               {{PulseKind::triangle, T, 0.0}, T / 2},
-               {{PulseKind::triangle, T, 1.0}, T / 2},
-               {{PulseKind::friedlander, T, 0.5, b}, T * (1 / b - (1 - std::exp(-b)) / (b * b))}};
-  constexpr int n = 100000; // midpoint rule over [-1, 2]: a jump errs by half an interval
-  for (const auto& c : cases) {
-    double sum = 0;
-    for (int i = 0; i < n; ++i)
-      sum += c.shape(-1 + 3 * (i + 0.5) / n) * 3 / n;
-    EXPECT_NEAR(sum, c.impulse, 3.0 / n) << static_cast<int>(c.shape.kind);
-  }
-  EXPECT_EQ(PulseShape()(-5), 1);
-  EXPECT_EQ((PulseShape{PulseKind::step})(1e9), 1);
-  EXPECT_EQ((PulseShape{PulseKind::step})(-1e-9), 0);
-}
 
 // Ten-point Gauss in each direction integrates the biquadratic integrand to rounding.
 Vec3 byQuadrature(const Vec3 (&x)[4], int corner) {
@@ -63,7 +38,7 @@ TEST(Pressure, LoadsOnAWarpedQuadAreTheIntegrals) {
       x[c][j] += 0.3 * randomOf(3 * c + j);
   Pressure pressure;
   pressure.peak = 2;
-  quadPressureLoads(pressure, 0, x, x, load);
+  quadPressureLoads(MeanPressure(pressure, {}), x, x, load);
   for (int c = 0; c < 4; ++c) {
     const Vec3 expected = -2.0 * byQuadrature(x, c);
     for (int j = 0; j < 3; ++j)
@@ -78,9 +53,11 @@ TEST(Pressure, GaussianArrivesLaterFartherAway) {
   pressure.gaussian = true;
   pressure.radius = 2;
   pressure.speed = 10;
-  EXPECT_EQ(pressure.at({5, 0, 0}, 0.49), 0);
-  EXPECT_DOUBLE_EQ(pressure.at({5, 0, 0}, 0.51), 3 * std::exp(-0.5 * 6.25));
-  EXPECT_DOUBLE_EQ(pressure.at({0, 0, 0}, 0.0), 3);
+  const Vec3 away = {5, 0, 0};
+  EXPECT_EQ(MeanPressure(pressure, {0.3, 0.49}).at(away), 0);
+  EXPECT_DOUBLE_EQ(MeanPressure(pressure, {0.51, 0.51}).at(away), 3 * std::exp(-0.5 * 6.25));
+  EXPECT_DOUBLE_EQ(MeanPressure(pressure, {0.25, 0.75}).at(away), 1.5 * std::exp(-0.5 * 6.25));
+  EXPECT_DOUBLE_EQ(MeanPressure(pressure, {0, 0}).at({0, 0, 0}), 3);
 }
 
 // Pressure on a closed surface exerts no force: the follower loads of all faces of a deformed block sum to zero but for
@@ -102,8 +79,8 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   Pressure pressure;
   pressure.peak = 1e-3;
   const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
-  EXPECT_EQ(PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, 0, forces),
-            0);
+  EXPECT_EQ(
+      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, {}, forces), 0);
   blocks.sum.sum(space, forces.values);
   const auto all = testing::globalWords(MPI_COMM_WORLD, blocks, forces.values);
   for (int i = 0; i < 3; ++i) {
@@ -118,7 +95,7 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   pressure.follower = false;
   pressure.peak = HUGE_VAL;
   const std::int64_t misfits =
-      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, 0, forces);
+      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, {}, forces);
   EXPECT_EQ(misfits, 4 * skin.num_faces); // infinite loads are counted, not added
 }
 
@@ -156,7 +133,7 @@ TEST(Pressure, EndsWhenThePulseHasPassedItsFarthestFace) {
       Vec3 corners[4], loads[4];
       for (int c = 0; c < 4; ++c)
         corners[c] = rowOf(X, faces(f, c));
-      quadPressureLoads(pressure, time, corners, corners, loads);
+      quadPressureLoads(MeanPressure(pressure, {time, time + 0.1}), corners, corners, loads);
       for (const Vec3& corner : loads)
         size += norm(corner);
     }

@@ -32,6 +32,7 @@ struct Solver {
   std::vector<PressureLoad> loads;
   EnergyLedger ledger;
   double time = 0;
+  double pushed_until = 0; // what the loads have given
   BulkViscosity viscosity;
   std::function<ContactEnergySums()> contact; // adds totals to the contact_force columns
 
@@ -87,11 +88,13 @@ struct Solver {
         internal->add(space, state.displacement, state.velocity, viscosity, forces, true);
     std::int64_t misfits = 0;
     for (const PressureLoad& load : loads)
-      misfits += load.add(space, blocks.mesh, state.displacement, time, forces);
+      misfits +=
+          load.add(space, blocks.mesh, state.displacement, {pushed_until, time + 0.5 * dt}, forces);
+    pushed_until = time + 0.5 * dt;
     blocks.sum.sum(space, forces.values);
     const ContactEnergySums in_contact = contact ? contact() : ContactEnergySums();
     const KickSums sums =
-        kick(space, blocks.mesh, *boundary, time + 0.5 * dt, kick_dt, forces, state, scales);
+        kick(space, blocks.mesh, *boundary, {time, time + dt}, kick_dt, forces, state, scales);
     ledger.bookStep(comm, kick_dt, dt, result, in_contact, sums, {misfits});
   }
   void start(double dt) {

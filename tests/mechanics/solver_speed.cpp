@@ -215,11 +215,12 @@ struct Bench {
       drift(space, dt, state, others);
       zeroForces(space, forces);
       stored = internal->add(space, state.displacement, forces, true);
-      sums = kick(space, blocks.mesh, *boundary, time, dt, forces, state, scales, {}, others);
+      sums = kick(space, blocks.mesh, *boundary, {time, time + dt}, dt, forces, state, scales, {},
+                  others);
     }
     if (bricks.any()) {
-      const auto result =
-          bricks.step(space, blocks.mesh, *internal, *boundary, time, true, dt, dt, state, scales);
+      const auto result = bricks.step(space, blocks.mesh, *internal, *boundary, {time, time + dt},
+                                      true, dt, dt, state, scales);
       stored.energy += result.internal.energy;
       stored.failure += result.internal.failure;
       stored.has_energy = true;
@@ -247,7 +248,7 @@ double measure(const char* name, bool is_distorted, MaterialModel model, bool fr
   const double elems = mesh.num_elems;
   double resident = bytesOf(bench.state.displacement, bench.state.velocity, bench.state.mass,
                             mesh.reference_coordinates, mesh.node_is_owned,
-                            bench.boundary->at(0).motion, bench.forces.values);
+                            bench.boundary->motion(), bench.forces.values);
   resident += bytesOf(bench.internal->tables().geometry);
   if (!frees)
     resident += bytesOf(mesh.elem_to_nodes);
