@@ -113,6 +113,14 @@ struct ContactHistory {
   View<int*> row_begin; // [node]
   View<unsigned char*> row_count; // [node]
   std::int64_t count = 0;
+
+  // Asks for an interaction that will be read soon.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetch(std::int64_t i) const {
+    const Interaction& pair = interactions(i);
+    brickwall::prefetch(&pair.body);
+    brickwall::prefetch(&pair.damping);
+    brickwall::prefetch(&pair.first_force);
+  }
 };
 
 } // namespace brickwall::contact

@@ -29,13 +29,9 @@ struct CorrectPair {
     const Interaction& pair = pairs.interactions(i);
     const double kick = 0.5 * (dt + next_dt);
     const Vec3 relative = relativeAcceleration(pair);
-    KickedPair motion;
-    motion.closing = kick / dt * pair.closing;
-    motion.next_closing = motion.closing - kick * kick * dot(pair.normal, relative);
-    motion.next_drift = next_dt / kick;
-    motion.mobility = kick * kick * pair.inverse_mass;
+    KickedPair motion = kicked(pair.closing, pair.inverse_mass, dot(pair.normal, relative));
     Correction corrected;
-    corrected.force = relaxed(pair.force, neutralForce(pair, motion));
+    corrected.force = relaxed(pair.force, neutralForce(springOf(pair), motion));
     corrected.damping = maxOf(pair.first_damping, -corrected.force);
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
@@ -53,7 +49,7 @@ struct CorrectPair {
       kicked.gain = motion.mobility * dot(fading.on_node, fading.on_node);
       kicked.next_drift = motion.next_drift;
       corrected.fading =
-          relaxed(1, neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end));
+          relaxed(1.0, neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end));
     }
     return corrected;
   }
@@ -67,8 +63,21 @@ struct CorrectPair {
       pairs.fading(i).correct(corrected.fading);
   }
 
-  KOKKOS_INLINE_FUNCTION double relaxed(double present, double wanted) const {
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION Real relaxed(const Real& present, const Real& wanted) const {
     return relaxation < 1 ? present + relaxation * (wanted - present) : wanted;
+  }
+  // `acceleration`: of the pushing point against the face point, along the normal.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION KickedPairOf<Real> kicked(const Real& closing, const Real& inverse_mass,
+                                                   const Real& acceleration) const {
+    const double kick = 0.5 * (dt + next_dt);
+    KickedPairOf<Real> motion;
+    motion.closing = kick / dt * closing;
+    motion.next_closing = motion.closing - kick * kick * acceleration;
+    motion.next_drift = next_dt / kick;
+    motion.mobility = kick * kick * inverse_mass;
+    return motion;
   }
 
   // Of the pushing point against the face point.

@@ -5,53 +5,67 @@
 // pair is then F' (d- + d+')/2 = -F' (D + F' tau/2).
 #pragma once
 
+#include "contact/base/pack.hpp"
 #include "contact/contact_history.hpp"
 
 namespace brickwall::contact {
 
 // Motion of a pair around a kick of length dt.
-struct KickedPair {
-  double closing; // d-
-  double next_closing; // d+, if the present forces act
-  double next_drift; // length of the drift to come, of dt
-  double mobility; // tau = dt^2 (1/m_s + sum N_j^2/m_j), length/force
+template <class Real>
+struct KickedPairOf {
+  Real closing; // d-
+  Real next_closing; // d+, if the present forces act
+  Real next_drift; // length of the drift to come, of dt
+  Real mobility; // tau = dt^2 (1/m_s + sum N_j^2/m_j), length/force
 };
+using KickedPair = KickedPairOf<double>;
 
-// The force, in [0, ...), at which the contact gives back exactly `energy`: the root of D F + tau F^2/2 = energy.
-KOKKOS_INLINE_FUNCTION double forceThatReturns(double energy, double D, double tau) {
-  return (-D + std::sqrt(D * D + 2 * energy * tau)) / tau;
+// What is asked of an interaction, by the names of its members.
+template <class Real>
+struct SpringState {
+  Real force, first_force, depth, offset, stored;
+  typename MaskOf<Real>::type is_new;
+};
+KOKKOS_INLINE_FUNCTION SpringState<double> springOf(const Interaction& pair) {
+  return {pair.force, pair.first_force, pair.depth, pair.offset, pair.stored, pair.is_new != 0};
 }
 
-// The corrected force of a contact.
-KOKKOS_INLINE_FUNCTION double neutralForce(const Interaction& pair, const KickedPair& motion) {
-  const double tau = motion.mobility, present = pair.force, first = pair.first_force;
-  if (!(tau > 0) || !(first > 0)) // both sides prescribed, or no load
-    return first;
-  const double D = -0.5 * (motion.closing + motion.next_closing + present * tau);
-  const double energy = maxOf(pair.stored, 0.0);
-  double force = first;
-  const double closing_by_first = motion.next_closing + (present - first) * tau;
-  const double way_out =
-      minOf(pair.depth, pair.depth + pair.offset); // the spring's end, or the face
-  const bool is_last = way_out + motion.next_drift * closing_by_first <= 0;
-  if (is_last) { // gives back all that is stored
-    force = pair.stored > 0 ? minOf(forceThatReturns(energy, D, tau), 4 * first) : 0.0;
-    force = maxOf(force, 0.0);
-  } else if (pair.is_new) { // stores k w p p+/2 in all
-    force = present;
-    for (int sweep = 0; sweep < 3; ++sweep) {
-      const double closing = motion.next_closing + (present - force) * tau;
-      const double both = motion.closing + closing;
-      if (!(both > 0))
-        break;
-      const double next_depth = pair.depth + motion.next_drift * closing;
-      const double wanted = (first * next_depth - 2 * pair.stored) / both;
-      force = minOf(maxOf(wanted, 0.0), first);
-    }
+// The force, in [0, ...), at which the contact gives back exactly `energy`: the root of D F + tau F^2/2 = energy.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real forceThatReturns(const Real& energy, const Real& D, const Real& tau) {
+  return (-D + squareRoot(D * D + 2 * energy * tau)) / tau;
+}
+
+// The corrected forces of contacts, one or as many as there are lanes.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
+                                         const KickedPairOf<Real>& motion) {
+  using Mask = typename MaskOf<Real>::type;
+  const Real none = 0.0;
+  const Real tau = motion.mobility, present = pair.force, first = pair.first_force;
+  const Mask is_fixed = !((tau > none) & (first > none)); // both sides prescribed, or no load
+  const Real D = -0.5 * (motion.closing + motion.next_closing + present * tau);
+  const Real returning = forceThatReturns(maxOf(pair.stored, none), D, tau);
+  const Real closing_by_first = motion.next_closing + (present - first) * tau;
+  const Real way_out = minOf(pair.depth, pair.depth + pair.offset); // the spring's end, or the face
+  const Mask is_last = way_out + motion.next_drift * closing_by_first <= none;
+  Real force = first;
+  Mask is_open = pair.is_new & !is_last & !is_fixed; // stores k w p p+/2 in all
+  force = where(is_open, present, force);
+  for (int sweep = 0; sweep < 3 && isAny(is_open); ++sweep) {
+    const Real closing = motion.next_closing + (present - force) * tau;
+    const Real both = motion.closing + closing;
+    is_open = is_open & (both > none);
+    const Real next_depth = pair.depth + motion.next_drift * closing;
+    const Real wanted = (first * next_depth - 2 * pair.stored) / both;
+    force = where(is_open, minOf(maxOf(wanted, none), first), force);
   }
-  if (D + 0.5 * force * tau > 0) // never gives back more than is stored
-    force = minOf(force, forceThatReturns(energy, D, tau));
-  return force;
+  // In the last step it gives back all that is stored.
+  const Real last = maxOf(where(pair.stored > none, minOf(returning, 4 * first), none), none);
+  force = where(is_last, last, force);
+  // Never does it give back more than is stored.
+  force = where(D + 0.5 * force * tau > none, minOf(force, returning), force);
+  return where(is_fixed, first, force);
 }
 
 // A contact that fades out beyond an edge, with the work of its fading force on the pair: `before` and `after` over the kick's

@@ -43,6 +43,16 @@ struct FaceAccess {
     const int ghost = ghostOf(face);
     return {of_ghosts(ghost, 3 * j), of_ghosts(ghost, 3 * j + 1), of_ghosts(ghost, 3 * j + 2)};
   }
+  template <class NodeView, class GhostView>
+  KOKKOS_FORCEINLINE_FUNCTION void corners(int face, const NodeView& of_nodes,
+                                           const GhostView& of_ghosts, Vec3 (&values)[4]) const {
+    if (isOwn(face))
+      for (int j = 0; j < 4; ++j)
+        values[j] = rowOf(of_nodes, surface.face_to_nodes(face, j));
+    else
+      for (int j = 0; j < 4; ++j)
+        values[j] = corner(face, j, of_nodes, of_ghosts);
+  }
   // At x^{n+1}.
   KOKKOS_INLINE_FUNCTION Quad quad(int face) const {
     Quad q;

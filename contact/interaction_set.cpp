@@ -1,7 +1,7 @@
 // See interaction_set.hpp.
 #include "contact/interaction_set.hpp"
 
-#include "contact/correct_pair.hpp"
+#include "contact/correct_springs.hpp"
 #include "contact/pair_forces.hpp"
 
 namespace brickwall::contact {
@@ -34,21 +34,21 @@ std::int64_t numParts(std::int64_t count) {
   return (count + pairs_at_once - 1) / pairs_at_once;
 }
 
-// Asks for the rows of `values` [node][xyz] of the nodes of pairs.
+// Asks for the rows of `values` and `forces` [node][xyz] of the nodes of pairs.
 template <class NodeView>
-KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces,
-                                               const NodeView& values, const std::int64_t* numbers,
-                                               int count) {
+KOKKOS_FORCEINLINE_FUNCTION void
+prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces, const NodeView& values,
+              const View<std::int64_t* [3]>& forces, const std::int64_t* numbers, int count) {
   for (int w = 0; w < count; ++w) {
-    const Interaction& pair = pairs.interactions(numbers[w]);
-    prefetch(&pair.depth);
-    prefetch(&pair.normal);
-    faces.prefetchFace(pair.face_index);
+    pairs.prefetch(numbers[w]);
+    faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
     faces.prefetchRow(values, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, values);
+    faces.prefetchRow(forces, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, forces);
   }
 }
 
@@ -63,12 +63,10 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
   return any != 0;
 }
 
-// Returns whether it has changed anything; counts a force that does not fit.
+// Of one with a force. Returns whether it has changed anything; counts a force that does not fit.
 KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
                                          const PairForces& add, std::int64_t i, std::int64_t& bad) {
-  Interaction& pair = pairs.interactions(i);
-  if (pair.first_force == 0)
-    return false;
+  const Interaction& pair = pairs.interactions(i);
   const CorrectPair::Correction corrected = correct.of(pairs, i);
   if (!corrected.changes(pair))
     return false;
@@ -143,9 +141,24 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
           if (!knows_changes || is_unsettled(i) ||
               hasChanged(pairs.interactions(i), faces, has_changed))
             wanted[num_wanted++] = i;
-        prefetchPairs(pairs, faces, accelerations, wanted, num_wanted);
-        for (int w = 0; w < num_wanted; ++w)
+        prefetchPairs(pairs, faces, accelerations, add.target.nodes, wanted, num_wanted);
+        std::int64_t springs[pairs_at_once];
+        int num_springs = 0, num_others = 0;
+        for (int w = 0; w < num_wanted; ++w) {
+          const Interaction& pair = pairs.interactions(wanted[w]);
+          if (pair.first_force == 0)
+            is_unsettled(wanted[w]) = 0;
+          else if (hasOnlySpring(pair, add))
+            springs[num_springs++] = wanted[w];
+          else
+            wanted[num_others++] = wanted[w];
+        }
+        const int num_left =
+            correctSprings(pairs, correct, add, springs, num_springs, is_unsettled);
+        for (int w = 0; w < num_others; ++w)
           is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], bad);
+        for (int w = 0; w < num_left; ++w)
+          is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], bad);
       },
       invalid);
   return invalid;

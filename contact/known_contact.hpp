@@ -2,6 +2,7 @@
 // lanes on a processor.
 #pragma once
 
+#include "contact/base/lane_arrays.hpp"
 #include "contact/contact_history.hpp"
 #include "contact/face_access.hpp"
 
@@ -36,20 +37,8 @@ struct Gathered {
                                    const KnownContact& contact) {
     const Surface& surface = faces.surface;
     Vec3 now[4], before[4];
-    if (faces.isOwn(contact.face)) {
-      for (int j = 0; j < 4; ++j) {
-        const int at = surface.face_to_nodes(contact.face, j);
-        now[j] = rowOf(surface.coordinates_new, at);
-        before[j] = rowOf(surface.coordinates_old, at);
-      }
-    } else {
-      for (int j = 0; j < 4; ++j) {
-        now[j] =
-            faces.corner(contact.face, j, surface.coordinates_new, faces.ghosts.coordinates_new);
-        before[j] =
-            faces.corner(contact.face, j, surface.coordinates_old, faces.ghosts.coordinates_old);
-      }
-    }
+    faces.corners(contact.face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
+    faces.corners(contact.face, surface.coordinates_old, faces.ghosts.coordinates_old, before);
     for (int j = 0; j < 4; ++j) {
       const Vec3 motion = now[j] - before[j];
       for (int d = 0; d < 3; ++d) {
@@ -67,27 +56,6 @@ struct Gathered {
     node_mass[lane] = mass(contact.node);
   }
 };
-
-template <class Real>
-KOKKOS_INLINE_FUNCTION Real load(const double* from) {
-  Real lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
-template <class Real, int width>
-KOKKOS_INLINE_FUNCTION Triple<Real> loadTriple(const double (&from)[3][width]) {
-  return {load<Real>(from[0]), load<Real>(from[1]), load<Real>(from[2])};
-}
-template <class Real>
-KOKKOS_INLINE_FUNCTION void store(const Real& lanes, double* to) {
-  std::memcpy(to, &lanes, sizeof lanes);
-}
-template <class Real, int width>
-KOKKOS_INLINE_FUNCTION void store(const Triple<Real>& lanes, double (&to)[3][width]) {
-  store(lanes.x, to[0]);
-  store(lanes.y, to[1]);
-  store(lanes.z, to[2]);
-}
 
 // Motion of the node against the face point with these weights.
 template <class Real>
@@ -141,25 +109,25 @@ KOKKOS_INLINE_FUNCTION void work(const Gathered<Real>& gathered, Found<Real>& fo
   for (int j = 0; j < 4; ++j) {
     q[j] = loadTriple<Real>(gathered.corner[j]) - x;
     of_corner[j] = loadTriple<Real>(gathered.corner_motion[j]);
-    last_weight[j] = load<Real>(gathered.last_weight[j]);
+    last_weight[j] = loadLanes<Real>(gathered.last_weight[j]);
   }
   const Triple<Real> of_node = loadTriple<Real>(gathered.node_motion);
-  store(relativeMotion(of_node, of_corner, last_weight), found.last_motion);
+  storeTriple(relativeMotion(of_node, of_corner, last_weight), found.last_motion);
   const NewtonPoint<Real> point = ontoBilinear(q, !isTriangle(q));
-  store(relativeMotion(of_node, of_corner, point.weight), found.motion);
-  Real inverse_mass = Real(1.0) / load<Real>(gathered.node_mass);
+  storeTriple(relativeMotion(of_node, of_corner, point.weight), found.motion);
+  Real inverse_mass = Real(1.0) / loadLanes<Real>(gathered.node_mass);
   for (int j = 0; j < 4; ++j) {
-    const Real share = point.weight[j] * point.weight[j] / load<Real>(gathered.corner_mass[j]);
+    const Real share = point.weight[j] * point.weight[j] / loadLanes<Real>(gathered.corner_mass[j]);
     inverse_mass = where(point.weight[j] == Real(0.0), inverse_mass, inverse_mass + share);
-    store(point.weight[j], found.weight[j]);
+    storeLanes(point.weight[j], found.weight[j]);
   }
-  store(inverse_mass, found.inverse_mass);
-  store(point.normal, found.normal);
-  store(point.gap, found.gap);
-  store(point.excess, found.excess);
-  store(point.xi, found.xi);
-  store(point.eta, found.eta);
-  store(where(point.found, Real(1.0), Real(0.0)), found.is_found);
+  storeLanes(inverse_mass, found.inverse_mass);
+  storeTriple(point.normal, found.normal);
+  storeLanes(point.gap, found.gap);
+  storeLanes(point.excess, found.excess);
+  storeLanes(point.xi, found.xi);
+  storeLanes(point.eta, found.eta);
+  storeLanes(where(point.found, Real(1.0), Real(0.0)), found.is_found);
 }
 
 } // namespace known_contact

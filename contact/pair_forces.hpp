@@ -79,24 +79,43 @@ struct PairForces {
   // `sign` 1 adds, -1 takes back.
   KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
                                   int sign) const {
-    addTo(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign);
-    if (!pair.point.isNode())
-      addTo(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign);
-    const int face = pair.face_index;
-    for (int j = 0; j < face_corners; ++j)
-      if (faces.isOwn(face))
-        addTo(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j], sign);
-      else
-        addTo(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign);
+    if (is_alone)
+      addBy<Alone>(pair, quanta, sign);
+    else
+      addBy<Together>(pair, quanta, sign);
   }
-  template <class ViewType>
-  KOKKOS_INLINE_FUNCTION void addTo(const ViewType& rows, int row, int first,
-                                    const std::int64_t (&values)[3], int sign) const {
+
+private:
+  struct Alone {
+    KOKKOS_FORCEINLINE_FUNCTION static void add(std::int64_t& to, std::int64_t value) {
+      to += value;
+    }
+  };
+  struct Together {
+    KOKKOS_FORCEINLINE_FUNCTION static void add(std::int64_t& to, std::int64_t value) {
+      Kokkos::atomic_add(&to, value);
+    }
+  };
+  template <class How>
+  KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta& quanta,
+                                         int sign) const {
+    addTo<How>(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign);
+    if (!pair.point.isNode())
+      addTo<How>(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign);
+    const int face = pair.face_index;
+    if (faces.isOwn(face))
+      for (int j = 0; j < face_corners; ++j)
+        addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j],
+                   sign);
+    else
+      for (int j = 0; j < face_corners; ++j)
+        addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign);
+  }
+  template <class How, class ViewType>
+  KOKKOS_FORCEINLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,
+                                                const std::int64_t (&values)[3], int sign) {
     for (int d = 0; d < 3; ++d)
-      if (is_alone)
-        rows(row, first + d) += sign * values[d];
-      else
-        Kokkos::atomic_add(&rows(row, first + d), sign * values[d]);
+      How::add(rows(row, first + d), sign * values[d]);
   }
 };
 

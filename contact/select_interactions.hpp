@@ -114,10 +114,7 @@ struct SelectInteractions : FindHits<Touch> {
     if (previous.row_count(node) == 0)
       return;
     faces.prefetchRow(faces.surface.coordinates_old, node);
-    const Interaction& last = previous.interactions(previous.row_begin(node));
-    prefetch(&last.body);
-    prefetch(&last.force);
-    prefetch(&last.first_force);
+    previous.prefetch(previous.row_begin(node));
     prefetch(&faces.surface.node_body(node));
     touch.prefetchNode(node);
   }

@@ -1,26 +1,10 @@
-// Packs of doubles to packs of integers: forces in quanta. Host code but for roundToFixed's.
+// Packs of doubles to packs of integers, many of them, in one sum each. Host code.
 #pragma once
 
-#include "contact/base/fixed_point.hpp"
+#include "contact/base/fixed_pack.hpp"
 #include "contact/base/lanes.hpp"
-#include "contact/base/pack.hpp"
 
 namespace brickwall::mechanics {
-
-// Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (that element is dropped and reported).
-KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
-  return roundToFixed(quanta);
-}
-template <int W>
-inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
-  typename PackOf<W>::vector rounded;
-  for (int lane = 0; lane < W; ++lane)
-    rounded[lane] = __builtin_rint(quanta.v[lane]);
-  rounded = rounded < fixed_point_limit && rounded > -fixed_point_limit
-                ? rounded
-                : typename PackOf<W>::vector{};
-  return __builtin_convertvector(rounded, typename IntPackOf<W>::vector);
-}
 
 // Rounds many numbers to nearest integers, ties to even, by adding 1.5 * 2^52, and remembers whether all were in [-2^51, 2^51).
 template <int W>

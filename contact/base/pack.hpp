@@ -262,6 +262,11 @@ inline PackOf<W> maxOf(const PackOf<W>& a, const PackOf<W>& b) {
   return where(a < b, b, a);
 }
 
+template <int W>
+inline PackOf<W> minOf(const PackOf<W>& a, const PackOf<W>& b) {
+  return where(b < a, b, a);
+}
+
 // a where m != 0, else 0.
 KOKKOS_INLINE_FUNCTION double whereNotZero(double m, double a) {
   return m != 0 ? a : 0.0;

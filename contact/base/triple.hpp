@@ -31,6 +31,11 @@ KOKKOS_INLINE_FUNCTION Triple<Real> operator*(const Real& s, const Triple<Real>&
   return {s * a.x, s * a.y, s * a.z};
 }
 template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> where(const typename MaskOf<Real>::type& mask,
+                                          const Triple<Real>& a, const Triple<Real>& b) {
+  return {where(mask, a.x, b.x), where(mask, a.y, b.y), where(mask, a.z, b.z)};
+}
+template <class Real>
 KOKKOS_INLINE_FUNCTION Real dot(const Triple<Real>& a, const Triple<Real>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
