@@ -23,9 +23,6 @@ struct EdgeBirthLimits {
 
 namespace edge_births {
 
-using known_contact::load;
-using known_contact::loadTriple;
-
 constexpr double slack = 1e-9; // more than rounding makes of sines that count
 
 // Bit l: lane l of a comparison.
@@ -132,10 +129,10 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
   const Triple<Real> across = cross(da, db), between = a - b;
   const Triple<Real> normal = (Real(1.0) / squareRoot(dot(across, across))) * across;
   const Real depth = -dot(between, normal), aa = dot(da, da), bb = dot(db, db);
-  const InCone<Real> in_own(own, da, aa, normal, load<Real>(pairs.cosine[0]),
-                            load<Real>(pairs.sine[0]));
-  const InCone<Real> in_other(other, db, bb, normal, load<Real>(pairs.cosine[1]),
-                              load<Real>(pairs.sine[1]));
+  const InCone<Real> in_own(own, da, aa, normal, loadLanes<Real>(pairs.cosine[0]),
+                            loadLanes<Real>(pairs.sine[0]));
+  const InCone<Real> in_other(other, db, bb, normal, loadLanes<Real>(pairs.cosine[1]),
+                              loadLanes<Real>(pairs.sine[1]));
   const Real outward = in_other.outward(), zero = 0.0;
   const Real sign = where(outward < zero, Real(-1.0), Real(1.0)); // of the normal out of the other
   const double deepest = (1 + slack) * limits.deepest * limits.deepest;
