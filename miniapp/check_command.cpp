@@ -2,6 +2,7 @@
 #include "contact/base/mpi.hpp"
 #include "io/wall_layout.hpp"
 #include "miniapp/commands.hpp"
+#include "miniapp/load_warnings.hpp"
 #include "miniapp/memory_estimate.hpp"
 #include "miniapp/scene.hpp"
 #include "miniapp/search_choice.hpp"
@@ -49,7 +50,9 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   if (config.wall)
     refuseUnknownBodies(config, io::WallLayout(toWallConfig(*config.wall)).numBricks());
   const Config small = smallestLikeScene(config);
-  const Scene scene = makeScene(exec_space(), comm, small);
+  Scene scene = makeScene(exec_space(), comm, small);
+  for (const std::string& warning : loadWarnings(comm, config, scene.part))
+    scene.warnings.push_back(warning);
   const Simulation simulation(comm, small, scene);
 
   std::int64_t elements = scene.part.num_global_elems, nodes = scene.part.num_global_nodes,

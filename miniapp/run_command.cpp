@@ -4,6 +4,7 @@
 #include "miniapp/commands.hpp"
 #include "miniapp/globals.hpp"
 #include "miniapp/history.hpp"
+#include "miniapp/load_warnings.hpp"
 #include "miniapp/phase_report.hpp"
 #include "miniapp/results.hpp"
 #include "miniapp/run_report.hpp"
@@ -59,6 +60,8 @@ public:
         _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
         _limits(config.limits), _output_ticker(config.output.interval, false),
         _history_ticker(config.output.history_interval, true) {
+    for (const std::string& warning : loadWarnings(comm, config, _scene.part))
+      _scene.warnings.push_back(warning);
     if (rankOf(_comm) == 0)
       for (const std::string& warning : _scene.warnings)
         std::cout << "warning: " << warning << std::endl;

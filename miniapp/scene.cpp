@@ -111,7 +111,23 @@ const Set& findByName(const std::vector<Set>& sets, const std::string& name,
                    (known.empty() ? "none" : known) + ")");
 }
 
-// All names in the deck that the mesh lacks, in one error.
+// A deck names one set; of several that share the name it would not say which.
+template <class Set>
+void refuseSharedName(const Config& config, const std::vector<Set>& sets, const Set& found,
+                      const std::string& kind) {
+  std::string ids;
+  int count = 0;
+  for (const auto& set : sets)
+    if (set.name == found.name) {
+      ids += (count == 0 ? "" : ", ") + std::to_string(set.id);
+      ++count;
+    }
+  if (count > 1)
+    throw InputError(config.mesh->file + " has " + std::to_string(count) + " " + kind + "s '" +
+                     found.name + "' (ids " + ids + "); expected a name of one " + kind);
+}
+
+// All names in the deck that the mesh lacks or has twice, in one error.
 void checkNames(const Config& config, const io::MeshPart& part) {
   std::string faults;
   const auto look = [&](const std::string& where, const auto& find) {
@@ -129,11 +145,17 @@ void checkNames(const Config& config, const io::MeshPart& part) {
                          "[material." + block.name + "]");
     });
   for (const auto& load : config.pressures)
-    look("[[load.pressure]]", [&] { sideSetOf(part, load.side_set); });
+    look("[[load.pressure]]", [&] {
+      refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");
+    });
+  const auto look_for_nodes = [&](const std::string& where, const std::string& name) {
+    look(where,
+         [&] { refuseSharedName(config, part.node_sets, nodeSetOf(part, name), "node set"); });
+  };
   for (const auto& fixed : config.fixed)
-    look("[[boundary.fixed]]", [&] { nodeSetOf(part, fixed.node_set); });
+    look_for_nodes("[[boundary.fixed]]", fixed.node_set);
   for (const auto& moving : config.prescribed)
-    look("[[boundary.velocity]]", [&] { nodeSetOf(part, moving.node_set); });
+    look_for_nodes("[[boundary.velocity]]", moving.node_set);
   const auto look_for_block = [&](const std::string& where, const InitialSelection& initial) {
     if (initial.block)
       look(where, [&] { findByName(part.blocks, *initial.block, "element block"); });

@@ -28,7 +28,7 @@ struct Scene {
 };
 
 // Reads or generates the mesh, gives every block its material, and finds skin and masses. Collective. Throws
-// InputError (on all ranks) with all names of sets and blocks that the mesh lacks and all blocks without material; also
+// InputError (on all ranks) with all names of sets and blocks that the mesh lacks, of sets that it has twice, and all blocks without material; also
 // for bodies that the mesh lacks, for node sets that share nodes but move them otherwise, for a mesh that cannot be read and for
 // a bad element.
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
