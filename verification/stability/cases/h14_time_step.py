@@ -21,7 +21,7 @@ def run_at(lab, label, chi, steps, settings=None, expect=0):
     stretch = np.sqrt(2) * chi
     step = THICKNESS  # c = 1: the bound of the plate at rest, h/c
     speed = (stretch - 1) * THICKNESS / step
-    return lab.run(label, {"boundary.velocity[0].velocity": [speed, 0, 0], "boundary.velocity[0].duration": 0.75 * step,
+    return lab.run(label, {"boundary.velocity[0].velocity": [speed, 0, 0], "boundary.velocity[0].duration": step,
                            "time.steps": steps, **(settings or {})},
                    mesh=box((THICKNESS, WIDTH, WIDTH), (1, 1, 1), name="plate"), expect=expect)
 
