@@ -2,21 +2,20 @@
 // penalty.hpp states them. Kernel part of SelectInteractions.
 #pragma once
 
-#include "contact/interaction_forces.hpp"
+#include "contact/steady_contacts.hpp"
 
 namespace brickwall::contact {
 
 template <class Touch>
-struct FindHits : InteractionForces<Touch> {
-  using Base = InteractionForces<Touch>;
+struct FindHits : SteadyContacts<Touch> {
+  using Base = SteadyContacts<Touch>;
   using Base::bookWork;
   using Base::config;
   using Base::faces;
   using Base::goesOn;
+  using Base::pairs;
   using Base::previous;
   using Base::touch;
-
-  CandidatePairs pairs = CandidatePairs::none();
 
   // One hit per opposing body. Returns their number.
   KOKKOS_INLINE_FUNCTION int findHits(std::int64_t row, int node, const KnownContact* known,

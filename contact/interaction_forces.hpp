@@ -139,12 +139,19 @@ struct InteractionForces {
   // Where normals turn and faces change, what the spring holds drifts from the work that was done on it, more than the last step
   // could give back. So from the next step on the spring feels a little more, or less, until half of what is missing is made up.
   KOKKOS_INLINE_FUNCTION static void followWork(Interaction& now, double held) {
+    now.offset = offsetThatFollows(now.offset, now.stored, held, now.taper * now.depth,
+                                   now.stiffness * now.taper * now.depth, now.depth);
+  }
+  // `force`: of the spring, at the depth that it feels tapered.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION static Real offsetThatFollows(const Real& offset, const Real& stored,
+                                                       const Real& held, const Real& tapered,
+                                                       const Real& force, const Real& depth) {
     constexpr double noise = 1e-9, most = 0.1; // of the energy; of p
-    const double missing = now.stored - held;
-    if (!(now.taper * now.depth > 0 && std::fabs(missing) > noise * std::fabs(now.stored)))
-      return;
-    const double change = missing / (now.stiffness * now.taper * now.depth);
-    now.offset -= minOf(maxOf(change, -most * now.depth), most * now.depth);
+    const Real missing = stored - held;
+    const auto follows = (tapered > Real(0.0)) & (magnitude(missing) > noise * magnitude(stored));
+    const Real change = minOf(maxOf(missing / force, -most * depth), most * depth);
+    return where(follows, offset - change, offset);
   }
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.

@@ -33,27 +33,27 @@ struct Gathered {
   double node[3][width], node_motion[3][width], node_mass[width];
 
   KOKKOS_INLINE_FUNCTION void take(int lane, const FaceAccess& faces,
-                                   const View<const double*>& mass, const Interaction& last,
-                                   const KnownContact& contact) {
+                                   const View<const double*>& mass, const Interaction& last, int at,
+                                   int face) {
     const Surface& surface = faces.surface;
     Vec3 now[4], before[4];
-    faces.corners(contact.face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
-    faces.corners(contact.face, surface.coordinates_old, faces.ghosts.coordinates_old, before);
+    faces.corners(face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
+    faces.corners(face, surface.coordinates_old, faces.ghosts.coordinates_old, before);
     for (int j = 0; j < 4; ++j) {
       const Vec3 motion = now[j] - before[j];
       for (int d = 0; d < 3; ++d) {
         corner[j][d][lane] = now[j][d];
         corner_motion[j][d][lane] = motion[d];
       }
-      corner_mass[j][lane] = faces.attribute(contact.face, j);
+      corner_mass[j][lane] = faces.attribute(face, j);
       last_weight[j][lane] = last.weight[j];
     }
-    const Vec3 motion = faces.nodeMotion(contact.node);
+    const Vec3 motion = faces.nodeMotion(at);
     for (int d = 0; d < 3; ++d) {
-      node[d][lane] = surface.coordinates_new(contact.node, d);
+      node[d][lane] = surface.coordinates_new(at, d);
       node_motion[d][lane] = motion[d];
     }
-    node_mass[lane] = mass(contact.node);
+    node_mass[lane] = mass(at);
   }
 };
 
@@ -160,7 +160,8 @@ KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
     const int last = minOf(first + width, count) - 1;
     for (int lane = 0; lane < width; ++lane) {
       const KnownContact& contact = contacts[minOf(first + lane, last)];
-      gathered.take(lane, faces, node_mass, previous.interactions(contact.previous), contact);
+      gathered.take(lane, faces, node_mass, previous.interactions(contact.previous), contact.node,
+                    contact.face);
     }
     work(gathered, found);
     for (int lane = 0; first + lane <= last; ++lane) {

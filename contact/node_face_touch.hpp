@@ -46,6 +46,13 @@ struct NodeFaceTouch {
     prefetch(&around.rows(around.offsets(node)));
     prefetch(&node_mass(node));
   }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchAround(int node) const {
+    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
+      prefetch(&records(around.rows(k)));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION const FaceRecord& recordOfFace(int face) const {
+    return records(recordOf(face));
+  }
   KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int face) const {
     return records(recordOf(face)).body;
   }
@@ -71,9 +78,7 @@ struct NodeFaceTouch {
       const int node = contacts[k].node, face = contacts[k].face;
       faces.prefetchCorners(face, faces.surface.coordinates_new);
       faces.prefetchCorners(face, faces.surface.coordinates_old);
-      for (int around_node = around.offsets(node); around_node < around.offsets(node + 1);
-           ++around_node)
-        prefetch(&records(around.rows(around_node)));
+      prefetchAround(node);
     }
     lookAtContacts(faces, node_mass, previous, count, contacts);
   }
@@ -139,10 +144,18 @@ struct NodeFaceTouch {
     return false;
   }
 
-  // Whether the node is beyond an edge where the body's surface goes on; farther than it moves at rest.
+  // In |xi|: farther beyond an edge than a node moves at rest.
+  static constexpr double past_edge = 1 + 1e-7;
+  // Up to here a contact does not ask what there is beyond the edge, whichever it is: isPastInner() and fade() leave it as it is.
+  KOKKOS_FORCEINLINE_FUNCTION double farthestSteady() const {
+    EdgeReach reach;
+    reach.edge_tolerance = edge_tolerance;
+    return minOf(past_edge, reach.start());
+  }
+  // Whether the node is beyond an edge where the body's surface goes on.
   KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const Hit& hit) const {
-    constexpr double past = 1 + 1e-7;
-    const bool is_past[2] = {std::fabs(hit.place[0]) > past, std::fabs(hit.place[1]) > past};
+    const bool is_past[2] = {std::fabs(hit.place[0]) > past_edge,
+                             std::fabs(hit.place[1]) > past_edge};
     if (!(is_past[0] || is_past[1]) || !faces.hasAttribute(NodeFaces::true_edges_column))
       return false;
     EdgeReach reach;
@@ -200,7 +213,12 @@ struct NodeFaceTouch {
   // more than the second.
   KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
                                              const Interaction& now) const {
-    return config.penalty / (config.reference_step * config.reference_step) / now.inverse_mass;
+    return stiffnessCap(config, now.inverse_mass);
+  }
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION Real stiffnessCap(const EnforcementConfig& config,
+                                           const Real& inverse_mass) const {
+    return config.penalty / (config.reference_step * config.reference_step) / inverse_mass;
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config,
                                                  const FaceAccess& faces, const Interaction& now,

@@ -27,6 +27,7 @@ struct SelectInteractions : FindHits<Touch> {
   using Base::next;
   using Base::pairs;
   using Base::previous;
+  using Base::takePlaces;
   using Base::touch;
 
   static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
@@ -38,7 +39,6 @@ struct SelectInteractions : FindHits<Touch> {
   StillFlags still;
   SleepState sleep;
   bool has_asleep = false; // else `sleep` is not looked at
-  View<std::int64_t> next_count;
 
   // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
   struct Work {
@@ -72,13 +72,17 @@ struct SelectInteractions : FindHits<Touch> {
       if (num_to_see == 0)
         return;
     }
+    num_to_see = writeSteadyRows(to_see, num_to_see, sums);
+    if (num_to_see > 0)
+      workOn(to_see, num_to_see, sums);
+  }
+  KOKKOS_INLINE_FUNCTION void workOn(const std::int64_t* to_see, int num_to_see,
+                                     ContactSums& sums) const {
     Work work;
     for (int r = 0; r < num_to_see; ++r) {
       const std::int64_t row = to_see[r];
       const int node = pairs.node(row), count = previous.row_count(node);
-      if (count > 0)
-        still.clear(node) = 0;
-      else if (!mayBear(row, node))
+      if (count == 0 && !mayBear(row, node))
         continue;
       if (work.num_known + count > max_known)
         finish(work, sums);
@@ -88,6 +92,29 @@ struct SelectInteractions : FindHits<Touch> {
         findKnown(row, node, count, work);
     }
     finish(work, sums);
+  }
+  // Those of the listed rows whose contacts go on as they were. The others are then the first ones; returns how many they are.
+  KOKKOS_INLINE_FUNCTION int writeSteadyRows(std::int64_t* rows, int count,
+                                             ContactSums& sums) const {
+    int num_left = 0;
+    if constexpr (Touch::knows_motion) {
+      typename Base::SteadyRows steady;
+      for (int r = 0; r < count; ++r) {
+        const int node = pairs.node(rows[r]), history = previous.row_count(node);
+        if (history > 0)
+          still.clear(node) = 0;
+        if (history == 0 || !this->hasSteady() || !this->addSteady(rows[r], node, history, steady))
+          rows[num_left++] = rows[r];
+      }
+      const int num_unsteady = this->writeSteady(steady, sums);
+      for (int r = 0; r < num_unsteady; ++r)
+        rows[num_left++] = steady.rows[r];
+    } else {
+      for (; num_left < count; ++num_left)
+        if (previous.row_count(pairs.node(rows[num_left])) > 0)
+          still.clear(pairs.node(rows[num_left])) = 0;
+    }
+    return num_left;
   }
   // Whether there is neither a candidate nor a contact of the last step.
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty(std::int64_t row) const {
@@ -217,14 +244,6 @@ struct SelectInteractions : FindHits<Touch> {
       interact(node, hits, num_hits, h, has_room ? index : -1, sums);
       ++index;
     }
-  }
-
-  KOKKOS_INLINE_FUNCTION std::int64_t takePlaces(std::int64_t count) const {
-    if (!add.is_alone)
-      return Kokkos::atomic_fetch_add(next_count.data(), count);
-    const std::int64_t first = next_count();
-    next_count() = first + count;
-    return first;
   }
 };
 
