@@ -152,6 +152,8 @@ struct SteadyContacts : InteractionForces<Touch> {
   // Writes the rows that are steady; the others are then the first ones. Returns how many they are.
   KOKKOS_INLINE_FUNCTION int writeSteady(SteadyRows& steady, ContactSums& sums) const {
     using namespace steady_contacts;
+    if (steady.num_contacts < lanes) // lanes that are mostly idle cost more than they save
+      return steady.num_rows;
     known_contact::Gathered<Lanes> gathered;
     known_contact::Found<Lanes> found;
     LastStep<Lanes> last;
