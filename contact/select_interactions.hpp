@@ -12,8 +12,8 @@ namespace brickwall::contact {
 
 // Rows of candidates, one per surface node, some at once: tests the node against its candidates, chooses one face of each opposing
 // body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
-// Rows without history where no contact can begin (Touch::mayTouch, mayBeBorn, or rowsThatBear) are left as they are: row_count must be 0 before, and
-// what Touch::record() writes that of no contact. Contacts that go on are looked at together.
+// Rows without history where no contact can begin (Touch::mayTouch, mayBeBorn, or rowsThatBear) are left as they are: row_count must
+// be 0 before, and what Touch::record() writes that of no contact. Contacts that go on are looked at together.
 template <class Touch>
 struct SelectInteractions : FindHits<Touch> {
   using value_type = ContactSums;
