@@ -6,6 +6,7 @@
 #include "contact/edge_records.hpp"
 #include "contact/feature_edges.hpp"
 #include "contact/interaction_set.hpp"
+#include "contact/largest_force.hpp"
 #include "contact/pair_motion.hpp"
 #include "contact/sleeping_blocks.hpp"
 #include "contact/still_parts.hpp"
@@ -45,6 +46,10 @@ public:
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
   // Of the candidates of this step (pair_motion.hpp). Collective.
   PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
+  // Of the last step (largest_force.hpp). Collective.
+  LargestForce largestForce(const exec_space& space, MPI_Comm comm) const {
+    return largestEdgeForce(space, comm, _edges, _num_corners, _set.history());
+  }
   // Of pairs of edges (CandidateSearch::countMissedPairs). Collective.
   std::int64_t countMissedPairs(const exec_space& space) const {
     return _search.countMissedPairs(space, _edges);

@@ -3,6 +3,7 @@
 
 #include "contact/base/fixed_pack.hpp"
 #include "contact/base/lane_arrays.hpp"
+#include "contact/pair_forces.hpp"
 
 namespace brickwall::contact {
 
@@ -15,7 +16,7 @@ struct NodeQuanta {
 
   KOKKOS_FORCEINLINE_FUNCTION NodeQuanta(const Real& force, const Triple<Real>& normal,
                                          const Real (&weight)[4], double inverse_quantum) {
-    fits = fitsFixedPoint(4 * inverse_quantum * force);
+    fits = fitsFixedPoint(fixed_point_share * inverse_quantum * force);
     const Real along[3] = {normal.x, normal.y, normal.z};
     for (int d = 0; d < 3; ++d) {
       const Real whole = inverse_quantum * (force * along[d]);

@@ -20,6 +20,12 @@ struct ContactForces {
   View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
 };
 
+// Forces of a pair are to add up to less than this, for a node takes part in several.
+constexpr double fixed_point_share = 4;
+inline double largestPairForce(const Quantum& quantum) {
+  return fixed_point_limit / fixed_point_share * quantum.value;
+}
+
 struct PairForces {
   FaceAccess faces = {{}, GhostFaces::none()};
   ContactForces target;
@@ -47,7 +53,7 @@ struct PairForces {
     largest += std::fabs(besides.on_end);
     for (int j = 0; j < face_corners; ++j)
       largest += std::fabs(besides.on_corner[j]);
-    if (!fitsFixedPoint(4 * inverse_quantum * largest))
+    if (!fitsFixedPoint(fixed_point_share * inverse_quantum * largest))
       return false;
     for (int d = 0; d < 3; ++d) {
       const double whole = inverse_quantum * force[d];

@@ -4,6 +4,7 @@
 #include "contact/base/to_device.hpp"
 #include "contact/box_pairs.hpp"
 #include "contact/initial_overlap.hpp"
+#include "miniapp/body_name.hpp"
 #include "miniapp/face_name.hpp"
 #include "miniapp/search_choice.hpp"
 
@@ -13,18 +14,6 @@
 namespace brickwall::miniapp {
 
 namespace {
-
-// Bricks of a wall also as a deck's `brick` names them.
-std::string bodyName(const Config& config, global_id body) {
-  std::ostringstream name;
-  name << "body " << body;
-  if (config.wall) {
-    const io::BrickPlace at = io::WallLayout(toWallConfig(*config.wall)).brickPlace(body);
-    name << " (brick [" << at.along << ", " << at.wythe << ", " << at.course << "]: course "
-         << at.course << ", wythe " << at.wythe << ", place " << at.along << ")";
-  }
-  return name.str();
-}
 
 std::string advice(double reach) {
   std::ostringstream message;

@@ -4,9 +4,6 @@
 #include "contact/base/region.hpp"
 #include "contact/true_edges.hpp"
 #include "mechanics/central_difference.hpp"
-#include "miniapp/undo_step.hpp"
-
-#include <sstream>
 
 namespace brickwall::miniapp {
 
@@ -215,39 +212,6 @@ void Simulation::bookEnergies(double dt_kick) {
     stepBack(dt_kick);
     throw PhysicsError(failure);
   }
-}
-
-// Undoes the kick and the drift that led to a failed element, so that the last good state can be written, with its
-// forces; only those of contact stay as they are. Forces that failed were never added, so what was added is finite. The
-// start has no drift and no step before it.
-void Simulation::stepBack(double dt_kick) {
-  undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, forces(), _state);
-  _clock.time -= _clock.dt_before;
-  _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
-  computeInternalForces();
-  addLoads(_load_span_before);
-  sumSharedNodes();
-  forces();
-  if (_coupling)
-    _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
-}
-
-std::string Simulation::describeFailure() {
-  std::ostringstream message;
-  const auto failure = mechanics::agreeOnFailure(_space, _comm, _scene.mesh, _internal.failure);
-  auto contact_sums = _contact;
-  contact::sumOverRanks(_comm, contact_sums.nodes);
-  contact::sumOverRanks(_comm, contact_sums.edges);
-  message << "the computation broke down in step " << _clock.step << " (time " << _clock.time
-          << "): ";
-  if (failure.count > 0)
-    message << mechanics::describe(failure);
-  else if (contact_sums.failures() > 0)
-    message
-        << (contact_sums.nodes.failures() > 0 ? contact_sums.nodes : contact_sums.edges).problem();
-  else
-    message << "a load or an energy is not finite or beyond the range of the exact sums";
-  return message.str();
 }
 
 } // namespace brickwall::miniapp

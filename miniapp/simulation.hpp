@@ -174,7 +174,9 @@ private:
   double longestStepAtStart();
   void planSteps(double longest);
   void setUpContact();
-  std::string describeFailure();
+  std::string describeFailure(); // collective, as both
+  std::string describeLargestForce();
+  std::string cureOf(double excess) const;
 
   MPI_Comm _comm;
   const Config& _config;

@@ -1,4 +1,5 @@
-// Forces that do not fit the fixed point are counted once each, however many rounds of corrections see them, and where they belong.
+// Forces that do not fit the fixed point are counted once each, however many rounds of corrections see them, and where they belong;
+// and the largest of them is found.
 #include "contact/edge_run.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,12 @@ Scene blockOnPlate() {
   return scene;
 }
 
-EnforcementSums sumsOf(Scene scene, double times_mass, int corrections) {
+struct Outcome {
+  EnforcementSums sums;
+  LargestForce of_nodes, of_edges;
+};
+
+Outcome outcomeOf(Scene scene, double times_mass, int corrections) {
   for (double& m : scene.mass)
     m *= times_mass;
   for (Scene::Face& face : scene.faces)
@@ -39,8 +45,15 @@ EnforcementSums sumsOf(Scene scene, double times_mass, int corrections) {
                     0, c, quantum(), energyScale());
   edges.findCandidates(space, part.surface());
   const NeutralInput input = part.neutralInput(scene, std::vector<Vec3>(scene.x_new.size()));
-  return enforcement.enforce(space, part.surface(), part.ghosts(), part.pairs(), dt, &input,
-                             &edges);
+  Outcome outcome;
+  outcome.sums =
+      enforcement.enforce(space, part.surface(), part.ghosts(), part.pairs(), dt, &input, &edges);
+  outcome.of_nodes = largestForce(space, MPI_COMM_SELF, part.surface(), enforcement.history());
+  outcome.of_edges = edges.largestForce(space, MPI_COMM_SELF);
+  return outcome;
+}
+EnforcementSums sumsOf(const Scene& scene, double times_mass, int corrections) {
+  return outcomeOf(scene, times_mass, corrections).sums;
 }
 
 TEST(FailureCount, AForceOfEdgesThatDoesNotFitCountsOnceAndAmongEdges) {
@@ -63,6 +76,32 @@ TEST(FailureCount, AForceOfANodeThatDoesNotFitCountsOnce) {
     EXPECT_EQ(sums.nodes.invalid, 9 + 4) << corrections;
     EXPECT_EQ(sums.edges.invalid, 0);
   }
+}
+
+TEST(LargestForce, IsThatOfTheContactWithTheLargest) {
+  const Outcome outcome = outcomeOf(blockOnPlate(), 1, 0);
+  const LargestForce& largest = outcome.of_nodes;
+  EXPECT_GT(largest.force, 0);
+  EXPECT_FALSE(largest.is_of_edges);
+  EXPECT_NE(largest.node_body, largest.face_body);
+  EXPECT_GE(largest.node, 0);
+  EXPECT_GE(largest.face, 0);
+  EXPECT_EQ(outcome.of_edges.force, 0);
+  const Outcome heavier =
+      outcomeOf(blockOnPlate(), 1e12, 0); // forces that do not fit are told as well
+  EXPECT_NEAR(heavier.of_nodes.force / largest.force, 1e12, 1);
+  EXPECT_EQ(heavier.of_nodes.node, largest.node);
+  EXPECT_EQ(heavier.of_nodes.face, largest.face);
+}
+
+TEST(LargestForce, OfEdgesNamesBothEdges) {
+  const LargestForce largest = outcomeOf(pressedRidges(), 1e12, 2).of_edges;
+  EXPECT_TRUE(largest.is_of_edges);
+  EXPECT_GT(largest.force, largestPairForce(quantum()));
+  EXPECT_LT(outcomeOf(pressedRidges(), 1, 2).of_edges.force, largestPairForce(quantum()));
+  EXPECT_EQ(largest.node_body + largest.face_body, 1); // 0 and 1
+  EXPECT_GE(largest.node, 0);
+  EXPECT_GE(largest.face, 0);
 }
 
 } // namespace

@@ -35,6 +35,8 @@ expect() {
 # The second brick turned by a quarter to stand across the first one, as high as it: all nodes of each are beside the other or on its sides.
 crossing=(--set 'wall.brick=[4,1,1]' --set 'wall.elements=[4,1,1]' --set 'initial.deformation[0].brick=[1,0,0]'
   --set 'initial.deformation[0].gradient=[-1,-1,0,1,-1,0,0,0,0]' --set 'initial.deformation[0].center=[4,-1.5,0]')
+# Steps that are short against the elements that meet make contact stiff.
+struck=(--set time.safety=0.001 --set 'initial.velocity[0].velocity=[0.1,0,0]')
 small=(--set 'wall.bricks=[2,1,2]' --set 'wall.elements=[2,1,1]')
 for ranks in 1 3; do
   expect "a small wall passes" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 20
@@ -56,6 +58,10 @@ for ranks in 1 3; do
   grep -q '^step,.*missed_pairs' "$work/out/history.csv" || { echo "FAILED: history.csv lacks missed_pairs"; failures=$((failures + 1)); }
   expect "a brick that is too fast for contact stops the run" 3 '(node|an edge of face) [0-9]+ .*of body [0-9]+ moves by .* against (face|an edge of face) [0-9]+ .*of body [0-9]+' \
     $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' --set 'initial.velocity[0].velocity=[0.5,0,0]' --set 'contact.guard="stop"'
+  expect "contact forces beyond their range name bodies and a cure" 3 \
+    'the largest, [0-9.e+]+, is that of (node|an edge of face) [0-9]+ .*of body [0-9]+ \(brick \[.* and (face|an edge of face) [0-9]+ .*of body [0-9]+ \(brick \[.*contact\.penalty = 0\.0' \
+    $ranks run "$inputs/two_bars.toml" "${struck[@]}"
+  expect "the cure that was told works" 0 '^PASS' $ranks run "$inputs/two_bars.toml" "${struck[@]}" --set contact.penalty=0.01 --steps 2000
   expect "a step that is cut for contact is told" 0 'time step: .* for tunnelling' $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' \
     --set 'initial.velocity[0].velocity=[0.2,0,0]' --steps 100
   expect "an unknown set is named with the nearest one" 2 "front" $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
