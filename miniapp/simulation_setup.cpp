@@ -2,6 +2,7 @@
 // of steps, contact.
 #include "contact/base/mpi.hpp"
 #include "mechanics/lumped_mass.hpp"
+#include "mechanics/turned_rounding.hpp"
 #include "miniapp/loads.hpp"
 #include "miniapp/simulation.hpp"
 
@@ -50,6 +51,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   for (const MaterialConfig& material : config.materials)
     _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
+  if (!config.initial_deformations.empty())
+    mechanics::allowForTurnedBodies(_space, comm, mesh, _state.displacement, _scales);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
   restBodies();
 
