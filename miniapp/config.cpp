@@ -283,6 +283,7 @@ void readMethods(Deck& deck, Config& config) {
   config.search.method =
       choice<SearchMethod>(deck, "search", "method", {"cluster", "paper", "reference"});
   config.search.margin = deck.real("search.reuse", "margin");
+  config.search.has_margin = deck.has("search.reuse", "margin");
   config.search.jitter = deck.real("search", "jitter");
   config.search.drift = deck.real("search", "drift");
   config.search.repetitions = deck.integer("search", "repetitions");

@@ -131,7 +131,8 @@ using contact::SearchMethod;
 struct SearchConfig {
   SearchMethod method = SearchMethod::cluster;
   // reuse.margin, of the shortest edge: the lists are kept until nodes have moved half of it; 0: a search in every step
-  double margin = 0;
+  double margin = 0.1;
+  bool has_margin = false; // the deck tells it
   double jitter = 0.01; // of an edge, `brickwall search` only
   double drift = 0.01; // of an edge a step, `brickwall search` only
   std::int64_t repetitions = 10; // counted searches, `brickwall search` only

@@ -228,8 +228,8 @@ std::vector<BlockRule> methodBlocks() {
        "lists of candidates kept over several steps; the contact forces are the same bit for bit",
        {real("margin", "",
              "of the shortest edge: boxes larger by it, a search when nodes have moved half of it; "
-             "0: in every step")
-            .byDefault("0.0")
+             "0: in every step; brickwall search: 0 where not given")
+            .byDefault("0.1")
             .atLeast(0)
             .atMost(10)}},
       {"spare",

@@ -32,7 +32,7 @@ public:
       : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
         _edge(shortestEdge(*config.wall)), _moving(makeSurface()),
         _search(comm, searchConfig(config, config.contact.tolerance * _edge, false),
-                config.search.margin * _edge) {}
+                margin() * _edge) {}
 
   int execute() {
     const std::string file = _options.output_directory + "/search.json";
@@ -52,6 +52,8 @@ public:
   }
 
 private:
+  // Repetitions search, unless the deck wants lists to be kept.
+  double margin() const { return _config.search.has_margin ? _config.search.margin : 0; }
   // The host's copy of the surface ends here: it is no part of what the search needs.
   SearchSurface makeSurface() {
     const SearchConfig& search = _config.search;
@@ -115,7 +117,7 @@ private:
     report.seed = _config.search.seed;
     report.warmup = _config.search.warmup;
     report.repetitions = _config.search.repetitions;
-    report.margin = _config.search.margin;
+    report.margin = margin();
     report.searches = _search.searches() - _searches_before;
     report.first_seconds = _first_seconds;
     report.seconds = {_recorder.secondsPerStep(whole), _recorder.secondsPerStep(global),

@@ -201,7 +201,8 @@ TEST(TunnellingGuard, DecidesAlikeOnAnyRanksAndWithAnyMargin) {
       "0.2\n[[initial.velocity]]\nbrick = [0, 0, 0]\nvelocity = [0.3, 0.01, 0.1]\n"
       "[[initial.velocity]]\nbrick = [1, 0, 1]\nvelocity = [-0.1, 0, -0.3]\n"
       "[contact]\ntolerance = 0.1\n[time]\nend = 3.0\n";
-  Case whole(deck, MPI_COMM_SELF), cut(deck);
+  const std::string every_step = deck + "[search.reuse]\nmargin = 0.0\n";
+  Case whole(every_step, MPI_COMM_SELF), cut(every_step);
   Case kept(deck + "[search.reuse]\nmargin = 0.5\n");
   for (Case* bricks : {&whole, &cut, &kept})
     run(*bricks);

@@ -79,6 +79,8 @@ for ranks in 1 3; do
   expect "a nearly incompressible wall runs, though its forces are coarse" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set material.brick.poissons_ratio=0.499999 --set 'load.pressure[0].wave_speed=0' --steps 30
   expect "the search alone runs" 0 '^PASS' $ranks search "$inputs/wall_17k.toml" --set search.repetitions=2
+  expect "the search alone searches each time where the deck does not tell" 0 'FOM face_searches_per_second=[1-9]' $ranks \
+    search "$inputs/two_bars.toml"
   expect "the reference search alone runs" 0 '^PASS' $ranks search "$inputs/brick_wall.toml" "${small[@]}" --set 'search.method="reference"'
   output=/dev/null/x
   expect "an output folder that cannot be made fails" 4 '/dev/null/x' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 2

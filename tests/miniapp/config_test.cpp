@@ -73,7 +73,8 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   EXPECT_EQ(config.search.method, SearchMethod::cluster);
   EXPECT_FALSE(config.search.shuffle);
   EXPECT_TRUE(config.search.local);
-  EXPECT_EQ(config.search.margin, 0); // performance decks search in every step
+  EXPECT_EQ(config.search.margin, 0.1);
+  EXPECT_FALSE(config.search.has_margin); // `brickwall search` then searches each time
   EXPECT_FALSE(config.viscosity.any());
   EXPECT_EQ(config.mass_damping, 0);
   EXPECT_EQ(config.time.safety, 0.9);
@@ -178,6 +179,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_TRUE(config.search.shuffle);
   EXPECT_FALSE(config.search.local);
   EXPECT_EQ(config.search.margin, 0.25);
+  EXPECT_TRUE(config.search.has_margin);
   EXPECT_EQ(*config.time.steps, 7);
   EXPECT_EQ(config.time.bound, StepBound::element);
   EXPECT_EQ(config.output.file_format, FileFormat::netcdf4);

@@ -2,7 +2,7 @@
 import numpy as np
 from charts import COSTS
 from front import by_setting, cheapest, cost_at, digit_price, front
-from scene import DEFAULT, REUSE
+from scene import DEFAULT, EVERY_STEP, KEPT
 
 ELEMENT_STEPS, SECONDS = (cost for _, cost in COSTS)
 LEAST_RANGE = 3  # of errors, to tell an order
@@ -77,7 +77,7 @@ def reuse_rows(result):
     found = {(point.setting, point.mesh): point for point in result.points}
     rows = []
     for mesh in result.scene.sizes:
-        base, kept = found.get((DEFAULT, mesh)), [found.get((setting, mesh)) for setting in REUSE]
+        base, kept = found.get((EVERY_STEP, mesh)), [found.get((setting, mesh)) for setting in KEPT]
         if base is None or None in kept:
             continue
         rows.append([f"{result.scene.name}, {mesh}", f"{base.seconds:.3g}",
@@ -95,9 +95,10 @@ def same_course(one, other):
 
 def changed_by_reuse(results):
     """How many pairs of runs were compared, and the points whose kept lists changed a bit."""
-    bases = {(id(result), point.mesh): point for result in results for point in result.points if point.setting == DEFAULT}
-    kept = [(bases.get((id(result), point.mesh)), point) for result in results for point in result.points if point.setting in REUSE]
-    return len(kept), [point for base, point in kept if base is None or not same_course(base, point)]
+    bases = {(id(result), point.mesh): point for result in results for point in result.points if point.setting == EVERY_STEP}
+    kept = [(bases[id(result), point.mesh], point) for result in results for point in result.points
+            if point.setting in KEPT and (id(result), point.mesh) in bases]
+    return len(kept), [point for base, point in kept if not same_course(base, point)]
 
 
 def losses(results, choose=lambda points: points):

@@ -15,18 +15,19 @@ def setting(group, **changes):
 SHORT = {"safety": "time.safety", "penalty": "contact.penalty", "scheme": "contact.scheme", "edges": "contact.edges",
          "element": "element.formulation", "margin": "search.reuse.margin"}
 STEPS = [setting("time step", safety=value) for value in (0.5, 0.65, 0.95)]
-PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 0.9, 1.0)]
+PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 1.0)]
 SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) for value in (0.05, 0.1, 0.25, 0.5)]
 FULL = setting("element", element="full")
 PLAIN = setting("scheme, edges", scheme="penalty")
 NO_EDGES = setting("scheme, edges", edges=False)
-REUSE = [setting("reuse", margin=value) for value in (0.1, 0.25, 0.5)]
-COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", penalty=0.9, margin=0.25),
-            setting("several", penalty=0.75, safety=0.5, margin=0.25),
-            setting("several", penalty=0.75, edges=False, margin=0.25),
+EVERY_STEP = setting("reuse", margin=0.0)  # searches
+REUSE = [EVERY_STEP, *(setting("reuse", margin=value) for value in (0.25, 0.5))]
+KEPT = [DEFAULT, *REUSE[1:]]  # the default keeps lists by a margin of .1
+COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", safety=0.95, margin=0.25),
+            setting("several", penalty=0.75, safety=0.5), setting("several", penalty=0.75, edges=False),
             setting("several", penalty=0.75, edges=False, scheme="penalty", margin=0.25)]
 # What finer meshes are run with.
-FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75, 0.9)), *COMBINED[:2]]
+FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75)), *COMBINED[:2]]
 
 
 class Scene:
