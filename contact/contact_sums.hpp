@@ -11,7 +11,9 @@ namespace brickwall::contact {
 
 // Energies of contact: those in springs, at the half step n+1/2; works on the bodies, of the forces of step n.
 enum ContactTerm : int {
-  spring_stored, // sum of k p^n p^{n+1}/2, beyond edges as storedBetween(): the contact term of the half-step energy gauge
+  // sum of k p^n p^{n+1}/2, beyond edges as storedBetween(), in the second step of a contact as toBeReturned(): the contact term of
+  // the half-step energy gauge
+  spring_stored,
   friction_stored, // sum of t^n . t^{n+1}/(2 k_t)
   spring_work, // of edges only
   damping_work,

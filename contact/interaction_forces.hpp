@@ -57,11 +57,11 @@ struct InteractionForces {
       fading.work = workOf(fading, motion, now, hit.face);
     addTo(sums, now, hit);
     if (goesOn(hit)) {
-      const double stored =
-          storedBetween(previous.interactions(hit.previous), now, hit, fading.work);
-      sums.terms.add(spring_stored, stored, energy_scale);
+      const Interaction& last = previous.interactions(hit.previous);
+      const double held = storedBetween(last, now, hit, fading.work);
+      sums.terms.add(spring_stored, toBeReturned(held, now.stored, last.is_new != 0), energy_scale);
       if (config.scheme == Scheme::energy_neutral)
-        followWork(now, stored);
+        followWork(now, held);
     }
     FrictionSpring friction;
     if (config.friction > 0)
@@ -152,6 +152,17 @@ struct InteractionForces {
     const auto follows = (tapered > Real(0.0)) & (magnitude(missing) > noise * magnitude(stored));
     const Real change = minOf(maxOf(missing / force, -most * depth), most * depth);
     return where(follows, offset - change, offset);
+  }
+
+  // What a contact that began in the step before is booked to store. Its first force was corrected, to nothing where its end was in
+  // sight, and so will be that of this step: if the contact ends with it, it gives back the work done on it, and not what the
+  // spring, whose force has hardly acted, seems to hold. From the next step on the spring answers for what it holds.
+  template <class Real, class Mask>
+  KOKKOS_FORCEINLINE_FUNCTION Real toBeReturned(const Real& held, const Real& stored,
+                                                const Mask& was_new) const {
+    if (config.scheme != Scheme::energy_neutral)
+      return held;
+    return where(was_new, minOf(held, maxOf(stored, Real(0.0))), held);
   }
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.

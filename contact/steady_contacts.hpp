@@ -15,7 +15,7 @@ template <class Real>
 struct LastStep {
   static constexpr int width = NumLanes<Real>::value;
   double depth[width], offset[width], stiffness[width], stored[width], force[width], closing[width];
-  double normal[3][width], face_area[width], is_facing[width];
+  double normal[3][width], face_area[width], is_facing[width], was_new[width];
 
   KOKKOS_FORCEINLINE_FUNCTION void take(int lane, const Interaction& last, double area,
                                         bool faces) {
@@ -29,6 +29,7 @@ struct LastStep {
       normal[d][lane] = last.normal[d];
     face_area[lane] = area;
     is_facing[lane] = faces;
+    was_new[lane] = last.is_new;
   }
 };
 
@@ -244,7 +245,7 @@ struct SteadyContacts : InteractionForces<Touch> {
     storeLanes(stored, now.stored);
     storeLanes(-dot(normal, loadTriple<Real>(found.motion)), now.closing);
     storeLanes(force, now.first_force);
-    storeLanes(held, now.held);
+    storeLanes(this->toBeReturned(held, stored, loadLanes<Real>(last.was_new) == one), now.held);
     storeLanes(penetration, now.penetration);
     storeLanes(penetration / squareRoot(loadLanes<Real>(last.face_area)), now.relative_penetration);
     storeLanes(where(is_kept & quanta.fits & (depth > Real(0.0)), one, Real(0.0)), now.is_steady);
