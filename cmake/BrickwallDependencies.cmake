@@ -5,11 +5,6 @@ find_package(Kokkos 3.4 REQUIRED CONFIG)
 if("CUDA" IN_LIST Kokkos_DEVICES)
   # nvcc leaves typedefs of its own in lambdas.
   target_compile_options(brickwall_flags INTERFACE -Wno-unused-local-typedefs)
-  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-    # nvcc fuses multiplications and additions across statements, as each kernel's optimisation goes; without, device
-    # arithmetic is the host's, and all kernels that call one function agree on its bits.
-    target_compile_options(brickwall_flags INTERFACE -fmad=false)
-  endif()
 endif()
 find_package(Threads REQUIRED)
 if(BRICKWALL_EXECUTION_SPACE)

@@ -2,6 +2,7 @@
 include(CTest) # defines BUILD_TESTING
 
 option(BRICKWALL_NATIVE "Build our own targets for this machine's processor (-march=native)" ON)
+option(BRICKWALL_LANES "On processors, take elements and nodes at once in SIMD lanes; OFF: one by one as devices do, for tests" ON)
 option(BRICKWALL_WERROR "Treat warnings in our own code as errors" OFF)
 set(BRICKWALL_EXECUTION_SPACE "" CACHE STRING "Kokkos execution space, e.g. Serial, OpenMP, Cuda (default: Kokkos' own)")
 set(BRICKWALL_SANITIZE "" CACHE STRING "Sanitizers for our own targets, e.g. address,undefined")
@@ -14,10 +15,7 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 # Usage requirements that every target of ours shares, and nobody else's.
 add_library(brickwall_flags INTERFACE)
-# -ffp-contract=on contracts a*b+c within one expression only, as the source spells it: the element
-# arithmetic is then the same in every kernel that calls the same function. g++ 12 takes
-# "on" as "off"; clang and nvcc honour it.
-target_compile_options(brickwall_flags INTERFACE -Wall -Wextra -ffp-contract=on)
+target_compile_options(brickwall_flags INTERFACE -Wall -Wextra)
 if(BRICKWALL_WERROR)
   target_compile_options(brickwall_flags INTERFACE -Werror)
 endif()

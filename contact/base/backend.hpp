@@ -39,11 +39,19 @@ using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int6
 constexpr bool host_accessible =
     Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
 
-// Elements that one thread takes at once in SIMD lanes (contact/base/pack.hpp); 1 on a device, whose lanes are threads.
-constexpr int simd_width = std::is_same<exec_space, host_exec_space>::value ? 8 : 1;
+// Whether threads have SIMD lanes to fill; on a device the lanes are threads. The option BRICKWALL_LANES=OFF says no, so that
+// the code of devices can be tested on processors.
+#if defined(BRICKWALL_ONE_LANE)
+constexpr bool fills_lanes = false;
+#else
+constexpr bool fills_lanes = std::is_same<memory_space, Kokkos::HostSpace>::value;
+#endif
 
-// Nodes that the contact search takes at once: the lanes of a SIMD register; 1 on a device, whose lanes are threads.
-constexpr int cluster_size = std::is_same<exec_space, host_exec_space>::value ? 16 : 1;
+// Elements that one thread takes at once in SIMD lanes (contact/base/pack.hpp).
+constexpr int simd_width = fills_lanes ? 8 : 1;
+
+// Nodes that the contact search takes at once: the lanes of a SIMD register.
+constexpr int cluster_size = fills_lanes ? 16 : 1;
 
 // One launch policy over [0, n) on the given space instance.
 inline range_policy over(const exec_space& space, std::int64_t n) {
@@ -128,6 +136,21 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetch(const void* address) {
   __builtin_prefetch(address);
 #else
   (void)address;
+#endif
+}
+
+// Lanes of two vectors (contact/base/pack.hpp) together by number: 0 .. W-1 are a's, W .. 2W-1 b's. Numbers are constants, so
+// that this is one instruction.
+template <class V, class Numbers>
+KOKKOS_FORCEINLINE_FUNCTION V shuffled(const V& a, const V& b, const Numbers& lanes) {
+#if defined(__clang__)
+  constexpr int width = sizeof(Numbers) / sizeof(lanes[0]);
+  V to;
+  for (int lane = 0; lane < width; ++lane)
+    to[lane] = lanes[lane] < width ? a[lanes[lane]] : b[lanes[lane] - width];
+  return to;
+#else
+  return __builtin_shuffle(a, b, lanes);
 #endif
 }
 

@@ -149,12 +149,6 @@ inline MaskPackOf<W> operator!(const MaskPackOf<W>& a) {
   return ~a.v;
 }
 
-// Lanes of a and b together by number: 0 .. W-1 are a's, W .. 2W-1 b's.
-template <class V, class Numbers>
-KOKKOS_FORCEINLINE_FUNCTION V shuffled(const V& a, const V& b, const Numbers& lanes) {
-  return __builtin_shuffle(a, b, lanes);
-}
-
 // Whether a lane is not zero.
 template <class Integers>
 inline bool anyLane(const Integers& mask) {

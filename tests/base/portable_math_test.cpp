@@ -43,6 +43,13 @@ TEST(PortableMath, AgreesWithLongDoubleToFourUlp) {
   EXPECT_LE(worst_sinc, four_ulp); // the reference errs by 2^-64/s^2, at s = 1/16 a 16th of an ulp
 }
 
+// What all our bits depend on (contact/CMakeLists.txt). (1 + 2^-30)^2 = 1 + 2^-29 + 2^-60: fused with the addition the last
+// part would stay.
+TEST(PortableMath, NoMultiplicationIsFusedWithAnAddition) {
+  const volatile double a = 1 + 0x1p-30, c = -(1 + 0x1p-29);
+  EXPECT_EQ(a * a + c, 0.0);
+}
+
 TEST(PortableMath, KeepsTheEndsOfItsRanges) {
   EXPECT_EQ(portableLog1p(0), 0);
   EXPECT_EQ(portableLog1p(-1), -HUGE_VAL);
