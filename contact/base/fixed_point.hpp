@@ -9,6 +9,13 @@
 
 namespace brickwall {
 
+// The least e with x <= 2^e, x > 0; to the bit, which the logarithm is not.
+inline int exponentAbove(double x) {
+  int exponent = 0;
+  const double mantissa = std::frexp(x, &exponent); // [1/2, 1)
+  return mantissa > 0.5 ? exponent : exponent - 1;
+}
+
 // A power of two: one unit of a fixed-point force, in units of force.
 struct Quantum {
   double value = 1;
@@ -18,7 +25,7 @@ struct Quantum {
   }
   // The quantum 2^(ceil(log2 F) - 54) for the largest force scale F > 0.
   static Quantum forForceScale(double largest_force) {
-    return powerOfTwo(static_cast<int>(std::ceil(std::log2(largest_force))) - 54);
+    return powerOfTwo(exponentAbove(largest_force) - 54);
   }
 };
 
@@ -43,7 +50,7 @@ struct LimbScale {
   double low_quantum = 1, low_inverse = 1;
   double tail_quantum = 1, tail_inverse = 1;
   static LimbScale forLargest(double largest) {
-    const int e = largest > 0 ? static_cast<int>(std::ceil(std::log2(largest))) : 0;
+    const int e = largest > 0 ? exponentAbove(largest) : 0;
     return {std::ldexp(1.0, e - 34), std::ldexp(1.0, 34 - e),  std::ldexp(1.0, e - 68),
             std::ldexp(1.0, 68 - e), std::ldexp(1.0, e - 102), std::ldexp(1.0, 102 - e)};
   }

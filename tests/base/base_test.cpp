@@ -22,6 +22,7 @@ TEST(FixedPointTest, QuantumIsTheStatedPowerOfTwo) {
   EXPECT_EQ(Quantum::forForceScale(1.0).value, 0x1p-54);
   EXPECT_EQ(Quantum::forForceScale(1.5).value, 0x1p-53);
   EXPECT_EQ(Quantum::forForceScale(1e6).value, 0x1p-34); // 2^20 >= 1e6
+  EXPECT_EQ(Quantum::forForceScale(std::nextafter(0x1p20, 2e6)).value, 0x1p-33); // log2 says 20
   EXPECT_EQ(Quantum::powerOfTwo(-7).value * Quantum::powerOfTwo(-7).inverse, 1.0);
 }
 
