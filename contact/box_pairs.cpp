@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/candidate_search.hpp"
 
 #include <algorithm>
@@ -17,8 +18,8 @@ struct BodyBox {
 
 // Of this rank's nodes.
 std::map<global_id, Box> boxesOfBodies(const Surface& surface) {
-  const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), surface.coordinates_new);
-  const auto bodies = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), surface.node_body);
+  const auto x = toHost(surface.coordinates_new);
+  const auto bodies = toHost(surface.node_body);
   std::map<global_id, Box> boxes;
   for (int node = 0; node < surface.num_nodes;) {
     const global_id body = bodies(node);

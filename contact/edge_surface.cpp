@@ -1,6 +1,7 @@
 // See edge_surface.hpp.
 #include "contact/edge_surface.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "contact/edge_touch.hpp"
 
 #include <algorithm>
@@ -8,11 +9,6 @@
 
 namespace brickwall::contact {
 namespace {
-
-template <class ViewType>
-auto hostCopy(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
 
 // A device View filled on the host by set(host view).
 template <class ViewType, class Set, class... Extents>
@@ -31,7 +27,7 @@ constexpr global_id first_edge_node_id = global_id(1) << 60;
 
 // Nodes of the host's surface at the corners of the listed faces, ascending.
 std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges) {
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
+  const auto face_to_nodes = toHost(surface.face_to_nodes);
   std::vector<int> corners;
   for (const FeatureEdge& edge : edges.convex)
     for (int j = 0; j < 4; ++j)
@@ -49,10 +45,10 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   const int num_corners = static_cast<int>(corners.size());
   const int num_edges = static_cast<int>(edges.convex.size());
   const int num_nodes = num_corners + num_edges;
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
-  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
-  const auto node_body = hostCopy(surface.node_body), face_body = hostCopy(surface.face_body);
-  const auto attributes = hostCopy(surface.face_attributes);
+  const auto face_to_nodes = toHost(surface.face_to_nodes);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
+  const auto node_body = toHost(surface.node_body), face_body = toHost(surface.face_body);
+  const auto attributes = toHost(surface.face_attributes);
   const auto idOf = [&](int e) {
     return 4 * face_ids(edges.convex[e].face) + edges.convex[e].edge;
   };
@@ -125,7 +121,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   made.corner_to_node = filled<View<int*>>(
       space, "contact::EdgeContact::corner_to_node",
       [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, num_corners);
-  const auto masses = hostCopy(node_mass);
+  const auto masses = toHost(node_mass);
   made.corner_mass = filled<View<double*>>(
       space, "contact::EdgeContact::corner_mass",
       [&](auto& v) {

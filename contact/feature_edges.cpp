@@ -2,6 +2,7 @@
 #include "contact/feature_edges.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/projection.hpp"
 
 #include <algorithm>
@@ -9,11 +10,6 @@
 
 namespace brickwall::contact {
 namespace {
-
-template <class ViewType>
-auto hostCopy(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
 
 struct EdgeRecord {
   global_id low_node, high_node, face_id;
@@ -36,9 +32,9 @@ struct EdgeReply {
 };
 
 std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Surface& surface) {
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
-  const auto x = hostCopy(surface.coordinates_new);
-  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
+  const auto face_to_nodes = toHost(surface.face_to_nodes);
+  const auto x = toHost(surface.coordinates_new);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
   std::vector<std::vector<EdgeRecord>> records(num_ranks);
   for (int face = 0; face < surface.num_faces; ++face) {
     Quad quad;
@@ -104,9 +100,9 @@ struct EndReply {
 // Whether the ends of convex edges meet another one head-on, told by the rank that the node's id chooses.
 void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<FeatureEdge>& edges) {
   const int num_ranks = sizeOf(comm);
-  const auto face_to_nodes = hostCopy(surface.face_to_nodes);
-  const auto x = hostCopy(surface.coordinates_new);
-  const auto node_ids = hostCopy(surface.node_ids), face_ids = hostCopy(surface.face_ids);
+  const auto face_to_nodes = toHost(surface.face_to_nodes);
+  const auto x = toHost(surface.coordinates_new);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
   std::vector<std::vector<EdgeEnd>> ends(num_ranks);
   for (std::size_t i = 0; i < edges.size(); ++i)
     for (int end = 0; end < 2; ++end) {

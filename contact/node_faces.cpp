@@ -13,19 +13,14 @@ namespace brickwall::contact {
 namespace {
 
 template <class ViewType>
-using HostCopy =
-    decltype(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), std::declval<ViewType>()));
-template <class ViewType>
-HostCopy<ViewType> copyToHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
+using HostCopy = decltype(toHost(std::declval<ViewType>()));
 
 // The surface on the host, for set-up.
 struct HostSurface {
   explicit HostSurface(const Surface& s)
-      : num_nodes(s.num_nodes), num_faces(s.num_faces), face_to_nodes(copyToHost(s.face_to_nodes)),
-        node_ids(copyToHost(s.node_ids)), face_ids(copyToHost(s.face_ids)),
-        owned(copyToHost(s.node_is_owned)), attributes(copyToHost(s.face_attributes)) {}
+      : num_nodes(s.num_nodes), num_faces(s.num_faces), face_to_nodes(toHost(s.face_to_nodes)),
+        node_ids(toHost(s.node_ids)), face_ids(toHost(s.face_ids)), owned(toHost(s.node_is_owned)),
+        attributes(toHost(s.face_attributes)) {}
 
   // Calls visit(corner node) for each distinct corner of a face.
   template <class Visit>

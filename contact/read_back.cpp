@@ -1,18 +1,17 @@
 #include "contact/read_back.hpp"
 
+#include "contact/base/to_device.hpp"
+
 namespace brickwall::contact {
 
 std::vector<IdPair> candidateIds(const exec_space& space, const Surface& surface,
                                  const GhostFaces& ghosts, const CandidatePairs& pairs) {
-  const auto onHost = [](const auto& view) {
-    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-  };
   space.fence();
-  const auto row_nodes = onHost(pairs.row_nodes), row_begin = onHost(pairs.row_begin);
-  const auto faces = onHost(pairs.faces);
-  const auto block_begin = onHost(pairs.block_begin);
-  const auto node_ids = onHost(surface.node_ids), face_ids = onHost(surface.face_ids);
-  const auto ghost_ids = onHost(ghosts.face_ids);
+  const auto row_nodes = toHost(pairs.row_nodes), row_begin = toHost(pairs.row_begin);
+  const auto faces = toHost(pairs.faces);
+  const auto block_begin = toHost(pairs.block_begin);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
+  const auto ghost_ids = toHost(ghosts.face_ids);
   std::vector<IdPair> ids;
   ids.reserve(static_cast<std::size_t>(pairs.count));
   for (int row = 0; row < pairs.num_rows; ++row) {

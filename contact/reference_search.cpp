@@ -1,20 +1,14 @@
 #include "contact/reference_search.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "contact/candidate_rules.hpp"
 
 namespace brickwall::contact {
-namespace {
-
-template <class ViewType>
-auto onHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
-} // namespace
+namespace {} // namespace
 
 void referenceCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
                          const std::vector<Box>& rank_boxes, PartnerLists& lists) {
-  const auto host_boxes = onHost(boxes);
+  const auto host_boxes = toHost(boxes);
   std::vector<int> rows;
   for (std::size_t p = 0; p < rank_boxes.size(); ++p) {
     for (int row = 0; row < num_rows; ++row)
@@ -28,9 +22,9 @@ void referenceCandidates(const exec_space& space, const View<const Box*>& boxes,
 std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>& face_boxes,
                                  const PartnerLists& faces_to_test, const RemoteNodeBoxes& remote,
                                  PartnerLists& faces_to_send) {
-  const auto faces = onHost(faces_to_test.rows);
-  const auto boxes = onHost(face_boxes);
-  const auto nodes = onHost(remote.boxes);
+  const auto faces = toHost(faces_to_test.rows);
+  const auto boxes = toHost(face_boxes);
+  const auto nodes = toHost(remote.boxes);
   std::vector<int> kept;
   for (std::size_t p = 0; p < faces_to_test.ranks.size(); ++p) {
     for (std::int64_t i = faces_to_test.offsets[p]; i < faces_to_test.offsets[p + 1]; ++i) {
@@ -50,8 +44,8 @@ std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>
 void referencePairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                     const View<const Box*>& node_boxes, const View<const Box*>& face_boxes,
                     bool drop_same_body, View<std::int64_t*>& row_offsets, CandidatePairs& pairs) {
-  const auto nodes = onHost(node_boxes), faces = onHost(face_boxes);
-  const auto owned = onHost(surface.node_is_owned);
+  const auto nodes = toHost(node_boxes), faces = toHost(face_boxes);
+  const auto owned = toHost(surface.node_is_owned);
   const PairRules<Kokkos::HostSpace> rules(surface, ghosts, drop_same_body);
   const int num_faces = surface.num_faces + ghosts.count;
   std::vector<std::int64_t> offsets(1, 0);

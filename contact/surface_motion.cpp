@@ -32,7 +32,7 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
       _last(allocate<View<double* [3]>>(space, label + "::last_coordinates", surface.num_nodes)),
       _flags(label + "::still_nodes", surface.num_nodes) {
   _still = _flags;
-  const auto body = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), surface.node_body);
+  const auto body = toHost(surface.node_body);
   std::vector<global_id> bodies;
   for (int node = 0; node < surface.num_nodes; ++node)
     if (node == 0 || body(node) != body(node - 1))

@@ -2,6 +2,7 @@
 
 #include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "mechanics/combine_by_body.hpp"
 #include "mechanics/hex8_geometry.hpp"
 #include "mechanics/host_mesh.hpp"
@@ -99,8 +100,7 @@ BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& m
 
   BodyTypes result;
   // A cut body's first node is on one of its ranks at least, and perhaps on several: the one that owns it counts.
-  const auto is_owned =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.node_is_owned);
+  const auto is_owned = toHost(mesh.node_is_owned);
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
     const ElementRange& body = mesh.bodies[b];
     result.representative.push_back(types[b].lowest);

@@ -18,12 +18,8 @@ struct HostMesh {
 
 inline HostMesh copyToHost(const exec_space& space, const HexMesh& mesh) {
   space.fence();
-  const Kokkos::HostSpace host;
-  const auto copy = [&](const auto& view) {
-    return Kokkos::create_mirror_view_and_copy(host, view);
-  };
-  return {copy(mesh.elem_to_nodes), copy(mesh.elem_ids),  copy(mesh.node_ids),
-          copy(mesh.elem_block),    copy(mesh.materials), copy(mesh.reference_coordinates)};
+  return {toHost(mesh.elem_to_nodes), toHost(mesh.elem_ids),  toHost(mesh.node_ids),
+          toHost(mesh.elem_block),    toHost(mesh.materials), toHost(mesh.reference_coordinates)};
 }
 
 } // namespace brickwall::mechanics

@@ -2,6 +2,7 @@
 
 #include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "mechanics/body_types.hpp"
 #include "mechanics/host_mesh.hpp"
 #include "mechanics/lumped_mass.hpp"
@@ -43,9 +44,8 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
                                   const SharedNodeLists& shared, const View<const double*>& mass,
                                   const BodyTypes& types) {
   const HostMesh host = copyToHost(space, mesh);
-  const Kokkos::HostSpace host_space;
-  const auto is_owned = Kokkos::create_mirror_view_and_copy(host_space, mesh.node_is_owned);
-  const auto host_mass = Kokkos::create_mirror_view_and_copy(host_space, mass);
+  const auto is_owned = toHost(mesh.node_is_owned);
+  const auto host_mass = toHost(mass);
   Representatives chosen;
   std::vector<int> local(static_cast<std::size_t>(mesh.num_nodes), -1); // node there of node here
   std::vector<int> elem_nodes, elem_block;

@@ -1,5 +1,6 @@
 #include "mechanics/resting_bodies.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "mechanics/host_mesh.hpp"
 
 #include <cmath>
@@ -45,8 +46,8 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
     : _first_row(firstRows(mesh)), _num_nodes(mesh.num_nodes) {
   const int num_bodies = static_cast<int>(mesh.bodies.size());
   const auto body_of = bodyOfNodes(copyToHost(space, mesh), mesh, _first_row, num_bodies);
-  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.displacement);
-  const auto v = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.velocity);
+  const auto u = toHost(state.displacement);
+  const auto v = toHost(state.velocity);
   std::vector<int> rests(num_bodies + 1, dot(gravity, gravity) == 0);
   rests[num_bodies] = 0;
   for (int node = 0; node < _num_nodes; ++node)

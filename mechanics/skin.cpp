@@ -1,5 +1,6 @@
 #include "mechanics/skin.hpp"
 
+#include "contact/base/to_device.hpp"
 #include "mechanics/host_mesh.hpp"
 #include "mechanics/skin_exchange.hpp"
 
@@ -158,8 +159,7 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
 
 std::vector<int> sideNodes(const HexMesh& mesh, const std::vector<int>& elems,
                            const std::vector<int>& sides) {
-  const auto elem_to_nodes =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.elem_to_nodes);
+  const auto elem_to_nodes = toHost(mesh.elem_to_nodes);
   std::vector<int> nodes;
   for (std::size_t f = 0; f < elems.size(); ++f)
     for (const int c : hex8_sides[sides[f]])

@@ -1,4 +1,4 @@
-// Host arrays of the set-up as device Views.
+// Host arrays of the set-up as device Views, and back.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -32,6 +32,12 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
 template <class T>
 View<T*> toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
   return toDevice<View<T*>>(space, label, values);
+}
+
+// A View that the host can read; the same one where it can anyway. Fences.
+template <class ViewType>
+auto toHost(const ViewType& view) {
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
 }
 
 } // namespace brickwall
