@@ -19,6 +19,7 @@ struct EdgeBirthLimits {
   double least_sine; // of the angle between the edges, and of those to their faces
   double reach; // beyond the ends of edges, in lengths
   double deepest; // of the shorter edge
+  double across; // an edge that spans a side is longer than so many of its widths
 };
 
 namespace edge_births {
@@ -116,7 +117,20 @@ struct Surroundings {
   static constexpr int width = NumLanes<Real>::value;
   PointsOfPairs<Real, 4> corners;
   double cosine[2][width], sine[2][width]; // of own and other
+  double narrower[2][width]; // width of the sides of own and other, the lesser one
 };
+
+// Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and not on its rim either where the
+// other edge, of this squared length, may span a side.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
+leadsIn(const InCone<Real>& cone, const Real& sign, const Real& squared_length,
+        const Real& narrower, const EdgeBirthLimits& limits) {
+  const double across = (1 - slack) * limits.across;
+  const auto is_short = squared_length < across * across * narrower * narrower;
+  return cone.isOutside(sign, -limits.least_sine) |
+         (is_short & cone.isOutside(sign, limits.least_sine));
+}
 
 // Lanes whose edges have crossed, between their faces; of edges that lanesAcross() has let pass.
 template <class Real>
@@ -139,8 +153,8 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
   const auto is_out = (depth * depth > deepest * aa) | (depth * depth > deepest * bb) |
                       ((outward > Real(slack)) & (depth <= zero)) |
                       ((outward < Real(-slack)) & (-depth <= zero)) | // -n is the normal
-                      in_own.isOutside(-sign, limits.least_sine) |
-                      in_other.isOutside(sign, limits.least_sine);
+                      leadsIn(in_own, -sign, bb, loadLanes<Real>(pairs.narrower[0]), limits) |
+                      leadsIn(in_other, sign, aa, loadLanes<Real>(pairs.narrower[1]), limits);
   return bitsOf(!is_out);
 }
 
@@ -169,7 +183,7 @@ struct EdgeBirths {
   const FaceAccess& faces;
   const EdgeRecords& records;
   EdgeBirthLimits limits;
-  int cosine_column, sine_column; // of face attributes
+  int cosine_column, sine_column, width_column; // of face attributes
   unsigned rows = 0; // bit r: row r has such a pair
   edge_births::Waiting<Real> near, crossed;
 
@@ -192,6 +206,9 @@ private:
     for (int j = 2; j < 4; ++j)
       if (faces.isOwn(edge))
         faces.prefetchRow(faces.surface.coordinates_new, faces.surface.face_to_nodes(edge, j));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double narrowerSide(int edge) const {
+    return minOf(faces.attribute(edge, width_column), faces.attribute(edge, width_column + 1));
   }
   KOKKOS_INLINE_FUNCTION void testNear() {
     edge_births::PointsOfPairs<Real, 2> ends;
@@ -219,6 +236,8 @@ private:
       pairs.sine[0][lane] = faces.attribute(own, sine_column);
       pairs.cosine[1][lane] = faces.attribute(other, cosine_column);
       pairs.sine[1][lane] = faces.attribute(other, sine_column);
+      pairs.narrower[0][lane] = narrowerSide(own);
+      pairs.narrower[1][lane] = narrowerSide(other);
     }
     const unsigned lanes = edge_births::lanesInDepth<Real>(pairs, limits);
     for (int lane = 0; lane < crossed.count; ++lane)

@@ -77,7 +77,8 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch&, const FaceAcces
     return apart;
   const double outside = maxOf(own.outside(-normal), other.outside(normal));
   if (outside > least_outside) {
-    apart.most_spread = minOf(limit, minOf(sure, outside - 1e-9) / rate);
+    const double room_outside = outside - EdgeTouch::least_sine - 1e-9; // on the rim they may begin
+    apart.most_spread = minOf(limit, minOf(sure, room_outside) / rate);
     return apart;
   }
   const Vec3 between = own.quad.corner[0] - other.quad.corner[0];

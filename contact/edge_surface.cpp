@@ -115,6 +115,8 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
           v(e, EdgeTouch::cosine_column) = edge.cosine;
           v(e, EdgeTouch::sine_column) = edge.sine;
           v(e, EdgeTouch::goes_on_column) = edge.goes_on;
+          for (int side = 0; side < 2; ++side)
+            v(e, EdgeTouch::width_column + side) = edge.width[side];
         }
       },
       num_edges, EdgeTouch::num_columns);

@@ -60,11 +60,16 @@ struct EdgeTouch {
   static constexpr bool knows_motion = false; // look() works out last_motion alone
   static constexpr bool tests_rows_together = true; // by rowsThatBear()
   // Of face attributes, behind the corner masses: FeatureEdge's.
-  static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, num_columns = 7;
+  static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, width_column = 7,
+                       num_columns = 9;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell.
   static constexpr double least_sine = 0.05;
   static constexpr double parallel_sine = 0.2; // below it a contact may come to be held
+  // But where an edge spans a side of the other's body, it has no node over it that could be inside: bars narrower than their
+  // elements would pass through each other. It ends beyond the side by so many lateral tolerances of half its width; nodes that
+  // are nearer are in contact with the side.
+  static constexpr double beyond_side = 0.8;
   // Of the shorter edge: crossed no deeper than that, they may begin. Edges of bricks that lie flat on each other cross at no
   // depth and at no angle; when they have turned by `least_sine`, nodes half a cell away have let them in by half of that.
   static constexpr double shallow = 0.06;
@@ -115,8 +120,10 @@ struct EdgeTouch {
   KOKKOS_INLINE_FUNCTION unsigned rowsThatBear(const FaceAccess& faces, const CandidatePairs& pairs,
                                                const std::int64_t* rows, int count,
                                                unsigned wanted) const {
-    const EdgeBirthLimits limits{least_sine, 0.5 * lateral_tolerance, deepest_birth};
-    EdgeBirths<Lanes> births{faces, records, limits, cosine_column, sine_column, 0, {}, {}};
+    const EdgeBirthLimits limits{least_sine, 0.5 * lateral_tolerance, deepest_birth,
+                                 1 + 2 * beyondSide()};
+    EdgeBirths<Lanes> births{faces, records, limits, cosine_column, sine_column, width_column,
+                             0,     {},      {}};
     for (int r = 0; r < count; ++r) {
       if (!(wanted >> r & 1u))
         continue;
@@ -184,14 +191,36 @@ struct EdgeTouch {
       return false;
     const EdgeCone cone_a(faces.quad(own), faces.attribute(own, cosine_column),
                           faces.attribute(own, sine_column));
-    const double inside = minOf(cone_a.depthOf(-normal), cone_b.depthOf(normal));
-    if (!(inside > (is_kept ? -full_outside : least_sine)) || sharesNode(faces, own, other))
+    const double in_a = cone_a.depthOf(-normal), in_b = cone_b.depthOf(normal);
+    const bool leads_out =
+        is_kept ? minOf(in_a, in_b) > -full_outside
+                : (in_a > least_sine || isSpanned(faces, own, cone_a, -normal, in_a, t, db)) &&
+                      (in_b > least_sine || isSpanned(faces, other, cone_b, normal, in_b, s, da));
+    if (!leads_out || sharesNode(faces, own, other))
       return false;
     if (hit.previous < 0 && depth * depth > shallow * shallow * minOf(aa, bb) &&
         !wereApart(faces, own, other, normal))
       return false;
     setHit(s, t, normal, depth, other, hit);
     return true;
+  }
+  // In widths of a side.
+  KOKKOS_INLINE_FUNCTION double beyondSide() const { return 0.5 * beyond_side * lateral_tolerance; }
+  // Whether the direction n, on the rim of the edge's cone, sticks out of a side that the other edge spans: that crosses here, at
+  // share `at` of its way.
+  KOKKOS_INLINE_FUNCTION bool isSpanned(const FaceAccess& faces, int edge, const EdgeCone& cone,
+                                        const Vec3& n, double inside, double at,
+                                        const Vec3& other_way) const {
+    if (!(inside > -least_sine))
+      return false;
+    const bool of_first = dot(n, cone.first) > dot(n, cone.second);
+    const Vec3 inward =
+        of_first ? cross(cone.first, cone.tangent) : cross(cone.tangent, cone.second);
+    const double width = faces.attribute(edge, width_column + (of_first ? 0 : 1));
+    const double along = dot(other_way, inward);
+    const double one_end = -at * along, other_end = (1 - at) * along;
+    return minOf(one_end, other_end) < -beyondSide() * width &&
+           maxOf(one_end, other_end) > (1 + beyondSide()) * width;
   }
   KOKKOS_INLINE_FUNCTION static void setHit(double s, double t, const Vec3& normal, double depth,
                                             int other, Hit& hit) {

@@ -15,6 +15,7 @@ struct EdgeRecord {
   global_id low_node, high_node, face_id;
   Vec3 normal, centre; // of the face
   Vec3 on_edge; // the middle of the edge
+  double width; // of the face: area over the edge's length
   int rank, face, edge; // where it came from
   int unused;
 
@@ -28,7 +29,7 @@ struct EdgeReply {
   int face, edge;
   int is_convex; // and this face is the one that lists it
   int unused;
-  double cosine, sine;
+  double cosine, sine, width[2];
 };
 
 std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Surface& surface) {
@@ -43,7 +44,7 @@ std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Su
       quad.corner[j] = rowOf(x, face_to_nodes(face, j));
       centre += 0.25 * quad.corner[j];
     }
-    const Vec3 normal = planeOfArea(areaVector(quad)).normal;
+    const MeanPlane plane = planeOfArea(areaVector(quad));
     for (int j = 0; j < 4; ++j) {
       const global_id a = node_ids(face_to_nodes(face, j));
       const global_id b = node_ids(face_to_nodes(face, (j + 1) % 4));
@@ -53,9 +54,10 @@ std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Su
       record.low_node = std::min(a, b);
       record.high_node = std::max(a, b);
       record.face_id = face_ids(face);
-      record.normal = normal;
+      record.normal = plane.normal;
       record.centre = centre;
       record.on_edge = 0.5 * (quad.corner[j] + quad.corner[(j + 1) % 4]);
+      record.width = plane.area / norm(quad.corner[(j + 1) % 4] - quad.corner[j]);
       record.rank = rank, record.face = face, record.edge = j, record.unused = 0;
       records[(record.low_node + record.high_node) % num_ranks].push_back(record);
     }
@@ -66,13 +68,14 @@ std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Su
 // Appends the replies to the faces [first, last) of one edge.
 void judgeEdge(const EdgeRecord* first, const EdgeRecord* last, double largest_cosine,
                std::vector<std::vector<EdgeReply>>& replies) {
-  EdgeReply reply{0, 0, 0, 0, 1, 0};
+  EdgeReply reply{0, 0, 0, 0, 1, 0, {0, 0}};
   if (last - first == 2) {
     const EdgeRecord &a = first[0], &b = first[1];
     reply.cosine = dot(a.normal, b.normal);
     if (reply.cosine > largest_cosine)
       return;
     reply.sine = norm(cross(a.normal, b.normal));
+    reply.width[0] = a.width, reply.width[1] = b.width;
     const bool is_convex =
         dot(b.centre - a.on_edge, a.normal) < 0 && dot(a.centre - a.on_edge, b.normal) < 0;
     reply.is_convex = is_convex && reply.sine > 0;
@@ -162,7 +165,8 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
     for (const EdgeReply& reply : some) {
       edges.true_edges[reply.face] |= static_cast<unsigned char>(1 << reply.edge);
       if (reply.is_convex)
-        edges.convex.push_back({reply.face, reply.edge, reply.cosine, reply.sine});
+        edges.convex.push_back(
+            {reply.face, reply.edge, reply.cosine, reply.sine, {reply.width[0], reply.width[1]}});
     }
   std::sort(edges.convex.begin(), edges.convex.end(),
             [](const FeatureEdge& a, const FeatureEdge& b) {

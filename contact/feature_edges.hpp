@@ -16,6 +16,7 @@ struct FeatureEdge {
   int edge = 0; // from corner `edge` to the next one
   double cosine = 1,
          sine = 0; // of the angle between the outward normals of its two faces; sine > 0
+  double width[2] = {0, 0}; // of its own face and of the other one: area over the edge's length
   int goes_on =
       0; // bit 0, 1: beyond its first, second node another one goes on in the same direction
 };

@@ -90,6 +90,38 @@ TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodesAndFaces) {
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
+TEST(EdgeContact, BarsNarrowerThanTheirElementsTouchWhereverTheyCross) {
+  for (const double rolled : {0.0, 0.02, 0.1, 0.5})
+    for (const double inclined : {0.0, 0.02, 0.1}) {
+      EdgeRun run(crossedBars(0.01, rolled, inclined), MPI_COMM_SELF, onOneRank);
+      run.step();
+      EXPECT_EQ(run.sums.interactions, 0) << rolled << " " << inclined;
+      run.move(1, {0, 0, -0.02});
+      const auto force = run.step();
+      EXPECT_GT(run.sums.active, 0) << rolled << " " << inclined;
+      std::int64_t up = 0, all = 0;
+      for (std::size_t i = 0; i < force.size(); ++i) {
+        all += force[i][2];
+        up += run.scene.node_body[i] == 1 ? force[i][2] : 0;
+      }
+      EXPECT_EQ(all, 0);
+      EXPECT_GT(up, 0) << rolled << " " << inclined;
+    }
+  // Flush: each edge of the one touches one of the other's.
+  EdgeRun flush(crossedBars(0.01, 0, 0), MPI_COMM_SELF, onOneRank);
+  flush.move(1, {0, 0, -0.02});
+  flush.step();
+  EXPECT_EQ(flush.sums.active, 2);
+  EXPECT_NEAR(flush.sums.deepest, 0.01, 1e-12);
+}
+
+TEST(EdgeContact, BarsWithNodesOverEachOtherAreLeftToThem) {
+  EdgeRun run(crossedBars(0.01, 0, 0, 20), MPI_COMM_SELF, onOneRank);
+  run.move(1, {0, 0, -0.02});
+  run.step();
+  EXPECT_EQ(run.sums.interactions, 0);
+}
+
 TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
   Scene scene = crossedRidges(0.01);
   EdgeRun run(scene, MPI_COMM_SELF, onOneRank);

@@ -22,6 +22,24 @@ inline Scene crossedRidges(double gap, int n = 3) {
   return scene;
 }
 
+// Bars of side 0.2 and length 3 at right angles: the lower one's top is at z = 0, its elements are a length long. The upper one has
+// `n` elements; it is rolled about its own axis, inclined, and set up so that its lowest point over the lower bar is at z = gap.
+inline Scene crossedBars(double gap, double rolled, double inclined, int n = 3) {
+  Scene scene;
+  scene.addBrick({3, 0.2, 0.2}, {3, 1, 1}, 1, [](const Vec3& p) {
+    return Vec3{p.x - 1.5, p.y - 0.1, p.z - 0.2};
+  });
+  const double cr = std::cos(rolled), sr = std::sin(rolled);
+  const double ci = std::cos(inclined), si = std::sin(inclined);
+  const double lowest = -0.1 * (cr + std::fabs(sr)) * ci - 0.1 * std::fabs(si);
+  scene.addBrick({0.2, 3, 0.2}, {1, n, 1}, 1, [&](const Vec3& p) {
+    const Vec3 q = {p.x - 0.1, p.y - 1.5 + 0.013, p.z - 0.1};
+    const double x = cr * q.x - sr * q.z, z = sr * q.x + cr * q.z;
+    return Vec3{x + 0.017, ci * q.y - si * z, si * q.y + ci * z + gap - lowest};
+  });
+  return scene;
+}
+
 inline SearchConfig searchOf(double reach) {
   SearchConfig search;
   search.node_tolerance = search.face_tolerance = 0.5 * reach;

@@ -82,9 +82,11 @@ std::vector<bool> mayTouch(const LoneFaces& edges, int num_pairs, const PairOf& 
   for (int first = 0; first < num_pairs; first += rows) {
     EdgeBirths<Lanes> births{faces,
                              records,
-                             {EdgeTouch::least_sine, 0.5 * 0.05, EdgeTouch::deepest_birth},
+                             {EdgeTouch::least_sine, 0.5 * 0.05, EdgeTouch::deepest_birth,
+                              1 + EdgeTouch::beyond_side * 0.05},
                              EdgeTouch::cosine_column,
                              EdgeTouch::sine_column,
+                             EdgeTouch::width_column,
                              0,
                              {},
                              {}};
@@ -119,6 +121,9 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
       edges.attributes(e, EdgeTouch::cosine_column) = 0;
       edges.attributes(e, EdgeTouch::sine_column) = 1;
       edges.attributes(e, EdgeTouch::goes_on_column) = pair % 4;
+      for (int side = 0; side < 2; ++side) // of one pair in four so narrow that it may be spanned
+        edges.attributes(e, EdgeTouch::width_column + side) =
+            pair % 4 == 1 ? random(0.01, 0.5) : 10;
     }
   }
   EdgeTouch touch;
@@ -129,7 +134,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
   const std::vector<bool> may_touch = mayTouch(edges, n, [](int pair) {
     return std::array<int, 2>{2 * pair, 2 * pair + 1};
   });
-  int accepted = 0, rejected = 0;
+  int accepted = 0, spanning = 0, rejected = 0;
   for (int pair = 0; pair < n; ++pair) {
     const int node = touch.num_corners + 2 * pair, other = 2 * pair + 1;
     Hit hit;
@@ -137,9 +142,16 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
     const bool touches = touch.test(faces, node, other, Stage::born, hit);
     EXPECT_TRUE(!touches || may_touch[pair]) << pair;
     accepted += touches;
+    if (touches && pair % 4 == 1) {
+      for (int e = 2 * pair; e < 2 * pair + 2; ++e)
+        for (int side = 0; side < 2; ++side)
+          edges.attributes(e, EdgeTouch::width_column + side) = 10;
+      spanning += !touch.test(faces, node, other, Stage::born, hit);
+    }
     rejected += !may_touch[pair];
   }
   EXPECT_GT(accepted, n / 100);
+  EXPECT_GT(spanning, 10); // accepted only because they span a side
   EXPECT_GT(rejected, n - 2 * accepted); // few are left for the whole test
 }
 
@@ -157,6 +169,8 @@ TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
   for (int e = 0; e < 3; ++e) {
     edges.attributes(e, EdgeTouch::cosine_column) = 0;
     edges.attributes(e, EdgeTouch::sine_column) = 1;
+    edges.attributes(e, EdgeTouch::width_column) = std::sqrt(2.0);
+    edges.attributes(e, EdgeTouch::width_column + 1) = 1;
   }
   const std::vector<bool> may_touch = mayTouch(edges, 2, [](int pair) {
     return std::array<int, 2>{0, 1 + pair};

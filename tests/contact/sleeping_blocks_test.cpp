@@ -149,22 +149,22 @@ TEST(SleepingBlocks, SoTheyDoWithListsThatAreKept) {
   EXPECT_GT(count.woken, 10);
 }
 
-// Two ridges that swing over each other, turn and meet now and then.
-TEST(SleepingBlocks, EdgesThatCrossNowAndThenTouchAsIfAllWereLookedAtInEachStep) {
+// The upper body of two swings over the lower one, turns, rolls by up to `roll` and meets it now and then.
+void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
   EnforcementConfig with = config(), without = config();
   without.leaves_out_still = false;
-  const Scene scene = crossedRidges(0.05);
   EdgeRun a(scene, MPI_COMM_SELF, onOneRank, with), b(scene, MPI_COMM_SELF, onOneRank, without);
   std::int64_t touching = 0, asleep = 0, woken = 0;
   for (int step = 0; step < 600; ++step) {
     const double angle = 0.3 * std::sin(0.013 * step), shift = 0.4 * std::sin(0.017 * step),
-                 lift = 0.07 * std::sin(0.021 * step);
+                 lift = 0.07 * std::sin(0.021 * step), rolled = roll * std::sin(0.031 * step);
     for (EdgeRun* run : {&a, &b}) {
       run->scene.step();
       for (std::size_t i = 0; i < scene.x_new.size(); ++i)
         if (scene.node_body[i] == 1) {
           const Vec3& x = scene.x_new[i];
-          run->scene.x_new[i] = {x.x - angle * x.y + shift, x.y + angle * x.x, x.z + lift};
+          run->scene.x_new[i] = {x.x - angle * x.y + shift + rolled * x.z, x.y + angle * x.x,
+                                 x.z + lift - rolled * (x.x + 0.2 * x.y)};
         }
     }
     const std::int64_t before = a.edges->sleeping().numAwake();
@@ -173,14 +173,22 @@ TEST(SleepingBlocks, EdgesThatCrossNowAndThenTouchAsIfAllWereLookedAtInEachStep)
     EXPECT_EQ(a.sums.deepest, b.sums.deepest) << step;
     const SleepingBlocks& sleeping = a.edges->sleeping();
     touching += a.sums.touching;
-    woken += sleeping.numAwake() > before;
+    woken += sleeping.numAwake() > before || (before < sleeping.numBlocks() && a.sums.touching > 0);
     asleep += sleeping.numBlocks() - sleeping.numAwake();
   }
   EXPECT_GT(touching, 50);
   if (rows_last) {
-    EXPECT_GT(asleep, 100);
+    EXPECT_GT(asleep, least_asleep);
     EXPECT_GT(woken, 1);
   }
+}
+
+TEST(SleepingBlocks, EdgesThatCrossNowAndThenTouchAsIfAllWereLookedAtInEachStep) {
+  swing(crossedRidges(0.05), 0, 100);
+}
+
+TEST(SleepingBlocks, SoDoEdgesOfBarsThatCrossFlush) {
+  swing(crossedBars(0.05, 0, 0), 0.4, 20);
 }
 
 // A wall of four bricks that fly apart: after the first steps nothing is looked at.

@@ -104,6 +104,8 @@ TEST(FeatureEdges, OfABoxAreItsTwelveEdgesOnAnyCut) {
   for (const FeatureEdge& edge : edges.convex) {
     EXPECT_EQ(edge.cosine, 0);
     EXPECT_EQ(edge.sine, 1);
+    for (const double width : edge.width)
+      EXPECT_EQ(width, 1);
   }
   // Of an edge of n segments, 2 (n - 1) ends go on: 4 (2 (2 - 1) + 2 (3 - 1)).
   int going_on = 0;
