@@ -119,11 +119,12 @@ KOKKOS_FORCEINLINE_FUNCTION bool hasOnlySpring(const Interaction& pair, const Pa
 // How far ahead interactions are asked for, which follow each other in memory.
 constexpr std::int64_t pairs_ahead = 64;
 
-// Corrects `count` such interactions, whose numbers are listed, as correctForce() does one; is_changed(number) tells whether it has.
-// Those whose forces do not fit are left alone; their numbers are then the first ones listed. Returns how many they are.
+// Corrects `count` such interactions, whose numbers are listed, as correctForce() does one; is_changed(number) tells whether it has,
+// `num_changed` counts them. Those whose forces do not fit are left alone; their numbers are then the first ones listed. Returns how many they are.
 KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const CorrectPair& correct,
                                           const PairForces& add, std::int64_t* numbers, int count,
-                                          const View<unsigned char*>& is_changed) {
+                                          const View<unsigned char*>& is_changed,
+                                          std::int64_t& num_changed) {
   using namespace correct_springs;
   using Real = Lanes;
   constexpr int width = Gathered<Real>::width;
@@ -140,10 +141,12 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
     work(gathered, correct, add.inverse_quantum, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
-      if (corrected.fits[lane] != 0)
-        is_changed(number) = corrected.give(lane, pairs.interactions(number), add);
-      else
+      if (corrected.fits[lane] == 0) {
         numbers[num_left++] = number;
+        continue;
+      }
+      is_changed(number) = corrected.give(lane, pairs.interactions(number), add);
+      num_changed += is_changed(number);
     }
   }
   return num_left;

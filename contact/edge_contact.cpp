@@ -171,12 +171,12 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
       });
 }
 
-std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
-                                        double relaxation,
-                                        const View<double* [3]>& node_accelerations,
-                                        const View<const unsigned char*>& node_has_changed) {
+Corrections EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                       double relaxation,
+                                       const View<double* [3]>& node_accelerations,
+                                       const View<const unsigned char*>& node_has_changed) {
   if (!hasOtherRanks() && !_set.hasForces())
-    return 0;
+    return {};
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
   const auto has_changed = _has_changed;

@@ -31,13 +31,12 @@ public:
 
   // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
   // leaves_out_still is set. collectForces is collective: it adds the forces of all edges to `nodes`
-  // [surface node][xyz] in quanta, as partial sums. correctForces returns the number of forces that do not fit; `has_changed`
-  // [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
+  // [surface node][xyz] in quanta, as partial sums. `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  std::int64_t correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
-                             const View<double* [3]>& node_accelerations,
-                             const View<const unsigned char*>& has_changed);
+  Corrections correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
+                            const View<double* [3]>& node_accelerations,
+                            const View<const unsigned char*>& has_changed);
   void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
     of_surface.add(space, _edges, _set.next(), _corner_to_node);
   }

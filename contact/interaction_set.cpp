@@ -63,9 +63,10 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
   return any != 0;
 }
 
-// Of one with a force. Returns whether it has changed anything; counts a force that does not fit.
+// Of one with a force. Returns whether it has changed anything.
 KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
-                                         const PairForces& add, std::int64_t i, std::int64_t& bad) {
+                                         const PairForces& add, std::int64_t i,
+                                         Corrections& corrections) {
   const Interaction& pair = pairs.interactions(i);
   const CorrectPair::Correction corrected = correct.of(pairs, i);
   if (!corrected.changes(pair))
@@ -78,7 +79,8 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
   if (add.round(pairs, i, quanta))
     add.add(pair, quanta, 1);
   else
-    bad += did_fit; // else it has been counted
+    corrections.invalid += did_fit; // else it has been counted
+  ++corrections.changed;
   return true;
 }
 
@@ -117,12 +119,12 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
   _are_nodes_zero = true;
 }
 
-std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                           const StepLengths& steps, double relaxation,
-                                           const View<double* [3]>& accelerations,
-                                           const View<double* [12]>& ghost_accelerations,
-                                           const View<const unsigned char*>& has_changed) {
-  std::int64_t invalid = 0;
+Corrections InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
+                                          const StepLengths& steps, double relaxation,
+                                          const View<double* [3]>& accelerations,
+                                          const View<double* [12]>& ghost_accelerations,
+                                          const View<const unsigned char*>& has_changed) {
+  Corrections sums;
   const ContactHistory pairs = _next;
   const PairForces add = pairForces(space, faces);
   const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
@@ -132,7 +134,7 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
   const bool knows_changes = has_changed.extent(0) > 0;
   Kokkos::parallel_reduce(
       "contact::correctForces", over(space, numParts(pairs.count)),
-      KOKKOS_LAMBDA(const std::int64_t part, std::int64_t& bad) {
+      KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
         std::int64_t wanted[pairs_at_once];
@@ -153,15 +155,15 @@ std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAc
           else
             wanted[num_others++] = wanted[w];
         }
-        const int num_left =
-            correctSprings(pairs, correct, add, springs, num_springs, is_unsettled);
+        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_unsettled,
+                                            corrections.changed);
         for (int w = 0; w < num_others; ++w)
-          is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], bad);
+          is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], corrections);
         for (int w = 0; w < num_left; ++w)
-          is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], bad);
+          is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
       },
-      invalid);
-  return invalid;
+      Combine<Corrections>(sums));
+  return sums;
 }
 
 PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {

@@ -24,6 +24,18 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
+// What a round of corrections has done, over the interactions of this rank.
+struct Corrections {
+  std::int64_t changed = 0;
+  std::int64_t invalid = 0; // forces that do not fit
+
+  KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
+    changed += b.changed;
+    invalid += b.invalid;
+    return *this;
+  }
+};
+
 class InteractionSet {
 public:
   InteractionSet() = default;
@@ -41,13 +53,13 @@ public:
   void selectNone(const exec_space& space, const FaceAccess& faces);
 
   // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
-  // is changed where they are. Returns the number that does not fit. `has_changed` [surface node], in rounds after the first:
+  // is changed where they are. `has_changed` [surface node], in rounds after the first:
   // whose accelerations have changed since the last one; a pair that neither they nor the last round changed stays as it is.
-  std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
-                             const StepLengths& steps, double relaxation,
-                             const View<double* [3]>& accelerations,
-                             const View<double* [12]>& ghost_accelerations,
-                             const View<const unsigned char*>& has_changed = {});
+  Corrections correctForces(const exec_space& space, const FaceAccess& faces,
+                            const StepLengths& steps, double relaxation,
+                            const View<double* [3]>& accelerations,
+                            const View<double* [12]>& ghost_accelerations,
+                            const View<const unsigned char*>& has_changed = {});
 
   // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.
   void setReferenceStep(double dt) { _config.reference_step = dt; }

@@ -209,11 +209,16 @@ void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
                _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
-    sums.nodes.invalid += _set.correctForces(space, faces, steps, relaxation, _accelerations,
-                                             _ghost_accelerations, has_changed);
+    const Corrections of_nodes = _set.correctForces(space, faces, steps, relaxation, _accelerations,
+                                                    _ghost_accelerations, has_changed);
+    sums.nodes.invalid += of_nodes.invalid;
+    Corrections of_edges;
     if (edges != nullptr)
-      sums.edges.invalid +=
-          edges->correctForces(space, steps, relaxation, _accelerations, has_changed);
+      of_edges = edges->correctForces(space, steps, relaxation, _accelerations, has_changed);
+    sums.edges.invalid += of_edges.invalid;
+    const bool is_last = round + 1 == _config.corrections;
+    if (!is_last && !isOnAnyRank(of_nodes.changed + of_edges.changed > 0))
+      return; // the next round would find all as this one did
   }
 }
 

@@ -97,32 +97,34 @@ struct Outcome {
   ContactHistory pairs;
   ContactForces forces;
   View<unsigned char*> is_changed{"is_changed", num_pairs};
+  View<std::int64_t> num_changed{"num_changed"};
   int num_left = 0;
+
+  explicit Outcome(const RandomContacts& contacts) : pairs(contacts.pairs()) {}
 };
 
 Outcome inLanes(const RandomContacts& contacts, double relaxation) {
-  Outcome outcome;
-  outcome.pairs = contacts.pairs();
+  Outcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
   const CorrectPair correct = contacts.correct(relaxation);
   const auto pairs = outcome.pairs;
   const auto is_changed = outcome.is_changed;
+  const auto num_changed = outcome.num_changed;
   Kokkos::parallel_reduce(
       "inLanes", over(exec_space(), 1),
       KOKKOS_LAMBDA(const std::int64_t, int& left) {
         std::int64_t numbers[num_pairs];
         for (int i = 0; i < num_pairs; ++i)
           numbers[i] = num_pairs - 1 - i;
-        left += correctSprings(pairs, correct, add, numbers, num_pairs, is_changed);
+        left += correctSprings(pairs, correct, add, numbers, num_pairs, is_changed, num_changed());
       },
       outcome.num_left);
   return outcome;
 }
 
 Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
-  Outcome outcome;
-  outcome.pairs = contacts.pairs();
+  Outcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
   const CorrectPair correct = contacts.correct(relaxation);
@@ -172,6 +174,7 @@ TEST(CorrectSprings, AreThoseOfOneByOne) {
       }
       EXPECT_GT(num_changed, num_pairs / 4);
       EXPECT_LT(num_changed, num_pairs);
+      EXPECT_EQ(onHost(lanes.num_changed)(), num_changed);
       expectEqual(lanes.forces.nodes, one.forces.nodes);
       expectEqual(lanes.forces.ghost_corners, one.forces.ghost_corners);
     }
