@@ -76,14 +76,18 @@ struct SelectInteractions : FindHits<Touch> {
     if (num_to_see > 0)
       workOn(to_see, num_to_see, sums);
   }
-  KOKKOS_INLINE_FUNCTION void workOn(const std::int64_t* to_see, int num_to_see,
+  KOKKOS_INLINE_FUNCTION void workOn(std::int64_t* to_see, int num_to_see,
                                      ContactSums& sums) const {
     Work work;
+    std::int64_t touching[rows_at_once]; // of rows without history: the first pair that may touch
+    if constexpr (!Touch::tests_rows_together)
+      num_to_see = keepRowsThatTouch(to_see, num_to_see, touching);
     for (int r = 0; r < num_to_see; ++r) {
       const std::int64_t row = to_see[r];
       const int node = pairs.node(row), count = previous.row_count(node);
-      if (count == 0 && !mayBear(row, node))
-        continue;
+      if constexpr (!Touch::tests_rows_together)
+        if (count == 0 && !mayBear(row, node, touching[r]))
+          continue;
       if (work.num_known + count > max_known)
         finish(work, sums);
       work.rows[work.num_rows] = row;
@@ -145,23 +149,39 @@ struct SelectInteractions : FindHits<Touch> {
     prefetch(&faces.surface.node_body(node));
     touch.prefetchNode(node);
   }
-  // Whether a contact may begin in a row without any.
-  KOKKOS_INLINE_FUNCTION bool mayBear(std::int64_t row, int node) const {
-    if constexpr (Touch::tests_rows_together)
-      return true; // else it is not kept
-    else
-      return mayBearAny(row, node);
-  }
-  // `clear` remembers whether none of its pairs could be touched even if the faces around the node turned.
-  KOKKOS_INLINE_FUNCTION bool mayBearAny(std::int64_t row, int node) const {
-    const std::int64_t end = pairs.end(row);
-    bool is_clear = true, may_bear = false;
-    for (std::int64_t p = pairs.begin(row); p < end && !may_bear; ++p)
-      if (touch.mayTouch(faces, node, pairs.faces(p))) {
-        is_clear = false;
-        may_bear = touch.mayBeBorn(node, pairs.faces(p));
+  // Rows with history, and those without where a contact may begin as far as the places of node and faces tell; what else is
+  // asked then is asked for. `clear` remembers the others: none of their pairs could be touched even if the faces around the node
+  // turned. Returns the number of rows kept.
+  KOKKOS_INLINE_FUNCTION int keepRowsThatTouch(std::int64_t* rows, int count,
+                                               std::int64_t* touching) const {
+    int num_kept = 0;
+    for (int r = 0; r < count; ++r) {
+      const std::int64_t row = rows[r], end = pairs.end(row);
+      const int node = pairs.node(row);
+      std::int64_t p = pairs.begin(row);
+      if (previous.row_count(node) == 0) {
+        while (p < end && !touch.mayTouch(faces, node, pairs.faces(p)))
+          ++p;
+        still.clear(node) = p == end;
+        if (p == end)
+          continue;
+        touch.prefetchNode(node);
       }
-    still.clear(node) = is_clear;
+      rows[num_kept] = row;
+      touching[num_kept++] = p;
+    }
+    for (int r = 0; r < num_kept; ++r)
+      if (previous.row_count(pairs.node(rows[r])) == 0)
+        touch.prefetchAround(pairs.node(rows[r]));
+    return num_kept;
+  }
+  // Whether a contact may begin with the pairs from `touching` on, which itself may touch.
+  KOKKOS_INLINE_FUNCTION bool mayBear(std::int64_t row, int node, std::int64_t touching) const {
+    const std::int64_t end = pairs.end(row);
+    bool may_bear = touch.mayBeBorn(node, pairs.faces(touching));
+    for (std::int64_t p = touching + 1; p < end && !may_bear; ++p)
+      may_bear =
+          touch.mayTouch(faces, node, pairs.faces(p)) && touch.mayBeBorn(node, pairs.faces(p));
     return may_bear;
   }
   // The same for rows at once, by Touch::rowsThatBear(), where nothing but the two of a pair matters. Keeps these rows and those with
