@@ -68,6 +68,8 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
   bookContact(step.contact);
   if (_stored.hasHalf())
     gaugeHalfStep();
+  else if (_steps == 0) // there is no half step before the start
+    _balance.total_half = _balance.kinetic + _balance.stored_material + _balance.stored_hourglass;
 
   const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
   _first_moment +=

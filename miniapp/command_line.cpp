@@ -117,6 +117,10 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   const std::string surplus = takePositionals(positionals, options);
   if (!surplus.empty())
     return fault(surplus);
+  if (steps_option->count() > 0 &&
+      (options.command == Command::mesh || options.command == Command::search))
+    return fault("--steps: 'brickwall mesh' makes no steps, 'brickwall search' as many as "
+                 "search.repetitions says");
   if (steps_option->count() > 0)
     options.overrides.push_back("time.steps=" + std::to_string(steps));
   options.write_output = !no_output;

@@ -43,6 +43,13 @@ GaugeValues Simulation::gauges() {
   return values;
 }
 
+mechanics::LeftOutStrain Simulation::leftOutStrain() const {
+  const bool is_looked_at = checksStableStep(_clock.step) || done();
+  return _is_objective || !is_looked_at
+             ? mechanics::LeftOutStrain()
+             : mechanics::leftOutStrain(_space, _comm, _scene.mesh, _state.displacement);
+}
+
 std::int64_t Simulation::numRestingElems() const {
   return allReduce(_comm, _resting.numElems(), MPI_SUM);
 }

@@ -43,6 +43,8 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   Kokkos::initialize(count, arguments.data());
   int code = 0;
   try {
+    if (count > 1) // Kokkos takes out what it knows
+      throw InputError(std::string("Kokkos does not know ") + arguments[1]);
     code = runCommand(comm, options);
   } catch (const std::exception& error) {
     code = reportFailure(guard, error);

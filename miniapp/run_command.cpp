@@ -165,7 +165,31 @@ private:
     for (const std::string& warning : _limits.newWarnings(values, clock.step, clock.time))
       if (rankOf(_comm) == 0)
         std::cout << "warning: " << warning << std::endl;
+    warnOfLargeStrain();
     _limits.stopBeyondLimits(values, clock.step, clock.time);
+  }
+
+  // Once.
+  void warnOfLargeStrain() {
+    if (_has_large_strain)
+      return;
+    const mechanics::LeftOutStrain left_out = _simulation.leftOutStrain();
+    _has_large_strain = left_out.strain > mechanics::large_left_out_strain;
+    if (!_has_large_strain)
+      return;
+    const Clock& clock = _simulation.clock();
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "element %lld (1-based id %lld) of a linear material has turned or strained so far that "
+        "what it "
+        "leaves out of the strain, H^T H/2, is %.2g in step %lld (time %.6g): a model \"svk\" or "
+        "\"neo_hookean\" knows rotations",
+        static_cast<long long>(left_out.elem), static_cast<long long>(left_out.elem + 1),
+        left_out.strain, static_cast<long long>(clock.step), clock.time);
+    _scene.warnings.push_back(text);
+    if (rankOf(_comm) == 0)
+      std::cout << "warning: " << text << std::endl;
   }
 
   bool wallTimeIsUp() {
@@ -220,6 +244,7 @@ private:
   std::int64_t _last_written = -1, _last_row = -1;
   double _last_progress = 0;
   bool _out_of_time = false;
+  bool _has_large_strain = false; // of a linear material
   std::string _breakdown; // why the computation could not go on
 };
 

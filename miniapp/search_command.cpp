@@ -166,6 +166,9 @@ private:
 int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
   if (!config.wall)
     throw InputError(config.deck_path + ": 'brickwall search' needs a [wall]");
+  if (config.search.audit > 0 && rankOf(comm) == 0)
+    std::cout << "warning: search.audit is for 'brickwall run': nothing is audited here"
+              << std::endl;
   return SearchRun(comm, config, options).execute();
 }
 

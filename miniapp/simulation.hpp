@@ -12,6 +12,7 @@
 #include "mechanics/nodal_state.hpp"
 #include "mechanics/pressure_load.hpp"
 #include "mechanics/resting_bodies.hpp"
+#include "mechanics/small_strain.hpp"
 #include "mechanics/stable_time_step.hpp"
 #include "miniapp/contact_ledger.hpp"
 #include "miniapp/scene.hpp"
@@ -117,6 +118,9 @@ public:
   // For limits, after a step. The penetration is exact where it is beyond a limit that has not been told of, else a lower
   // bound. Collective.
   GaugeValues gauges();
+  // What linear materials leave out of the strain (mechanics/small_strain.hpp); looked at every check_interval steps and at the end,
+  // 0 in others and without such materials. Collective.
+  mechanics::LeftOutStrain leftOutStrain() const;
   const mechanics::NodalState& state() const { return _state; }
   // Of the last step, of all nodes.
   const mechanics::NodalForces& forces();

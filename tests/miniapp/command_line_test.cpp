@@ -60,10 +60,17 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotKnow) {
-  const std::vector<std::vector<const char*>> wrong = {
-      {"--unheard"},     {"--threads=2"},           {"run", "a.toml", "b.toml"},
-      {"a.toml", "run"}, {"--steps", "0"},          {"--steps", "1.5"},
-      {"--steps"},       {"--timing", "sometimes"}, {"--set"}};
+  const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
+                                                       {"--threads=2"},
+                                                       {"run", "a.toml", "b.toml"},
+                                                       {"a.toml", "run"},
+                                                       {"--steps", "0"},
+                                                       {"search", "a.toml", "--steps", "3"},
+                                                       {"mesh", "--steps", "3"},
+                                                       {"--steps", "1.5"},
+                                                       {"--steps"},
+                                                       {"--timing", "sometimes"},
+                                                       {"--set"}};
   for (const auto& words : wrong) {
     const CommandLine line = parse(words);
     EXPECT_FALSE(line.options.has_value()) << words[0];
