@@ -71,6 +71,7 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
   else if (_steps == 0) // there is no half step before the start
     _balance.total_half = _balance.kinetic + _balance.stored_material + _balance.stored_hourglass;
 
+  bookContactChange(dt_kick, dt, step.kick);
   const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
   _first_moment +=
       _dt * _balance.momentum; // of the drift that led here; there is none before the start
@@ -136,6 +137,15 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
   b.work_edge = value(contact_edge_work);
 }
 
+// As StoredGauge::change(), of springs in contact: -F . v is the rate of what they store.
+void EnergyLedger::bookContactChange(double dt_kick, double dt, const KickSums& kick) {
+  if (_steps == 0 || dt == _dt)
+    return;
+  const double work = kick.sum[kick_work + contact_force].value(_scales.energy);
+  const double power_after = 2 * work / dt_kick - _contact_power;
+  _contact_change -= 0.25 * (dt - _dt) * (power_after - _contact_power);
+}
+
 void EnergyLedger::gaugeHalfStep() {
   EnergyBalance& b = _balance;
   const double in_contact = b.stored_contact + b.stored_friction + b.stored_edge;
@@ -145,18 +155,21 @@ void EnergyLedger::gaugeHalfStep() {
   if (_has_initial_energy && _steps == 1) // a correction of the start has changed its gauge
     _initial_energy = _initial_kinetic + _stored.initial();
   if (!_has_initial_energy) {
-    _initial_energy = b.total_half - b.external_work;
+    _initial_energy = b.total_half - b.external_work - _stored.change() - _contact_change;
     _has_initial_energy = true;
   }
   raise(b.peak_stored, held);
   raise(b.peak_total, b.kinetic + held);
   const double size = std::max(b.peak_total, _scales.noise);
   b.is_above_noise = b.peak_total >= _scales.noise;
-  raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
+  const double change = _stored.change() + _contact_change;
+  raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy - change));
   b.energy_error = quotient(_energy_gap, size);
 
-  raise(_stored_gap, std::fabs(_stored.half() - _stored.initial() + b.work[internal_force]));
-  raise(_contact_gap, std::fabs(in_contact + b.dissipated.inContact() + b.work[contact_force]));
+  raise(_stored_gap,
+        std::fabs(_stored.half() - _stored.initial() - _stored.change() + b.work[internal_force]));
+  raise(_contact_gap,
+        std::fabs(in_contact + b.dissipated.inContact() - _contact_change + b.work[contact_force]));
   b.stored_error = quotient(_stored_gap, size);
   b.contact_error = quotient(_contact_gap, size);
 }

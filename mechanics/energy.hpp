@@ -91,6 +91,10 @@ public:
                 const ContactEnergySums& contact, const KickSums& kick,
                 const StepCounts& counts = {});
 
+  // Before bookStep() of a step whose drift is of another length than the last one: the power of the contact forces at the
+  // velocities before the kick, of all ranks. Of a step that bookCorrection() shortens the contact's part is not known.
+  void expectChangedStep(double contact_power) { _contact_power = contact_power; }
+
   // Books a further kick by the same forces at step n: the drift to come is now `dt` long, and the kick before it should
   // have been longer by `dt_kick` (negative where the step is shortened). Collective; failures as of bookStep().
   void bookCorrection(MPI_Comm comm, double dt_kick, double dt, const KickSums& kick);
@@ -103,6 +107,7 @@ private:
   void bookStored(double dt_kick, double dt, const InternalForceResult& internal,
                   const LimbSums<num_stored_energies>& stored, const KickSums& kick);
   void gaugeHalfStep();
+  void bookContactChange(double dt_kick, double dt, const KickSums& kick);
   void bookContact(const ContactEnergySums& contact);
   void bookWorks(double dt_kick, const KickSums& kick);
   void bookImpulses(double dt_kick, const KickSums& kick);
@@ -121,6 +126,8 @@ private:
   StoredGauge _stored;
   double _initial_hourglass = 0; // energy
   double _dt = 0; // of the drift after the last kick
+  double _contact_power = 0; // of a step that changes in length
+  double _contact_change = 0; // energy; as of StoredGauge
   // The largest so far of what errors are made of.
   double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
   double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;

@@ -4,6 +4,7 @@
 #include "contact/base/region.hpp"
 #include "contact/true_edges.hpp"
 #include "mechanics/central_difference.hpp"
+#include "mechanics/force_power.hpp"
 
 namespace brickwall::miniapp {
 
@@ -18,6 +19,7 @@ void Simulation::step() {
   addLoads(nextLoadSpan());
   sumSharedNodes();
   enforceContact(_clock.dt_before);
+  expectChangedStep();
   kickVelocities(0.5 * (_clock.dt_before + _clock.dt));
   bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
 }
@@ -151,6 +153,13 @@ void Simulation::enforceContact(double dt) {
     return; // computeInternalForces() left zeros
   sum_forces(_enforcement->forces());
   _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
+}
+
+// What the gauges need where the step changes: the power of contact before the kick.
+void Simulation::expectChangedStep() {
+  if (_enforcement && _clock.dt != _clock.dt_before)
+    _ledger.expectChangedStep(mechanics::forcePower(_space, _comm, _scene.mesh, _forces, _state,
+                                                    mechanics::contact_force, _scales));
 }
 
 // All nodes but those of bricks that step by themselves and of bodies at rest.

@@ -169,6 +169,7 @@ private:
   mechanics::TimeSpan nextLoadSpan() const;
   void enforceContact(double dt);
   void sumSharedNodes();
+  void expectChangedStep(); // collective
   void kickVelocities(double dt_kick);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);

@@ -3,6 +3,7 @@
 
 #include "mechanics/central_difference.hpp"
 #include "mechanics/energy.hpp"
+#include "mechanics/force_power.hpp"
 #include "mechanics/pressure_load.hpp"
 #include "mechanics/skin.hpp"
 #include "mechanics/stable_time_step.hpp"
@@ -93,6 +94,9 @@ struct Solver {
     pushed_until = time + 0.5 * dt;
     blocks.sum.sum(space, forces.values);
     const ContactEnergySums in_contact = contact ? contact() : ContactEnergySums();
+    if (contact)
+      ledger.expectChangedStep(
+          forcePower(space, comm, blocks.mesh, forces, state, contact_force, scales));
     const KickSums sums =
         kick(space, blocks.mesh, *boundary, {time, time + dt}, kick_dt, forces, state, scales);
     ledger.bookStep(comm, kick_dt, dt, result, in_contact, sums, {misfits});
