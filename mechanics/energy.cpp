@@ -151,19 +151,18 @@ void EnergyLedger::gaugeHalfStep() {
   const double in_contact = b.stored_contact + b.stored_friction + b.stored_edge;
   b.stored_half = _stored.half();
   const double held = b.stored_half + in_contact;
-  b.total_half = b.kinetic + held + b.dissipated.total();
+  b.total_half = b.kinetic + held + b.dissipated.total() - _stored.change() - _contact_change;
   if (_has_initial_energy && _steps == 1) // a correction of the start has changed its gauge
     _initial_energy = _initial_kinetic + _stored.initial();
   if (!_has_initial_energy) {
-    _initial_energy = b.total_half - b.external_work - _stored.change() - _contact_change;
+    _initial_energy = b.total_half - b.external_work;
     _has_initial_energy = true;
   }
   raise(b.peak_stored, held);
   raise(b.peak_total, b.kinetic + held);
   const double size = std::max(b.peak_total, _scales.noise);
   b.is_above_noise = b.peak_total >= _scales.noise;
-  const double change = _stored.change() + _contact_change;
-  raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy - change));
+  raise(_energy_gap, std::fabs(b.total_half - b.external_work - _initial_energy));
   b.energy_error = quotient(_energy_gap, size);
 
   raise(_stored_gap,

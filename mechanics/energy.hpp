@@ -3,6 +3,7 @@
 // It is an identity, so it can not tell whether forces are right. Gauges of that, all of exact sums:
 //   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp) + contact stored + dissipated
 //   stored        stored energies against the work of their forces
+//                 Where steps change in length, so do the invariants, by what is known (StoredGauge): that is taken off.
 //   contact       what contact has stored and dissipated against its work
 //   shadow        H^n = v- M v+/2 + U^n, which is vbar M vbar/2 - (dt^2/8) a M a + U^n with vbar = (v- + v+)/2: the
 //                 invariant of central differences for a linear body at constant dt without loads and contact
@@ -39,7 +40,8 @@ struct EnergyBalance {
   double stored_friction = 0; // of tangential contact springs at the half step
   double stored_edge = 0; // of edge-edge contact at the half step
   DissipatedEnergy dissipated; // up to the half step
-  double total_half = 0; // kinetic + all stored + all dissipated at the half step
+  // kinetic + all stored + all dissipated at the half step, less what changes of the steps' lengths have made of their sum
+  double total_half = 0;
   double shadow =
       0; // H^n of the last step that began with v^{n-1/2}: elastic and kinetic energy only
   double work[num_force_kinds] = {}; // W_k since the start
