@@ -13,7 +13,8 @@ namespace brickwall::miniapp {
 // forces; only those of contact stay as they are. Forces that failed were never added, so what was added is finite. The
 // start has no drift and no step before it.
 void Simulation::stepBack(double dt_kick) {
-  undoKickAndDrift(_space, _scene.mesh, _boundary, dt_kick, _clock.dt_before, forces(), _state);
+  undoKickAndDrift(_space, _scene.mesh, _boundary, {_clock.time - _clock.dt_before, _clock.time},
+                   dt_kick, _clock.dt_before, forces(), _state);
   _clock.time -= _clock.dt_before;
   _clock.step = maxOf<std::int64_t>(_clock.step - 1, 0);
   computeInternalForces();

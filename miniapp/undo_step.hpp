@@ -7,11 +7,11 @@
 
 namespace brickwall::miniapp {
 
-// v^{n+1/2} -> v^{n-1/2} with the forces and the step `dt_kick` of the kick, then u^n -> u^{n-1} with the drift's dt.
-// Prescribed components keep their velocity.
+// v^{n+1/2} -> v^{n-1/2} with the forces and the step `dt_kick` of the kick, then u^n -> u^{n-1} with the drift over t^{n-1} to
+// t^n, of length `dt_drift`. Prescribed components get back the velocity that they had in this drift.
 void undoKickAndDrift(const exec_space& space, const mechanics::HexMesh& mesh,
-                      const mechanics::BoundaryConditions& boundary, double dt_kick,
-                      double dt_drift, const mechanics::NodalForces& forces,
-                      const mechanics::NodalState& state);
+                      const mechanics::BoundaryConditions& boundary,
+                      const mechanics::TimeSpan& drift, double dt_kick, double dt_drift,
+                      const mechanics::NodalForces& forces, const mechanics::NodalState& state);
 
 } // namespace brickwall::miniapp
