@@ -31,7 +31,8 @@ struct AddPressure {
       if (!fitsFixedPoint(quanta[i]))
         return false;
     for (int i = 0; i < 3; ++i)
-      Kokkos::atomic_add(&forces(node, 3 * external_force + i), roundToFixed(quanta[i]));
+      if (const std::int64_t rounded = roundToFixed(quanta[i]); rounded != 0)
+        Kokkos::atomic_add(&forces(node, 3 * external_force + i), rounded);
     return true;
   }
 };
@@ -73,12 +74,13 @@ PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const P
 std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
                                const View<const double* [3]>& displacement, const TimeSpan& span,
                                const NodalForces& forces) const {
-  if (span.begin > _end)
+  const MeanPressure mean(_pressure, span);
+  if (span.begin > _end || mean.isZero())
     return 0;
   std::int64_t misfits = 0;
-  const AddPressure functor{MeanPressure(_pressure, span), _pressure.follower, _face_to_nodes,
-                            mesh.reference_coordinates,    displacement,       forces.values,
-                            forces.quantum.inverse};
+  const AddPressure functor{
+      mean,         _pressure.follower, _face_to_nodes,        mesh.reference_coordinates,
+      displacement, forces.values,      forces.quantum.inverse};
   Kokkos::parallel_reduce("mechanics::PressureLoad::add",
                           over(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))), functor,
                           Kokkos::Sum<std::int64_t>(misfits));

@@ -30,6 +30,12 @@ public:
         _is_wave(pressure.gaussian && pressure.speed < HUGE_VAL),
         _everywhere(_is_wave ? 0 : pressure.peak * pressure.shape.mean(_span, _width)) {}
 
+  // Everywhere, without looking: before the start, which no wave is ahead of, or where the pulse is 0.
+  bool isZero() const {
+    return _is_wave ? _pressure.shape.kind != PulseKind::constant && _span.end < 0
+                    : _everywhere == 0;
+  }
+
   KOKKOS_INLINE_FUNCTION double at(const Vec3& X) const {
     if (!_pressure.gaussian)
       return _everywhere;

@@ -60,6 +60,23 @@ TEST(Pressure, GaussianArrivesLaterFartherAway) {
   EXPECT_DOUBLE_EQ(MeanPressure(pressure, {0, 0}).at({0, 0, 0}), 3);
 }
 
+TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstant) {
+  Pressure pressure;
+  pressure.peak = 3;
+  pressure.start = 2;
+  pressure.gaussian = true;
+  pressure.radius = 2;
+  for (const double speed : {10.0, HUGE_VAL}) {
+    pressure.speed = speed;
+    pressure.shape = {PulseKind::half_sine, 1.0};
+    EXPECT_TRUE(MeanPressure(pressure, {1.7, 1.9}).isZero());
+    EXPECT_FALSE(MeanPressure(pressure, {1.9, 2.1}).isZero());
+    EXPECT_FALSE(MeanPressure(pressure, {2.4, 2.5}).isZero());
+    pressure.shape.kind = PulseKind::constant;
+    EXPECT_FALSE(MeanPressure(pressure, {1.7, 1.9}).isZero());
+  }
+}
+
 // Pressure on a closed surface exerts no force: the follower loads of all faces of a deformed block sum to zero but for
 // one rounding to the quantum a corner load.
 TEST(Pressure, OnAClosedSurfaceBalances) {
