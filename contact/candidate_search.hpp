@@ -67,9 +67,10 @@ public:
   const CandidatePairs& pairs() const { return _local.pairs(); }
 
   // Collective; as GlobalSearch, for the ghosts of the last update().
-  void returnToOwners(const exec_space& space, const View<const std::int64_t* [12]>& ghost_values,
-                      const View<std::int64_t* [12]>& own_face_values) {
-    _global.returnToOwners(space, ghost_values, own_face_values);
+  void returnToOwners(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                      const View<const std::int64_t* [12]>& ghost_values,
+                      const View<std::int64_t* [3]>& node_values) {
+    _global.returnToOwners(space, face_to_nodes, ghost_values, node_values);
   }
   void sendToGhosts(const exec_space& space, const Surface& surface,
                     const View<const double* [3]>& node_values,

@@ -15,21 +15,20 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _edges = made.surface;
   _num_corners = made.num_corners;
   _corner_to_node = made.corner_to_node;
+  _edge_to_nodes = made.edge_to_nodes;
   _corner_mass = made.corner_mass;
   _records = made.records;
-  const int num_nodes = _edges.num_nodes, num_edges = _edges.num_faces;
+  const int num_nodes = _edges.num_nodes;
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
-  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_nodes);
-  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_nodes);
+  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", _num_corners);
+  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", _num_corners);
   _touched = TouchedNodes("contact::EdgeContact", _num_corners);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
   _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
-  _totals = View<std::int64_t* [3]>("contact::EdgeContact::totals", num_nodes);
-  _returned = View<std::int64_t* [12]>("contact::EdgeContact::returned", num_edges);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
-  _set = InteractionSet(space, "contact::EdgeContact", _edges, 2, config, quantum);
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, config, quantum);
   _still = StillParts("contact::EdgeContact", _edges, _corner_to_node);
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
@@ -151,15 +150,13 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
 }
 
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
-  View<std::int64_t* [3]> of_corners = _set.forces().nodes;
-  if (hasOtherRanks()) {
-    Kokkos::deep_copy(space, _returned, 0);
-    _search.returnToOwners(space, _set.forces().ghost_corners, _returned);
-    Kokkos::deep_copy(space, _totals, of_corners);
-    addFaceForces(space, _edges, _returned, _totals);
-    of_corners = _totals;
-  } else if (!_set.hasForces())
+  if (!_has_forces_anywhere)
     return;
+  if (hasOtherRanks())
+    _search.returnToOwners(space, _edge_to_nodes, _set.forces().ghost_corners, nodes);
+  if (!_set.hasForces())
+    return;
+  const auto of_corners = _set.forces().nodes;
   const auto corner_to_node = _corner_to_node;
   const NodeList list = _touched.list();
   Kokkos::parallel_for(
@@ -175,7 +172,7 @@ Corrections EdgeContact::correctForces(const exec_space& space, const StepLength
                                        double relaxation,
                                        const View<double* [3]>& node_accelerations,
                                        const View<const unsigned char*>& node_has_changed) {
-  if (!hasOtherRanks() && !_set.hasForces())
+  if (!_has_forces_anywhere || (!hasOtherRanks() && !_set.hasForces()))
     return {};
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;

@@ -30,9 +30,11 @@ public:
   void findCandidates(const exec_space& space, const Surface& surface);
 
   // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
-  // leaves_out_still is set. collectForces is collective: it adds the forces of all edges to `nodes`
-  // [surface node][xyz] in quanta, as partial sums. `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
+  // leaves_out_still is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
+  // collectForces is collective: it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
+  // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
+  void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   Corrections correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
                             const View<double* [3]>& node_accelerations,
@@ -79,6 +81,7 @@ private:
   Surface _edges;
   int _num_corners = 0;
   View<const int*> _corner_to_node; // [corner] node of the host's surface
+  View<const int* [4]> _edge_to_nodes; // [edge][corner] likewise
   View<double*[3]> _old, _new; // coordinates of _edges
   View<double*> _corner_mass; // [corner]
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
@@ -87,14 +90,13 @@ private:
   StillParts _still;
   SleepingBlocks _sleeping;
   bool _has_touched = false; // in the last step, with a force or without
+  bool _has_forces_anywhere = false; // in the present step, on any rank
   EnforcementConfig _config;
   LimbScale _energy_scale;
   double _previous_dt = 0;
-  View<std::int64_t* [3]> _totals; // [corner and edge] forces, quanta, with those from ghosts
-  View<std::int64_t* [12]> _returned; // [edge] forces from ghosts, quanta
   TouchedNodes _touched; // corners
-  View<double* [3]> _accelerations; // [corner and edge]
-  View<unsigned char*> _has_changed; // [corner and edge], of corners
+  View<double* [3]> _accelerations; // [corner]
+  View<unsigned char*> _has_changed; // [corner]
   View<double* [12]> _ghost_accelerations;
 };
 

@@ -68,6 +68,14 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
           }
       },
       num_edges);
+  made.edge_to_nodes = filled<View<int* [4]>>(
+      space, "contact::EdgeContact::edge_to_host_nodes",
+      [&](auto& v) {
+        for (int e = 0; e < num_edges; ++e)
+          for (int j = 0; j < 4; ++j)
+            v(e, j) = face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
+      },
+      num_edges);
   s.node_ids = filled<View<global_id*>>(
       space, "contact::EdgeContact::node_ids",
       [&](auto& v) {

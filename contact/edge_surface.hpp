@@ -11,6 +11,7 @@ struct EdgeSurface {
   Surface surface;
   int num_corners = 0;
   View<int*> corner_to_node; // [corner] node of the other surface, ascending
+  View<int* [4]> edge_to_nodes; // [edge][corner] nodes of the other surface
   View<double*> corner_mass; // [corner]
   View<EdgeRecord*> records; // [edge], without ends
 };

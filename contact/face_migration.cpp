@@ -102,8 +102,9 @@ void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface
 }
 
 void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                       const View<const int* [4]>& face_to_nodes,
                        const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
-                       const View<std::int64_t* [12]>& own_face_values) {
+                       const View<std::int64_t* [3]>& node_values) {
   const Region region("returnGhostValues");
   auto& buffers = migration.messages.buffers;
   const std::int64_t num_ghosts = migration.ghosts.count, num_sent = faces_sent.size();
@@ -121,8 +122,11 @@ void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerList
   Kokkos::parallel_for(
       "contact::returnGhostValues::add", over(space, num_sent),
       KOKKOS_LAMBDA(const std::int64_t n) {
-        for (int i = 0; i < 12; ++i) // a face may have gone to several ranks
-          Kokkos::atomic_add(&own_face_values(faces(n), i), returned(n * 12 + i));
+        const int face = faces(n);
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d) // most are 0
+            if (const std::int64_t value = returned(12 * n + 3 * j + d); value != 0)
+              Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
       });
 }
 

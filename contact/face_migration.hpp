@@ -22,10 +22,11 @@ void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
                   int num_attributes, SearchMethod method, FaceMigration& migration);
 
-// Collective among partners. own_face_values(face, :) += ghost_values(ghost, :) of all ghosts of the face. `faces_sent`
-// as of the last migration.
+// Collective among partners. node_values(corner j of the face, :) += ghost_values(ghost, 3 * j + :) of all ghosts of own faces.
+// `faces_sent` as of the last migration.
 void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                       const View<const int* [4]>& face_to_nodes,
                        const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
-                       const View<std::int64_t* [12]>& own_face_values);
+                       const View<std::int64_t* [3]>& node_values);
 
 } // namespace brickwall::contact

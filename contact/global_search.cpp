@@ -52,9 +52,11 @@ void GlobalSearch::findByBoxes(const exec_space& space, const Surface& surface) 
 }
 
 void GlobalSearch::returnToOwners(const exec_space& space,
+                                  const View<const int* [4]>& face_to_nodes,
                                   const View<const std::int64_t* [12]>& ghost_values,
-                                  const View<std::int64_t* [12]>& own_face_values) {
-  returnGhostValues(space, _comm, facesToSend(), ghost_values, _migration, own_face_values);
+                                  const View<std::int64_t* [3]>& node_values) {
+  returnGhostValues(space, _comm, facesToSend(), face_to_nodes, ghost_values, _migration,
+                    node_values);
 }
 
 void GlobalSearch::sendToGhosts(const exec_space& space, const Surface& surface,

@@ -36,10 +36,12 @@ public:
   // Throws PhysicsError on all ranks together, naming node and rank, when a coordinate is not finite.
   const GhostFaces& findGhosts(const exec_space& space, const Surface& surface);
 
-  // Collective. Adds each ghost's values to its owner's row: own_face_values(face, :) += ghost_values(ghost, :) with
-  // the ghosts of the last findGhosts(); rows are [face][3 * corner + xyz] in quanta. Integer sums: exact, any order.
-  void returnToOwners(const exec_space& space, const View<const std::int64_t* [12]>& ghost_values,
-                      const View<std::int64_t* [12]>& own_face_values);
+  // Collective. Adds each ghost's values to the nodes of its owner's face: node_values(node of corner j, xyz) +=
+  // ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in quanta. `face_to_nodes` [own face] may be other
+  // numbers than the surface's. Integer sums: exact, any order.
+  void returnToOwners(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                      const View<const std::int64_t* [12]>& ghost_values,
+                      const View<std::int64_t* [3]>& node_values);
 
   // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner, xyz), for the ghosts of
   // the last findGhosts().

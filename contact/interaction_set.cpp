@@ -87,13 +87,13 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
 } // namespace
 
 InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
-                               const Surface& surface, int face_corners,
+                               const Surface& surface, int num_nodes, int face_corners,
                                const EnforcementConfig& config, const Quantum& quantum)
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
       _next_count(label + "::next_count") {
-  _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", surface.num_nodes);
+  _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
 }
 
@@ -108,7 +108,8 @@ void InteractionSet::growInteractions(const exec_space& space, std::int64_t coun
 void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces) {
   growTo(space, _forces.ghost_corners, faces.ghosts.count);
   if (!_are_nodes_zero)
-    zeroRows(space, "contact::zeroForces::nodes", _forces.nodes, faces.surface.num_nodes);
+    zeroRows(space, "contact::zeroForces::nodes", _forces.nodes,
+             static_cast<std::int64_t>(_forces.nodes.extent(0)));
   zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
 }
 
@@ -173,21 +174,6 @@ PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess&
           _face_corners,
           _config.friction > 0,
           concurrency(space) == 1};
-}
-
-void addFaceForces(const exec_space& space, const Surface& surface,
-                   const View<const std::int64_t* [12]>& own_face_forces,
-                   const View<std::int64_t* [3]>& node_forces) {
-  const auto face_to_nodes = surface.face_to_nodes;
-  Kokkos::parallel_for(
-      "contact::addFaceForces", over(space, surface.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face) {
-        for (int j = 0; j < 4; ++j)
-          for (int d = 0; d < 3; ++d)
-            if (own_face_forces(face, 3 * j + d) != 0)
-              Kokkos::atomic_add(&node_forces(face_to_nodes(face, j), d),
-                                 own_face_forces(face, 3 * j + d));
-      });
 }
 
 } // namespace brickwall::contact

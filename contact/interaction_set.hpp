@@ -11,11 +11,6 @@
 
 namespace brickwall::contact {
 
-// Adds what returnToOwners brought, [own face][3 * corner + xyz] in quanta, to the nodes.
-void addFaceForces(const exec_space& space, const Surface& surface,
-                   const View<const std::int64_t* [12]>& own_face_forces,
-                   const View<std::int64_t* [3]>& node_forces);
-
 // Drifts before and after the forces: the kick between them has their mean length.
 struct StepLengths {
   double dt; // of the motion coordinates_new - coordinates_old
@@ -39,9 +34,11 @@ struct Corrections {
 class InteractionSet {
 public:
   InteractionSet() = default;
-  // `face_corners`: 4, or 2 where only the first two corners of a face carry weight.
+  // Forces act on the first `num_nodes` of the surface. `face_corners`: 4, or 2 where only the first two corners of a face carry
+  // weight.
   InteractionSet(const exec_space& space, const std::string& label, const Surface& surface,
-                 int face_corners, const EnforcementConfig& config, const Quantum& quantum);
+                 int num_nodes, int face_corners, const EnforcementConfig& config,
+                 const Quantum& quantum);
 
   // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
   // Afterwards next() holds those of this step, history() those of the last one, and forces() the forces of next()

@@ -39,7 +39,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
     : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
       _node_mass(node_mass), _node_faces(space, comm, surface),
       _records(space, surface, _node_faces),
-      _set(space, "contact::Enforcement", surface, 4, config, quantum),
+      _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
       _motion(space, "contact::Enforcement", surface), _still("contact::Enforcement", surface),
       _sleeping(space, "contact::Enforcement", surface.num_nodes) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
@@ -86,7 +86,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   if (edges != nullptr)
     sums.edges = edges->select(space, steps.dt, _motion);
   const bool had_forces = _has_forces;
-  _has_forces = isOnAnyRank(sums.nodes.interactions + sums.edges.interactions > 0);
+  agreeOnForces(sums, edges);
   if (_has_forces || had_forces)
     findTouched(space, faces, edges);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
@@ -104,6 +104,15 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
 
 bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
+}
+
+void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges) {
+  int any[2] = {sums.nodes.interactions + sums.edges.interactions > 0, sums.edges.interactions > 0};
+  if (sizeOf(_comm) > 1)
+    allReduce(_comm, any, 2, MPI_MAX);
+  _has_forces = any[0] != 0;
+  if (edges != nullptr)
+    edges->setHasForcesAnywhere(any[1] != 0);
 }
 
 // On several ranks the faces around a node may be others' and move, and their areas are exchanged.

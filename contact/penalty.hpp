@@ -97,6 +97,7 @@ private:
 
   // Collective.
   bool isOnAnyRank(bool here) const;
+  void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges);
 
   MPI_Comm _comm;
   EnforcementConfig _config;

@@ -36,8 +36,6 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
       _node_is_owned(allocate<View<unsigned char*>>(space, "coupling::node_is_owned", _num_nodes)),
       _attributes(allocate<View<double**>>(space, "coupling::face_attributes", _num_faces,
                                            contact::NodeFaces::num_columns)),
-      _corner_forces(
-          allocate<View<std::int64_t* [12]>>(space, "coupling::corner_forces", _num_faces)),
       _contact_forces(allocate<View<std::int64_t**>>(space, "coupling::contact_forces",
                                                      scene.mesh.num_nodes, 3)),
       _accelerations(allocate<View<double* [3]>>(space, "coupling::accelerations", _num_nodes)) {
@@ -160,11 +158,8 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        contact::CandidateSearch& search,
                                        mechanics::SharedNodeSum& shared) {
   const auto statistics = search.statistics();
-  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0) {
-    Kokkos::deep_copy(space, _corner_forces, 0);
-    search.returnToOwners(space, forces.ghost_corners, _corner_forces);
-    contact::addFaceForces(space, surface(), _corner_forces, forces.nodes);
-  }
+  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
+    search.returnToOwners(space, _face_to_surface_nodes, forces.ghost_corners, forces.nodes);
   if (shared.partners().empty())
     return;
   const auto surface_to_node = _surface_to_node;

@@ -62,7 +62,6 @@ private:
   View<unsigned char*> _node_is_owned;
   View<const double*> _node_mass;
   View<double**> _attributes; // [face] 4 corner masses, mu, true edges
-  View<std::int64_t* [12]> _corner_forces; // [face] returned from ghosts, quanta
   View<std::int64_t**> _contact_forces; // [mesh node][xyz] quanta
   View<double* [3]> _accelerations; // [surface node][xyz]
 };

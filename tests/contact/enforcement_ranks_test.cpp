@@ -178,9 +178,7 @@ TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
     const auto& pairs = local.findCandidatePairs(space, surface, search);
     run.enforcement.enforce(space, surface, ghosts, pairs, dt);
     const ContactForces& forces = run.enforcement.forces();
-    const View<std::int64_t* [12]> returned("test::returned", surface.num_faces);
-    search.returnToOwners(space, forces.ghost_corners, returned);
-    addFaceForces(space, surface, returned, forces.nodes);
+    search.returnToOwners(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
 
     const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
     std::vector<std::int64_t> sum(3 * scene.x_new.size(), 0);

@@ -244,25 +244,28 @@ TEST(GhostSearchTest, ReactionsOnGhostsReturnToTheirOwnersExactly) {
     const auto reactions = viewOf<View<std::int64_t* [12]>>(
         static_cast<std::size_t>(ghosts.count), 12,
         [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
-    const auto returned = viewOf<View<std::int64_t* [12]>>(
-        local.faces.size(), 12, [](auto, auto i) { return static_cast<std::int64_t>(i); });
-    global.returnToOwners(space, reactions, returned);
+    const auto returned = viewOf<View<std::int64_t* [3]>>(
+        local.nodes.size(), 3, [](auto, auto d) { return static_cast<std::int64_t>(d); });
+    global.returnToOwners(space, local.surface.face_to_nodes, reactions, returned);
     space.fence();
 
     const auto found = onHost(returned);
+    const auto face_to_nodes = onHost(local.surface.face_to_nodes);
     std::vector<std::vector<char>> ghosted(size, std::vector<char>(c.faces.size(), 0));
     for (int q = 0; q < size; ++q)
       for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts)
         ghosted[q][f] = 1;
-    bool ok = true;
+    std::vector<std::array<std::int64_t, 3>> expected(local.nodes.size(), {0, 1, 2});
     for (std::size_t f = 0; f < local.faces.size(); ++f)
-      for (int i = 0; i < 12; ++i) {
-        std::int64_t expected = i;
-        for (int q = 0; q < size; ++q)
-          if (ghosted[q][local.faces[f]])
-            expected += reactionOf(c.faces[local.faces[f]].id, q, i);
-        ok = ok && found(f, i) == expected;
-      }
+      for (int q = 0; q < size; ++q)
+        if (ghosted[q][local.faces[f]])
+          for (int i = 0; i < 12; ++i)
+            expected[face_to_nodes(f, i / 3)][i % 3] +=
+                reactionOf(c.faces[local.faces[f]].id, q, i);
+    bool ok = true;
+    for (std::size_t n = 0; n < expected.size(); ++n)
+      for (int d = 0; d < 3; ++d)
+        ok = ok && found(n, d) == expected[n][d];
     ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
   }
 }
