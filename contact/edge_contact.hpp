@@ -32,7 +32,8 @@ public:
   // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
   // leaves_out_still is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
   // collectForces is collective: it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
-  // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts of this rank act on.
+  // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts
+  // of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
