@@ -27,10 +27,10 @@ TEST(CommandLine, RunsTheDefaultDeckWithoutWords) {
 
 TEST(CommandLine, TakesCommandDeckAndOptionsInAnyOrder) {
   const CommandLine line =
-      parse({"--set", "time.end=1", "search", "--kokkos-threads=2", "decks/a.b.toml", "-o", "here",
+      parse({"--set", "time.end=1", "check", "--kokkos-threads=2", "decks/a.b.toml", "-o", "here",
              "--set=wall.gap=0", "--steps", "5", "--no-output", "--timing", "paper"});
   ASSERT_TRUE(line.options.has_value()) << line.text;
-  EXPECT_EQ(line.options->command, Command::search);
+  EXPECT_EQ(line.options->command, Command::check);
   EXPECT_EQ(line.options->deck, "decks/a.b.toml");
   EXPECT_EQ(line.options->caseName(), "a.b");
   EXPECT_EQ(line.options->output_directory, "here");

@@ -311,6 +311,7 @@ TEST(SearchReport, NamesItsFieldsAsAgreed) {
   report.faces = 300;
   report.method = "paper";
   report.timing = Timing::paper;
+  report.searches = report.repetitions = 4;
   report.seconds.whole.median = 0.25;
   report.cpu_seconds.global.mean = 0.125;
   report.timers = {{"search 2", {0.1, 0.2, 0.3, 0.15, 1.5}, {0.01, 0.02, 0.03, 0.015, 1.25}}};
@@ -355,6 +356,11 @@ TEST(SearchReport, NamesItsFieldsAsAgreed) {
             std::string::npos)
       << out.str();
   EXPECT_EQ(out.str().find("element"), std::string::npos) << "nothing that only `run` has";
+  report.searches = 0; // all lists were kept
+  std::ostringstream kept;
+  printSearchReport(kept, report);
+  EXPECT_EQ(kept.str().find("FOM face"), std::string::npos);
+  EXPECT_NE(kept.str().find("\nno FOM"), std::string::npos);
 }
 
 TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
