@@ -9,7 +9,7 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
       _num_awake(_num_blocks) {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
-  _state.bounds = allocate<View<KeptBound*>>(space, label + "::bounds", max_bounds * n);
+  _state.bounds = View<KeptBound*>(label + "::bounds", 0); // the first lull() makes room
   _state.age = View<unsigned char*>(label + "::age", n);
   _state.wait = View<unsigned char*>(label + "::wait", n);
   _state.patience = View<unsigned char*>(label + "::patience", n);

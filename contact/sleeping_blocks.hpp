@@ -130,8 +130,13 @@ void SleepingBlocks::lull(const exec_space& space, const Touch& touch, const Fac
                           const CandidatePairs& pairs, const SurfaceMotion& motion,
                           const View<const unsigned char*>& row_count,
                           const View<unsigned char*>& clear) {
-  if (_num_awake == 0 || pairs.version == 0)
+  // Rows of one node a block that every step searches anew count as changed each time: the block would wake at once.
+  const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
+  if (_num_awake == 0 || pairs.version == 0 || !rows_last)
     return;
+  if (_state.bounds.extent(0) == 0)
+    _state.bounds =
+        allocate<View<KeptBound*>>(space, _state.bounds.label(), max_bounds * _num_blocks);
   Kokkos::parallel_for("contact::SleepingBlocks::lull", over(space, _num_blocks),
                        FindBounds<Touch>{touch, faces, pairs, motion.bodies(), motion.rounding(),
                                          row_count, clear, _state});
