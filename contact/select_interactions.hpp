@@ -30,7 +30,7 @@ struct SelectInteractions : FindHits<Touch> {
   using Base::takePlaces;
   using Base::touch;
 
-  static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
+  static constexpr int rows_at_once = Base::max_rows;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
   static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;

@@ -23,9 +23,11 @@ ForceRange forceRangeOf(const io::MeshPart& part,
   range.weakest.assign(part.blocks.size(), HUGE_VAL);
   for (int elem = 0; elem < part.numElems(); ++elem) {
     mechanics::CornerCoordinates X;
-    for (int corner = 0; corner < 8; ++corner)
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::size_t node = part.elem_nodes[std::size_t(8) * elem + corner];
       for (int d = 0; d < 3; ++d)
-        X[corner][d] = part.coordinates[3 * part.elem_nodes[8 * elem + corner] + d];
+        X[corner][d] = part.coordinates[3 * node + d];
+    }
     const int block = part.elem_block[elem];
     const double h = mechanics::longestEdge(X);
     const double force = (materials[block].lambda() + 2 * materials[block].mu()) * h * h;

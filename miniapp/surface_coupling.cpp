@@ -48,7 +48,7 @@ void SurfaceCoupling::fillNodes(const exec_space& space, const Scene& scene,
   std::vector<global_id> bodies(scene.part.node_ids.size());
   for (int elem = 0; elem < scene.part.numElems(); ++elem)
     for (int corner = 0; corner < 8; ++corner)
-      bodies[scene.part.elem_nodes[8 * elem + corner]] = scene.part.elem_body[elem];
+      bodies[scene.part.elem_nodes[std::size_t(8) * elem + corner]] = scene.part.elem_body[elem];
   const auto body_of_node = toDevice<View<global_id*>>(space, "coupling::body_of_node", bodies);
 
   auto node_mass = allocate<View<double*>>(space, "coupling::node_mass", _num_nodes);
