@@ -13,14 +13,14 @@ namespace correct_springs {
 // Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
 template <class Real>
 struct Gathered {
-  static constexpr int width = sizeof(Real) / sizeof(double);
+  static constexpr int width = NumLanes<Real>::value;
   double force[width], first_force[width], damping[width], first_damping[width];
   double depth[width], offset[width], stored[width], is_new[width];
   double closing[width], inverse_mass[width], normal[3][width], weight[4][width];
   double acceleration[3][width], corner_acceleration[4][3][width];
 
-  KOKKOS_FORCEINLINE_FUNCTION void take(int lane, const Interaction& pair,
-                                        const CorrectPair& correct) {
+  KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const Interaction& pair,
+                                          const CorrectPair& correct) {
     force[lane] = pair.force;
     first_force[lane] = pair.first_force;
     damping[lane] = pair.damping;
@@ -51,30 +51,24 @@ template <class Real>
 struct Corrected {
   static constexpr int width = Gathered<Real>::width;
   double force[width], damping[width];
-  std::int64_t on_node[3][width], on_corner[4][3][width];
+  LaneQuanta<Real> change;
   double fits[width]; // 1: both forces, as they were and as they are, fit the fixed point
 
   // Returns whether that changes anything.
-  KOKKOS_FORCEINLINE_FUNCTION bool give(int lane, Interaction& pair, const PairForces& add) const {
+  KOKKOS_FORCEINLINE_FUNCTION bool scatter(int lane, Interaction& pair,
+                                           const PairForces& add) const {
     if (force[lane] == pair.force && damping[lane] == pair.damping)
       return false;
     pair.force = force[lane];
     pair.damping = damping[lane];
-    PairQuanta change;
-    for (int d = 0; d < 3; ++d) {
-      change.on_point[0][d] = on_node[d][lane];
-      change.on_point[1][d] = 0;
-      for (int j = 0; j < 4; ++j)
-        change.on_corner[j][d] = on_corner[j][d][lane];
-    }
-    add.add(pair, change, 1);
+    add.add(pair, change.of(lane), 1);
     return true;
   }
 };
 
 template <class Real>
-KOKKOS_INLINE_FUNCTION void work(const Gathered<Real>& gathered, const CorrectPair& correct,
-                                 double inverse_quantum, Corrected<Real>& corrected) {
+KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const CorrectPair& correct,
+                                     double inverse_quantum, Corrected<Real>& corrected) {
   const Triple<Real> normal = loadTriple<Real>(gathered.normal);
   Triple<Real> relative = loadTriple<Real>(gathered.acceleration);
   Real weight[4];
@@ -98,12 +92,9 @@ KOKKOS_INLINE_FUNCTION void work(const Gathered<Real>& gathered, const CorrectPa
   const Real damping = maxOf(loadLanes<Real>(gathered.first_damping), -force);
   const NodeQuanta<Real> before(spring.force + loadLanes<Real>(gathered.damping), normal, weight,
                                 inverse_quantum);
-  const NodeQuanta<Real> after(force + damping, normal, weight, inverse_quantum);
-  for (int d = 0; d < 3; ++d) {
-    storeLanes(after.on_node[d] - before.on_node[d], corrected.on_node[d]);
-    for (int j = 0; j < 4; ++j)
-      storeLanes(after.on_corner[j][d] - before.on_corner[j][d], corrected.on_corner[j][d]);
-  }
+  NodeQuanta<Real> after(force + damping, normal, weight, inverse_quantum);
+  after.subtract(before);
+  corrected.change.keep(after);
   storeLanes(force, corrected.force);
   storeLanes(damping, corrected.damping);
   storeLanes(where(before.fits & after.fits, Real(1.0), Real(0.0)), corrected.fits);
@@ -136,16 +127,16 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
     for (int lane = 0; lane < width; ++lane) {
       const std::int64_t number = numbers[minOf(first + lane, last)];
       pairs.prefetch(minOf(number + pairs_ahead, pairs.count - 1));
-      gathered.take(lane, pairs.interactions(number), correct);
+      gathered.gather(lane, pairs.interactions(number), correct);
     }
-    work(gathered, correct, add.inverse_quantum, corrected);
+    evaluate(gathered, correct, add.inverse_quantum, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
       if (corrected.fits[lane] == 0) {
         numbers[num_left++] = number;
         continue;
       }
-      is_changed(number) = corrected.give(lane, pairs.interactions(number), add);
+      is_changed(number) = corrected.scatter(lane, pairs.interactions(number), add);
       num_changed += is_changed(number);
     }
   }

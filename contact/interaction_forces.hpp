@@ -42,9 +42,10 @@ struct InteractionForces {
     now.inverse_mass = Touch::knows_motion && hit.known != nullptr ? hit.known->inverse_mass
                                                                    : inverseMass(now, hit.face);
     if (goesOn(hit))
-      carryOn(now, previous.interactions(hit.previous), hit, touch.stiffnessCap(config, now));
+      continueContact(now, previous.interactions(hit.previous), hit,
+                      touch.stiffnessCap(config, now));
     else
-      bear(now, hit.depth, touch.stiffnessAtBirth(config, faces, now, hits, num_hits, h));
+      startContact(now, hit.depth, touch.stiffnessAtBirth(config, faces, now, hits, num_hits, h));
     now.depth = hit.depth - now.offset;
     now.first_force = now.stiffness * now.depth;
     FadingForce fading;
@@ -65,7 +66,7 @@ struct InteractionForces {
     }
     FrictionSpring friction;
     if (config.friction > 0)
-      rub(now, hit, motion, friction, sums);
+      applyFriction(now, hit, motion, friction, sums);
     if (index < 0)
       return;
     next.interactions(index) = now;
@@ -97,15 +98,16 @@ struct InteractionForces {
 
   // What the motion of this step did not bring is taken as an offset: no energy comes from nowhere, and an initial
   // overlap, which is a birth at rest, gives no force.
-  KOKKOS_INLINE_FUNCTION static void bear(Interaction& now, double depth, double stiffness) {
+  KOKKOS_INLINE_FUNCTION static void startContact(Interaction& now, double depth,
+                                                  double stiffness) {
     now.stiffness = stiffness;
     now.offset = depth - minOf(depth, maxOf(0.0, now.closing));
   }
 
   // The spring goes on closing as the last force did when the node moves to another face, and keeps its energy when it must become
   // softer: then e may be below 0, and what is stored beyond P comes back in the last step before the node is outside.
-  KOKKOS_INLINE_FUNCTION void carryOn(Interaction& now, const Interaction& last, const Hit& hit,
-                                      double stiffness_cap) const {
+  KOKKOS_INLINE_FUNCTION void continueContact(Interaction& now, const Interaction& last,
+                                              const Hit& hit, double stiffness_cap) const {
     now.is_new = 0;
     now.taper = last.taper;
     now.stored = last.stored + hit.contact_work;
@@ -116,13 +118,19 @@ struct InteractionForces {
       now.offset = hit.depth - depth * std::sqrt(last.taper / taper);
     }
     now.stiffness = last.stiffness;
-    if (stiffness_cap > 0 && stiffness_cap < now.stiffness) {
-      const double depth = hit.depth - now.offset;
-      now.offset = hit.depth - depth * std::sqrt(now.stiffness / stiffness_cap);
-      now.stiffness = stiffness_cap;
-    }
+    soften(stiffness_cap, hit.depth, now.stiffness, now.offset);
     if (last.taper < 1)
       matchStored(now, last, hit);
+  }
+
+  // Where the cap falls below the stiffness, at equal stored energy.
+  template <class Real>
+  KOKKOS_FORCEINLINE_FUNCTION static void soften(const Real& cap, const Real& penetration,
+                                                 Real& stiffness, Real& offset) {
+    const auto is_softer = (cap > Real(0.0)) & (cap < stiffness);
+    const Real depth = penetration - offset;
+    offset = where(is_softer, penetration - depth * squareRoot(stiffness / cap), offset);
+    stiffness = where(is_softer, cap, stiffness);
   }
 
   // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has: at the
@@ -172,8 +180,9 @@ struct InteractionForces {
     return c * now.closing / dt;
   }
 
-  KOKKOS_INLINE_FUNCTION void rub(const Interaction& now, const Hit& hit, const Vec3& motion,
-                                  FrictionSpring& friction, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, const Hit& hit,
+                                            const Vec3& motion, FrictionSpring& friction,
+                                            ContactSums& sums) const {
     friction.stiffness = config.friction_stiffness * now.stiffness;
     if (!(now.depth > 0 && friction.stiffness > 0) || now.is_held)
       return; // nearly parallel edges could not give back the couple of a force across both
@@ -210,6 +219,12 @@ struct InteractionForces {
                        faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
   }
 
+  // Over the half step before the last forces and the one after them, from the motions of the steps.
+  template <class Real>
+  KOKKOS_FORCEINLINE_FUNCTION Real closingOfKick(const Real& before, const Real& now) const {
+    return 0.5 * (previous_dt + dt) * 0.5 * (before / previous_dt + now / dt);
+  }
+
   // Books the work of the last step's forces over the half step before and after them, of which the second half is the
   // motion of this step. Returns the work done on the contact's spring: dt F n . (v^{n-1/2} + v^{n+1/2})/2 and its fading part.
   // `closing_now`: that motion of this step, along the last normal.
@@ -219,7 +234,7 @@ struct InteractionForces {
     const Interaction& last = previous.interactions(index);
     const Vec3& motion = known.last_motion;
     const double kick = 0.5 * (previous_dt + dt);
-    const double closing = kick * 0.5 * (last.closing / previous_dt + closing_now / dt);
+    const double closing = closingOfKick(last.closing, closing_now);
     double on_spring = last.force * closing;
     if (last.taper < 1) {
       const FadingForce& fading = previous.fading(index);
@@ -250,14 +265,22 @@ struct InteractionForces {
       sums.deepest = maxOf(sums.deepest, hit.depth);
     }
   }
+  // k p^n p^{n+1}/2, with the sum of the tapers w^n and w^{n+1} for 2.
+  template <class Real>
+  KOKKOS_FORCEINLINE_FUNCTION static Real
+  storedWithoutFading(const Real& last_stiffness, const Real& stiffness, const Real& tapers,
+                      const Real& last_depth, const Real& depth) {
+    return 0.25 * squareRoot(last_stiffness * stiffness) * tapers * last_depth * depth;
+  }
   // At the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, U = k w p^2/2, W^n the work of the forces of x^n over the motion between the two;
   // without fading that is k p^n p^{n+1}/2.
   KOKKOS_INLINE_FUNCTION double storedBetween(const Interaction& last, const Interaction& now,
                                               const Hit& hit, double fading_work) const {
-    const double stiffness = std::sqrt(last.stiffness * now.stiffness);
     if ((last.taper == 1 && now.taper == 1) || last.face != now.face ||
         !(last.depth > 0 && now.depth > 0))
-      return 0.25 * stiffness * (last.taper + now.taper) * last.depth * now.depth;
+      return storedWithoutFading(last.stiffness, now.stiffness, last.taper + now.taper, last.depth,
+                                 now.depth);
+    const double stiffness = std::sqrt(last.stiffness * now.stiffness);
     const Vec3 motion = faces.relativeMotion(last.point, hit.face, last.weight);
     double last_work = -last.first_force * -dot(last.normal, motion);
     if (last.taper < 1) { // before its correction, as the other forces here

@@ -27,14 +27,14 @@ namespace known_contact {
 // Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
 template <class Real>
 struct Gathered {
-  static constexpr int width = sizeof(Real) / sizeof(double);
+  static constexpr int width = NumLanes<Real>::value;
   double corner[4][3][width], corner_motion[4][3][width], corner_mass[4][width];
   double last_weight[4][width];
   double node[3][width], node_motion[3][width], node_mass[width];
 
-  KOKKOS_INLINE_FUNCTION void take(int lane, const FaceAccess& faces,
-                                   const View<const double*>& mass, const Interaction& last, int at,
-                                   int face) {
+  KOKKOS_INLINE_FUNCTION void gather(int lane, const FaceAccess& faces,
+                                     const View<const double*>& mass, const Interaction& last,
+                                     int at, int face) {
     const Surface& surface = faces.surface;
     Vec3 now[4], before[4];
     faces.corners(face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
@@ -81,12 +81,12 @@ KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type isTriangle(const Triple<Real>
 
 template <class Real>
 struct Found {
-  static constexpr int width = sizeof(Real) / sizeof(double);
+  static constexpr int width = NumLanes<Real>::value;
   double weight[4][width], normal[3][width], gap[width], excess[width], xi[width], eta[width];
   double motion[3][width], last_motion[3][width], inverse_mass[width];
   double is_found[width]; // 1: else project() is to be asked
 
-  KOKKOS_INLINE_FUNCTION void give(int lane, KnownContact& contact) const {
+  KOKKOS_INLINE_FUNCTION void scatter(int lane, KnownContact& contact) const {
     FacePoint& point = contact.point;
     for (int j = 0; j < 4; ++j)
       point.weight[j] = weight[j][lane];
@@ -102,7 +102,7 @@ struct Found {
 };
 
 template <class Real>
-KOKKOS_INLINE_FUNCTION void work(const Gathered<Real>& gathered, Found<Real>& found) {
+KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, Found<Real>& found) {
   const Triple<Real> x = loadTriple<Real>(gathered.node);
   Triple<Real> q[4], of_corner[4];
   Real last_weight[4];
@@ -134,7 +134,7 @@ KOKKOS_INLINE_FUNCTION void work(const Gathered<Real>& gathered, Found<Real>& fo
 
 // The same for one contact: where Newton's method finds no point of the quad, and on triangles.
 KOKKOS_INLINE_FUNCTION void
-lookByItself(const FaceAccess& faces, const View<const double*>& node_mass, KnownContact& contact) {
+projectOne(const FaceAccess& faces, const View<const double*>& node_mass, KnownContact& contact) {
   contact.point =
       project(faces.quad(contact.face), rowOf(faces.surface.coordinates_new, contact.node));
   contact.motion = faces.relativeMotion(atNode(contact.node), contact.face, contact.point.weight);
@@ -160,17 +160,17 @@ KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
     const int last = minOf(first + width, count) - 1;
     for (int lane = 0; lane < width; ++lane) {
       const KnownContact& contact = contacts[minOf(first + lane, last)];
-      gathered.take(lane, faces, node_mass, previous.interactions(contact.previous), contact.node,
-                    contact.face);
+      gathered.gather(lane, faces, node_mass, previous.interactions(contact.previous), contact.node,
+                      contact.face);
     }
-    work(gathered, found);
+    evaluate(gathered, found);
     for (int lane = 0; first + lane <= last; ++lane) {
       KnownContact& contact = contacts[first + lane];
       contact.last_motion = {found.last_motion[0][lane], found.last_motion[1][lane],
                              found.last_motion[2][lane]};
-      found.give(lane, contact);
+      found.scatter(lane, contact);
       if (found.is_found[lane] == 0)
-        lookByItself(faces, node_mass, contact);
+        projectOne(faces, node_mass, contact);
     }
   }
 }

@@ -29,6 +29,39 @@ struct NodeQuanta {
       on_corner[3][d] = rest;
     }
   }
+  // What a change from `before` adds.
+  KOKKOS_FORCEINLINE_FUNCTION void subtract(const NodeQuanta& before) {
+    for (int d = 0; d < 3; ++d) {
+      on_node[d] = on_node[d] - before.on_node[d];
+      for (int j = 0; j < 4; ++j)
+        on_corner[j][d] = on_corner[j][d] - before.on_corner[j][d];
+    }
+  }
+};
+
+// The same of all lanes, kept to be taken out one contact after the other.
+template <class Real>
+struct LaneQuanta {
+  static constexpr int width = NumLanes<Real>::value;
+  std::int64_t on_node[3][width], on_corner[4][3][width];
+
+  KOKKOS_FORCEINLINE_FUNCTION void keep(const NodeQuanta<Real>& quanta) {
+    for (int d = 0; d < 3; ++d) {
+      storeLanes(quanta.on_node[d], on_node[d]);
+      for (int j = 0; j < 4; ++j)
+        storeLanes(quanta.on_corner[j][d], on_corner[j][d]);
+    }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION PairQuanta of(int lane) const {
+    PairQuanta quanta;
+    for (int d = 0; d < 3; ++d) {
+      quanta.on_point[0][d] = on_node[d][lane];
+      quanta.on_point[1][d] = 0;
+      for (int j = 0; j < 4; ++j)
+        quanta.on_corner[j][d] = on_corner[j][d][lane];
+    }
+    return quanta;
+  }
 };
 
 } // namespace brickwall::contact

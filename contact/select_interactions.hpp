@@ -41,7 +41,7 @@ struct SelectInteractions : FindHits<Touch> {
   bool has_asleep = false; // else `sleep` is not looked at
 
   // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
-  struct Work {
+  struct Batch {
     int num_rows = 0, num_known = 0;
     std::int64_t rows[rows_at_once];
     int first[rows_at_once + 1];
@@ -74,11 +74,11 @@ struct SelectInteractions : FindHits<Touch> {
     }
     num_to_see = writeSteadyRows(to_see, num_to_see, sums);
     if (num_to_see > 0)
-      workOn(to_see, num_to_see, sums);
+      selectBatches(to_see, num_to_see, sums);
   }
-  KOKKOS_INLINE_FUNCTION void workOn(std::int64_t* to_see, int num_to_see,
-                                     ContactSums& sums) const {
-    Work work;
+  KOKKOS_INLINE_FUNCTION void selectBatches(std::int64_t* to_see, int num_to_see,
+                                            ContactSums& sums) const {
+    Batch batch;
     std::int64_t touching[rows_at_once]; // of rows without history: the first pair that may touch
     if constexpr (!Touch::tests_rows_together)
       num_to_see = keepRowsThatTouch(to_see, num_to_see, touching);
@@ -88,14 +88,14 @@ struct SelectInteractions : FindHits<Touch> {
       if constexpr (!Touch::tests_rows_together)
         if (count == 0 && !mayBear(row, node, touching[r]))
           continue;
-      if (work.num_known + count > max_known)
-        finish(work, sums);
-      work.rows[work.num_rows] = row;
-      work.first[work.num_rows++] = work.num_known;
+      if (batch.num_known + count > max_known)
+        finish(batch, sums);
+      batch.rows[batch.num_rows] = row;
+      batch.first[batch.num_rows++] = batch.num_known;
       if (count > 0)
-        findKnown(row, node, count, work);
+        findKnown(row, node, count, batch);
     }
-    finish(work, sums);
+    finish(batch, sums);
   }
   // Those of the listed rows whose contacts go on as they were. The others are then the first ones; returns how many they are.
   KOKKOS_INLINE_FUNCTION int writeSteadyRows(std::int64_t* rows, int count,
@@ -203,7 +203,7 @@ struct SelectInteractions : FindHits<Touch> {
     }
     return num_kept;
   }
-  KOKKOS_INLINE_FUNCTION void findKnown(std::int64_t row, int node, int count, Work& work) const {
+  KOKKOS_INLINE_FUNCTION void findKnown(std::int64_t row, int node, int count, Batch& batch) const {
     const std::int64_t end = pairs.end(row);
     const int first = previous.row_begin(node);
     int missing = count;
@@ -216,7 +216,7 @@ struct SelectInteractions : FindHits<Touch> {
         --missing;
         if (!faces.isOfThisStep(pairs.step_test, node, face))
           continue;
-        KnownContact& contact = work.known[work.num_known++];
+        KnownContact& contact = batch.known[batch.num_known++];
         contact.node = node;
         contact.slot = s;
         contact.previous = first + s;
@@ -225,13 +225,13 @@ struct SelectInteractions : FindHits<Touch> {
       }
     }
   }
-  KOKKOS_INLINE_FUNCTION void finish(Work& work, ContactSums& sums) const {
-    touch.look(faces, previous, work.num_known, work.known);
-    work.first[work.num_rows] = work.num_known;
-    for (int r = 0; r < work.num_rows; ++r)
-      selectOfRow(work.rows[r], work.known + work.first[r], work.first[r + 1] - work.first[r],
+  KOKKOS_INLINE_FUNCTION void finish(Batch& batch, ContactSums& sums) const {
+    touch.look(faces, previous, batch.num_known, batch.known);
+    batch.first[batch.num_rows] = batch.num_known;
+    for (int r = 0; r < batch.num_rows; ++r)
+      selectOfRow(batch.rows[r], batch.known + batch.first[r], batch.first[r + 1] - batch.first[r],
                   sums);
-    work.num_rows = work.num_known = 0;
+    batch.num_rows = batch.num_known = 0;
   }
 
   KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const KnownContact* known,

@@ -17,8 +17,8 @@ struct LastStep {
   double depth[width], offset[width], stiffness[width], stored[width], force[width], closing[width];
   double normal[3][width], face_area[width], is_facing[width], was_new[width];
 
-  KOKKOS_FORCEINLINE_FUNCTION void take(int lane, const Interaction& last, double area,
-                                        bool faces) {
+  KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const Interaction& last, double area,
+                                          bool faces) {
     depth[lane] = last.depth;
     offset[lane] = last.offset;
     stiffness[lane] = last.stiffness;
@@ -41,7 +41,7 @@ struct ThisStep {
   double first_force[width], held[width]; // energy in the spring at the half step
   double penetration[width], relative_penetration[width];
   double is_steady[width]; // 1: all of this holds
-  std::int64_t on_node[3][width], on_corner[4][3][width];
+  LaneQuanta<Real> quanta;
 
   KOKKOS_FORCEINLINE_FUNCTION void write(int lane, const known_contact::Found<Real>& found,
                                          Interaction& now) const {
@@ -58,16 +58,6 @@ struct ThisStep {
       now.weight[j] = found.weight[j][lane];
     now.is_held = now.is_new = 0;
     now.inverse_mass = found.inverse_mass[lane];
-  }
-  KOKKOS_FORCEINLINE_FUNCTION PairQuanta quanta(int lane) const {
-    PairQuanta quanta;
-    for (int d = 0; d < 3; ++d) {
-      quanta.on_point[0][d] = on_node[d][lane];
-      quanta.on_point[1][d] = 0;
-      for (int j = 0; j < 4; ++j)
-        quanta.on_corner[j][d] = on_corner[j][d][lane];
-    }
-    return quanta;
   }
 };
 
@@ -169,8 +159,8 @@ struct SteadyContacts : InteractionForces<Touch> {
       const int first = steady.first[begin], behind = steady.first[end];
       for (int lane = 0; lane < lanes; ++lane)
         gather(steady, minOf(first + lane, behind - 1), lane, gathered, last);
-      known_contact::work(gathered, found);
-      work(found, last, now);
+      known_contact::evaluate(gathered, found);
+      evaluate(found, last, now);
       for (; begin < end; ++begin)
         if (!write(steady, begin, first, found, now, sums))
           steady.rows[num_left++] = steady.rows[begin];
@@ -192,17 +182,17 @@ struct SteadyContacts : InteractionForces<Touch> {
                                           steady_contacts::LastStep<Lanes>& last) const {
     const int node = steady.node[i], face = steady.face[i];
     const Interaction& before = previous.interactions(steady.previous[i]);
-    gathered.take(lane, faces, touch.node_mass, before, node, face);
+    gathered.gather(lane, faces, touch.node_mass, before, node, face);
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    last.take(lane, before, touch.recordOfFace(face).plane.area,
-              touch.isFacing(x, node, face, Stage::kept));
+    last.gather(lane, before, touch.recordOfFace(face).plane.area,
+                touch.isFacing(x, node, face, Stage::kept));
   }
 
-  // As NodeFaceTouch::testAgain(), bookWork(), carryOn(), storedBetween() and followWork() do, in that order.
+  // As NodeFaceTouch::testAgain(), bookWork(), continueContact(), storedBetween() and followWork() do, in that order.
   template <class Real>
-  KOKKOS_INLINE_FUNCTION void work(const known_contact::Found<Real>& found,
-                                   const steady_contacts::LastStep<Real>& last,
-                                   steady_contacts::ThisStep<Real>& now) const {
+  KOKKOS_INLINE_FUNCTION void evaluate(const known_contact::Found<Real>& found,
+                                       const steady_contacts::LastStep<Real>& last,
+                                       steady_contacts::ThisStep<Real>& now) const {
     using Mask = typename MaskOf<Real>::type;
     const Real one = 1.0, gap = loadLanes<Real>(found.gap), penetration = -gap;
     const Real last_offset = loadLanes<Real>(last.offset);
@@ -213,32 +203,27 @@ struct SteadyContacts : InteractionForces<Touch> {
                          (gap < Real(-touch.least_depth)) &
                          (loadLanes<Real>(found.excess) <= Real(touch.lateral_tolerance)) &
                          (place <= Real(touch.farthestSteady())) & (penetration > last_offset);
-    const double kick = 0.5 * (previous_dt + dt);
     const Real closing_before =
         -dot(loadTriple<Real>(last.normal), loadTriple<Real>(found.last_motion));
-    const Real way =
-        kick * 0.5 * (loadLanes<Real>(last.closing) / previous_dt + closing_before / dt);
+    const Real way = this->closingOfKick(loadLanes<Real>(last.closing), closing_before);
     const Real stored = loadLanes<Real>(last.stored) + loadLanes<Real>(last.force) * way;
     const Triple<Real> normal = loadTriple<Real>(found.normal);
     const Real inverse_mass = loadLanes<Real>(found.inverse_mass);
     const Real last_stiffness = loadLanes<Real>(last.stiffness);
     Real stiffness = last_stiffness;
     Real offset = minOf(last_offset, penetration);
-    soften(touch.template stiffnessCap<Real>(config, inverse_mass), penetration, stiffness, offset);
+    this->soften(touch.template stiffnessCap<Real>(config, inverse_mass), penetration, stiffness,
+                 offset);
     const Real depth = penetration - offset, force = stiffness * depth;
-    const Real held =
-        0.25 * squareRoot(last_stiffness * stiffness) * 2.0 * loadLanes<Real>(last.depth) * depth;
+    const Real held = this->storedWithoutFading(last_stiffness, stiffness, Real(2.0),
+                                                loadLanes<Real>(last.depth), depth);
     if (config.scheme == Scheme::energy_neutral)
       offset = this->offsetThatFollows(offset, stored, held, depth, force, depth);
     Real weight[4];
     for (int j = 0; j < 4; ++j)
       weight[j] = loadLanes<Real>(found.weight[j]);
     const NodeQuanta<Real> quanta(force, normal, weight, add.inverse_quantum);
-    for (int d = 0; d < 3; ++d) {
-      storeLanes(quanta.on_node[d], now.on_node[d]);
-      for (int j = 0; j < 4; ++j)
-        storeLanes(quanta.on_corner[j][d], now.on_corner[j][d]);
-    }
+    now.quanta.keep(quanta);
     storeLanes(depth, now.depth);
     storeLanes(offset, now.offset);
     storeLanes(stiffness, now.stiffness);
@@ -249,15 +234,6 @@ struct SteadyContacts : InteractionForces<Touch> {
     storeLanes(penetration, now.penetration);
     storeLanes(penetration / squareRoot(loadLanes<Real>(last.face_area)), now.relative_penetration);
     storeLanes(where(is_kept & quanta.fits & (depth > Real(0.0)), one, Real(0.0)), now.is_steady);
-  }
-  // As carryOn() does where the cap falls below the stiffness.
-  template <class Real>
-  KOKKOS_FORCEINLINE_FUNCTION static void soften(const Real& cap, const Real& penetration,
-                                                 Real& stiffness, Real& offset) {
-    const auto is_softer = (cap > Real(0.0)) & (cap < stiffness);
-    const Real depth = penetration - offset;
-    offset = where(is_softer, penetration - depth * squareRoot(stiffness / cap), offset);
-    stiffness = where(is_softer, cap, stiffness);
   }
 
   // A row whose contacts start at lane `first contact of the row` - `first`. Returns whether it is steady.
@@ -290,7 +266,7 @@ struct SteadyContacts : InteractionForces<Touch> {
       pair.point = atNode(node);
       pair.face_index = face;
       now.write(lane, found, pair);
-      add.add(pair, now.quanta(lane), 1);
+      add.add(pair, now.quanta.of(lane), 1);
     }
     touch.record(node, count, deepest);
     sums.touching += count;

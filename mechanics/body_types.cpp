@@ -7,6 +7,8 @@
 #include "mechanics/hex8_geometry.hpp"
 #include "mechanics/host_mesh.hpp"
 
+#include <algorithm>
+
 namespace brickwall::mechanics {
 
 namespace {

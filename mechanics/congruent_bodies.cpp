@@ -5,6 +5,7 @@
 #include "mechanics/hex8_geometry.hpp"
 #include "mechanics/host_mesh.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace brickwall::mechanics {

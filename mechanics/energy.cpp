@@ -1,5 +1,6 @@
 #include "mechanics/energy.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace brickwall::mechanics {

@@ -6,7 +6,7 @@
 #include "mechanics/hex8_geometry.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <sstream>
 
 namespace brickwall::miniapp {
 
@@ -52,18 +52,19 @@ std::vector<std::string> checkForceRange(MPI_Comm comm, const io::MeshPart& part
     const double rounding = quantum / range.weakest[block];
     if (!(rounding > coarse_forces))
       continue;
-    char text[400];
-    std::snprintf(text, sizeof text,
-                  "element block '%s': forces are rounded to %.2g of its weakest element's at a "
-                  "strain of one, "
-                  "since another one's are %.2g times as strong ((lambda + 2 mu) h^2)",
-                  part.blocks[block].name.c_str(), rounding,
-                  range.strongest / range.weakest[block]);
+    std::ostringstream text;
+    text.precision(2);
+    text << "element block '" << part.blocks[block].name
+         << "': forces of its weakest element at a strain of one, (lambda + 2 mu) h^2, are "
+            "resolved to "
+         << rounding
+         << " of themselves only, because one quantum serves all blocks and the strongest "
+         << "element is " << range.strongest / range.weakest[block] << " times as strong";
     if (rounding > too_coarse_forces)
-      throw InputError(std::string(text) +
+      throw InputError(text.str() +
                        "; expected at most 1e-6: make the strong elements smaller or softer, or "
                        "prescribe the motion of a small part of that body");
-    warnings.push_back(text);
+    warnings.push_back(text.str());
   }
   return warnings;
 }

@@ -156,6 +156,13 @@ std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
     if (!doubt.empty())
       warnings.push_back("load.pressure[" + std::to_string(i) + "] " + doubt);
   }
+  for (std::size_t i = 0; i < config.prescribed.size(); ++i)
+    if (config.prescribed[i].pulse.start >= config.time.end) {
+      std::ostringstream text;
+      text << "boundary.velocity[" << i << "] holds its nodes: it starts at "
+           << config.prescribed[i].pulse.start << ", time.end is " << config.time.end;
+      warnings.push_back(text.str());
+    }
   return warnings;
 }
 

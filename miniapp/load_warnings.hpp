@@ -1,5 +1,5 @@
-// What a deck says of pressures that can not come out as it means them: they come too late, act too far away, or in a spot
-// that the faces do not resolve.
+// What a deck says of pressures and prescribed velocities that can not come out as it means them: they come too late, or act too
+// far away, or in a spot that the faces do not resolve.
 #pragma once
 
 #include "io/mesh_part.hpp"
@@ -16,7 +16,7 @@ namespace brickwall::miniapp {
 // b, wherever on them the centre lies.
 double gaussianForceError(double a, double b, double radius);
 
-// Warnings of [[load.pressure]], one a load at most, the same on all ranks. Of a wall from the deck alone, so that `part` may be
+// Warnings of [[load.pressure]] and [[boundary.velocity]], one of each at most, the same on all ranks. Of a wall from the deck alone, so that `part` may be
 // that of a smaller one. Collective.
 std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
                                       const io::MeshPart& part);

@@ -41,6 +41,13 @@ TEST(LoadWarnings, TellOfPulsesThatComeTooLate) {
   expectWarning(away + "wave_speed = 1e-320\n", "its wave reaches");
 }
 
+TEST(LoadWarnings, TellOfPrescribedVelocitiesThatComeTooLate) {
+  const std::string step = "duration = 1.0\n[[boundary.velocity]]\nnode_set = \"back\"\n"
+                           "velocity = [0, 1, 0]\n";
+  expectWarning(step + "start = 7.9\n", "");
+  expectWarning(step + "start = 8.0\n", "boundary.velocity[0] holds its nodes: it starts at 8");
+}
+
 TEST(LoadWarnings, TellOfGaussiansFinerThanTheFacesOrFarAway) {
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.56\n", "");
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.54\n", "is finer than the mesh");
