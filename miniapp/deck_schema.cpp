@@ -59,7 +59,9 @@ std::vector<BlockRule> sceneBlocks() {
        {text("file", "path, relative to the deck's folder").mustBeGiven()}},
       {"material",
        BlockKind::named,
-       "material of the element block <name>; walls have the blocks brick and half_brick",
+       "material of the element block <name>; walls have the blocks brick and half_brick, which is "
+       "as "
+       "brick where not given",
        {word("model", {"neo_hookean", "svk", "linear"},
              "ln J neo-Hookean, St.Venant-Kirchhoff, or "
              "linear at small strain")
@@ -165,7 +167,7 @@ std::vector<BlockRule> methodBlocks() {
             .byDefault("energy_neutral"),
         real("penalty", "",
              "stiffness s = k dt^2/m, where not given less with damping; stiffer contact may "
-             "shorten the step")
+             "shorten the step; with edges below 1.55")
             .byDefault("0.9")
             .above(0)
             .below(1.95),
