@@ -129,11 +129,8 @@ InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surf
                           FindDeepest{FaceAccess{surface, search.ghosts()}, search.pairs()},
                           Combine<LeadingPair>(local));
   space.fence();
-  InitialOverlap deepest;
-  deepest.depth = allReduce(comm, local.value, MPI_MAX);
-  if (deepest.depth > 0)
-    static_cast<PairIds&>(deepest) = leaderOfAll(comm, local, deepest.depth);
-  return deepest;
+  const LeadingPair leader = leaderOfAll(comm, local);
+  return {leader.pair, leader.value};
 }
 
 ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
@@ -154,9 +151,10 @@ ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
       FindDeepestElements{FaceAccess{surface, search.ghosts()}, search.pairs(), least},
       Combine<LeadingPair>(local));
   space.fence();
-  deepest.depth = allReduce(comm, local.value, MPI_MAX);
+  const LeadingPair leader = leaderOfAll(comm, local);
+  deepest.depth = leader.value;
   if (deepest.depth > 0) {
-    const PairIds pair = leaderOfAll(comm, local, deepest.depth);
+    const PairIds& pair = leader.pair;
     deepest.element = pair.node;
     deepest.other = pair.face;
     deepest.body = pair.node_body;

@@ -27,11 +27,8 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const Surface& su
       },
       Combine<LeadingPair>(local));
   space.fence();
-  LargestForce largest;
-  largest.force = allReduce(comm, local.value, MPI_MAX);
-  if (largest.force > 0)
-    static_cast<PairIds&>(largest) = leaderOfAll(comm, local, largest.force);
-  return largest;
+  const LeadingPair leader = leaderOfAll(comm, local);
+  return {leader.pair, leader.value};
 }
 
 } // namespace

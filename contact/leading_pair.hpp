@@ -31,7 +31,7 @@ struct LeadingPair {
 };
 
 // The pair of the leader of all ranks, whose value is `value` = the greatest of all `local` ones. Collective.
-inline PairIds leaderOfAll(MPI_Comm comm, const LeadingPair& local, double value) {
+inline PairIds pairOfLeader(MPI_Comm comm, const LeadingPair& local, double value) {
   const auto lowest = [&](bool takes_part, global_id id) {
     return allReduce(comm, takes_part ? id : INT64_MAX, MPI_MIN);
   };
@@ -43,6 +43,14 @@ inline PairIds leaderOfAll(MPI_Comm comm, const LeadingPair& local, double value
   const bool has_pair = has_node && local.pair.face == leader.face;
   leader.node_body = lowest(has_pair, local.pair.node_body);
   leader.face_body = lowest(has_pair, local.pair.face_body);
+  return leader;
+}
+
+// The leader of all ranks; without a pair where no value is above 0. Collective.
+inline LeadingPair leaderOfAll(MPI_Comm comm, const LeadingPair& local) {
+  LeadingPair leader;
+  leader.value = allReduce(comm, local.value, MPI_MAX);
+  leader.pair = leader.value > 0 ? pairOfLeader(comm, local, leader.value) : PairIds();
   return leader;
 }
 

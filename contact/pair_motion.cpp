@@ -70,7 +70,7 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
   PairMotion fastest;
   fastest.motion = std::sqrt(square);
   if (fastest.motion > limit)
-    static_cast<PairIds&>(fastest) = leaderOfAll(comm, local, square);
+    static_cast<PairIds&>(fastest) = pairOfLeader(comm, local, square);
   return fastest;
 }
 

@@ -1,7 +1,7 @@
 #include "mechanics/small_strain.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "mechanics/hex8_geometry.hpp"
+#include "mechanics/displacement_gradient.hpp"
 
 namespace brickwall::mechanics {
 
@@ -17,11 +17,7 @@ LeftOutStrain leftOutStrain(const exec_space& space, MPI_Comm comm, const HexMes
         CornerCoordinates X, u;
         gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
         gatherCorners(m.elem_to_nodes, displacement, static_cast<int>(elem), u);
-        double X_modes[3][num_modes], u_modes[3][num_modes];
-        coordinateModes(X, X_modes);
-        coordinateModes(u, u_modes);
-        const Mat3 jacobian = centreJacobian(X_modes);
-        const Mat3 H = centreJacobian(u_modes) * inverse(jacobian, determinant(jacobian));
+        const Mat3 H = displacementGradient(X, u);
         LeftOutStrain one;
         one.elem = m.elem_ids(elem);
         for (int j = 0; j < 3; ++j)

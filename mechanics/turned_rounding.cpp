@@ -1,7 +1,7 @@
 #include "mechanics/turned_rounding.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "mechanics/hex8_geometry.hpp"
+#include "mechanics/displacement_gradient.hpp"
 
 #include <cmath>
 
@@ -18,11 +18,7 @@ constexpr double of_energy = 256;
 // |du/dX|^2 at the centre.
 KOKKOS_INLINE_FUNCTION double squaredGradient(const CornerCoordinates& X,
                                               const CornerCoordinates& u) {
-  double X_modes[3][num_modes], u_modes[3][num_modes];
-  coordinateModes(X, X_modes);
-  coordinateModes(u, u_modes);
-  const Mat3 jacobian = centreJacobian(X_modes);
-  const Mat3 H = centreJacobian(u_modes) * inverse(jacobian, determinant(jacobian));
+  const Mat3 H = displacementGradient(X, u);
   double square = 0;
   for (int k = 0; k < 9; ++k)
     square += H(k / 3, k % 3) * H(k / 3, k % 3);
