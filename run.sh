@@ -71,7 +71,7 @@ wants_help=no
 choose_study() {
   study=$1
   case $1 in
-    paper) driver=("$root/verification/performance/paper_study.py") ;;
+    paper) driver=("$root/verification/performance/paper/paper_study.py") ;;
     verification | stability) driver=("$root/verification/verify.py" "$1") ;;
     accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
     same-bits) driver=("$root/verification/same_bits.py") ;;

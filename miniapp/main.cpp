@@ -3,8 +3,8 @@
 #include "contact/base/backend.hpp"
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
-#include "miniapp/commands.hpp"
-#include "miniapp/failure.hpp"
+#include "miniapp/commands/commands.hpp"
+#include "miniapp/commands/failure.hpp"
 
 #include <cstdio>
 #include <iostream>

@@ -1,0 +1,63 @@
+// See sleeping_blocks.hpp.
+#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
+
+namespace brickwall::contact {
+
+SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes)
+    : _num_blocks((num_nodes + CandidatePairs::rows_per_block - 1) /
+                  CandidatePairs::rows_per_block),
+      _num_awake(_num_blocks) {
+  const auto n = static_cast<std::size_t>(_num_blocks);
+  _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
+  _state.bounds = View<KeptBound*>(label + "::bounds", 0); // the first lull() makes room
+  _state.age = View<unsigned char*>(label + "::age", n);
+  _state.wait = View<unsigned char*>(label + "::wait", n);
+  _state.patience = View<unsigned char*>(label + "::patience", n);
+  Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
+}
+
+void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
+                          const SurfaceMotion& motion, bool is_unchanged) {
+  const bool are_same = pairs.version > 0 && pairs.version == _version;
+  const bool are_next = pairs.version > 0 && pairs.version == _version + 1;
+  const bool is_known = _changed == pairs.changed.data() && (are_same || are_next);
+  _version = pairs.version;
+  _changed = pairs.changed.data();
+  if (!is_known) {
+    Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
+    _num_awake = _num_blocks;
+  }
+  if (!is_known || is_unchanged)
+    return;
+  const SleepState state = _state;
+  const View<const unsigned char*> changed = pairs.changed;
+  const BodyMotions motions = motion.bodies();
+  const double rounding = motion.rounding();
+  _num_awake = 0;
+  Kokkos::parallel_reduce(
+      "contact::SleepingBlocks::wake", over(space, _num_blocks),
+      KOKKOS_LAMBDA(const std::int64_t block, std::int64_t& awake) {
+        const int count = state.num_bounds(block);
+        if (count == SleepState::awake) {
+          ++awake;
+          return;
+        }
+        bool sleeps = are_same || changed(block) == 0;
+        for (int b = 0; b < count && sleeps; ++b)
+          sleeps = state.bound(block, b).holds(motions, rounding);
+        constexpr int soon = 16; // what it costs to find bounds is made up for by then
+        if (sleeps) {
+          state.age(block) = static_cast<unsigned char>(minOf(state.age(block) + 1, soon));
+          return;
+        }
+        state.num_bounds(block) = SleepState::awake;
+        ++awake;
+        if (state.age(block) < soon)
+          state.leaveAlone(block);
+        else
+          state.patience(block) = 0;
+      },
+      _num_awake);
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,220 @@
+// See edge_contact.hpp.
+#include "contact/enforcement/edge_edge/edge_contact.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/enforcement/edge_edge/edge_separation.hpp"
+#include "contact/enforcement/edge_edge/edge_surface.hpp"
+
+namespace brickwall::contact {
+EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                         const FeatureEdges& edges, const View<const double*>& node_mass,
+                         const SearchConfig& search, double margin, const EnforcementConfig& config,
+                         const Quantum& quantum, const LimbScale& energy_scale)
+    : _search(comm, search, margin), _config(config), _energy_scale(energy_scale) {
+  const EdgeSurface made = edgeSurface(space, surface, edges, node_mass);
+  _edges = made.surface;
+  _num_corners = made.num_corners;
+  _corner_to_node = made.corner_to_node;
+  _edge_to_nodes = made.edge_to_nodes;
+  _corner_mass = made.corner_mass;
+  _records = made.records;
+  const int num_nodes = _edges.num_nodes;
+  _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
+  _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
+  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", _num_corners);
+  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", _num_corners);
+  _touched = TouchedNodes("contact::EdgeContact", _num_corners);
+  _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
+  _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
+  _edges.coordinates_old = _old;
+  _edges.coordinates_new = _new;
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, config, quantum);
+  _still = StillParts("contact::EdgeContact", _edges, _corner_to_node);
+  _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
+}
+
+// Returns by how much they have left the boxes of the last search, since they are at hand here.
+double EdgeContact::gather(const exec_space& space, const Surface& surface) {
+  const auto corner_to_node = _corner_to_node;
+  const auto edge_to_nodes = _edges.face_to_nodes;
+  const auto x_old = _old, x_new = _new;
+  const int num_corners = _num_corners;
+  const auto records = _records;
+  const View<const double* [6]> boxes = _search.sweptBoxes();
+  const bool has_boxes = boxes.extent(0) > 0;
+  double of_corners = 0, of_edges = 0;
+  Kokkos::parallel_reduce(
+      "contact::EdgeContact::gatherCorners", over(space, num_corners),
+      KOKKOS_LAMBDA(const std::int64_t i, double& most) {
+        const int node = corner_to_node(i);
+        const Vec3 before = rowOf(surface.coordinates_old, node);
+        const Vec3 now = rowOf(surface.coordinates_new, node);
+        for (int d = 0; d < 3; ++d) {
+          x_old(i, d) = before[d];
+          x_new(i, d) = now[d];
+        }
+        if (has_boxes)
+          most = maxOf(most, leftBy(boxes, i, before, now));
+      },
+      Kokkos::Max<double>(of_corners));
+  Kokkos::parallel_reduce(
+      "contact::EdgeContact::sweepEdges", over(space, _edges.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t e, double& most) {
+        const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
+        Vec3 low, high;
+        for (int d = 0; d < 3; ++d) {
+          const double over_old = EdgeTouch::overhang * (x_old(b, d) - x_old(a, d));
+          const double over_new = EdgeTouch::overhang * (x_new(b, d) - x_new(a, d));
+          const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
+                                  x_new(a, d) - over_new, x_new(b, d) + over_new};
+          low[d] = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
+          high[d] = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
+          x_old(num_corners + e, d) = low[d];
+          x_new(num_corners + e, d) = high[d];
+          records(e).end[0][d] = x_new(a, d);
+          records(e).end[1][d] = x_new(b, d);
+        }
+        if (has_boxes)
+          most = maxOf(most, leftBy(boxes, num_corners + e, low, high));
+      },
+      Kokkos::Max<double>(of_edges));
+  space.fence();
+  return maxOf(of_corners, of_edges);
+}
+
+void EdgeContact::recordGhosts(const exec_space& space) {
+  const FaceAccess faces = access();
+  growTo(space, _ghost_records, faces.ghosts.count);
+  const auto records = _ghost_records;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::recordGhosts", over(space, faces.ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
+        const int edge = faces.surface.num_faces + static_cast<int>(ghost);
+        EdgeRecord& record = records(ghost);
+        for (int j = 0; j < 2; ++j) {
+          const Vec3 x =
+              faces.corner(edge, j, faces.surface.coordinates_new, faces.ghosts.coordinates_new);
+          for (int d = 0; d < 3; ++d)
+            record.end[j][d] = x[d];
+        }
+        record.body = faces.body(edge);
+        record.id = faces.id(edge);
+      });
+}
+
+void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
+  const double motion = gather(space, surface);
+  _search.update(space, _edges, motion);
+  if (_search.ghosts().count > 0)
+    recordGhosts(space);
+}
+
+bool EdgeContact::leavesOutAll() const {
+  return _search.ghosts().count == 0 && !_has_touched && _set.history().count == 0 &&
+         (_still.isUnchanged() || _sleeping.numAwake() == 0);
+}
+
+ContactSums EdgeContact::select(const exec_space& space, double dt, const SurfaceMotion& motion) {
+  const CandidatePairs& pairs = _search.pairs();
+  if (_config.leaves_out_still) {
+    _still.update(space, _edges, motion, pairs.step_test);
+    _sleeping.wake(space, pairs, motion, _still.isUnchanged());
+  }
+  if (leavesOutAll()) {
+    _set.selectNone(space, access());
+    findTouched(space);
+    return {};
+  }
+  SelectInteractions<EdgeTouch> select;
+  select.energy_scale = _energy_scale;
+  select.dt = dt;
+  select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.faces = access();
+  select.first_row = _num_corners; // those of corners, which the searches list before
+  select.still = _still.flags();
+  select.sleep = _sleeping.state();
+  select.has_asleep = _sleeping.hasAsleep();
+  select.touch.lateral_tolerance = _config.lateral_tolerance;
+  select.touch.edge_tolerance = _config.edge_tolerance;
+  select.touch.num_corners = _num_corners;
+  select.touch.node_mass = _corner_mass;
+  select.touch.records = {_records, _ghost_records};
+  select.touch.previous = _set.history().interactions;
+  const ContactSums sums = _set.select(space, pairs, select);
+  _has_touched = sums.touching > 0;
+  if (_config.leaves_out_still)
+    _sleeping.lull(space, select.touch, select.faces, pairs, motion, _set.next().row_count,
+                   _still.flags().clear);
+  findTouched(space);
+  return sums;
+}
+
+void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
+  if (!_has_forces_anywhere)
+    return;
+  if (hasOtherRanks())
+    _search.returnToOwners(space, _edge_to_nodes, _set.forces().ghost_corners, nodes);
+  if (!_set.hasForces())
+    return;
+  const auto of_corners = _set.forces().nodes;
+  const auto corner_to_node = _corner_to_node;
+  const NodeList list = _touched.list();
+  Kokkos::parallel_for(
+      "contact::EdgeContact::toNodes", over(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i);
+        for (int d = 0; d < 3; ++d)
+          nodes(corner_to_node(corner), d) += of_corners(corner, d); // no two corners are one node
+      });
+}
+
+Corrections EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                       double relaxation,
+                                       const View<double* [3]>& node_accelerations,
+                                       const View<const unsigned char*>& node_has_changed) {
+  if (!_has_forces_anywhere || (!hasOtherRanks() && !_set.hasForces()))
+    return {};
+  const auto corner_to_node = _corner_to_node;
+  const auto accelerations = _accelerations;
+  const auto has_changed = _has_changed;
+  const bool knows_changes = node_has_changed.extent(0) > 0;
+  const NodeList list = _touched.list();
+  Kokkos::parallel_for(
+      "contact::EdgeContact::accelerations", over(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i), node = corner_to_node(corner);
+        for (int d = 0; d < 3; ++d)
+          accelerations(corner, d) = node_accelerations(node, d);
+        has_changed(corner) = knows_changes ? node_has_changed(node) : 1;
+      });
+  growTo(space, _ghost_accelerations, _search.ghosts().count);
+  _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
+  return _set.correctForces(space, access(), steps, relaxation, _accelerations,
+                            _ghost_accelerations,
+                            knows_changes ? _has_changed : View<unsigned char*>());
+}
+
+// With ghosts, other ranks may act on any corner.
+void EdgeContact::findTouched(const exec_space& space) {
+  _touched.clear(space);
+  if (hasOtherRanks())
+    _touched.listAll(space);
+  _touched.add(space, _edges, _set.next());
+}
+
+bool EdgeContact::hasOtherRanks() const {
+  const auto statistics = _search.statistics();
+  return statistics.num_ghosts > 0 || statistics.faces_sent > 0;
+}
+
+PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {
+  return fastestEdgePair(space, comm, _edges, _num_corners, _search.ghosts(), _search.pairs(),
+                         limit);
+}
+
+void EdgeContact::advance(double dt) {
+  _set.advance();
+  _previous_dt = dt;
+}
+
+} // namespace brickwall::contact

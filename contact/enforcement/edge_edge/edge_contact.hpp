@@ -1,0 +1,104 @@
+// Contact of edges that cross each other in mid-cell (edge_touch.hpp): the same search and the same interactions as nodes and
+// faces have, on a surface whose faces and pushing points are the convex edges.
+#pragma once
+
+#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
+#include "contact/enforcement/dormancy/still_parts.hpp"
+#include "contact/enforcement/edge_edge/edge_records.hpp"
+#include "contact/enforcement/reports/largest_force.hpp"
+#include "contact/enforcement/selection/interaction_set.hpp"
+#include "contact/enforcement/selection/touched_nodes.hpp"
+#include "contact/search/audit/pair_motion.hpp"
+#include "contact/search/candidate_search.hpp"
+#include "contact/surface/feature_edges.hpp"
+
+namespace brickwall::contact {
+
+class EdgeContact {
+public:
+  // Collective. `edges`: findFeatureEdges of `surface`; `node_mass`, `energy_scale` as for Enforcement; `search`, `margin` as
+  // for CandidateSearch. `comm` must outlive it.
+  EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
+              const FeatureEdges& edges, const View<const double*>& node_mass,
+              const SearchConfig& search, double margin, const EnforcementConfig& config,
+              const Quantum& quantum, const LimbScale& energy_scale);
+
+  // As CandidateSearch.
+  void setTolerance(double tolerance) { _search.setTolerances(tolerance, tolerance); }
+
+  // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
+  void findCandidates(const exec_space& space, const Surface& surface);
+
+  // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
+  // leaves_out_still is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
+  // collectForces is collective: it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
+  // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts
+  // of this rank act on.
+  ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
+  void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
+  void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
+  Corrections correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
+                            const View<double* [3]>& node_accelerations,
+                            const View<const unsigned char*>& has_changed);
+  void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
+    of_surface.add(space, _edges, _set.next(), _corner_to_node);
+  }
+  void advance(double dt);
+
+  void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
+  // Of the candidates of this step (pair_motion.hpp). Collective.
+  PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
+  // Of the last step (largest_force.hpp). Collective.
+  LargestForce largestForce(const exec_space& space, MPI_Comm comm) const {
+    return largestEdgeForce(space, comm, _edges, _num_corners, _set.history());
+  }
+  // Of pairs of edges (CandidateSearch::countMissedPairs). Collective.
+  std::int64_t countMissedPairs(const exec_space& space) const {
+    return _search.countMissedPairs(space, _edges);
+  }
+
+  bool hasForces() const {
+    return _set.hasForces();
+  } // of the present step, from contacts of this rank
+  std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
+  const CandidateSearch& search() const { return _search; }
+  const SleepingBlocks& sleeping() const { return _sleeping; } // as Enforcement's
+  const ContactHistory& history() const { return _set.history(); }
+  // Of the nodes that the history names: corners, then edges by numbers of their own.
+  View<const global_id*> nodeIds() const { return _edges.node_ids; }
+
+  // Set-up and updates, public only for their kernels.
+  double gather(const exec_space& space, const Surface& surface);
+  void recordGhosts(const exec_space& space);
+
+private:
+  FaceAccess access() const { return {_edges, _search.ghosts()}; }
+  bool leavesOutAll() const;
+  void findTouched(const exec_space& space);
+  bool hasOtherRanks() const; // with ghosts of our edges, or the other way round
+
+  // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low
+  // corner, x^{n+1} its high one. Faces: the edges.
+  Surface _edges;
+  int _num_corners = 0;
+  View<const int*> _corner_to_node; // [corner] node of the host's surface
+  View<const int* [4]> _edge_to_nodes; // [edge][corner] likewise
+  View<double*[3]> _old, _new; // coordinates of _edges
+  View<double*> _corner_mass; // [corner]
+  View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
+  CandidateSearch _search;
+  InteractionSet _set;
+  StillParts _still;
+  SleepingBlocks _sleeping;
+  bool _has_touched = false; // in the last step, with a force or without
+  bool _has_forces_anywhere = false; // in the present step, on any rank
+  EnforcementConfig _config;
+  LimbScale _energy_scale;
+  double _previous_dt = 0;
+  TouchedNodes _touched; // corners
+  View<double* [3]> _accelerations; // [corner]
+  View<unsigned char*> _has_changed; // [corner]
+  View<double* [12]> _ghost_accelerations;
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,178 @@
+// Contacts that go on with the face which they had: what the selection wants to know of each, worked out for many together, in
+// lanes on a processor.
+#pragma once
+
+#include "contact/base/lane_arrays.hpp"
+#include "contact/enforcement/law/contact_history.hpp"
+#include "contact/surface/face_access.hpp"
+
+namespace brickwall::contact {
+
+// An interaction of the last step whose face is still a candidate.
+struct KnownContact {
+  int node; // (or edge) whose row this is
+  int slot; // of its interactions at the last step
+  int previous; // index of that interaction
+  int face; // candidate index
+  Vec3
+      last_motion; // in this step, at the weights of the last one: of the pushing point against the face point
+  // Of a node under load only:
+  FacePoint point; // where the node is on the face now
+  Vec3 motion; // as last_motion, at the weights of `point`
+  double inverse_mass; // 1/m_s + sum N_j^2/m_j, likewise
+};
+
+namespace known_contact {
+
+// Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
+template <class Real>
+struct Gathered {
+  static constexpr int width = NumLanes<Real>::value;
+  double corner[4][3][width], corner_motion[4][3][width], corner_mass[4][width];
+  double last_weight[4][width];
+  double node[3][width], node_motion[3][width], node_mass[width];
+
+  KOKKOS_INLINE_FUNCTION void gather(int lane, const FaceAccess& faces,
+                                     const View<const double*>& mass, const Interaction& last,
+                                     int at, int face) {
+    const Surface& surface = faces.surface;
+    Vec3 now[4], before[4];
+    faces.corners(face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
+    faces.corners(face, surface.coordinates_old, faces.ghosts.coordinates_old, before);
+    for (int j = 0; j < 4; ++j) {
+      const Vec3 motion = now[j] - before[j];
+      for (int d = 0; d < 3; ++d) {
+        corner[j][d][lane] = now[j][d];
+        corner_motion[j][d][lane] = motion[d];
+      }
+      corner_mass[j][lane] = faces.attribute(face, j);
+      last_weight[j][lane] = last.weight[j];
+    }
+    const Vec3 motion = faces.nodeMotion(at);
+    for (int d = 0; d < 3; ++d) {
+      node[d][lane] = surface.coordinates_new(at, d);
+      node_motion[d][lane] = motion[d];
+    }
+    node_mass[lane] = mass(at);
+  }
+};
+
+// Motion of the node against the face point with these weights.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Triple<Real> relativeMotion(const Triple<Real>& of_node,
+                                                   const Triple<Real> (&of_corner)[4],
+                                                   const Real (&weight)[4]) {
+  Triple<Real> motion = of_node;
+  for (int j = 0; j < 4; ++j)
+    motion = motion - weight[j] * of_corner[j];
+  return motion;
+}
+
+// Whether a corner repeats its successor.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type isTriangle(const Triple<Real> (&q)[4]) {
+  typename MaskOf<Real>::type any = false;
+  for (int j = 0; j < 4; ++j) {
+    const Triple<Real> edge = q[(j + 1) & 3] - q[j];
+    any = any | ((edge.x == Real(0.0)) & (edge.y == Real(0.0)) & (edge.z == Real(0.0)));
+  }
+  return any;
+}
+
+template <class Real>
+struct Found {
+  static constexpr int width = NumLanes<Real>::value;
+  double weight[4][width], normal[3][width], gap[width], excess[width], xi[width], eta[width];
+  double motion[3][width], last_motion[3][width], inverse_mass[width];
+  double is_found[width]; // 1: else project() is to be asked
+
+  KOKKOS_INLINE_FUNCTION void scatter(int lane, KnownContact& contact) const {
+    FacePoint& point = contact.point;
+    for (int j = 0; j < 4; ++j)
+      point.weight[j] = weight[j][lane];
+    point.normal = {normal[0][lane], normal[1][lane], normal[2][lane]};
+    point.gap = gap[lane];
+    point.excess = excess[lane];
+    point.xi = xi[lane];
+    point.eta = eta[lane];
+    point.has_parameters = point.valid = true;
+    contact.motion = {motion[0][lane], motion[1][lane], motion[2][lane]};
+    contact.inverse_mass = inverse_mass[lane];
+  }
+};
+
+template <class Real>
+KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, Found<Real>& found) {
+  const Triple<Real> x = loadTriple<Real>(gathered.node);
+  Triple<Real> q[4], of_corner[4];
+  Real last_weight[4];
+  for (int j = 0; j < 4; ++j) {
+    q[j] = loadTriple<Real>(gathered.corner[j]) - x;
+    of_corner[j] = loadTriple<Real>(gathered.corner_motion[j]);
+    last_weight[j] = loadLanes<Real>(gathered.last_weight[j]);
+  }
+  const Triple<Real> of_node = loadTriple<Real>(gathered.node_motion);
+  storeTriple(relativeMotion(of_node, of_corner, last_weight), found.last_motion);
+  const NewtonPoint<Real> point = ontoBilinear(q, !isTriangle(q));
+  storeTriple(relativeMotion(of_node, of_corner, point.weight), found.motion);
+  Real inverse_mass = Real(1.0) / loadLanes<Real>(gathered.node_mass);
+  for (int j = 0; j < 4; ++j) {
+    const Real share = point.weight[j] * point.weight[j] / loadLanes<Real>(gathered.corner_mass[j]);
+    inverse_mass = where(point.weight[j] == Real(0.0), inverse_mass, inverse_mass + share);
+    storeLanes(point.weight[j], found.weight[j]);
+  }
+  storeLanes(inverse_mass, found.inverse_mass);
+  storeTriple(point.normal, found.normal);
+  storeLanes(point.gap, found.gap);
+  storeLanes(point.excess, found.excess);
+  storeLanes(point.xi, found.xi);
+  storeLanes(point.eta, found.eta);
+  storeLanes(where(point.found, Real(1.0), Real(0.0)), found.is_found);
+}
+
+} // namespace known_contact
+
+// The same for one contact: where Newton's method finds no point of the quad, and on triangles.
+KOKKOS_INLINE_FUNCTION void
+projectOne(const FaceAccess& faces, const View<const double*>& node_mass, KnownContact& contact) {
+  contact.point =
+      project(faces.quad(contact.face), rowOf(faces.surface.coordinates_new, contact.node));
+  contact.motion = faces.relativeMotion(atNode(contact.node), contact.face, contact.point.weight);
+  contact.inverse_mass = 1.0 / node_mass(contact.node);
+  for (int j = 0; j < 4; ++j) {
+    const double weight = contact.point.weight[j];
+    if (weight != 0)
+      contact.inverse_mass += weight * weight / faces.attribute(contact.face, j);
+  }
+}
+
+// Fills in what is known of contacts of nodes with faces; the same bits for each as project() and relativeMotion() give.
+KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
+                                           const View<const double*>& node_mass,
+                                           const ContactHistory& previous, int count,
+                                           KnownContact* contacts) {
+  using namespace known_contact;
+  using Real = Lanes;
+  constexpr int width = Gathered<Real>::width;
+  Gathered<Real> gathered;
+  Found<Real> found;
+  for (int first = 0; first < count; first += width) {
+    const int last = minOf(first + width, count) - 1;
+    for (int lane = 0; lane < width; ++lane) {
+      const KnownContact& contact = contacts[minOf(first + lane, last)];
+      gathered.gather(lane, faces, node_mass, previous.interactions(contact.previous), contact.node,
+                      contact.face);
+    }
+    evaluate(gathered, found);
+    for (int lane = 0; first + lane <= last; ++lane) {
+      KnownContact& contact = contacts[first + lane];
+      contact.last_motion = {found.last_motion[0][lane], found.last_motion[1][lane],
+                             found.last_motion[2][lane]};
+      found.scatter(lane, contact);
+      if (found.is_found[lane] == 0)
+        projectOne(faces, node_mass, contact);
+    }
+  }
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,230 @@
+// See node_faces.hpp.
+#include "contact/enforcement/node_face/node_faces.hpp"
+
+#include "contact/base/tags.hpp"
+#include "contact/base/to_device.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace brickwall::contact {
+namespace {
+
+template <class ViewType>
+using HostCopy = decltype(toHost(std::declval<ViewType>()));
+
+// The surface on the host, for set-up.
+struct HostSurface {
+  explicit HostSurface(const Surface& s)
+      : num_nodes(s.num_nodes), num_faces(s.num_faces), face_to_nodes(toHost(s.face_to_nodes)),
+        node_ids(toHost(s.node_ids)), face_ids(toHost(s.face_ids)), owned(toHost(s.node_is_owned)),
+        attributes(toHost(s.face_attributes)) {}
+
+  // Calls visit(corner node) for each distinct corner of a face.
+  template <class Visit>
+  void forCorners(int face, const Visit& visit) const {
+    for (int j = 0; j < 4; ++j) {
+      bool seen = false;
+      for (int i = 0; i < j; ++i)
+        seen = seen || face_to_nodes(face, i) == face_to_nodes(face, j);
+      if (!seen)
+        visit(face_to_nodes(face, j));
+    }
+  }
+  double cornerShare(int face) const {
+    int corners = 0;
+    forCorners(face, [&](int) { ++corners; });
+    return 1.0 / corners;
+  }
+  double surfaceMass(int face) const { return attributes(face, NodeFaces::surface_mass_column); }
+
+  int num_nodes, num_faces;
+  HostCopy<decltype(Surface::face_to_nodes)> face_to_nodes;
+  HostCopy<decltype(Surface::node_ids)> node_ids, face_ids;
+  HostCopy<decltype(Surface::node_is_owned)> owned;
+  HostCopy<decltype(Surface::face_attributes)> attributes;
+};
+
+// Collective. The owner's rank of each node that is not owned here. A rank chosen by the id keeps the directory.
+std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
+  const int size = sizeOf(comm);
+  std::vector<std::vector<global_id>> registered(size), asked(size);
+  for (int node = 0; node < surface.num_nodes; ++node) {
+    const global_id id = surface.node_ids(node);
+    (surface.owned(node) ? registered : asked)[id % size].push_back(id);
+  }
+  const auto known = exchangeByRank(comm, registered);
+  const auto questions = exchangeByRank(comm, asked);
+  std::vector<std::vector<int>> answers(size);
+  together(comm, [&] {
+    std::vector<std::pair<global_id, int>> directory;
+    for (int q = 0; q < size; ++q)
+      for (const global_id id : known[q])
+        directory.emplace_back(id, q);
+    std::sort(directory.begin(), directory.end());
+    for (int q = 0; q < size; ++q)
+      for (const global_id id : questions[q]) {
+        const auto at = std::lower_bound(directory.begin(), directory.end(), std::make_pair(id, 0));
+        if (at == directory.end() || at->first != id)
+          throw Error(ExitCode::internal,
+                      "NodeFaces: surface node with id " + std::to_string(id) + " of rank " +
+                          std::to_string(q) + " is on the surface of no rank that owns it; " +
+                          "the owner's surface must list it, even without a face there");
+        answers[q].push_back(at->second);
+      }
+  });
+  const auto replies = exchangeByRank(comm, answers);
+  std::map<global_id, int> owners;
+  for (int q = 0; q < size; ++q)
+    for (std::size_t i = 0; i < asked[q].size(); ++i)
+      owners[asked[q][i]] = replies[q][i];
+  return owners;
+}
+
+// A face that another rank has at one of our nodes: one record per (node, face).
+struct RemoteCorner {
+  global_id node_id, face_id;
+  double surface_mass, corner_share;
+  int index; // of the face among those that its rank sends here
+  int unused;
+};
+
+struct Adjacent {
+  global_id face_id;
+  int row;
+  bool operator<(const Adjacent& b) const { return face_id < b.face_id; }
+};
+
+} // namespace
+
+NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface)
+    : _num_faces(surface.num_faces) {
+  const HostSurface host(surface);
+  together(comm, [&] {
+    if (surface.num_faces > 0 && surface.face_attributes.extent(1) <= surface_mass_column)
+      throw Error(ExitCode::internal, "NodeFaces: face_attributes has " +
+                                          std::to_string(surface.face_attributes.extent(1)) +
+                                          " columns, needs 4 corner masses and the surface mass");
+  });
+  const int size = sizeOf(comm);
+  const auto owners = findOwners(comm, host);
+
+  // Own faces around own nodes; for nodes of others, the records to send and the faces each partner asks for.
+  std::vector<std::vector<Adjacent>> around(host.num_nodes);
+  std::vector<std::vector<RemoteCorner>> records(size);
+  // [rank] own face to its index in the message to that rank
+  std::vector<std::map<int, int>> index_of_face(size);
+  std::vector<double> surface_mass, corner_share;
+  for (int face = 0; face < host.num_faces; ++face) {
+    surface_mass.push_back(host.surfaceMass(face));
+    corner_share.push_back(host.cornerShare(face));
+    host.forCorners(face, [&](int node) {
+      if (host.owned(node)) {
+        around[node].push_back({host.face_ids(face), face});
+        return;
+      }
+      const int q = owners.at(host.node_ids(node));
+      const int next = static_cast<int>(index_of_face[q].size());
+      const int index = index_of_face[q].emplace(face, next).first->second;
+      records[q].push_back({host.node_ids(node), host.face_ids(face), surface_mass.back(),
+                            corner_share.back(), index, 0});
+    });
+  }
+  const auto received = exchangeByRank(comm, records);
+
+  // Remote rows, in the order of (rank, index); both sides of the plan list them so.
+  std::map<global_id, int> owned_node;
+  for (int node = 0; node < host.num_nodes; ++node)
+    if (host.owned(node))
+      owned_node[host.node_ids(node)] = node;
+  std::vector<int> partners, border_faces;
+  std::vector<std::vector<int>> send_rows, receive_rows;
+  for (int q = 0; q < size; ++q) {
+    if (index_of_face[q].empty() && received[q].empty())
+      continue;
+    partners.push_back(q);
+    std::vector<int> sent(index_of_face[q].size());
+    for (const auto& [face, index] : index_of_face[q]) {
+      sent[index] = static_cast<int>(border_faces.size());
+      border_faces.push_back(face);
+    }
+    send_rows.push_back(sent);
+    std::vector<int> rows;
+    for (const RemoteCorner& corner : received[q]) {
+      // Indices first appear in ascending order.
+      if (corner.index == static_cast<int>(rows.size())) {
+        rows.push_back(_num_remote++);
+        surface_mass.push_back(corner.surface_mass);
+        corner_share.push_back(corner.corner_share);
+      }
+      around[owned_node.at(corner.node_id)].push_back(
+          {corner.face_id, _num_faces + rows[corner.index]});
+    }
+    receive_rows.push_back(rows);
+  }
+
+  std::vector<int> offsets(1, 0), rows;
+  for (auto& faces : around) {
+    std::sort(faces.begin(), faces.end());
+    for (const Adjacent& adjacent : faces)
+      rows.push_back(adjacent.row);
+    offsets.push_back(checkedInt(static_cast<std::int64_t>(rows.size()), "NodeFaces"));
+  }
+  _lists.offsets = toDevice(space, "contact::NodeFaces::offsets", offsets);
+  _lists.rows = toDevice(space, "contact::NodeFaces::rows", rows);
+  _lists.surface_mass = toDevice(space, "contact::NodeFaces::surface_mass", surface_mass);
+  _lists.corner_share = toDevice(space, "contact::NodeFaces::corner_share", corner_share);
+  _border_faces = toDevice(space, "contact::NodeFaces::border_faces", border_faces);
+  _border_areas =
+      allocate<View<double* [3]>>(space, "contact::NodeFaces::border_areas", border_faces.size());
+  _remote_areas =
+      allocate<View<double* [3]>>(space, "contact::NodeFaces::remote_areas", _num_remote);
+  _plan = ExchangePlan(space, comm, tags::node_faces, partners, send_rows, receive_rows);
+}
+
+namespace {
+
+// Corners of an own face at x^{n+1}.
+KOKKOS_INLINE_FUNCTION Quad ownQuad(const Surface& surface, int face) {
+  Quad quad;
+  for (int j = 0; j < 4; ++j)
+    quad.corner[j] = rowOf(surface.coordinates_new, surface.face_to_nodes(face, j));
+  return quad;
+}
+
+} // namespace
+
+void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
+                              const RecordsWanted& wanted, const View<FaceRecord*>& records) {
+  const Surface s = surface;
+  Kokkos::parallel_for(
+      "contact::NodeFaces::ownRecords", over(space, _num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        if (!wanted.take(face))
+          return;
+        records(face) = {meanPlane(ownQuad(s, static_cast<int>(face))), s.face_body(face),
+                         s.face_ids(face)};
+      });
+  const auto border_faces = _border_faces;
+  const auto border_areas = _border_areas;
+  Kokkos::parallel_for(
+      "contact::NodeFaces::borderAreas",
+      over(space, static_cast<std::int64_t>(border_faces.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const Vec3 area = areaVector(ownQuad(s, border_faces(i)));
+        for (int d = 0; d < 3; ++d)
+          border_areas(i, d) = area[d];
+      });
+  _plan.forward(space, _border_areas, _remote_areas);
+  const auto remote_areas = _remote_areas;
+  const int first = _num_faces;
+  Kokkos::parallel_for(
+      "contact::NodeFaces::remoteRecords", over(space, _num_remote),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        records(first + i) = {planeOfArea(rowOf(remote_areas, i)), -1, -1};
+      });
+}
+
+} // namespace brickwall::contact

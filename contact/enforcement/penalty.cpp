@@ -1,0 +1,234 @@
+// See penalty.hpp.
+#include "contact/enforcement/penalty.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/enforcement/node_face/node_face_separation.hpp"
+
+namespace brickwall::contact {
+
+namespace {
+
+// Accelerations by all forces: those given, and the contact totals; and which of them have changed.
+void accelerate(const exec_space& space, const NodeList& list,
+                const View<const double* [3]>& by_others,
+                const View<std::int64_t* [3]>& contact_totals, const Quantum& quantum,
+                const View<const double*>& node_mass, const View<double* [3]>& accelerations,
+                const View<unsigned char*>& has_changed) {
+  Kokkos::parallel_for(
+      "contact::accelerate", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = list(i);
+        const double per_quantum = quantum.value / node_mass(node);
+        bool is_same = true;
+        for (int d = 0; d < 3; ++d) {
+          const double acceleration =
+              by_others(node, d) + static_cast<double>(contact_totals(node, d)) * per_quantum;
+          is_same &= sameBits(acceleration, accelerations(node, d));
+          accelerations(node, d) = acceleration;
+        }
+        has_changed(node) = !is_same;
+      });
+}
+
+} // namespace
+
+Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                         const View<const double*>& node_mass, const EnforcementConfig& config,
+                         const Quantum& quantum, const LimbScale& energy_scale)
+    : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
+      _node_mass(node_mass), _node_faces(space, comm, surface),
+      _records(space, surface, _node_faces),
+      _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
+      _motion(space, "contact::Enforcement", surface), _still("contact::Enforcement", surface),
+      _sleeping(space, "contact::Enforcement", surface.num_nodes) {
+  if (!(config.reference_step > 0) || !(config.penalty > 0))
+    throw Error(ExitCode::internal, "Enforcement: reference_step is " +
+                                        std::to_string(config.reference_step) + ", penalty " +
+                                        std::to_string(config.penalty) + "; both must be > 0");
+  _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
+  _forces.nodes = _totals;
+  _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
+  _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
+  _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
+  forgetStatus(space);
+  _accelerations =
+      View<double* [3]>("contact::Enforcement::accelerations",
+                        config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
+  _has_changed =
+      View<unsigned char*>("contact::Enforcement::has_changed", _accelerations.extent(0));
+  _ghost_accelerations = View<double* [12]>("contact::Enforcement::ghost_accelerations", 0);
+}
+
+EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& surface,
+                                     const GhostFaces& ghosts, const CandidatePairs& pairs,
+                                     const StepLengths& steps, const NeutralInput* neutral,
+                                     EdgeContact* edges) {
+  Region region("contact::enforce");
+  if (_config.scheme == Scheme::energy_neutral && neutral == nullptr)
+    throw Error(ExitCode::internal,
+                "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
+  const FaceAccess faces{surface, ghosts};
+  if (_config.leaves_out_still) {
+    _motion.update(space, surface);
+    _still.update(space, surface, _motion, pairs.step_test);
+    _sleeping.wake(space, pairs, _motion, _still.isUnchanged());
+  }
+  EnforcementSums sums;
+  if (leavesOutAll()) {
+    _set.selectNone(space, faces);
+    if (!_still.isUnchanged())
+      _records.forget(space);
+  } else {
+    _records.update(space, faces, pairs, _still.flags(), _sleeping, _node_faces);
+    sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
+  }
+  if (edges != nullptr)
+    sums.edges = edges->select(space, steps.dt, _motion);
+  const bool had_forces = _has_forces;
+  agreeOnForces(sums, edges);
+  if (_has_forces || had_forces)
+    findTouched(space, faces, edges);
+  if (_has_forces && _config.scheme == Scheme::energy_neutral)
+    makeNeutral(space, faces, steps, neutral, edges, sums);
+  if (_has_forces || had_forces)
+    collectForces(space, edges);
+  else
+    _forces.ghost_corners = _set.forces().ghost_corners;
+  _set.advance();
+  if (edges != nullptr)
+    edges->advance(steps.dt);
+  _previous_dt = steps.dt;
+  return sums;
+}
+
+bool Enforcement::isOnAnyRank(bool here) const {
+  return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
+}
+
+void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges) {
+  int any[2] = {sums.nodes.interactions + sums.edges.interactions > 0, sums.edges.interactions > 0};
+  if (sizeOf(_comm) > 1)
+    allReduce(_comm, any, 2, MPI_MAX);
+  _has_forces = any[0] != 0;
+  if (edges != nullptr)
+    edges->setHasForcesAnywhere(any[1] != 0);
+}
+
+// On several ranks the faces around a node may be others' and move, and their areas are exchanged.
+bool Enforcement::leavesOutAll() const {
+  return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 &&
+         (_still.isUnchanged() || _sleeping.numAwake() == 0);
+}
+
+ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
+                                            const CandidatePairs& pairs, double dt) {
+  SelectInteractions<NodeFaceTouch> select;
+  select.energy_scale = _energy_scale;
+  select.dt = dt;
+  select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.faces = faces;
+  select.still = _still.flags();
+  select.sleep = _sleeping.state();
+  select.has_asleep = _sleeping.hasAsleep();
+  NodeFaceTouch& touch = select.touch;
+  touch.lateral_tolerance = _config.lateral_tolerance;
+  touch.edge_tolerance = _config.edge_tolerance;
+  touch.opposed_cosine = _config.opposed_cosine;
+  touch.shared_cosine = _config.shared_cosine;
+  touch.least_depth = _config.least_depth;
+  touch.around = _node_faces.lists();
+  touch.records = _records.records();
+  touch.num_faces = faces.surface.num_faces;
+  touch.num_remote = _node_faces.numRemote();
+  touch.node_mass = _node_mass;
+  touch.status = _status;
+  touch.gap = _gap;
+  if (_has_status)
+    forgetStatus(space);
+  const ContactSums sums = _set.select(space, pairs, select);
+  _has_status = sums.touching > 0;
+  if (_config.leaves_out_still)
+    _sleeping.lull(space, touch, faces, pairs, _motion, _set.next().row_count,
+                   _still.flags().clear);
+  return sums;
+}
+
+// As of nodes that touch nothing.
+void Enforcement::forgetStatus(const exec_space& space) {
+  Kokkos::deep_copy(space, _status, static_cast<unsigned char>(0));
+  Kokkos::deep_copy(space, _gap, -0.0);
+}
+
+// On several ranks others may act on any node.
+void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
+                              EdgeContact* edges) {
+  if (sizeOf(_comm) > 1) {
+    _touched.listAll(space);
+  } else {
+    forgetTotals(space);
+    _touched.clear(space);
+  }
+  _touched.add(space, faces.surface, _set.next());
+  if (edges != nullptr)
+    edges->addTouched(space, _touched);
+}
+
+void Enforcement::forgetTotals(const exec_space& space) {
+  const auto totals = _totals;
+  const NodeList list = _touched.list();
+  if (list.count > 0)
+    Kokkos::parallel_for(
+        "contact::forgetTotals", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (int d = 0; d < 3; ++d)
+            totals(list(i), d) = 0;
+        });
+}
+
+// forces() = those of the nodes and edges of this rank.
+void Enforcement::collectForces(const exec_space& space, EdgeContact* edges) {
+  const auto of_set = _set.forces().nodes;
+  _forces.ghost_corners = _set.forces().ghost_corners;
+  _forces.nodes = of_set;
+  if (sizeOf(_comm) == 1 && (edges == nullptr || !edges->hasForces()))
+    return; // nobody adds to them
+  _forces.nodes = _totals;
+  const auto nodes = _totals;
+  const NodeList list = _touched.list();
+  Kokkos::parallel_for(
+      "contact::collectForces", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = list(i);
+        for (int d = 0; d < 3; ++d)
+          nodes(node, d) = of_set(node, d);
+      });
+  if (edges != nullptr)
+    edges->collectForces(space, _forces.nodes);
+}
+
+void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
+                              const StepLengths& steps, const NeutralInput* neutral,
+                              EdgeContact* edges, EnforcementSums& sums) {
+  growTo(space, _ghost_accelerations, faces.ghosts.count);
+  const View<const double* [3]> by_others = neutral->accelerations(_touched.list());
+  for (int round = 0; round < _config.corrections; ++round) {
+    const double relaxation = round == 0 ? 1 : _config.relaxation;
+    collectForces(space, edges);
+    neutral->sum_forces(_forces);
+    accelerate(space, _touched.list(), by_others, _forces.nodes, _quantum, _node_mass,
+               _accelerations, _has_changed);
+    neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
+    const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
+    const Corrections of_nodes = _set.correctForces(space, faces, steps, relaxation, _accelerations,
+                                                    _ghost_accelerations, has_changed);
+    sums.nodes.invalid += of_nodes.invalid;
+    Corrections of_edges;
+    if (edges != nullptr)
+      of_edges = edges->correctForces(space, steps, relaxation, _accelerations, has_changed);
+    sums.edges.invalid += of_edges.invalid;
+    const bool is_last = round + 1 == _config.corrections;
+    if (!is_last && !isOnAnyRank(of_nodes.changed + of_edges.changed > 0))
+      return; // the next round would find all as this one did
+  }
+}
+
+} // namespace brickwall::contact

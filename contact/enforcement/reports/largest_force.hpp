@@ -1,0 +1,26 @@
+// Which contact has the largest force: what is told of a run whose contact forces left the range of the fixed point.
+#pragma once
+
+#include "contact/enforcement/law/contact_history.hpp"
+#include "contact/surface/leading_pair.hpp"
+#include "contact/surface/surface.hpp"
+
+#include <mpi.h>
+
+namespace brickwall::contact {
+
+// Edges are numbered 4 * face + side of the face, as in pair_motion.hpp.
+struct LargestForce : PairIds {
+  double force = 0; // along the normal, with damping; infinite if not finite; 0 without contacts
+  bool is_of_edges = false;
+};
+
+// Of all interactions of all ranks, before or after their corrections; of equals that of the lowest ids. Collective.
+LargestForce largestForce(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                          const ContactHistory& history);
+
+// The same of edges: the surface and history of an EdgeContact, where row num_corners + e stands for edge e.
+LargestForce largestEdgeForce(const exec_space& space, MPI_Comm comm, const Surface& edges,
+                              int num_corners, const ContactHistory& history);
+
+} // namespace brickwall::contact

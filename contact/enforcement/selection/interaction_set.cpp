@@ -1,0 +1,179 @@
+// See interaction_set.hpp.
+#include "contact/enforcement/selection/interaction_set.hpp"
+
+#include "contact/enforcement/law/correct_springs.hpp"
+#include "contact/enforcement/law/pair_forces.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+template <class ViewType>
+void zeroRows(const exec_space& space, const std::string& label, const ViewType& values,
+              std::int64_t rows) {
+  const auto width = static_cast<std::int64_t>(values.extent(1));
+  Kokkos::parallel_for(
+      label, over(space, rows), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (std::int64_t w = 0; w < width; ++w)
+          values(i, w) = 0;
+      });
+}
+
+ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
+  ContactHistory history;
+  history.interactions = View<Interaction*>(label + "::interactions", 0);
+  history.friction = View<FrictionSpring*>(label + "::friction", 0);
+  history.fading = View<FadingForce*>(label + "::fading", 0);
+  history.row_begin = allocate<View<int*>>(space, label + "::row_begin", num_nodes);
+  history.row_count = View<unsigned char*>(label + "::row_count", num_nodes);
+  return history;
+}
+
+// Interactions that one thread takes at once, so that what they read comes together.
+constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
+std::int64_t numParts(std::int64_t count) {
+  return (count + pairs_at_once - 1) / pairs_at_once;
+}
+
+// Asks for the rows of `values` and `forces` [node][xyz] of the nodes of pairs.
+template <class NodeView>
+KOKKOS_FORCEINLINE_FUNCTION void
+prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces, const NodeView& values,
+              const View<std::int64_t* [3]>& forces, const std::int64_t* numbers, int count) {
+  for (int w = 0; w < count; ++w) {
+    pairs.prefetch(numbers[w]);
+    faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
+  }
+  for (int w = 0; w < count; ++w) {
+    const Interaction& pair = pairs.interactions(numbers[w]);
+    faces.prefetchRow(values, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, values);
+    faces.prefetchRow(forces, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, forces);
+  }
+}
+
+// Whether anything of what a pair acts on has changed; of ghosts that is not known.
+KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess& faces,
+                                       const View<const unsigned char*>& has_changed) {
+  if (!faces.isOwn(pair.face_index))
+    return true;
+  unsigned any = has_changed(pair.point.node[0]) | has_changed(pair.point.node[1]);
+  for (int j = 0; j < 4; ++j)
+    any |= has_changed(faces.surface.face_to_nodes(pair.face_index, j));
+  return any != 0;
+}
+
+// Of one with a force. Returns whether it has changed anything.
+KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
+                                         const PairForces& add, std::int64_t i,
+                                         Corrections& corrections) {
+  const Interaction& pair = pairs.interactions(i);
+  const CorrectPair::Correction corrected = correct.of(pairs, i);
+  if (!corrected.changes(pair))
+    return false;
+  PairQuanta quanta;
+  const bool did_fit = add.round(pairs, i, quanta);
+  if (did_fit)
+    add.add(pair, quanta, -1);
+  correct.apply(corrected, pairs, i);
+  if (add.round(pairs, i, quanta))
+    add.add(pair, quanta, 1);
+  else
+    corrections.invalid += did_fit; // else it has been counted
+  ++corrections.changed;
+  return true;
+}
+
+} // namespace
+
+InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
+                               const Surface& surface, int num_nodes, int face_corners,
+                               const EnforcementConfig& config, const Quantum& quantum)
+    : _config(config), _quantum(quantum), _face_corners(face_corners),
+      _history(emptyHistory(space, label + "::history", surface.num_nodes)),
+      _next(emptyHistory(space, label + "::next", surface.num_nodes)),
+      _next_count(label + "::next_count") {
+  _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
+  _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
+}
+
+void InteractionSet::growInteractions(const exec_space& space, std::int64_t count) {
+  growTo(space, _next.interactions, count);
+  const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
+  if (_config.friction > 0)
+    growTo(space, _next.friction, room);
+  growTo(space, _next.fading, room);
+}
+
+void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces) {
+  growTo(space, _forces.ghost_corners, faces.ghosts.count);
+  if (!_are_nodes_zero)
+    zeroRows(space, "contact::zeroForces::nodes", _forces.nodes,
+             static_cast<std::int64_t>(_forces.nodes.extent(0)));
+  zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
+}
+
+void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces) {
+  Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+  _next.count = 0;
+  zeroForces(space, faces);
+  _are_nodes_zero = true;
+}
+
+Corrections InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
+                                          const StepLengths& steps, double relaxation,
+                                          const View<double* [3]>& accelerations,
+                                          const View<double* [12]>& ghost_accelerations,
+                                          const View<const unsigned char*>& has_changed) {
+  Corrections sums;
+  const ContactHistory pairs = _next;
+  const PairForces add = pairForces(space, faces);
+  const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
+                            steps.next_dt, _config.friction,    relaxation};
+  growTo(space, _is_unsettled, static_cast<std::int64_t>(pairs.interactions.extent(0)));
+  const auto is_unsettled = _is_unsettled;
+  const bool knows_changes = has_changed.extent(0) > 0;
+  Kokkos::parallel_reduce(
+      "contact::correctForces", over(space, numParts(pairs.count)),
+      KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
+        const std::int64_t begin = part * pairs_at_once;
+        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
+        std::int64_t wanted[pairs_at_once];
+        int num_wanted = 0;
+        for (std::int64_t i = begin; i < end; ++i)
+          if (!knows_changes || is_unsettled(i) ||
+              hasChanged(pairs.interactions(i), faces, has_changed))
+            wanted[num_wanted++] = i;
+        prefetchPairs(pairs, faces, accelerations, add.target.nodes, wanted, num_wanted);
+        std::int64_t springs[pairs_at_once];
+        int num_springs = 0, num_others = 0;
+        for (int w = 0; w < num_wanted; ++w) {
+          const Interaction& pair = pairs.interactions(wanted[w]);
+          if (pair.first_force == 0)
+            is_unsettled(wanted[w]) = 0;
+          else if (hasOnlySpring(pair, add))
+            springs[num_springs++] = wanted[w];
+          else
+            wanted[num_others++] = wanted[w];
+        }
+        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_unsettled,
+                                            corrections.changed);
+        for (int w = 0; w < num_others; ++w)
+          is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], corrections);
+        for (int w = 0; w < num_left; ++w)
+          is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
+      },
+      Combine<Corrections>(sums));
+  return sums;
+}
+
+PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {
+  return {faces,
+          _forces,
+          _quantum.inverse,
+          _face_corners,
+          _config.friction > 0,
+          concurrency(space) == 1};
+}
+
+} // namespace brickwall::contact

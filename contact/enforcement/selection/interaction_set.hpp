@@ -1,0 +1,114 @@
+// The interactions of one kind of contact (nodes with faces, or edges with edges) from step to step, and their forces.
+#pragma once
+
+#include "contact/enforcement/law/contact_sums.hpp"
+#include "contact/enforcement/law/enforcement_config.hpp"
+#include "contact/enforcement/law/pair_forces.hpp"
+#include "contact/surface/face_access.hpp"
+
+#include <string>
+#include <utility>
+
+namespace brickwall::contact {
+
+// Drifts before and after the forces: the kick between them has their mean length.
+struct StepLengths {
+  double dt; // of the motion coordinates_new - coordinates_old
+  double next_dt;
+  StepLengths(double dt_before, double dt_after) : dt(dt_before), next_dt(dt_after) {}
+  StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
+};
+
+// What a round of corrections has done, over the interactions of this rank.
+struct Corrections {
+  std::int64_t changed = 0;
+  std::int64_t invalid = 0; // forces that do not fit
+
+  KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
+    changed += b.changed;
+    invalid += b.invalid;
+    return *this;
+  }
+};
+
+class InteractionSet {
+public:
+  InteractionSet() = default;
+  // Forces act on the first `num_nodes` of the surface. `face_corners`: 4, or 2 where only the first two corners of a face carry
+  // weight.
+  InteractionSet(const exec_space& space, const std::string& label, const Surface& surface,
+                 int num_nodes, int face_corners, const EnforcementConfig& config,
+                 const Quantum& quantum);
+
+  // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
+  // Afterwards next() holds those of this step, history() those of the last one, and forces() the forces of next()
+  // (pair_forces.hpp).
+  template <class Select>
+  ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
+
+  // The same where there is no interaction, in this step as in the last one.
+  void selectNone(const exec_space& space, const FaceAccess& faces);
+
+  // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
+  // is changed where they are. `has_changed` [surface node], in rounds after the first:
+  // whose accelerations have changed since the last one; a pair that neither they nor the last round changed stays as it is.
+  Corrections correctForces(const exec_space& space, const FaceAccess& faces,
+                            const StepLengths& steps, double relaxation,
+                            const View<double* [3]>& accelerations,
+                            const View<double* [12]>& ghost_accelerations,
+                            const View<const unsigned char*>& has_changed = {});
+
+  // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.
+  void setReferenceStep(double dt) { _config.reference_step = dt; }
+
+  // The step is over: its interactions become the history.
+  void advance() { std::swap(_history, _next); }
+
+  const ContactForces& forces() const { return _forces; }
+  bool hasForces() const { return !_are_nodes_zero; } // of the present step
+  const ContactHistory& history() const { return _history; }
+  const ContactHistory& next() const { return _next; } // of the present step, until advance()
+
+private:
+  void zeroForces(const exec_space& space, const FaceAccess& faces);
+  PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
+  void growInteractions(const exec_space& space, std::int64_t count);
+
+  EnforcementConfig _config;
+  Quantum _quantum;
+  int _face_corners = 4;
+  View<unsigned char*> _is_unsettled; // [as interactions] the last round has changed it
+  ContactHistory _history, _next; // of the last step and of the present one, in turn
+  View<std::int64_t> _next_count;
+  ContactForces _forces;
+  bool _are_nodes_zero = true; // of _forces
+};
+
+template <class Select>
+ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs& pairs,
+                                   Select functor) {
+  functor.config = _config;
+  functor.pairs = pairs;
+  functor.previous = _history;
+  functor.next_count = _next_count;
+  while (true) {
+    Kokkos::deep_copy(space, _next_count, std::int64_t(0));
+    zeroForces(space, functor.faces);
+    functor.next = _next;
+    functor.add = pairForces(space, functor.faces);
+    ContactSums sums;
+    Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+    const std::int64_t begin = functor.first_row / Select::rows_at_once;
+    const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
+    Kokkos::parallel_reduce("contact::selectInteractions", range_policy(space, begin, end), functor,
+                            Combine<ContactSums>(sums));
+    _next.count = sums.interactions;
+    _are_nodes_zero = sums.interactions == 0;
+    if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
+      return sums;
+    // Of the last step nothing has changed: again.
+    growInteractions(space, sums.interactions);
+  }
+}
+
+} // namespace brickwall::contact

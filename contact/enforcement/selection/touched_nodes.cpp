@@ -1,0 +1,70 @@
+// See touched_nodes.hpp.
+#include "contact/enforcement/selection/touched_nodes.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+constexpr int nodes_of_pair = 6;
+constexpr int most_share = 3; // lists of more than a third of the nodes cost more than they spare
+
+} // namespace
+
+TouchedNodes::TouchedNodes(const std::string& label, int num_nodes)
+    : _num_nodes(num_nodes), _nodes(label + "::touched_nodes", num_nodes),
+      _is_listed(label + "::is_touched", num_nodes), _count(label + "::num_touched") {
+  _list.nodes = _nodes;
+}
+
+void TouchedNodes::clear(const exec_space& space) {
+  const auto nodes = _nodes;
+  const auto is_listed = _is_listed;
+  const auto count = _count;
+  if (_num_listed > 0)
+    Kokkos::parallel_for(
+        "contact::TouchedNodes::clear", over(space, _num_listed),
+        KOKKOS_LAMBDA(const std::int64_t i) {
+          is_listed(nodes(i)) = 0;
+          if (i == 0)
+            count() = 0;
+        });
+  _num_listed = 0;
+  _list = {0, _nodes};
+}
+
+void TouchedNodes::listAll(const exec_space& space) {
+  clear(space);
+  _list = NodeList::allOf(_num_nodes);
+}
+
+void TouchedNodes::add(const exec_space& space, const Surface& surface, const ContactHistory& pairs,
+                       const View<const int*>& to_node) {
+  if (pairs.count == 0 || _list.isAll())
+    return;
+  if (most_share * (_num_listed + nodes_of_pair * pairs.count) > _num_nodes) {
+    listAll(space);
+    return;
+  }
+  const auto nodes = _nodes;
+  const auto is_listed = _is_listed;
+  const auto count = _count;
+  const auto interactions = pairs.interactions;
+  const bool is_mapped = to_node.data() != nullptr;
+  Kokkos::parallel_for(
+      "contact::TouchedNodes::add", over(space, pairs.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const Interaction& pair = interactions(i);
+        const bool is_own = pair.face_index < surface.num_faces;
+        for (int k = 0; k < nodes_of_pair; ++k) {
+          if (k >= 2 && !is_own)
+            break;
+          const int at = k < 2 ? pair.point.node[k] : surface.face_to_nodes(pair.face_index, k - 2);
+          const int node = is_mapped ? to_node(at) : at;
+          if (Kokkos::atomic_exchange(&is_listed(node), 1) == 0)
+            nodes(Kokkos::atomic_fetch_add(&count(), 1)) = node;
+        }
+      });
+  Kokkos::deep_copy(space, _num_listed, _count);
+  space.fence();
+  _list.count = _num_listed;
+}
+
+} // namespace brickwall::contact

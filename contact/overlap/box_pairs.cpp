@@ -1,0 +1,131 @@
+#include "contact/overlap/box_pairs.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "contact/base/to_device.hpp"
+#include "contact/search/candidate_search.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace brickwall::contact {
+namespace {
+
+struct BodyBox {
+  global_id body;
+  Box box;
+};
+
+// Of this rank's nodes.
+std::map<global_id, Box> boxesOfBodies(const Surface& surface) {
+  const auto x = toHost(surface.coordinates_new);
+  const auto bodies = toHost(surface.node_body);
+  std::map<global_id, Box> boxes;
+  for (int node = 0; node < surface.num_nodes;) {
+    const global_id body = bodies(node);
+    Box& box = boxes[body];
+    for (; node < surface.num_nodes && bodies(node) == body; ++node)
+      box.include(rowOf(x, node));
+  }
+  return boxes;
+}
+
+// Which of these boxes meet another one of any rank: [box].
+std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
+                              const std::map<global_id, Box>& of_bodies, double least) {
+  const std::size_t count = of_bodies.size();
+  const auto boxes = allocate<View<Box*>>(space, "contact::bodies::boxes", count);
+  const auto ids = allocate<View<global_id*>>(space, "contact::bodies::ids", count);
+  const auto host_boxes = Kokkos::create_mirror_view(boxes);
+  const auto host_ids = Kokkos::create_mirror_view(ids);
+  std::size_t next = 0;
+  for (const auto& [body, box] : of_bodies) {
+    host_boxes(next) = shrunk(box, least);
+    host_ids(next++) = body;
+  }
+  Kokkos::deep_copy(space, boxes, host_boxes);
+  Kokkos::deep_copy(space, ids, host_ids);
+  SearchConfig config;
+  config.drop_same_body = true;
+  CandidateSearch search(comm, config);
+  search.update(space, surfaceOfBoxes(space, boxes, ids, ids, View<const double**>()));
+  const CandidatePairs pairs = search.pairs();
+  const View<char*> meets("contact::bodies::meets", count);
+  Kokkos::parallel_for(
+      "contact::bodiesThatMeet", over(space, pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) {
+        meets(pairs.node(row)) = pairs.end(row) > pairs.begin(row);
+      });
+  std::vector<char> result(count);
+  Kokkos::deep_copy(
+      space, Kokkos::View<char*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(result.data(), count),
+      meets);
+  space.fence();
+  return result;
+}
+
+} // namespace
+
+Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
+                       const View<const global_id*>& ids, const View<const global_id*>& groups,
+                       const View<const double**>& attributes) {
+  const int count = checkedInt(static_cast<std::int64_t>(boxes.extent(0)), "boxes of a search");
+  // As if each box's low corner had moved to its high one in the step.
+  const auto low = allocate<View<double* [3]>>(space, "contact::boxes::low", count);
+  const auto high = allocate<View<double* [3]>>(space, "contact::boxes::high", count);
+  const auto nodes = allocate<View<int* [4]>>(space, "contact::boxes::nodes", count);
+  const auto owned = allocate<View<unsigned char*>>(space, "contact::boxes::owned", count);
+  Kokkos::parallel_for(
+      "contact::surfaceOfBoxes", over(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d) {
+          low(i, d) = boxes(i).lower[d];
+          high(i, d) = boxes(i).upper[d];
+        }
+        for (int j = 0; j < 4; ++j)
+          nodes(i, j) = static_cast<int>(i);
+        owned(i) = 1;
+      });
+  Surface surface;
+  surface.num_nodes = surface.num_faces = count;
+  surface.coordinates_old = low;
+  surface.coordinates_new = high;
+  surface.face_to_nodes = nodes;
+  surface.node_ids = surface.face_ids = ids;
+  surface.node_is_owned = owned;
+  surface.node_body = surface.face_body = groups;
+  surface.face_attributes = attributes;
+  return surface;
+}
+
+std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,
+                                      const Surface& surface, double least) {
+  const Region region("contact::bodiesThatMeet");
+  // The rank that the body's number chooses joins its parts.
+  const int num_ranks = sizeOf(comm);
+  std::vector<std::vector<BodyBox>> parts(num_ranks);
+  for (const auto& [body, box] : boxesOfBodies(surface))
+    parts[body % num_ranks].push_back({body, box});
+  const auto received = exchangeByRank(comm, parts);
+  std::map<global_id, Box> bodies;
+  for (const auto& of_rank : received)
+    for (const BodyBox& part : of_rank)
+      bodies[part.body].include(part.box);
+  const std::vector<char> meets = findMeeting(space, comm, bodies, least);
+  std::vector<global_id> meeting;
+  std::size_t next = 0;
+  for (const auto& body : bodies)
+    if (meets[next++])
+      meeting.push_back(body.first);
+  std::vector<std::vector<global_id>> replies(num_ranks);
+  for (int q = 0; q < num_ranks; ++q)
+    for (const BodyBox& part : received[q])
+      if (std::binary_search(meeting.begin(), meeting.end(), part.body))
+        replies[q].push_back(part.body);
+  std::vector<global_id> own;
+  for (const auto& of_rank : exchangeByRank(comm, replies))
+    own.insert(own.end(), of_rank.begin(), of_rank.end());
+  std::sort(own.begin(), own.end());
+  return own;
+}
+
+} // namespace brickwall::contact

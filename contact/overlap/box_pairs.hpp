@@ -1,0 +1,36 @@
+// Boxes that overlap those of others, found by the search: on a surface whose nodes and faces are the boxes. For set-up.
+#pragma once
+
+#include "contact/base/box.hpp"
+#include "contact/surface/surface.hpp"
+
+#include <mpi.h>
+
+#include <vector>
+
+namespace brickwall::contact {
+
+// Boxes [box] as a surface for CandidateSearch: node i and face i have the extent of box i, its id and its group as body, and the
+// face has row i of `attributes`.
+Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
+                       const View<const global_id*>& ids, const View<const global_id*>& groups,
+                       const View<const double**>& attributes);
+
+// `box` smaller by `least`, so that it overlaps another one made smaller alike if the two overlapped by `least` or more; never
+// smaller than a point.
+KOKKOS_INLINE_FUNCTION Box shrunk(Box box, double least) {
+  const Vec3 centre = box.centroid();
+  box.inflate(-0.5 * least);
+  for (int d = 0; d < 3; ++d) {
+    box.lower[d] = minOf(box.lower[d], centre[d]);
+    box.upper[d] = maxOf(box.upper[d], centre[d]);
+  }
+  return box;
+}
+
+// Those bodies of this rank's nodes whose boxes, over all ranks and at coordinates_new, overlap that of another body by `least` or
+// more, ascending. Collective.
+std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,
+                                      const Surface& surface, double least);
+
+} // namespace brickwall::contact

@@ -1,0 +1,167 @@
+#include "contact/overlap/initial_overlap.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/overlap/box_pairs.hpp"
+#include "contact/overlap/hex_overlap.hpp"
+#include "contact/overlap/nearest_on_face.hpp"
+#include "contact/search/candidate_search.hpp"
+#include "contact/surface/face_access.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+struct FindDeepest {
+  FaceAccess faces;
+  CandidatePairs pairs;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
+    const int node = pairs.node(row);
+    for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row);) {
+      const global_id body = faces.body(pairs.faces(pair));
+      const LeadingPair one = inBody(node, body, pairs.end(row), pair);
+      if (one.value > 0)
+        all += one;
+    }
+  }
+  // Moves `pair` past the body's candidates.
+  KOKKOS_INLINE_FUNCTION LeadingPair inBody(int node, global_id body, std::int64_t end,
+                                            std::int64_t& pair) const {
+    const Vec3 x = rowOf(faces.surface.coordinates_new, node);
+    double least = HUGE_VAL;
+    LeadingPair found;
+    for (; pair < end && faces.body(pairs.faces(pair)) == body; ++pair) {
+      const int face = pairs.faces(pair);
+      const NearestOnFace nearest = nearestOnFace(faces.quad(face), x);
+      if (!(nearest.square < least))
+        continue;
+      least = nearest.square;
+      found.value = nearest.depth;
+      found.pair = {faces.surface.node_ids(node), faces.id(face), faces.surface.node_body(node),
+                    body};
+    }
+    return found;
+  }
+};
+
+KOKKOS_INLINE_FUNCTION Hexahedron elementOf(const FaceAccess& elements, int element) {
+  Hexahedron hex;
+  for (int i = 0; i < 8; ++i)
+    for (int d = 0; d < 3; ++d)
+      hex.corner[i][d] = elements.attribute(element, 3 * i + d);
+  return hex;
+}
+
+// Elements are nodes and faces of the surface of their boxes.
+struct FindDeepestElements {
+  FaceAccess elements;
+  CandidatePairs pairs;
+  double least;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
+    const int own = pairs.node(row);
+    const Hexahedron hex = elementOf(elements, own);
+    const double warp = hexahedron::largestWarp(hex);
+    for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
+      const int face = pairs.faces(pair);
+      if (elements.id(face) < elements.id(own)) // the other one's row has the pair, too
+        continue;
+      const Hexahedron other = elementOf(elements, face);
+      const double shallow = least + 0.5 * (warp + hexahedron::largestWarp(other));
+      LeadingPair one;
+      one.value = overlapDepth(hex, other, shallow);
+      one.pair = {elements.id(own), elements.id(face), elements.body(own), elements.body(face)};
+      if (one.value > shallow)
+        all += one;
+    }
+  }
+};
+
+View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, double least) {
+  const auto boxes = allocate<View<Box*>>(space, "contact::elements::boxes", elements.count);
+  const auto corners = elements.corners;
+  Kokkos::parallel_for(
+      "contact::elements::boxes", over(space, elements.count),
+      KOKKOS_LAMBDA(const std::int64_t element) {
+        Box box;
+        for (int i = 0; i < 8; ++i)
+          box.include(Vec3{corners(element, 3 * i), corners(element, 3 * i + 1),
+                           corners(element, 3 * i + 2)});
+        boxes(element) = shrunk(box, least);
+      });
+  return boxes;
+}
+
+// Of the element of this id, which one rank has.
+Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elements, global_id id) {
+  const auto corners = elements.corners;
+  const auto ids = elements.ids;
+  double centre[3];
+  for (int d = 0; d < 3; ++d) {
+    centre[d] = -HUGE_VAL;
+    Kokkos::parallel_reduce(
+        "contact::centreOfElement", over(space, elements.count),
+        KOKKOS_LAMBDA(const std::int64_t element, double& all) {
+          if (ids(element) != id)
+            return;
+          all = 0;
+          for (int i = 0; i < 8; ++i)
+            all += 0.125 * corners(element, 3 * i + d);
+        },
+        Kokkos::Max<double>(centre[d]));
+  }
+  space.fence();
+  allReduce(comm, centre, 3, MPI_MAX);
+  return {centre[0], centre[1], centre[2]};
+}
+
+} // namespace
+
+InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                              double reach) {
+  const Region region("contact::deepestOverlap");
+  SearchConfig config;
+  config.node_tolerance = config.face_tolerance = reach;
+  config.drop_same_body = true;
+  CandidateSearch search(comm, config, 0);
+  search.update(space, surface);
+  LeadingPair local;
+  Kokkos::parallel_reduce("contact::deepestOverlap", over(space, search.pairs().num_rows),
+                          FindDeepest{FaceAccess{surface, search.ghosts()}, search.pairs()},
+                          Combine<LeadingPair>(local));
+  space.fence();
+  const LeadingPair leader = leaderOfAll(comm, local);
+  return {leader.pair, leader.value};
+}
+
+ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
+                                     const BodyElements& elements, double least) {
+  const Region region("contact::deepestElementOverlap");
+  ElementOverlap deepest;
+  if (allReduce(comm, elements.count, MPI_MAX) == 0)
+    return deepest;
+  const Surface surface = surfaceOfBoxes(space, boxesOf(space, elements, least), elements.ids,
+                                         elements.bodies, elements.corners);
+  SearchConfig config;
+  config.drop_same_body = true;
+  CandidateSearch search(comm, config);
+  search.update(space, surface);
+  LeadingPair local;
+  Kokkos::parallel_reduce(
+      "contact::deepestElementOverlap", over(space, search.pairs().num_rows),
+      FindDeepestElements{FaceAccess{surface, search.ghosts()}, search.pairs(), least},
+      Combine<LeadingPair>(local));
+  space.fence();
+  const LeadingPair leader = leaderOfAll(comm, local);
+  deepest.depth = leader.value;
+  if (deepest.depth > 0) {
+    const PairIds& pair = leader.pair;
+    deepest.element = pair.node;
+    deepest.other = pair.face;
+    deepest.body = pair.node_body;
+    deepest.other_body = pair.face_body;
+    deepest.centre = centreOf(space, comm, elements, deepest.element);
+  }
+  return deepest;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,145 @@
+// Why kept lists are complete. The boxes of a search at step m are inflated by T = t + margin/2, t the tolerance. Let the swept
+// box of each node, from x^{n-1} to x^n, stick out of that from x^{m-1} to x^m by no more than D <= T - t along any axis. Then the
+// box of step m, inflated by T, holds that of step n, inflated by t: min(x^{m-1}, x^m) - T <= min(x^{n-1}, x^n) + D - T <=
+// min(x^{n-1}, x^n) - t, and so for the upper bounds, for faces (hulls of their corners) and for the copies of faces on other
+// ranks. Boxes that overlap in step n have overlapped in step m: the pair is listed. This holds bit for bit, since rounding is
+// monotone: only T and D themselves must be right, so D is measured against the difference of the T and t used, less a few units
+// in the last place for the rounding of T - t and of D.
+#include "contact/search/candidate_search.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "contact/base/vec3.hpp"
+
+#include <cfloat>
+#include <cmath>
+
+namespace brickwall::contact {
+namespace {
+
+SearchConfig withMargin(SearchConfig config, double margin) {
+  for (const double length : {config.node_tolerance, config.face_tolerance, margin})
+    if (!(length >= 0) || !std::isfinite(length))
+      throw InputError("CandidateSearch: tolerance or margin is " + std::to_string(length) +
+                       ", needs a finite length >= 0");
+  config.node_tolerance += 0.5 * margin;
+  config.face_tolerance += 0.5 * margin;
+  return config;
+}
+
+// By how much nodes of this rank have left the swept boxes of the last search, in either configuration of the step.
+double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes,
+                   const Surface& surface) {
+  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  double largest = 0;
+  Kokkos::parallel_reduce(
+      "contact::largestMotion", over(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node, double& all) {
+        all = maxOf(all, leftBy(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
+      },
+      Kokkos::Max<double>(largest));
+  space.fence();
+  return largest;
+}
+
+void keepSweptBoxes(const exec_space& space, const Surface& surface,
+                    const View<double* [6]>& searched_at) {
+  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  Kokkos::parallel_for(
+      "contact::keepSweptBoxes", over(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int d = 0; d < 3; ++d) {
+          searched_at(node, d) = minOf(x_old(node, d), x_new(node, d));
+          searched_at(node, 3 + d) = maxOf(x_old(node, d), x_new(node, d));
+        }
+      });
+}
+
+} // namespace
+
+CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
+    : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
+      _local(withMargin(config, margin)) {
+  configure(config);
+}
+
+void CandidateSearch::setTolerances(double node_tolerance, double face_tolerance) {
+  if (node_tolerance == _config.node_tolerance && face_tolerance == _config.face_tolerance)
+    return;
+  SearchConfig config = _config;
+  config.node_tolerance = node_tolerance;
+  config.face_tolerance = face_tolerance;
+  configure(config);
+  _has_lists = false;
+}
+
+void CandidateSearch::configure(const SearchConfig& config) {
+  _config = config;
+  const SearchConfig wide = withMargin(config, _margin);
+  _global.configure(wide);
+  _local.configure(wide);
+  _local.setStepTest({_margin > 0, config.node_tolerance, config.face_tolerance});
+  _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
+                                                  wide.face_tolerance - config.face_tolerance);
+}
+
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
+  return update(space, surface, largestMotion(space, surface));
+}
+
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface,
+                                              double motion) {
+  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
+  if (!_has_pairs)
+    _local.findCandidatePairs(space, surface, _global);
+  _has_pairs = true;
+  return _local.pairs();
+}
+
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface) {
+  return updateGhosts(space, surface, largestMotion(space, surface));
+}
+
+// A coordinate that is not finite makes all ranks search, and so tell.
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface,
+                                                double motion) {
+  ++_updates;
+  bool may_keep = false;
+  if (_margin > 0) {
+    const Region region("measureMotion");
+    const double here =
+        hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL; // of no nodes it is below
+    may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
+  }
+  if (may_keep)
+    _global.refreshGhosts(space, surface);
+  else
+    findGhosts(space, surface);
+  return _global.ghosts();
+}
+
+bool CandidateSearch::hasListsOf(const Surface& surface) const {
+  return _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
+}
+
+double CandidateSearch::largestMotion(const exec_space& space, const Surface& surface) const {
+  if (_margin == 0 || !hasListsOf(surface))
+    return HUGE_VAL;
+  const Region region("measureMotion");
+  return motionOutOf(space, _searched_at, surface);
+}
+
+void CandidateSearch::findGhosts(const exec_space& space, const Surface& surface) {
+  _has_lists = _has_pairs = false; // in case of a throw
+  _global.findGhosts(space, surface);
+  if (_margin > 0) {
+    growTo(space, _searched_at, surface.num_nodes);
+    keepSweptBoxes(space, surface, _searched_at);
+  }
+  _num_nodes = surface.num_nodes;
+  _num_faces = surface.num_faces;
+  _has_lists = true;
+  ++_searches;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,117 @@
+// What a host code calls: global and local search together, with lists that may be kept over several steps by the
+// search-margin theorem (proof in candidate_search.cpp). Lists kept this way miss no pair of any step.
+#pragma once
+
+#include "contact/search/audit/pair_audit.hpp"
+#include "contact/search/global_search.hpp"
+#include "contact/search/local_search.hpp"
+
+#include <cmath>
+
+namespace brickwall::contact {
+
+// How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
+KOKKOS_INLINE_FUNCTION double leftBy(const Vec3& x, const Vec3& low, const Vec3& high) {
+  double largest = maxOf(low[0] - x[0], x[0] - high[0]);
+  for (int d = 1; d < 3; ++d)
+    largest = maxOf(largest, maxOf(low[d] - x[d], x[d] - high[d]));
+  const double zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); // or NaN
+  return zero == 0 ? largest : HUGE_VAL;
+}
+// The same of a row of sweptBoxes(), for both configurations.
+KOKKOS_INLINE_FUNCTION double leftBy(const View<const double* [6]>& boxes, std::int64_t node,
+                                     const Vec3& x_old, const Vec3& x_new) {
+  const Vec3 low = {boxes(node, 0), boxes(node, 1), boxes(node, 2)};
+  const Vec3 high = {boxes(node, 3), boxes(node, 4), boxes(node, 5)};
+  return maxOf(leftBy(x_old, low, high), leftBy(x_new, low, high));
+}
+
+class CandidateSearch {
+public:
+  // `comm` must outlive the search. `margin` (length, the same on all ranks): ghosts and pairs are searched with boxes
+  // larger by it and kept until nodes have left their swept boxes by half of it; 0 searches in every step. Throws InputError
+  // for a tolerance or a margin that is negative or not finite.
+  CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
+
+  // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin the pairs are those of
+  // a search in this step and more, which CandidatePairs::step_test tells apart; the order of rows is that of the last
+  // search. Ghosts have this step's coordinates, all else as of the last search. A step without a search reads the
+  // coordinates once, reduces one number over ranks and sends one message per partner. Between calls only coordinates may
+  // change, in any way, unless forget() is called. Throws PhysicsError on all ranks together, naming node and rank, when a
+  // coordinate is not finite.
+  const CandidatePairs& update(const exec_space& space, const Surface& surface);
+
+  // Collective. The same for a host that has read the coordinates anyway: `motion` is by how much nodes of this rank have left
+  // sweptBoxes() in either configuration of the step, along an axis where that is most (leftBy() of all nodes; any number if
+  // there are no such boxes).
+  const CandidatePairs& update(const exec_space& space, const Surface& surface, double motion);
+  // [node][low xyz, high xyz] of the last search, as far as its lists may be kept; else of no nodes.
+  View<const double* [6]> sweptBoxes() const {
+    return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
+  }
+
+  // Collective. The same without pairs, for hosts that need no more than the ghosts.
+  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface);
+
+  // The next update() searches on all ranks, whatever the motion, and makes the order of the surface anew: something besides
+  // its coordinates has changed. On one rank or more.
+  void forget() {
+    _has_lists = false;
+    _global.clusters().orderAgain();
+  }
+
+  // The tolerances of SearchConfig from the next update() on, the same on all ranks; it searches if they have changed.
+  void setTolerances(double node_tolerance, double face_tolerance);
+
+  const GhostFaces& ghosts() const { return _global.ghosts(); }
+  const CandidatePairs& pairs() const { return _local.pairs(); }
+
+  // Collective; as GlobalSearch, for the ghosts of the last update().
+  void returnToOwners(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                      const View<const std::int64_t* [12]>& ghost_values,
+                      const View<std::int64_t* [3]>& node_values) {
+    _global.returnToOwners(space, face_to_nodes, ghost_values, node_values);
+  }
+  void sendToGhosts(const exec_space& space, const Surface& surface,
+                    const View<const double* [3]>& node_values,
+                    const View<double* [12]>& ghost_values) {
+    _global.sendToGhosts(space, surface, node_values, ghost_values);
+  }
+
+  // Collective. Pairs over all ranks that pairs() lack, by a look at all pairs (pair_audit.hpp); `surface` as in the last
+  // update().
+  std::int64_t countMissedPairs(const exec_space& space, const Surface& surface) const {
+    return contact::countMissedPairs(space, _comm, surface, ghosts(), pairs(), _config);
+  }
+
+  // The faces of this rank that the last search sent as ghosts, with their destinations. Not collective; host copies.
+  std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const {
+    return _global.sentFaces(space, surface);
+  }
+
+  SearchStatistics statistics() const { return _global.statistics(); } // of the last search
+  std::int64_t updates() const { return _updates; } // since the start
+  std::int64_t searches() const { return _searches; } // of these, with a search
+  double margin() const { return _margin; }
+
+private:
+  void configure(const SearchConfig& config);
+  bool hasListsOf(const Surface& surface) const;
+  double largestMotion(const exec_space& space, const Surface& surface) const;
+  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface, double motion);
+  void findGhosts(const exec_space& space, const Surface& surface);
+
+  MPI_Comm _comm;
+  SearchConfig _config; // of a step, without the margin
+  double _margin;
+  double _allowed_motion = 0; // of a node out of its swept box of the last search, along an axis
+  GlobalSearch _global;
+  LocalSearch _local;
+  bool _has_lists = false, _has_pairs = false; // of the last search
+  int _num_nodes = 0, _num_faces = 0; // of the last search
+  // Swept boxes of the last search: [node][low xyz, high xyz].
+  View<double* [6]> _searched_at { "contact::CandidateSearch::searched_at", 0 };
+  std::int64_t _updates = 0, _searches = 0;
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,146 @@
+#include "contact/search/cluster/block_ghost_search.hpp"
+
+#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/region.hpp"
+#include "contact/search/exchange/node_box_exchange.hpp"
+#include "contact/search/spatial/tree_walk.hpp"
+#include "contact/surface/construct_boxes.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+void buildNodeTrees(const exec_space& space, const PartnerMessages& node_boxes, const Vec3& origin,
+                    BlockGhostSearch& search) {
+  const auto& offsets = node_boxes.receiveOffsets();
+  search.num_boxes.clear();
+  for (std::size_t p = 0; p + 1 < offsets.size(); ++p)
+    search.num_boxes.push_back(offsets[p + 1] - offsets[p]);
+  search.node_trees.shape(space, search.num_boxes);
+  const View<const std::int64_t*> words = node_boxes.buffers.receive;
+  for (int p = 0; p < search.node_trees.numTrees(); ++p) {
+    const BoxTree tree = search.node_trees.tree(p);
+    const std::int64_t first = offsets[static_cast<std::size_t>(p)];
+    const std::int64_t num_lanes = std::int64_t(tree.num_levels > 0 ? tree.numBlocks(0) : 0) * 8;
+    Kokkos::parallel_for(
+        "contact::blockGhostSearch::leaves", over(space, num_lanes),
+        KOKKOS_LAMBDA(const std::int64_t i) {
+          storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size),
+                    i < tree.num_items ? FloatBounds::of(receivedNodeBox(words, first + i), origin)
+                                       : FloatBounds());
+        });
+  }
+  search.node_trees.refitUpperLevels(space);
+}
+
+// The lanes of a block of faces that overlap a node box of one sender.
+struct BlockQuery {
+  BoxTree faces;
+  View<const int*> face_order;
+  View<const double*[3]> x_old, x_new;
+  View<const int* [4]> face_to_nodes;
+  double face_tolerance;
+  View<const std::int64_t*> words; // node boxes as received
+
+  KOKKOS_INLINE_FUNCTION unsigned operator()(std::int64_t block, const BoxTree& nodes,
+                                             std::int64_t first_node) const {
+    const float* const lanes = faces.block(0, block);
+    unsigned hit = 0, pending = 0;
+    for (int lane = 0; lane < block_size; ++lane)
+      if (block * block_size + lane < faces.num_items)
+        pending |= 1u << lane;
+    const auto visit = [&](std::int64_t node) {
+      const FloatBounds reach =
+          boundsOfLane(nodes.block(0, node / block_size), static_cast<int>(node % block_size))
+              .reach();
+      const unsigned may = lanesOverlapping(lanes, reach) & pending;
+      if (may != 0) {
+        unsigned met = lanesOverlapping<true>(lanes, reach) & may;
+        for (unsigned unsure = may & ~met; unsure != 0; unsure &= unsure - 1)
+          if (overlap(block * block_size + lowestBit(unsure), first_node + node))
+            met |= unsure & (~unsure + 1u);
+        hit |= met;
+        pending &= ~met;
+      }
+      return pending != 0;
+    };
+    if (nodes.num_levels > 0)
+      walkLevels(nodes, nodes.num_levels - 1, 0, 0, unionOfBlock(lanes).reach(), visit);
+    return hit;
+  }
+
+  KOKKOS_INLINE_FUNCTION bool overlap(std::int64_t position, std::int64_t node) const {
+    return faceBox(x_old, x_new, face_to_nodes, face_order(position), face_tolerance)
+        .overlaps(receivedNodeBox(words, node));
+  }
+};
+
+void findHits(const exec_space& space, const PartnerLists& blocks_to_test, const BlockQuery& query,
+              const View<const std::int64_t*>& node_offsets, BlockGhostSearch& search) {
+  const std::int64_t num_entries = blocks_to_test.size();
+  growTo(space, search.hits, num_entries);
+  growTo(space, search.positions, num_entries + 1);
+  const auto num_partners = static_cast<int>(blocks_to_test.ranks.size());
+  const View<const int*> blocks = blocks_to_test.rows;
+  const View<const std::int64_t*> starts = search.starts;
+  const View<const BoxTree*> trees = search.node_trees.deviceTrees();
+  const auto hits = search.hits;
+  const auto positions = search.positions;
+  Kokkos::parallel_for(
+      "contact::blockGhostSearch::query", over(space, num_entries),
+      KOKKOS_LAMBDA(const std::int64_t entry) {
+        const int partner = partnerOf(starts, num_partners, entry);
+        const unsigned hit = query(blocks(entry), trees(partner), node_offsets(partner));
+        hits(entry) = hit;
+        positions(entry) = numLanes(hit);
+      });
+}
+
+void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
+              const View<const int*>& face_order, BlockGhostSearch& search) {
+  const std::int64_t num_entries = blocks_to_test.size();
+  const auto positions = search.positions;
+  auto& lists = search.faces_to_send;
+  growTo(space, lists.rows,
+         scanCounts(space, "contact::blockGhostSearch::scan", positions, num_entries));
+  const View<const int*> blocks = blocks_to_test.rows;
+  const View<const unsigned*> hits = search.hits;
+  const auto rows = lists.rows;
+  Kokkos::parallel_for(
+      "contact::blockGhostSearch::list", over(space, num_entries),
+      KOKKOS_LAMBDA(const std::int64_t entry) {
+        std::int64_t next = positions(entry);
+        for (unsigned left = hits(entry); left != 0; left &= left - 1)
+          rows(next++) = face_order(std::int64_t(blocks(entry)) * block_size + lowestBit(left));
+      });
+  offsetsOfKept(space, positions, search.starts, lists);
+}
+
+} // namespace
+
+void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+                                        const SurfaceClusters& clusters, double face_tolerance,
+                                        const PartnerLists& blocks_to_test,
+                                        const PartnerMessages& node_boxes,
+                                        BlockGhostSearch& search) {
+  const Region region("searchLocalFacesAgainstRemoteNodes");
+  const Region timer("search::search 2");
+  auto& lists = search.faces_to_send;
+  lists.ranks = blocks_to_test.ranks;
+  lists.offsets.assign(lists.ranks.size() + 1, 0);
+  if (blocks_to_test.size() == 0 || node_boxes.receiveOffsets().back() == 0)
+    return;
+  const ClusterOrder& order = clusters.order();
+  buildNodeTrees(space, node_boxes, order.origin, search);
+  {
+    const Region copies("search::host-device copies");
+    copyToDevice(space, blocks_to_test.offsets, search.starts);
+    copyToDevice(space, node_boxes.receiveOffsets(), search.node_offsets);
+  }
+  const BlockQuery query{clusters.faceTree(),       order.face_order,      surface.coordinates_old,
+                         surface.coordinates_new,   surface.face_to_nodes, face_tolerance,
+                         node_boxes.buffers.receive};
+  findHits(space, blocks_to_test, query, search.node_offsets, search);
+  listHits(space, blocks_to_test, order.face_order, search);
+}
+
+} // namespace brickwall::contact

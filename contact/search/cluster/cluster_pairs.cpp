@@ -1,0 +1,158 @@
+#include "contact/search/cluster/cluster_pairs.hpp"
+
+#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/error.hpp"
+#include "contact/base/mpi.hpp"
+#include "contact/search/cluster/cluster_rows.hpp"
+#include "contact/surface/construct_boxes.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+// The tree of the ghosts, in the order in which they came.
+void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& origin,
+                 double tolerance, BoxForest& forest) {
+  forest.shape(space, ghosts.count);
+  const BoxTree tree = forest.tree(0);
+  const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
+  const std::int64_t lanes = tree.num_levels > 0 ? std::int64_t(tree.numBlocks(0)) * block_size : 0;
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::ghost_boxes", over(space, lanes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        FloatBounds bounds;
+        if (i < tree.num_items)
+          bounds = FloatBounds::of(ghostBox(x_old, x_new, i, tolerance), origin);
+        storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size), bounds);
+      });
+  forest.refitUpperLevels(space);
+}
+
+void giveFirstRoom(const exec_space& space, int num_clusters, const View<int*>& room,
+                   const View<std::int64_t*>& block_begin) {
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::first_room", over(space, num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        room(cluster) = first_room;
+        block_begin(cluster) = cluster * first_room;
+      });
+}
+
+// places [cluster + 1]: offsets of the room that crowded clusters, or all, need. Returns its sum.
+std::int64_t measureRoom(const exec_space& space, int num_clusters, const View<int*>& row_begin,
+                         const View<int*>& room, bool all, const View<std::int64_t*>& places) {
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::needed", over(space, num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        const std::int64_t length = row_begin(cluster * row_width + cluster_size);
+        places(cluster) = all || length > room(cluster) ? length + length / 8 + 2 : 0;
+      });
+  return scanCounts(space, "contact::ClusterPairs::places", places, num_clusters);
+}
+
+void giveRoom(const exec_space& space, int num_clusters, const View<std::int64_t*>& places,
+              std::int64_t begin, const View<int*>& room, const CandidatePairs& pairs) {
+  const auto row_begin = pairs.row_begin;
+  const auto block_begin = pairs.block_begin;
+  Kokkos::parallel_for(
+      "contact::ClusterPairs::make_room", over(space, num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        const std::int64_t size = places(cluster + 1) - places(cluster);
+        if (size == 0)
+          return;
+        room(cluster) = static_cast<int>(size);
+        block_begin(cluster) = begin + places(cluster);
+        row_begin(cluster * row_width) = to_be_repeated;
+      });
+}
+
+} // namespace
+
+// Rows for a new order: every cluster has the same room.
+void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clusters,
+                             CandidatePairs& pairs) {
+  const ClusterOrder& order = clusters.order();
+  const auto num_clusters = static_cast<std::size_t>(order.num_clusters);
+  const auto exactly = [&](auto& view, std::size_t n) {
+    if (view.extent(0) != n)
+      view = std::decay_t<decltype(view)>(view.label(), n);
+    else
+      Kokkos::deep_copy(space, view, 0);
+  };
+  exactly(_room, num_clusters);
+  exactly(_places, num_clusters + 1);
+  exactly(pairs.block_begin, num_clusters);
+  exactly(pairs.row_begin, num_clusters * row_width);
+  exactly(pairs.changed, num_clusters);
+  ++pairs.version;
+  pairs.row_nodes = order.node_order;
+  _used = std::int64_t(order.num_clusters) * first_room;
+  const std::int64_t size =
+      _used + _used / 2 + 1024; // and for some that need more; untouched memory costs nothing
+  if (static_cast<std::int64_t>(pairs.faces.extent(0)) < size) {
+    pairs.faces = View<int*>(); // free first
+    pairs.faces = allocate<View<int*>>(space, "contact::CandidatePairs::faces", size);
+  }
+  giveFirstRoom(space, order.num_clusters, _room, pairs.block_begin);
+  _ordering = clusters.numOrderings();
+}
+
+// Gives crowded clusters a new place behind the used ones; if there is not room enough, all clusters get one.
+void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
+  std::int64_t more = measureRoom(space, num_clusters, pairs.row_begin, _room, false, _places);
+  if (_used + more > static_cast<std::int64_t>(pairs.faces.extent(0))) {
+    _used = 0;
+    more = measureRoom(space, num_clusters, pairs.row_begin, _room, true, _places);
+    const auto size = static_cast<std::size_t>(more + more / 16 + 1024);
+    if (pairs.faces.extent(0) < size) {
+      const std::int64_t ordering = _ordering;
+      _ordering = -1; // in case of a throw
+      pairs.faces = View<int*>(); // free first
+      pairs.faces = allocate<View<int*>>(space, "contact::CandidatePairs::faces", size);
+      _ordering = ordering;
+    }
+  }
+  giveRoom(space, num_clusters, _places, _used, _room, pairs);
+  _used += more;
+}
+
+void ClusterPairs::find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+                        const SurfaceClusters& clusters, const SearchConfig& config,
+                        CandidatePairs& pairs) {
+  const ClusterOrder& order = clusters.order();
+  checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
+  if (_ordering != clusters.numOrderings())
+    startAnew(space, clusters, pairs);
+  refitGhosts(space, ghosts, order.origin, config.face_tolerance, _ghost_forest);
+  const PairTest test{surface,
+                      ghosts,
+                      order,
+                      DeviceRules(surface, ghosts, config.drop_same_body),
+                      config.node_tolerance,
+                      config.face_tolerance,
+                      config.drop_same_body};
+  const auto search = [&](bool repeat) {
+    PairCounts counts;
+    Kokkos::parallel_reduce(
+        "contact::ClusterPairs::find",
+        overInChunks(space, (order.num_clusters + group_size - 1) / group_size, 8),
+        FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
+                 _ghost_forest.tree(0), _room, pairs.block_begin, pairs.row_begin, pairs.faces,
+                 pairs.changed, order.num_clusters, repeat},
+        Combine<PairCounts>(counts));
+    space.fence();
+    return counts;
+  };
+  ++pairs.version;
+  _counts = search(false);
+  if (_counts.crowded > 0) {
+    checkedInt(_counts.largest + _counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
+    makeRoom(space, order.num_clusters, pairs);
+    const PairCounts repeated = search(true);
+    _counts.blocks += repeated.blocks;
+    _counts.faces += repeated.faces;
+  }
+  pairs.count = _counts.pairs;
+  pairs.num_rows = surface.num_nodes;
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,49 @@
+// Local search of the cluster method: every cluster of nodes walks the tree of faces once, and that of the ghosts.
+#pragma once
+
+#include "contact/search/cluster/surface_clusters.hpp"
+
+namespace brickwall::contact {
+
+// Work of the last search on this rank.
+struct PairCounts {
+  std::int64_t pairs = 0;
+  std::int64_t blocks = 0; // blocks of eight faces looked at, for a cluster of nodes each
+  std::int64_t faces = 0; // faces tested against a cluster of nodes
+  std::int64_t crowded = 0; // clusters whose rows did not fit the place they had
+  std::int64_t largest = 0; // pairs of one cluster, of those with long rows or ghosts
+
+  KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
+    pairs += b.pairs;
+    blocks += b.blocks;
+    faces += b.faces;
+    crowded += b.crowded;
+    largest = maxOf(largest, b.largest);
+    return *this;
+  }
+};
+
+class ClusterPairs {
+public:
+  // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes its rows to the place
+  // that the last search left it, at first four faces a node, then an eighth more than it needed; those that outgrow it
+  // get a new one and are searched again.
+  void find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+            const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
+
+  const PairCounts& counts() const { return _counts; }
+
+private:
+  void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
+  void makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
+
+  BoxForest _ghost_forest;
+  View<int*> _room{"contact::ClusterPairs::room",
+                   0}; // [cluster] entries of pairs.faces that it has
+  View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]
+  std::int64_t _used = 0; // entries of pairs.faces that belong to a cluster
+  std::int64_t _ordering = -1; // of the clusters, that the rows are laid out for
+  PairCounts _counts;
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,331 @@
+// The kernel of the cluster search: a group of clusters finds the blocks of faces near it, each cluster tests its nodes
+// against their faces and writes its rows of candidates.
+#pragma once
+
+#include "contact/search/cluster/cluster_pairs.hpp"
+#include "contact/search/cluster/cluster_walk.hpp"
+#include "contact/surface/candidate_rules.hpp"
+#include "contact/surface/face_access.hpp"
+#include "contact/surface/row_order.hpp"
+
+namespace brickwall::contact {
+
+using DeviceRules = PairRules<memory_space>;
+
+constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
+constexpr int to_be_repeated = -1; // in the first of them, which else is 0
+constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
+constexpr int first_room = 4 * cluster_size; // of a cluster before its first search: like faces
+constexpr int most_together = 64; // hits of which rows are selected at once
+// Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
+constexpr int group_size = cluster_size > 1 ? 8 : 1;
+constexpr int most_near = cluster_size > 1 ? 512 : block_size;
+
+// Faces whose boxes some nodes of a cluster reach. An item is an own face's position, or num_faces + the ghost's number.
+struct Hits {
+  int item[most_hits + block_size];
+  int key[most_hits]; // place in the order of rows, of own faces, once settled
+  unsigned lanes[most_hits + block_size]; // the nodes
+  int count = 0;
+  bool are_own = true; // no ghosts among them
+};
+
+// Blocks of faces near a group of clusters, with their boxes in blocks of eight again.
+struct BlockList {
+  float boxes[most_near / block_size * block_floats];
+  int block[most_near];
+  int count = 0; // more than most_near: the list is not complete
+
+  KOKKOS_INLINE_FUNCTION void add(const BoxTree& tree, std::int64_t near) {
+    if (count < most_near) {
+      const float* const from = tree.block(1, near / block_size) + near % block_size;
+      float* const to = boxes + count / block_size * block_floats + count % block_size;
+      for (int s = 0; s < 6; ++s)
+        to[s * block_size] = from[s * block_size];
+      block[count] = static_cast<int>(near);
+    }
+    ++count;
+  }
+  // Empties the lanes behind the last.
+  KOKKOS_INLINE_FUNCTION void finish() {
+    for (int i = count; i < most_near && i % block_size != 0; ++i)
+      storeLane(boxes + i / block_size * block_floats, i % block_size, FloatBounds());
+  }
+};
+
+// Everything that a search reads, and the decision about one pair.
+struct PairTest {
+  Surface surface;
+  GhostFaces ghosts;
+  ClusterOrder order;
+  DeviceRules rules;
+  double node_tolerance, face_tolerance;
+  bool drop_same_body;
+
+  // Whether the boxes overlap, in double: for pairs that floats cannot tell.
+  KOKKOS_INLINE_FUNCTION bool overlap(int node, int face) const {
+    return FaceAccess{surface, ghosts}.boxesOverlap(node, face, node_tolerance, face_tolerance);
+  }
+  // By (body, face id).
+  KOKKOS_INLINE_FUNCTION bool before(int a, int b) const {
+    if (a < surface.num_faces && b < surface.num_faces && order.face_rank.extent(0) == 0)
+      return a < b;
+    return rules.before(a, b);
+  }
+};
+
+// The search of one group of clusters.
+struct FindRows {
+  PairTest test;
+  View<const float*> node_bounds, cluster_bounds;
+  BoxTree face_tree, ghost_tree;
+  View<const int*> room;
+  View<const std::int64_t*> block_begin;
+  View<int*> row_begin, faces;
+  View<unsigned char*> changed; // whether rows are others than those of the last search, or may be
+  int num_clusters;
+  bool repeat; // only clusters whose place has changed
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t group, PairCounts& sums) const {
+    const int first = static_cast<int>(group) * group_size;
+    const int end = minOf(first + group_size, num_clusters);
+    FloatBounds all;
+    for (int cluster = first; cluster < end; ++cluster)
+      if (isWanted(cluster))
+        for (int s = 0; s < 6; ++s)
+          all.side[s] = minOf(all.side[s], cluster_bounds(std::int64_t(cluster) * 6 + s));
+    BlockList near_faces, near_ghosts;
+    collect(face_tree, all.reach(), near_faces);
+    collect(ghost_tree, all.reach(), near_ghosts);
+    for (int cluster = first; cluster < end; ++cluster)
+      if (isWanted(cluster))
+        findRows(cluster, near_faces, near_ghosts, sums);
+  }
+
+  KOKKOS_INLINE_FUNCTION bool isWanted(int cluster) const {
+    return !repeat || row_begin(std::int64_t(cluster) * row_width) == to_be_repeated;
+  }
+
+  KOKKOS_INLINE_FUNCTION static void collect(const BoxTree& tree, const FloatBounds& reach,
+                                             BlockList& list) {
+    if (group_size == 1 || tree.num_levels < 2)
+      return;
+    walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
+      list.add(tree, block);
+      return list.count <= most_near;
+    });
+    list.finish();
+  }
+
+  // visit(block) for the blocks of a tree that the cluster meets, ascending; `list` holds those that its group meets.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
+                                                 const BlockList& list, const Visit& visit) {
+    if (group_size == 1 || tree.num_levels < 2 || list.count > most_near) {
+      walkBlocks(tree, reach, visit);
+      return;
+    }
+    for (int begin = 0; begin < list.count; begin += block_size)
+      for (unsigned lanes = lanesOverlapping(list.boxes + begin / block_size * block_floats, reach);
+           lanes != 0; lanes &= lanes - 1)
+        visit(std::int64_t(list.block[begin + lowestBit(lanes)]));
+  }
+
+  KOKKOS_INLINE_FUNCTION void findRows(int cluster, const BlockList& near_faces,
+                                       const BlockList& near_ghosts, PairCounts& sums) const {
+    int* const begin = &row_begin(std::int64_t(cluster) * row_width);
+    const unsigned owned = test.order.owned(cluster);
+    changed(cluster) = owned != 0;
+    if (owned == 0) {
+      for (int lane = 0; lane <= cluster_size; ++lane)
+        begin[lane] = 0;
+      return;
+    }
+    const int first = cluster * cluster_size;
+    NodeCluster nodes;
+    nodes.load(&node_bounds(std::int64_t(first) * 6), &cluster_bounds(std::int64_t(cluster) * 6),
+               owned);
+    Hits hits;
+    visitBlocks(face_tree, nodes.all, near_faces,
+                [&](const std::int64_t block) { meetOwnFaces(nodes, first, block, hits, sums); });
+    visitBlocks(ghost_tree, nodes.all, near_ghosts,
+                [&](const std::int64_t block) { meetGhosts(nodes, block, hits, sums); });
+    const bool is_long = hits.count > most_hits;
+    if (!is_long)
+      settle(nodes, first, hits);
+    if (!is_long && hits.are_own && hits.count <= most_together && cluster_size > 1)
+      selectRows(hits, cluster, begin, sums);
+    else
+      fillRows(nodes, first, hits, is_long, cluster, begin, sums);
+  }
+
+  // Rows of few own faces: these are sorted once, and each node takes its own out of them.
+  KOKKOS_INLINE_FUNCTION void selectRows(Hits& hits, int cluster, int* begin,
+                                         PairCounts& sums) const {
+    int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
+    int total = 0;
+    int difference = repeat; // what is at a new place is of no use
+    sortTogether(hits.key, hits.item, hits.lanes, hits.count);
+    for (int lane = 0; lane < cluster_size; ++lane) {
+      difference |= begin[lane] ^ total;
+      begin[lane] = total;
+      total += selectByBit(hits.item, hits.lanes, hits.count, lane, selected + total);
+    }
+    difference |= begin[cluster_size] ^ total;
+    begin[cluster_size] = total;
+    sums.pairs += total;
+    if (total > room(cluster)) {
+      ++sums.crowded;
+      return;
+    }
+    int* const rows = faces.data() + block_begin(cluster);
+    for (int i = 0; i < total; ++i) {
+      difference |= rows[i] ^ selected[i];
+      rows[i] = selected[i];
+    }
+    changed(cluster) = difference != 0;
+  }
+
+  // Any rows: counted, written, sorted.
+  KOKKOS_INLINE_FUNCTION void fillRows(const NodeCluster& nodes, int first, Hits& hits,
+                                       bool is_long, int cluster, int* begin,
+                                       PairCounts& sums) const {
+    const auto forAll = [&](const auto& visit) {
+      if (is_long)
+        forAllPairs(nodes, first, visit);
+      for (int i = 0; i < hits.count && !is_long; ++i)
+        visit(hits.item[i], hits.lanes[i]);
+    };
+    int length[cluster_size] = {};
+    forAll([&](int, unsigned lanes) {
+      for (int lane = 0; lane < cluster_size; ++lane)
+        length[lane] += static_cast<int>(lanes >> lane & 1u);
+    });
+    std::int64_t total = 0;
+    int next[cluster_size];
+    for (int lane = 0; lane < cluster_size; ++lane) {
+      begin[lane] = next[lane] = static_cast<int>(total);
+      total += length[lane];
+    }
+    begin[cluster_size] = static_cast<int>(total);
+    sums.pairs += total;
+    sums.largest = maxOf(sums.largest, total);
+    if (total > room(cluster)) {
+      ++sums.crowded;
+      return;
+    }
+    int* const rows = faces.data() + block_begin(cluster);
+    forAll([&](int face, unsigned lanes) {
+      for (; lanes != 0; lanes &= lanes - 1)
+        rows[next[lowestBit(lanes)]++] = face;
+    });
+    for (int lane = 0; lane < cluster_size; ++lane)
+      sortRow(rows + begin[lane], begin[lane + 1] - begin[lane],
+              [&](const int a, const int b) { return test.before(a, b); });
+  }
+
+  // Appends without branching: whether a face is near is as good as random.
+  KOKKOS_INLINE_FUNCTION static void append(Hits& hits, int item, unsigned near) {
+    hits.item[hits.count] = item;
+    hits.lanes[hits.count] = near;
+    hits.count += near != 0;
+  }
+
+  KOKKOS_INLINE_FUNCTION void meetOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
+                                           Hits& hits, PairCounts& sums) const {
+    ++sums.blocks;
+    if (hits.count > most_hits)
+      return;
+    const float* const boxes = face_tree.block(0, block);
+    unsigned own[block_size]; // nodes of the cluster that are corners of the faces
+    bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
+    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowestBit(lanes);
+      ++sums.faces;
+      append(hits, static_cast<int>(block) * block_size + lane,
+             lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size) & ~own[lane]);
+    }
+  }
+
+  KOKKOS_INLINE_FUNCTION void meetGhosts(const NodeCluster& nodes, std::int64_t block, Hits& hits,
+                                         PairCounts& sums) const {
+    ++sums.blocks;
+    if (hits.count > most_hits)
+      return;
+    const float* const boxes = ghost_tree.block(0, block);
+    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowestBit(lanes);
+      ++sums.faces;
+      const unsigned near = lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size);
+      hits.are_own &= near == 0;
+      append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane, near);
+    }
+  }
+
+  // What floats leave open: items become faces, lanes those of the nodes that may touch them.
+  KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits) const {
+    const bool is_ranked = test.order.face_rank.extent(0) > 0;
+    int kept = 0;
+    for (int i = 0; i < hits.count; ++i) {
+      const int item = hits.item[i];
+      const bool is_own = item < test.surface.num_faces;
+      const int at = is_own ? item : item - test.surface.num_faces;
+      const float* const box =
+          (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
+      const int face = is_own ? test.order.face_order(item) : item;
+      unsigned lanes = hits.lanes[i];
+      if (test.drop_same_body || !is_own)
+        lanes = allowed(lanes, first, face);
+      const unsigned unsure =
+          lanes & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
+      if (unsure != 0)
+        lanes = (lanes & ~unsure) | overlapping(unsure, first, face);
+      hits.item[kept] = face;
+      hits.key[kept] = is_own && is_ranked ? test.order.face_rank(item) : face;
+      hits.lanes[kept] = lanes;
+      kept += lanes != 0;
+    }
+    hits.count = kept;
+  }
+  KOKKOS_INLINE_FUNCTION unsigned allowed(unsigned lanes, int first, int face) const {
+    unsigned kept = 0;
+    for (; lanes != 0; lanes &= lanes - 1)
+      if (test.rules.allow(test.order.node_order(first + lowestBit(lanes)), face))
+        kept |= lanes & (~lanes + 1);
+    return kept;
+  }
+  KOKKOS_INLINE_FUNCTION unsigned overlapping(unsigned lanes, int first, int face) const {
+    unsigned kept = 0;
+    for (; lanes != 0; lanes &= lanes - 1)
+      if (test.overlap(test.order.node_order(first + lowestBit(lanes)), face))
+        kept |= lanes & (~lanes + 1);
+    return kept;
+  }
+
+  // visit(face, lanes) for all pairs of a cluster that has more hits than are kept, block by block.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
+                                          const Visit& visit) const {
+    PairCounts uncounted;
+    Hits hits;
+    walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
+      hits.count = 0;
+      meetOwnFaces(nodes, first, block, hits, uncounted);
+      visitHits(nodes, first, hits, visit);
+    });
+    walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
+      hits.count = 0;
+      meetGhosts(nodes, block, hits, uncounted);
+      visitHits(nodes, first, hits, visit);
+    });
+  }
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void visitHits(const NodeCluster& nodes, int first, Hits& hits,
+                                        const Visit& visit) const {
+    settle(nodes, first, hits);
+    for (int i = 0; i < hits.count; ++i)
+      visit(hits.item[i], hits.lanes[i]);
+  }
+};
+
+} // namespace brickwall::contact

@@ -1,0 +1,133 @@
+#include "contact/search/exchange/face_migration.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/base/tags.hpp"
+#include "contact/base/vec3.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+// A face as message words; attributes follow.
+enum Word : int { face_id, body, corner_ids, x_old = 6, x_new = 18, attributes = 30 };
+
+void packFaces(const exec_space& space, const Surface& surface, const PartnerLists& lists,
+               int num_attributes, MessageBuffers& buffers) {
+  const int width = attributes + num_attributes;
+  growTo(space, buffers.send, lists.size() * width);
+  const auto words = buffers.send;
+  const View<const int*> faces = lists.rows;
+  const auto face_to_nodes = surface.face_to_nodes;
+  const auto ids = surface.face_ids, bodies = surface.face_body, node_ids = surface.node_ids;
+  const auto old_coordinates = surface.coordinates_old, new_coordinates = surface.coordinates_new;
+  const auto values = surface.face_attributes;
+  Kokkos::parallel_for(
+      "contact::migrateFaces::pack", over(space, lists.size()),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int face = faces(i);
+        std::int64_t* const to = &words(i * width);
+        to[face_id] = ids(face);
+        to[body] = bodies(face);
+        for (int corner = 0; corner < 4; ++corner) {
+          const int node = face_to_nodes(face, corner);
+          to[corner_ids + corner] = node_ids(node);
+          for (int d = 0; d < 3; ++d) {
+            to[x_old + 3 * corner + d] = toWord(old_coordinates(node, d));
+            to[x_new + 3 * corner + d] = toWord(new_coordinates(node, d));
+          }
+        }
+        for (int a = 0; a < num_attributes; ++a)
+          to[attributes + a] = toWord(values(face, a));
+      });
+}
+
+void growGhosts(const exec_space& space, std::int64_t n, int num_attributes, GhostFaces& ghosts) {
+  const Region timer("search::allocation");
+  ghosts.count = checkedInt(n, "ghost faces");
+  growTo(space, ghosts.face_ids, n);
+  growTo(space, ghosts.bodies, n);
+  growTo(space, ghosts.corner_ids, n);
+  growTo(space, ghosts.coordinates_old, n);
+  growTo(space, ghosts.coordinates_new, n);
+  if (static_cast<int>(ghosts.attributes.extent(1)) != num_attributes)
+    ghosts.attributes =
+        allocate<View<double**>>(space, "contact::GhostFaces::attributes", n, num_attributes);
+  growTo(space, ghosts.attributes, n);
+}
+
+void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffers& buffers,
+                 const GhostFaces& ghosts) {
+  const int width = attributes + num_attributes;
+  const auto words = buffers.receive;
+  const auto ids = ghosts.face_ids, bodies = ghosts.bodies;
+  const auto corners = ghosts.corner_ids;
+  const auto old_coordinates = ghosts.coordinates_old, new_coordinates = ghosts.coordinates_new;
+  const auto values = ghosts.attributes;
+  Kokkos::parallel_for(
+      "contact::migrateFaces::unpack", over(space, ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
+        const std::int64_t* const from = &words(ghost * width);
+        ids(ghost) = from[face_id];
+        bodies(ghost) = from[body];
+        for (int corner = 0; corner < 4; ++corner)
+          corners(ghost, corner) = from[corner_ids + corner];
+        for (int i = 0; i < 12; ++i) {
+          fromWord(from[x_old + i], old_coordinates(ghost, i));
+          fromWord(from[x_new + i], new_coordinates(ghost, i));
+        }
+        for (int a = 0; a < num_attributes; ++a)
+          fromWord(from[attributes + a], values(ghost, a));
+      });
+}
+
+} // namespace
+
+void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                  const PartnerLists& faces_to_send, const std::vector<int>& senders,
+                  int num_attributes, SearchMethod method, FaceMigration& migration) {
+  const Region region("migrateFaces");
+  const Region timer("search::migration");
+  auto& messages = migration.messages;
+  const int width = attributes + num_attributes;
+  packFaces(space, surface, faces_to_send, num_attributes, messages.buffers);
+  if (method == SearchMethod::cluster) {
+    messages.exchangeOfAnySize(space, comm, tags::face_migration, width, faces_to_send.ranks,
+                               faces_to_send.offsets, senders);
+  } else {
+    messages.agreeOnSizes(comm, tags::face_counts, faces_to_send.ranks, faces_to_send.offsets,
+                          senders);
+    messages.exchange(space, comm, tags::face_migration, width);
+  }
+  growGhosts(space, messages.receiveOffsets().back(), num_attributes, migration.ghosts);
+  unpackFaces(space, num_attributes, messages.buffers, migration.ghosts);
+}
+
+void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                       const View<const int* [4]>& face_to_nodes,
+                       const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
+                       const View<std::int64_t* [3]>& node_values) {
+  const Region region("returnGhostValues");
+  auto& buffers = migration.messages.buffers;
+  const std::int64_t num_ghosts = migration.ghosts.count, num_sent = faces_sent.size();
+  growTo(space, buffers.send, num_ghosts * 12);
+  const auto to_owner = buffers.send;
+  Kokkos::parallel_for(
+      "contact::returnGhostValues::pack", over(space, num_ghosts),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
+        for (int i = 0; i < 12; ++i)
+          to_owner(ghost * 12 + i) = ghost_values(ghost, i);
+      });
+  migration.messages.exchangeBack(space, comm, tags::ghost_reactions, 12);
+  const auto returned = buffers.receive;
+  const View<const int*> faces = faces_sent.rows;
+  Kokkos::parallel_for(
+      "contact::returnGhostValues::add", over(space, num_sent),
+      KOKKOS_LAMBDA(const std::int64_t n) {
+        const int face = faces(n);
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d) // most are 0
+            if (const std::int64_t value = returned(12 * n + 3 * j + d); value != 0)
+              Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
+      });
+}
+
+} // namespace brickwall::contact

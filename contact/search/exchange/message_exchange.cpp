@@ -1,0 +1,90 @@
+#include "contact/search/exchange/message_exchange.hpp"
+
+#include <iterator>
+
+namespace brickwall::contact {
+
+const std::vector<std::int64_t>&
+PartnerMessages::agreeOnSizes(MPI_Comm comm, int tag, const std::vector<int>& receivers,
+                              const std::vector<std::int64_t>& send_offsets,
+                              const std::vector<int>& senders) {
+  setPartners(receivers, send_offsets, senders);
+  _counts.resize(receivers.size() + senders.size());
+  _requests.clear();
+  std::int64_t* const expected = _counts.data() + receivers.size();
+  for (std::size_t p = 0; p < senders.size(); ++p) {
+    _requests.emplace_back();
+    checkMpi(MPI_Irecv(expected + p, 1, MPI_INT64_T, senders[p], tag, comm, &_requests.back()),
+             "MPI_Irecv");
+  }
+  for (std::size_t p = 0; p < receivers.size(); ++p) {
+    _counts[p] = send_offsets[p + 1] - send_offsets[p];
+    _requests.emplace_back();
+    checkMpi(MPI_Isend(&_counts[p], 1, MPI_INT64_T, receivers[p], tag, comm, &_requests.back()),
+             "MPI_Isend");
+  }
+  checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
+           "MPI_Waitall");
+  _receive_offsets.assign(1, 0);
+  for (std::size_t p = 0; p < senders.size(); ++p)
+    _receive_offsets.push_back(_receive_offsets.back() + expected[p]);
+  return _receive_offsets;
+}
+
+const std::vector<std::int64_t>& PartnerMessages::exchangeOfAnySize(
+    const exec_space& space, MPI_Comm comm, int tag, int width, const std::vector<int>& receivers,
+    const std::vector<std::int64_t>& send_offsets, const std::vector<int>& senders) {
+  setPartners(receivers, send_offsets, senders);
+  _send_words.assign(1, 0);
+  for (std::size_t p = 0; p < receivers.size(); ++p)
+    _send_words.push_back(send_offsets[p + 1] * width);
+  buffers.exchangeOfAnySize(space, comm, tag, receivers, _send_words, senders, _receive_words);
+  _receive_offsets.resize(_receive_words.size());
+  for (std::size_t p = 0; p < _receive_words.size(); ++p)
+    _receive_offsets[p] = _receive_words[p] / width;
+  return _receive_offsets;
+}
+
+void PartnerMessages::exchange(const exec_space& space, MPI_Comm comm, int tag, int width) {
+  spread(_receivers, _send_offsets, width, _send_words);
+  spread(_senders, _receive_offsets, width, _receive_words);
+  buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
+}
+
+void PartnerMessages::exchangeBack(const exec_space& space, MPI_Comm comm, int tag, int width) {
+  spread(_senders, _receive_offsets, width, _send_words);
+  spread(_receivers, _send_offsets, width, _receive_words);
+  buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
+}
+
+// The merged list lasts as long as the partners do.
+void PartnerMessages::setPartners(const std::vector<int>& receivers,
+                                  const std::vector<std::int64_t>& send_offsets,
+                                  const std::vector<int>& senders) {
+  _send_offsets = send_offsets;
+  if (receivers == _receivers && senders == _senders)
+    return;
+  _receivers = receivers;
+  _senders = senders;
+  _partners.clear();
+  std::set_union(_receivers.begin(), _receivers.end(), _senders.begin(), _senders.end(),
+                 std::back_inserter(_partners));
+}
+
+// Offsets of `ranks`' rows become offsets of words for all partners; those not in `ranks` get none.
+void PartnerMessages::spread(const std::vector<int>& ranks,
+                             const std::vector<std::int64_t>& offsets, int width,
+                             std::vector<std::int64_t>& words) const {
+  words.assign(1, 0);
+  std::size_t p = 0;
+  for (const int partner : _partners) {
+    std::int64_t rows = 0;
+    if (p < ranks.size() && ranks[p] == partner) {
+      rows = offsets[p + 1] - offsets[p];
+      ++p;
+    }
+    words.push_back(words.back() + rows * width);
+  }
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,99 @@
+#include "contact/search/exchange/rank_boxes.hpp"
+
+#include "contact/base/region.hpp"
+#include "contact/search/exchange/box_words.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+// What a rank tells all others, as message words.
+enum Word : int { node_box, face_box = 6, num_invalid = 12, first_invalid, attributes, num_words };
+constexpr std::int64_t no_faces = -1;
+
+// All ranks see the same words, so all throw or none does.
+void throwIfNotFinite(const std::vector<std::int64_t>& words, int size) {
+  std::int64_t total = 0, node = INT64_MAX;
+  int rank = 0;
+  for (int q = 0; q < size; ++q) {
+    const std::int64_t* of_rank = &words[static_cast<std::size_t>(q) * num_words];
+    total += of_rank[num_invalid];
+    if (of_rank[num_invalid] > 0 && of_rank[first_invalid] < node) {
+      node = of_rank[first_invalid];
+      rank = q;
+    }
+  }
+  if (total > 0)
+    throw PhysicsError("contact search: node " + std::to_string(node) + " on rank " +
+                       std::to_string(rank) + " has a coordinate that is not finite (" +
+                       std::to_string(total) + " such node(s), summed over ranks)");
+}
+
+int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
+  std::int64_t agreed = no_faces;
+  for (int q = 0; q < size; ++q) {
+    const std::int64_t found = words[static_cast<std::size_t>(q) * num_words + attributes];
+    if (found == no_faces)
+      continue;
+    if (agreed != no_faces && found != agreed)
+      throw InputError("contact search: rank " + std::to_string(q) + " has " +
+                       std::to_string(found) + " attributes per face, lower ranks have " +
+                       std::to_string(agreed));
+    agreed = found;
+  }
+  return agreed == no_faces ? 0 : static_cast<int>(agreed);
+}
+
+} // namespace
+
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes& own,
+                       RankBoxes& all) {
+  const Region region("exchangeRankBoxes");
+  const Region timer("search::rank-box exchange");
+  all.rank = rankOf(comm);
+  all.size = sizeOf(comm);
+  std::int64_t told[num_words];
+  packBox(own.node_box, told + node_box);
+  packBox(own.face_box, told + face_box);
+  told[num_invalid] = own.num_invalid;
+  told[first_invalid] = own.first_invalid;
+  told[attributes] = surface.num_faces > 0
+                         ? static_cast<std::int64_t>(surface.face_attributes.extent(1))
+                         : no_faces;
+  all._words.resize(static_cast<std::size_t>(all.size) * num_words);
+  checkMpi(
+      MPI_Allgather(told, num_words, MPI_INT64_T, all._words.data(), num_words, MPI_INT64_T, comm),
+      "MPI_Allgather");
+  throwIfNotFinite(all._words, all.size);
+  all.num_attributes = agreedAttributes(all._words, all.size);
+  all.node_boxes.resize(static_cast<std::size_t>(all.size));
+  all.face_boxes.resize(static_cast<std::size_t>(all.size));
+  for (int q = 0; q < all.size; ++q) {
+    const std::int64_t* of_rank = &all._words[static_cast<std::size_t>(q) * num_words];
+    all.node_boxes[q] = unpackBox(of_rank + node_box);
+    all.face_boxes[q] = unpackBox(of_rank + face_box);
+  }
+}
+
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceBoxes& boxes,
+                       RankBoxes& all) {
+  exchangeRankBoxes(
+      comm, surface,
+      OwnRankBoxes{boxes.node_box, boxes.face_box, boxes.num_invalid, boxes.first_invalid}, all);
+}
+void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceClusters& clusters,
+                       RankBoxes& all) {
+  exchangeRankBoxes(comm, surface,
+                    OwnRankBoxes{clusters.nodeBox(), clusters.faceBox(), clusters.numInvalid(),
+                                 clusters.firstInvalid()},
+                    all);
+}
+
+void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,
+                  std::vector<int>& ranks) {
+  ranks.clear();
+  for (int q = 0; q < static_cast<int>(boxes.size()); ++q)
+    if (q != this_rank && own.overlaps(boxes[q]))
+      ranks.push_back(q);
+}
+
+} // namespace brickwall::contact

@@ -1,0 +1,87 @@
+#include "contact/search/spatial/box_tree.hpp"
+
+#include "contact/base/mpi.hpp"
+
+#include <algorithm>
+
+namespace brickwall::contact {
+namespace {
+
+// Levels of a tree of n items, blocks counted from 0; `blocks` is not set.
+BoxTree shapeOf(std::int64_t n) {
+  BoxTree tree;
+  tree.num_items = checkedInt(n, "boxes of a tree");
+  std::int64_t blocks = 0;
+  for (std::int64_t items = n; items > 0; ++tree.num_levels) {
+    const std::int64_t of_level = (items + block_size - 1) / block_size;
+    tree.level_begin[tree.num_levels] = blocks;
+    blocks += of_level;
+    items = of_level > 1 ? of_level : 0;
+  }
+  for (int level = tree.num_levels; level <= most_levels; ++level)
+    tree.level_begin[level] = blocks;
+  return tree;
+}
+
+// Box of lane `lane` of block `i` of an upper level.
+KOKKOS_INLINE_FUNCTION void refitLane(const BoxTree& tree, int level, std::int64_t i, int lane) {
+  const std::int64_t child = i * block_size + lane;
+  storeLane(tree.block(level, i), lane,
+            child < tree.numBlocks(level - 1) ? unionOfBlock(tree.block(level - 1, child))
+                                              : FloatBounds());
+}
+
+} // namespace
+
+void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& num_items) {
+  if (num_items == _shape && num_items.size() == _trees.size())
+    return;
+  _shape = num_items;
+  _trees.clear();
+  std::int64_t blocks = 0;
+  for (const std::int64_t n : num_items) {
+    _trees.push_back(shapeOf(n));
+    blocks += _trees.back().level_begin[most_levels];
+  }
+  growTo(space, _blocks, blocks * block_floats);
+  float* next = _blocks.data();
+  for (BoxTree& tree : _trees) {
+    tree.blocks = next;
+    next += tree.level_begin[most_levels] * block_floats;
+  }
+  const auto num_trees = static_cast<std::int64_t>(_trees.size());
+  growTo(space, _device_trees, num_trees);
+  if (num_trees > 0)
+    Kokkos::deep_copy(
+        space,
+        Kokkos::subview(_device_trees,
+                        std::make_pair(std::size_t(0), static_cast<std::size_t>(num_trees))),
+        Kokkos::View<const BoxTree*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(_trees.data(),
+                                                                                 _trees.size()));
+  space.fence();
+}
+
+void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {
+  int most = 0;
+  std::int64_t widest = 0; // tree of the most blocks
+  for (const BoxTree& tree : _trees)
+    most = std::max(most, tree.num_levels);
+  const auto trees = _device_trees;
+  const auto num_trees = static_cast<std::int64_t>(_trees.size());
+  for (int level = first_level; level < most; ++level) {
+    widest = 0;
+    for (const BoxTree& tree : _trees)
+      widest = std::max<std::int64_t>(widest, tree.numBlocks(level));
+    const std::int64_t lanes = widest * block_size;
+    Kokkos::parallel_for(
+        "contact::BoxForest::refit", over(space, num_trees * lanes),
+        KOKKOS_LAMBDA(const std::int64_t i) {
+          const BoxTree& tree = trees(i / lanes);
+          const std::int64_t block = i % lanes / block_size;
+          if (block < tree.numBlocks(level))
+            refitLane(tree, level, block, static_cast<int>(i % block_size));
+        });
+  }
+}
+
+} // namespace brickwall::contact

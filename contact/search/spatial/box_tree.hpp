@@ -1,0 +1,73 @@
+// A bounding volume hierarchy without pointers for items that are already in a good order: blocks of eight boxes, the
+// eight children of a node side by side, level above level. Built by refitting alone: no sort, no atomics, no topology.
+#pragma once
+
+#include "contact/search/spatial/float_bounds.hpp"
+
+#include <vector>
+
+namespace brickwall::contact {
+
+constexpr int block_size = 8; // items of a block, children of a node
+constexpr int most_levels = 11; // 8^11 > 2^31 items
+
+// Blocks of eight boxes, [block][side][lane]: side s of eight boxes lies together. Empty lanes hold the empty box.
+constexpr int block_floats = 6 * block_size;
+
+// One tree as kernels see it. Level 0 holds the items, lane i % 8 of block i / 8; box b of level l + 1 is the union of block
+// b of level l. The top level has one block. Trees of no item have no level.
+struct BoxTree {
+  float* blocks = nullptr; // [block][side][lane], all levels
+  int num_items = 0;
+  int num_levels = 0;
+  std::int64_t level_begin[most_levels + 1] = {}; // first block of each level, from `blocks`
+
+  KOKKOS_INLINE_FUNCTION float* block(int level, std::int64_t i) const {
+    return blocks + (level_begin[level] + i) * block_floats;
+  }
+  KOKKOS_INLINE_FUNCTION int numBlocks(int level) const {
+    return static_cast<int>(level_begin[level + 1] - level_begin[level]);
+  }
+};
+
+// The union of a block's boxes.
+KOKKOS_INLINE_FUNCTION FloatBounds unionOfBlock(const float* block) {
+  FloatBounds all;
+  for (int s = 0; s < 6; ++s)
+    for (int lane = 0; lane < block_size; ++lane)
+      all.side[s] = minOf(all.side[s], block[s * block_size + lane]);
+  return all;
+}
+KOKKOS_INLINE_FUNCTION void storeLane(float* block, int lane, const FloatBounds& box) {
+  for (int s = 0; s < 6; ++s)
+    block[s * block_size + lane] = box.side[s];
+}
+
+// Several trees in one allocation: one for each sender of node boxes, or a single one.
+class BoxForest {
+public:
+  // Lays out trees of these numbers of items; allocates only when it must grow. Contents are undefined until level 0 is
+  // filled and refitUpperLevels() was called.
+  void shape(const exec_space& space, const std::vector<std::int64_t>& num_items);
+  void shape(const exec_space& space, std::int64_t num_items) { // a single tree
+    if (_shape.size() != 1 || _shape[0] != num_items)
+      shape(space, std::vector<std::int64_t>{num_items});
+  }
+
+  // Boxes of the levels from `first_level` up to the tops; the levels below must be filled.
+  void refitUpperLevels(const exec_space& space, int first_level = 1);
+
+  int numTrees() const { return static_cast<int>(_trees.size()); }
+  const BoxTree& tree(int t) const {
+    return _trees[static_cast<std::size_t>(t)];
+  } // for by-value capture
+  const View<BoxTree*>& deviceTrees() const { return _device_trees; } // [tree]
+
+private:
+  std::vector<BoxTree> _trees;
+  std::vector<std::int64_t> _shape; // the last asked for
+  View<BoxTree*> _device_trees{"contact::BoxForest::trees", 0};
+  View<float*> _blocks{"contact::BoxForest::blocks", 0};
+};
+
+} // namespace brickwall::contact

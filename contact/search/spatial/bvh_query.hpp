@@ -1,0 +1,164 @@
+// Queries against the tree (paper, section 5): stack traversal, one query per thread, queries in Morton order against
+// divergence, results through an atomic index into one buffer; on overflow it is resized and the search repeated.
+#pragma once
+
+#include "contact/search/spatial/bvh.hpp"
+
+namespace brickwall::contact {
+
+// Accepted items of each query. The rows of a query are contiguous, in no particular order within, and so are the
+// queries in the buffer.
+struct QueryResults {
+  View<std::int64_t*> begin{"contact::QueryResults::begin", 0}; // [query] first row
+  View<std::int64_t*> count{"contact::QueryResults::count", 0}; // [query] number of rows
+  View<int*> items{"contact::QueryResults::items", 0}; // buffer, kept at its high-water mark
+  View<std::int64_t*> total{"contact::QueryResults::total", 1}; // the atomic result index
+  std::int64_t num_rows = 0;
+  int num_passes = 0; // 2 when the buffer overflowed
+};
+
+// The order in which queries run.
+struct QueryOrder {
+  SortedKeys sorted;
+};
+
+// Results that a query keeps on the stack before it takes its rows of the buffer.
+constexpr int local_results = 32;
+
+// Walks the tree with one query, calling visit(item) for each leaf whose float box overlaps the query's.
+template <class Visit>
+KOKKOS_FORCEINLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes,
+                                          const FloatQuery& query, const Visit& visit) {
+  const TreeNode* const first = nodes.data();
+  int stack[max_tree_depth];
+  int depth = 0, next = 0;
+  for (;;) {
+    const TreeNode& node = first[next];
+    bool overlaps[2];
+    query.test(node, overlaps);
+    for (int side = 0; side < 2; ++side)
+      if (overlaps[side] && node.child[side] < 0) {
+        visit(~node.child[side]);
+        overlaps[side] = false;
+      }
+    if (overlaps[0]) {
+      if (overlaps[1])
+        stack[depth++] = node.child[1];
+      next = node.child[0];
+    } else if (overlaps[1]) {
+      next = node.child[1];
+    } else {
+      if (depth == 0)
+        return;
+      next = stack[--depth];
+    }
+  }
+}
+
+// Queries need only be near those that run before and after them: 11 bits of their code per axis will do.
+constexpr int query_order_bits = 33;
+
+// Morton order of the boxes box_of(query), query < num_queries.
+template <class BoxOf>
+void sortQueries(const exec_space& space, const BoxOf& box_of, int num_queries, const Box& all,
+                 QueryOrder& order) {
+  const MortonGrid grid(all);
+  order.sorted.grow(space, num_queries);
+  const auto codes = order.sorted.keys;
+  const auto values = order.sorted.values;
+  Kokkos::parallel_for(
+      "contact::sortQueries::codes", over(space, num_queries),
+      KOKKOS_LAMBDA(const std::int64_t query) {
+        codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid()) >>
+                       (morton_bits - query_order_bits);
+        values(query) = static_cast<int>(query);
+      });
+  sortByKey(space, num_queries, query_order_bits, order.sorted);
+}
+
+// The paper does not sort where one set is much smaller than the other.
+inline bool worthSorting(std::int64_t num_queries, std::int64_t num_items) {
+  return minOf(num_queries, num_items) * 8 >= maxOf(num_queries, num_items);
+}
+
+// For each query < num_queries the items that accept(query)(item) keeps among the leaves that box_of(query) may
+// overlap: the exact test is there. Queries run in `order` if it is not null. Returns the number of rows. Fences.
+template <class BoxOf, class Accept>
+std::int64_t queryTree(const exec_space& space, const std::string& label, const Bvh& tree,
+                       int num_queries, const BoxOf& box_of, const Accept& accept,
+                       const QueryOrder* order, QueryResults& results) {
+  growTo(space, results.begin, num_queries);
+  growTo(space, results.count, num_queries);
+  if (results.items.extent(0) == 0)
+    growTo(space, results.items, 8 * static_cast<std::int64_t>(num_queries));
+  const auto begin = results.begin, count = results.count, total = results.total;
+  const View<const TreeNode*> nodes = tree.nodes;
+  const int num_items = tree.num_items;
+  View<const int*> query_order;
+  if (order)
+    query_order = order->sorted.values;
+  const bool ordered = order != nullptr;
+  for (results.num_passes = 1;; ++results.num_passes) {
+    Kokkos::deep_copy(space, total, std::int64_t(0));
+    const auto buffer = results.items;
+    const auto capacity = static_cast<std::int64_t>(buffer.extent(0));
+    Kokkos::parallel_for(
+        label, over(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
+          const int query = ordered ? query_order(q) : static_cast<int>(q);
+          const FloatQuery box(box_of(query));
+          const auto accepts = accept(query);
+          int found[local_results + 1]; // the last one takes what there is no room for
+          std::int64_t num_found = 0;
+          const auto keep = [&](const int item) {
+            found[minOf(num_found, std::int64_t(local_results))] = item;
+            num_found += accepts(item) ? 1 : 0;
+          };
+          if (num_items > 0)
+            traverse(nodes, box, keep);
+          const std::int64_t first =
+              num_found > 0 ? Kokkos::atomic_fetch_add(&total(0), num_found) : 0;
+          begin(query) = first;
+          count(query) = num_found;
+          if (first + num_found > capacity)
+            return; // counted only; the search is repeated
+          if (num_found <= local_results) {
+            for (std::int64_t i = 0; i < num_found; ++i)
+              buffer(first + i) = found[i];
+            return;
+          }
+          std::int64_t next = first; // a long row: found again, straight into the buffer
+          traverse(nodes, box, [&](const int item) {
+            if (accepts(item))
+              buffer(next++) = item;
+          });
+        });
+    Kokkos::deep_copy(space,
+                      Kokkos::View<std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
+                          &results.num_rows, 1),
+                      total);
+    space.fence();
+    if (results.num_rows <= capacity)
+      return results.num_rows;
+    growTo(space, results.items, results.num_rows);
+  }
+}
+
+// The exact test of one query's box against rows of an array.
+struct OverlapsRow {
+  Box box;
+  const Box* rows;
+  KOKKOS_INLINE_FUNCTION bool operator()(int row) const { return box.overlaps(rows[row]); }
+};
+
+// Queries that are rows of an array of boxes, or of a list of them.
+struct BoxOfRow {
+  View<const Box*> boxes;
+  KOKKOS_INLINE_FUNCTION const Box& operator()(int query) const { return boxes(query); }
+};
+struct BoxOfListed {
+  View<const Box*> boxes;
+  View<const int*> rows;
+  KOKKOS_INLINE_FUNCTION const Box& operator()(int query) const { return boxes(rows(query)); }
+};
+
+} // namespace brickwall::contact

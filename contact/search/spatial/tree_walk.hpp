@@ -1,0 +1,71 @@
+// Walks a tree of eight-box blocks with one box: depth first, in the order of the items, without recursion and with a few
+// bytes of state per level.
+#pragma once
+
+#include "contact/base/lanes.hpp"
+#include "contact/search/spatial/box_tree.hpp"
+
+namespace brickwall::contact {
+
+// The lanes of a block whose boxes overlap the box of this reach, as bits; in floats: never too few. With Strict those that
+// overlap for certain: nothing is equal in floats, so the boxes in doubles overlap too.
+template <bool Strict = false>
+KOKKOS_INLINE_FUNCTION unsigned lanesOverlapping(const float* block, const FloatBounds& reach) {
+  return lanesWithin<block_size, Strict>(block, reach.side);
+}
+
+KOKKOS_FORCEINLINE_FUNCTION void prefetchBlock(const float* block) {
+  constexpr int line = 16; // floats of a cache line
+  for (int i = 0; i < block_floats; i += line)
+    prefetch(block + i);
+}
+
+KOKKOS_INLINE_FUNCTION FloatBounds boundsOfLane(const float* block, int lane) {
+  FloatBounds bounds;
+  for (int s = 0; s < 6; ++s)
+    bounds.side[s] = block[s * block_size + lane];
+  return bounds;
+}
+
+// Bits that are set of the lowest eight.
+KOKKOS_INLINE_FUNCTION int numLanes(unsigned lanes) {
+  lanes -= (lanes >> 1) & 0x55u;
+  lanes = (lanes & 0x33u) + ((lanes >> 2) & 0x33u);
+  return static_cast<int>((lanes + (lanes >> 4)) & 0x0fu);
+}
+
+// Calls visit(i) for the boxes i of level `last` below block `start` of level `first` >= `last` that overlap the box of this
+// reach, in ascending order, as long as it returns true.
+template <class Visit>
+KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int64_t start, int last,
+                                       const FloatBounds& reach, const Visit& visit) {
+  std::int64_t block[most_levels]; // on the way down
+  unsigned lanes[most_levels]; // still to be looked at there
+  int level = first;
+  const auto enter = [&](std::int64_t child) {
+    block[level] = child;
+    lanes[level] = lanesOverlapping(tree.block(level, child), reach);
+    if (level == last && last > 0) // what visit() will read
+      for (unsigned wanted = lanes[level]; wanted != 0; wanted &= wanted - 1)
+        prefetchBlock(tree.block(last - 1, child * block_size + lowestBit(wanted)));
+  };
+  enter(start);
+  while (true) {
+    if (lanes[level] == 0) {
+      if (++level > first)
+        return;
+      continue;
+    }
+    const std::int64_t box = block[level] * block_size + lowestBit(lanes[level]);
+    lanes[level] &= lanes[level] - 1;
+    if (level == last) {
+      if (!visit(box))
+        return;
+    } else {
+      --level;
+      enter(box);
+    }
+  }
+}
+
+} // namespace brickwall::contact

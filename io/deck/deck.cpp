@@ -1,0 +1,313 @@
+// See deck.hpp. Text -> tree (toml_tree) -> overrides (deck_overrides) -> checked values (deck_checker).
+#include "io/deck/deck.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "io/deck/deck_checker.hpp"
+#include "io/deck/deck_faults.hpp"
+#include "io/deck/deck_overrides.hpp"
+#include "io/deck/toml_tree.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace brickwall::io {
+
+struct Deck::Contents {
+  std::string path;
+  Schema schema; // the blocks point into it
+  DeckFaults faults;
+  std::vector<DeckBlock> blocks;
+
+  const DeckBlock* findBlock(const std::string& instance) const {
+    for (const DeckBlock& block : blocks)
+      if (block.instance == instance)
+        return &block;
+    return nullptr;
+  }
+  DeckValue& value(const std::string& block, const std::string& key) {
+    if (const DeckBlock* found = findBlock(block))
+      for (const DeckValue& value : found->values)
+        if (value.rule->name == key)
+          return const_cast<DeckValue&>(value);
+    throw Error(ExitCode::internal, "Deck: no block \"" + block + "\" with a key \"" + key + "\"");
+  }
+};
+
+namespace {
+
+std::string readDeckFile(const std::string& path) {
+  namespace fs = std::filesystem;
+  constexpr std::uintmax_t largest = 4 << 20;
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw InputError(path + ": no such deck; the deck is the path of a TOML file");
+  if (fs::is_directory(path, error))
+    throw InputError(path + ": found a directory, expected a deck (a TOML file)");
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file) {
+    text.resize(largest + 1);
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file && !file.eof())
+    throw InputError(path + ": can not read the deck: " + std::strerror(errno));
+  if (text.size() > largest)
+    throw InputError(path + ": found more than 4 MiB, expected a deck (a TOML file)");
+  return text;
+}
+
+// Shortest spelling that reads back to the same bits, as TOML wants a real.
+std::string spellReal(double value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
+  std::string out(digits, end);
+  if (out.find_first_of(".e") == std::string::npos)
+    out += ".0";
+  return out;
+}
+
+std::string spellText(const std::string& value) {
+  static const char* hex = "0123456789ABCDEF";
+  std::string out = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\')
+      out += std::string("\\") + c;
+    else if (static_cast<unsigned char>(c) < 32 || c == 127)
+      out += std::string("\\u00") + hex[(c >> 4) & 15] + hex[c & 15];
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string spellName(const std::string& name) {
+  const bool bare = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz"
+                                                            "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                                            "0123456789_-") == std::string::npos;
+  return bare ? name : spellText(name);
+}
+
+std::string spellEntry(const DeckValue::Entry& entry, ValueType type) {
+  switch (type) {
+  case ValueType::boolean:
+    return entry.boolean ? "true" : "false";
+  case ValueType::integer:
+    return std::to_string(entry.integer);
+  case ValueType::real:
+    return spellReal(entry.real);
+  case ValueType::word:
+  case ValueType::text:
+    break;
+  }
+  return spellText(entry.text);
+}
+
+std::string spellValue(const DeckValue& value) {
+  const KeyRule& rule = *value.rule;
+  if (rule.length == KeyRule::scalar)
+    return spellEntry(value.entries.front(), rule.type);
+  std::string out = "[";
+  for (std::size_t i = 0; i < value.entries.size(); ++i)
+    out += (i ? ", " : "") + spellEntry(value.entries[i], rule.type);
+  return out + "]";
+}
+
+std::string spellHeader(const DeckBlock& block) {
+  switch (block.rule->kind) {
+  case BlockKind::top:
+    return "";
+  case BlockKind::single:
+    return "\n[" + block.rule->name + "]\n";
+  case BlockKind::named:
+    return "\n[" + block.rule->name + "." + spellName(block.name) + "]\n";
+  case BlockKind::repeated:
+    break;
+  }
+  return "\n[[" + block.rule->name + "]]\n";
+}
+
+bool anyRequired(const BlockRule& rule) {
+  return std::any_of(rule.keys.begin(), rule.keys.end(),
+                     [](const KeyRule& key) { return key.required; });
+}
+
+DeckValue::Entry firstOf(const DeckValue& value) {
+  return value.is_good ? value.entries.front() : DeckValue::Entry();
+}
+
+} // namespace
+
+Deck::Deck(std::unique_ptr<Contents> contents) : _contents(std::move(contents)) {}
+Deck::Deck(Deck&&) noexcept = default;
+Deck& Deck::operator=(Deck&&) noexcept = default;
+Deck::~Deck() = default;
+
+Deck Deck::read(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides,
+                const Schema& schema) {
+  std::string text;
+  together(comm, [&] {
+    if (rankOf(comm) == 0)
+      text = readDeckFile(path);
+  });
+  return parse(broadcast(comm, text), path, overrides, schema);
+}
+
+Deck Deck::parse(const std::string& raw_text, const std::string& path,
+                 const std::vector<std::string>& overrides, const Schema& schema) {
+  const std::string text = normalizeText(raw_text);
+  auto contents = std::unique_ptr<Contents>(
+      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}});
+  DeckFaults& faults = contents->faults;
+  TomlNode root;
+  try {
+    root = parseToml(text);
+  } catch (const TomlSyntaxError& error) {
+    faults.add(error.at, "", error.what(), error.expected);
+    throw InputError(faults.message());
+  }
+  for (std::size_t i = 0; i < overrides.size(); ++i)
+    applyOverride(overrides[i], static_cast<int>(i), contents->schema, root, faults);
+  if (root.members.empty() && faults.count() == 0) {
+    faults.add({1, 1, 1, -1}, "", "an empty deck", "TOML tables such as [wall]");
+    throw InputError(faults.message());
+  }
+  contents->blocks = checkDeck(root, contents->schema, faults);
+  return Deck(std::move(contents));
+}
+
+bool Deck::hasBlock(const std::string& block) const {
+  const DeckBlock* found = _contents->findBlock(block);
+  return found && found->is_given;
+}
+bool Deck::has(const std::string& block, const std::string& key) const {
+  return _contents->value(block, key).is_given;
+}
+bool Deck::isGood(const std::string& block, const std::string& key) const {
+  return _contents->value(block, key).is_good;
+}
+
+std::vector<std::string> Deck::names(const std::string& block) const {
+  std::vector<std::string> found;
+  for (const DeckBlock& candidate : _contents->blocks)
+    if (candidate.rule->kind == BlockKind::named && candidate.rule->name == block)
+      found.push_back(candidate.name);
+  return found;
+}
+int Deck::count(const std::string& block) const {
+  return static_cast<int>(std::count_if(
+      _contents->blocks.begin(), _contents->blocks.end(), [&](const DeckBlock& candidate) {
+        return candidate.rule->kind == BlockKind::repeated && candidate.rule->name == block;
+      }));
+}
+
+bool Deck::boolean(const std::string& block, const std::string& key) const {
+  return firstOf(_contents->value(block, key)).boolean;
+}
+std::int64_t Deck::integer(const std::string& block, const std::string& key) const {
+  return firstOf(_contents->value(block, key)).integer;
+}
+double Deck::real(const std::string& block, const std::string& key) const {
+  return firstOf(_contents->value(block, key)).real;
+}
+std::string Deck::text(const std::string& block, const std::string& key) const {
+  return firstOf(_contents->value(block, key)).text;
+}
+
+std::vector<std::int64_t> Deck::integers(const std::string& block, const std::string& key) const {
+  std::vector<std::int64_t> out;
+  const DeckValue& value = _contents->value(block, key);
+  if (value.is_good)
+    for (const DeckValue::Entry& entry : value.entries)
+      out.push_back(entry.integer);
+  return out;
+}
+std::vector<double> Deck::reals(const std::string& block, const std::string& key) const {
+  std::vector<double> out;
+  const DeckValue& value = _contents->value(block, key);
+  if (value.is_good)
+    for (const DeckValue::Entry& entry : value.entries)
+      out.push_back(entry.real);
+  return out;
+}
+std::vector<std::string> Deck::texts(const std::string& block, const std::string& key) const {
+  std::vector<std::string> out;
+  const DeckValue& value = _contents->value(block, key);
+  if (value.is_good)
+    for (const DeckValue::Entry& entry : value.entries)
+      out.push_back(entry.text);
+  return out;
+}
+
+void Deck::complain(const std::string& block, const std::string& key, const std::string& found,
+                    const std::string& expected) {
+  const DeckBlock* instance = _contents->findBlock(block);
+  if (!instance)
+    throw Error(ExitCode::internal, "Deck::complain: no block \"" + block + "\"");
+  const Position at = key.empty() ? instance->at : _contents->value(block, key).at;
+  const std::string blank = instance->header.empty() || key.empty() ? "" : " ";
+  _contents->faults.add(at, instance->header + blank + key, found, expected);
+}
+
+std::string Deck::placeOf(const std::string& block) const {
+  const DeckBlock* instance = _contents->findBlock(block);
+  if (!instance)
+    throw Error(ExitCode::internal, "Deck::placeOf: no block \"" + block + "\"");
+  return _contents->faults.placeOf(instance->at);
+}
+
+void Deck::assignText(const std::string& block, const std::string& key, const std::string& value) {
+  _contents->value(block, key).entries.at(0).text = value;
+}
+
+void Deck::assignReal(const std::string& block, const std::string& key, double value) {
+  DeckValue& given = _contents->value(block, key);
+  given.is_good = true;
+  given.entries.assign(1, {});
+  given.entries[0].real = value;
+}
+
+int Deck::faults() const {
+  return _contents->faults.count();
+}
+std::string Deck::message() const {
+  return _contents->faults.message();
+}
+void Deck::finish() const {
+  if (faults() > 0)
+    throw InputError(message());
+}
+
+void Deck::finish(MPI_Comm comm) const {
+  const std::string verdict = broadcast(comm, message());
+  if (!verdict.empty())
+    throw InputError(verdict);
+}
+
+std::string Deck::resolved() const {
+  std::ostringstream out;
+  out << "# resolved deck: all defaults filled in\n";
+  for (const DeckBlock& block : _contents->blocks) {
+    if (!block.is_given && anyRequired(*block.rule))
+      continue; // such as [mesh] beside [wall]
+    std::ostringstream keys;
+    for (const DeckValue& value : block.values)
+      if (value.is_good)
+        keys << value.rule->name << " = " << spellValue(value)
+             << (value.rule->unit.empty() ? "" : " # " + value.rule->unit) << "\n";
+    if (block.is_given || !keys.str().empty())
+      out << spellHeader(block) << keys.str();
+  }
+  return out.str();
+}
+
+const std::string& Deck::path() const {
+  return _contents->path;
+}
+
+} // namespace brickwall::io

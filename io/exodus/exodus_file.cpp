@@ -1,0 +1,110 @@
+// Exodus handle and error check.
+#include "io/exodus/exodus_file.hpp"
+
+#include "contact/base/error.hpp"
+#include "io/exodus/classic_netcdf.hpp"
+
+#include <exodusII.h>
+#include <netcdf.h>
+
+#include <dlfcn.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace brickwall::io {
+
+namespace {
+
+// What Exodus or netCDF says about the last failure.
+std::string reason() {
+  const char* message = "";
+  const char* function = "";
+  int code = 0;
+  ex_get_err(&message, &function, &code);
+  const char* text = ex_strerror(code);
+  return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
+}
+
+// Quiet Exodus, and HDF5 without its exit handler: that one crashes when a netCDF-4 file could not be flushed to a full
+// disk, and the exit code would be lost. It must be told before HDF5 is first used; there is no handle to it when the
+// netCDF library was built without it.
+void prepareLibraries() {
+  static const bool prepared = [] {
+    using Function = int (*)();
+    if (const auto without_exit_handler =
+            reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "H5dont_atexit")))
+      without_exit_handler();
+    return true;
+  }();
+  (void)prepared;
+  ex_opts(0);
+}
+
+// ex_open writes to standard error when it fails, whatever it is told: ask netCDF first.
+void checkIsExodus(const std::string& path) {
+  int id = -1;
+  int code = nc_open(path.c_str(), NC_NOWRITE, &id);
+  if (code == NC_NOERR) {
+    float version = 0;
+    code = nc_get_att_float(id, NC_GLOBAL, "version", &version);
+    nc_close(id);
+  }
+  if (code != NC_NOERR)
+    throw InputError(path + ": is not an Exodus file, or is damaged: " + nc_strerror(code));
+}
+
+} // namespace
+
+ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_real_bytes) {
+  prepareLibraries();
+  int computed_real_bytes = 8;
+  errno = 0;
+  const int id = ex_create(path.c_str(), flags, &computed_real_bytes, &stored_real_bytes);
+  if (id < 0)
+    throw OutputError(path + ": cannot be created: " +
+                      (errno != 0 ? std::string(std::strerror(errno)) : reason()));
+  return ExodusFile(path, id, true);
+}
+
+ExodusFile ExodusFile::open(const std::string& path) {
+  checkNotTruncated(path);
+  prepareLibraries();
+  checkIsExodus(path);
+  int computed_real_bytes = 8, stored_real_bytes = 0;
+  float version = 0;
+  const int id = ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &computed_real_bytes,
+                         &stored_real_bytes, &version);
+  if (id < 0)
+    throw InputError(path + ": is not an Exodus file, or is damaged: " + reason());
+  return ExodusFile(path, id, false);
+}
+
+ExodusFile::~ExodusFile() {
+  if (_id >= 0)
+    ex_close(_id);
+}
+ExodusFile::ExodusFile(ExodusFile&& other) noexcept
+    : _path(std::move(other._path)), _id(std::exchange(other._id, -1)), _writing(other._writing) {}
+ExodusFile& ExodusFile::operator=(ExodusFile&& other) noexcept {
+  std::swap(_path, other._path);
+  std::swap(_id, other._id);
+  std::swap(_writing, other._writing);
+  return *this;
+}
+
+int ExodusFile::check(int returned, const std::string& what) const {
+  if (returned >= 0)
+    return returned;
+  if (_writing)
+    throw OutputError(_path + ": could not write " + what + ": " + reason());
+  throw InputError(_path + ": could not read " + what + ": " + reason());
+}
+
+void ExodusFile::close() {
+  if (_id >= 0)
+    check(ex_close(std::exchange(_id, -1)), "the last of the file");
+}
+
+} // namespace brickwall::io

@@ -1,0 +1,51 @@
+// The slice of an Exodus mesh file that one rank reads: contiguous elements, nodes and set entries, as the file has them.
+#pragma once
+
+#include "io/exodus/exodus_file.hpp"
+#include "io/mesh/mesh_part.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace brickwall::io {
+
+struct SetInfo {
+  std::int64_t id = 0;
+  std::string name;
+  std::int64_t num_entries = 0;
+};
+
+// What every rank reads: the description of the file.
+struct MeshContents {
+  global_id num_nodes = 0; // in the file; elements need not use them all
+  global_id num_elems = 0;
+  std::vector<Block> blocks; // not empty ones
+  std::vector<SetInfo> side_sets, node_sets;
+};
+
+struct ElemCorners {
+  global_id elem;
+  global_id nodes[8]; // 0-based positions in the file
+};
+struct SideEntry {
+  std::int64_t set, elem, side; // 0-based
+};
+struct NodeEntry {
+  std::int64_t set, node; // 0-based
+};
+// This rank's slice of the file.
+struct MeshSlice {
+  std::vector<ElemCorners> elems;
+  std::vector<double> coordinates[3]; // of the slice's nodes
+  std::vector<SideEntry> sides;
+  std::vector<NodeEntry> nodes;
+};
+
+// Throws InputError naming the file: no hex8 block with elements, a block that is not hex8, not three dimensions.
+MeshContents readContents(const ExodusFile& file);
+
+// Throws InputError naming the file: node, element or side numbers out of range, coordinates that are not finite.
+MeshSlice readSlice(const ExodusFile& file, const MeshContents& contents, int rank, int size);
+
+} // namespace brickwall::io

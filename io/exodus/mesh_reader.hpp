@@ -1,0 +1,23 @@
+// Reads a hex8 mesh from one Exodus file so that each rank ends with its part only.
+#pragma once
+
+#include "io/mesh/mesh_part.hpp"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace brickwall::io {
+
+// Every rank reads a slice, RCB over element centroids decides owners, and the slices are sent
+// there. Global element ids are positions in the file; nodes that no element uses are dropped and
+// the others numbered in file order. Bodies are connected components. Blocks and sets without a
+// name are called block_<id>, side_set_<id>, node_set_<id>; empty blocks are dropped. Distribution
+// factors, attributes and results in the file are not read.
+//
+// Collective. Throws one InputError on all ranks that names the file: missing, not Exodus,
+// truncated, no elements, no hex8 block, a block that is not hex8, node or element numbers out of
+// range.
+MeshPart readMesh(MPI_Comm comm, const std::string& file);
+
+} // namespace brickwall::io

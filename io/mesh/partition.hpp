@@ -1,0 +1,18 @@
+// Decomposition by Zoltan's recursive coordinate bisection, with 64-bit ids.
+#pragma once
+
+#include "io/mesh/mesh_part.hpp"
+
+#include <mpi.h>
+
+#include <vector>
+
+namespace brickwall::io {
+
+// Rank that each of this rank's points (element or face centroids) belongs to: [point]. `ids` are
+// unique over all ranks; `points` is [point][xyz]. Fewer points than ranks, ranks without points
+// and coincident points are fine. Collective. Throws Error naming the Zoltan call that failed.
+std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
+                                 const std::vector<double>& points);
+
+} // namespace brickwall::io

@@ -1,0 +1,163 @@
+#include "mechanics/force/internal_force.hpp"
+
+#include "contact/base/error.hpp"
+#include "contact/base/mpi.hpp"
+#include "mechanics/force/lattice/lattice_force.hpp"
+#include "mechanics/force/packs/element_fields_kernel.hpp"
+#include "mechanics/force/packs/viscous_force.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
+
+#include <algorithm>
+
+namespace brickwall::mechanics {
+
+double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
+  const MeshViews m = viewsOf(mesh);
+  double largest = 0;
+  Kokkos::parallel_reduce(
+      "mechanics::forceScale::elements", over(space, mesh.num_elems),
+      KOKKOS_LAMBDA(const std::int64_t elem, double& scale) {
+        CornerCoordinates X;
+        gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
+        const Material& material = m.materials(m.elem_block(elem));
+        const double h = longestEdge(X);
+        scale = maxOf(scale, (material.lambda() + 2 * material.mu()) * h * h);
+      },
+      Kokkos::Max<double>(largest));
+  return allReduce(comm, largest, MPI_MAX);
+}
+
+void zeroForces(const exec_space& space, const NodalForces& forces) {
+  Kokkos::deep_copy(space, forces.values, std::int64_t(0));
+}
+
+namespace {
+
+std::int64_t countCongruent(const HexMesh& mesh, const std::vector<BodyShape>& shapes) {
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < shapes.size(); ++b)
+    count += shapes[b].congruent ? mesh.bodies[b].count : 0;
+  return count;
+}
+
+} // namespace
+
+InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                             ElementKind kind, Quantum quantum, LimbScale energy_scale, int threads,
+                             bool with_lattices)
+    : _threads(threads > 0 ? threads : concurrency(space)), _kind(kind), _quantum(quantum),
+      _energy_scale(energy_scale) {
+  const std::vector<BodyShape> shapes = markCongruentBodies(space, comm, mesh);
+  if (with_lattices && simd_width > 1 && kind == ElementKind::one_point) {
+    const auto lattices = findBrickLattices(space, mesh, shapes);
+    _lattices = latticeTables(space, lattices, latticeScratch(lattices));
+  }
+  leaveOut(space, {});
+  const ElementChunks cut = cutIntoChunks(space, mesh, shapes, _lattices.on_host, _threads);
+  _all_in_lattices = cut.all_in_lattices;
+  _groups = cut.groups;
+  _num_congruent_elems = countCongruent(mesh, shapes);
+  _tables.mesh = viewsOf(mesh);
+  _tables.num_elems = mesh.num_elems;
+  _tables.chunks = cut.chunks;
+  _tables.packs = cut.packs;
+  _tables.lattices = _lattices.lattices;
+  if (kind == ElementKind::one_point) {
+    std::vector<CongruentShape> boxes(shapes.size());
+    for (std::size_t b = 0; b < shapes.size(); ++b)
+      if (shapes[b].congruent)
+        boxes[b] = CongruentShape::of(shapes[b].jacobian);
+    _tables.boxes = toDevice(space, "mechanics::InternalForce::boxes", boxes);
+    storeGeometry<TlpsGeometry<double>>(space, cut.num_geometry_rows, _tables);
+  } else {
+    std::vector<FullGeometry<double>> full(shapes.size());
+    for (std::size_t b = 0; b < shapes.size(); ++b)
+      if (shapes[b].congruent)
+        full[b] = fullShape(shapes[b].jacobian);
+    _tables.full_shapes = toDevice(space, "mechanics::InternalForce::full_shapes", full);
+    storeGeometry<FullGeometry<double>>(space, cut.num_geometry_rows, _tables);
+  }
+}
+
+InternalForceResult InternalForce::add(const exec_space& space,
+                                       const View<const double* [3]>& displacement,
+                                       const NodalForces& forces, bool with_energy) {
+  return add(space, displacement, {}, {}, forces, with_energy);
+}
+
+InternalForceResult InternalForce::add(const exec_space& space,
+                                       const View<const double* [3]>& displacement,
+                                       const View<const double* [3]>& velocity,
+                                       const BulkViscosity& viscosity, const NodalForces& forces,
+                                       bool with_energy) {
+  if (viscosity.any() && static_cast<int>(forces.values.extent(1)) != numForceColumns(true))
+    throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
+  InternalForceResult result;
+  result.has_energy = with_energy;
+  const bool skips_lattices = !viscosity.any() && !_lattices.on_host.empty();
+  ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
+                           viscosity,   _quantum.inverse, _energy_scale, 0,
+                           with_energy, skips_lattices,   _is_resting};
+  for (const ChunkGroup& group : _groups) {
+    if (skips_lattices && _all_in_lattices)
+      break;
+    arguments.first_chunk = group.first;
+    const ForceSums sums = viscosity.any() ? addWithViscosity(space, _kind, group, arguments)
+                                           : launchForces<false>(space, _kind, group, arguments);
+    result.energy += sums.energy;
+    result.failure += sums.failure;
+    result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);
+  }
+  if (skips_lattices) {
+    const ForceSums sums = addLatticeForces(space, _lattices, _slabs, arguments);
+    result.energy += sums.energy;
+    result.failure += sums.failure;
+  }
+  result.energy.carry();
+  return result;
+}
+
+void InternalForce::leaveOut(const exec_space& space, const std::vector<int>& free_lattices) {
+  std::vector<int> others;
+  for (int row = 0; row < static_cast<int>(_lattices.on_host.size()); ++row)
+    if (std::find(free_lattices.begin(), free_lattices.end(), row) == free_lattices.end())
+      others.push_back(row);
+  const auto slabsOf = [&](const std::string& name, const std::vector<int>& rows) {
+    return toDevice(space, "mechanics::InternalForce::" + name,
+                    cutIntoSlabs(_lattices.on_host, rows, _threads));
+  };
+  _slabs = slabsOf("slabs", others);
+  _left_out = slabsOf("left_out", free_lattices);
+}
+
+void InternalForce::addLeftOut(const exec_space& space, const View<const double* [3]>& displacement,
+                               const NodalForces& forces) const {
+  addLatticeForces(space, _lattices, _left_out,
+                   {_tables,
+                    displacement,
+                    {},
+                    forces.values,
+                    {},
+                    _quantum.inverse,
+                    _energy_scale,
+                    0,
+                    false,
+                    true});
+}
+
+void InternalForce::computeFields(const exec_space& space,
+                                  const View<const double* [3]>& displacement,
+                                  ElementFields& fields) const {
+  growTo(space, fields.stress, _tables.num_elems);
+  growTo(space, fields.pressure, _tables.num_elems);
+  growTo(space, fields.energy_density, _tables.num_elems);
+  const auto num_chunks = static_cast<std::int64_t>(_tables.chunks.extent(0));
+  if (_kind == ElementKind::one_point)
+    Kokkos::parallel_for("mechanics::computeFields::one_point", over(space, num_chunks),
+                         FieldFunctor<ElementKind::one_point>{_tables, displacement, fields});
+  else
+    Kokkos::parallel_for("mechanics::computeFields::full", over(space, num_chunks),
+                         FieldFunctor<ElementKind::full>{_tables, displacement, fields});
+}
+
+} // namespace brickwall::mechanics

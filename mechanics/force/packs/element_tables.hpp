@@ -1,0 +1,158 @@
+// What the element kernels read: stored geometry of general elements, [pack][component][lane], shapes of congruent
+// bodies, and displacements as modes. Included by the kernels of InternalForce only.
+#pragma once
+
+#include "contact/base/pack.hpp"
+#include "mechanics/force/internal_force.hpp"
+
+#include <cstring>
+
+namespace brickwall::mechanics {
+
+using Tables = InternalForce::Tables;
+
+// Visits the numbers of a geometry in storage order.
+template <class Real, class Visit>
+KOKKOS_INLINE_FUNCTION void visitGeometry(TlpsGeometry<Real>& g, const Visit& visit) {
+  int next = 0;
+  for (int m = 0; m < num_modes; ++m)
+    for (int j = 0; j < 3; ++j)
+      visit(next++, g.B[m][j]);
+  for (int a = 0; a < num_hourglass_modes; ++a)
+    for (int j = 0; j < 3; ++j)
+      visit(next++, g.M[a][j]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      visit(next++, g.Q[i][j]);
+  for (int i = 0; i < 3; ++i)
+    visit(next++, g.thinness[i]);
+  visit(next++, g.volume);
+}
+template <class Real, class Visit>
+KOKKOS_INLINE_FUNCTION void visitGeometry(FullGeometry<Real>& g, const Visit& visit) {
+  int next = 0;
+  for (int j = 0; j < 3; ++j)
+    for (int m = 0; m < num_modes; ++m)
+      visit(next++, g.X[j][m]);
+}
+
+KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, TlpsGeometry<double>& g) {
+  g = tlpsGeometry(X);
+}
+KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, FullGeometry<double>& g) {
+  coordinateModes(X, g.X);
+}
+
+template <class GeometryView>
+KOKKOS_INLINE_FUNCTION void loadLanes(const GeometryView& stored, int row, int component, int lane,
+                                      double& value) {
+  value = stored(row, component, lane);
+}
+template <class GeometryView, int W>
+inline void loadLanes(const GeometryView& stored, int row, int component, int, PackOf<W>& value) {
+  memcpy(&value.v, &stored(row, component, 0), sizeof value.v);
+}
+
+// All lanes for a Pack, the given lane for a double.
+template <class Geometry>
+KOKKOS_INLINE_FUNCTION void loadGeometry(const Tables& tables, int row, int lane, Geometry& g) {
+  visitGeometry(g, [&](int component, auto& value) {
+    loadLanes(tables.geometry, row, component, lane, value);
+  });
+}
+
+// Of an element in pack p of a chunk that is not congruent.
+KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const Tables& tables, const ElementChunk& chunk,
+                                                   int p, int lane, int elem) {
+  if (chunk.lattice >= 0)
+    return tables.lattices(chunk.lattice).geometryPlace(elem);
+  return {chunk.geometry_row + p, lane};
+}
+// All lanes of a pack of a chunk; lanes beyond the count repeat the last element.
+template <class Geometry>
+KOKKOS_INLINE_FUNCTION void loadPackGeometry(const Tables& tables, const ElementChunk& chunk, int p,
+                                             const ElementPack& pack, Geometry& g) {
+  if (chunk.lattice < 0) {
+    loadGeometry(tables, chunk.geometry_row + p, 0, g);
+    return;
+  }
+  for (int lane = 0; lane < simd_width; ++lane) {
+    const int elem = pack.first + minOf(lane, pack.count - 1);
+    const GeometryPlace place = geometryPlace(tables, chunk, p, lane, elem);
+    visitGeometry(g, [&](int component, auto& value) {
+      setLane(value, lane, tables.geometry(place.row, component, place.lane));
+    });
+  }
+}
+
+template <class Geometry>
+struct StoreGeometry {
+  Tables tables;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c) const {
+    const ElementChunk chunk = tables.chunks(c);
+    if (chunk.shape >= 0)
+      return;
+    for (int p = 0; p < chunk.num_packs; ++p) {
+      const ElementPack pack = tables.packs(chunk.first_pack + p);
+      for (int lane = 0; lane < simd_width; ++lane) {
+        CornerCoordinates X;
+        Geometry geometry;
+        const int elem = pack.first + minOf(lane, pack.count - 1);
+        gatherCorners(tables.mesh.elem_to_nodes, tables.mesh.reference_coordinates, elem, X);
+        makeGeometry(X, geometry);
+        const auto stored = tables.geometry;
+        const GeometryPlace place = geometryPlace(tables, chunk, p, lane, elem);
+        visitGeometry(geometry, [&](int component, double& value) {
+          stored(place.row, component, place.lane) = value;
+        });
+      }
+    }
+  }
+};
+template <class Geometry>
+void storeGeometry(const exec_space& space, int num_rows, Tables& tables) {
+  tables.geometry =
+      View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
+                                  int(Geometry::size)); // zero where lattices have no element
+  Kokkos::parallel_for("mechanics::InternalForce::storeGeometry",
+                       over(space, static_cast<std::int64_t>(tables.chunks.extent(0))),
+                       StoreGeometry<Geometry>{tables});
+  space.fence();
+}
+
+// X modes of a parallelepiped about its centre.
+inline FullGeometry<double> fullShape(const Mat3& jacobian) {
+  FullGeometry<double> shape;
+  for (int j = 0; j < 3; ++j)
+    for (int m = 0; m < num_modes; ++m)
+      shape.X[j][m] = m < 3 ? 8 * jacobian(j, m < 3 ? m : 0) : 0.0;
+  return shape;
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION FullGeometry<Real> inAllLanes(const FullGeometry<double>& shape) {
+  FullGeometry<Real> result;
+  for (int j = 0; j < 3; ++j)
+    for (int m = 0; m < num_modes; ++m)
+      result.X[j][m] = Real(shape.X[j][m]);
+  return result;
+}
+
+// Modes of the displacements of the pack's elements, [xyz][mode]; lanes beyond the count repeat the last element.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void gatherModes(const Tables& tables, const View<const double* [3]>& u,
+                                        const ElementPack& pack, Real (&modes)[3][num_modes]) {
+  constexpr int width = NumLanes<Real>::value;
+  Real corner[3][8];
+  for (int lane = 0; lane < width; ++lane) {
+    const int elem = pack.first + minOf(lane, pack.count - 1);
+    for (int c = 0; c < 8; ++c) {
+      const int node = tables.mesh.elem_to_nodes(elem, c);
+      for (int i = 0; i < 3; ++i)
+        setLane(corner[i][c], lane, u(node, i));
+    }
+  }
+  for (int i = 0; i < 3; ++i)
+    cornersToModes(corner[i], modes[i]);
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,139 @@
+// The energy and momentum ledger and the half-step energy gauge.
+// Ledger: v+ M v+/2 - v- M v-/2 = sum over k of dt f_k . (v+ + v-)/2, one term per force kind, exact for any forces.
+// It is an identity, so it can not tell whether forces are right. Gauges of that, all of exact sums:
+//   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp) + contact stored + dissipated
+//   stored        stored energies against the work of their forces
+//                 Where steps change in length, so do the invariants, by what is known (StoredGauge): that is taken off.
+//   contact       what contact has stored and dissipated against its work
+//   shadow        H^n = v- M v+/2 + U^n, which is vbar M vbar/2 - (dt^2/8) a M a + U^n with vbar = (v- + v+)/2: the
+//                 invariant of central differences for a linear body at constant dt without loads and contact
+//   momentum      P^{n+1/2} - P^{n-1/2} = sum of dt f^n, and likewise the angular momentum about the origin:
+//                 L^{n+1/2} = sum of x^n x m v^{n+1/2}; since x^n - x^{n-1} is parallel to v^{n-1/2}, node by node,
+//                 L^{n+1/2} - L^{n-1/2} = sum of x^n x dt f^n exactly, at any dt
+#pragma once
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/vec3.hpp"
+#include "mechanics/ledger/ledger_sums.hpp"
+#include "mechanics/ledger/stored_gauge.hpp"
+
+namespace brickwall::mechanics {
+
+// Energy lost for good since the start, up to a half step, one term a mechanism; each >= 0 but for rounding.
+struct DissipatedEnergy {
+  double friction = 0; // sliding contacts
+  double contact_damping = 0;
+  double damping = 0; // damping by mass
+  double viscosity = 0; // bulk viscosity, lagged: a single step may give back a little
+  double inContact() const { return friction + contact_damping; }
+  double total() const { return inContact() + damping + viscosity; }
+};
+
+// Everything global, equal on all ranks. "Half" values belong to the half step before the last forces; errors and peaks are
+// the largest so far. Energies below LedgerScales::noise are no measure of errors.
+struct EnergyBalance {
+  double kinetic = 0; // K(v^{n+1/2}) after the last kick
+  double stored_material = 0; // U^n at the last evaluation
+  double stored_hourglass = 0; // "
+  double stored_half = 0; // elastic (material + hourglass) energy at the half step, by the gauge
+  double stored_contact = 0; // of normal contact springs at the half step
+  double stored_friction = 0; // of tangential contact springs at the half step
+  double stored_edge = 0; // of edge-edge contact at the half step
+  DissipatedEnergy dissipated; // up to the half step
+  // kinetic + all stored + all dissipated at the half step, less what changes of the steps' lengths have made of their sum
+  double total_half = 0;
+  double shadow =
+      0; // H^n of the last step that began with v^{n-1/2}: elastic and kinetic energy only
+  double work[num_force_kinds] = {}; // W_k since the start
+  double work_hourglass =
+      0; // of hourglass stiffness up to the positions of step n, by its energy; part of work[internal_force]
+  double work_edge = 0; // of edge-edge contact; part of work[contact_force]
+  double work_gravity = 0;
+  double work_reaction = 0; // of prescribed motions
+  double work_damping = 0; // of damping by mass, <= 0
+  double external_work = 0; // external + gravity + reaction, up to the last kick
+  Vec3 momentum, angular_momentum; // at the last half step
+  // since the start
+  Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_damping, impulse_contact;
+  // x cross impulse, about the origin, since the start
+  Vec3 moment_external, moment_gravity, moment_reaction, moment_damping;
+  double energy_error = 0; // |total_half - external work - E_0| / peak_total
+  double stored_error = 0; // |stored_half - U_0 + W_internal| / peak_total
+  double contact_error = 0; // |contact stored + dissipated + W_contact| / peak_total
+  // |impulses - change of momentum| / impulse of loads; without loads, over the largest of sqrt(2 K M) and the other
+  // impulses, of which it is 1e-4 at least.
+  double momentum_error = 0;
+  // |moments of impulses - change of angular momentum| / largest of these moments and R sqrt(2 K M), R^2 = sum m |x|^2 / M
+  double angular_momentum_error = 0;
+  double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
+  double peak_kinetic = 0, peak_stored = 0;
+  double peak_total = 0; // of kinetic + stored at half steps
+  bool is_above_noise = false; // peak_total: else the errors of energy tell nothing
+  double peak_internal = 0, peak_hourglass = 0; // of U^n, and of its hourglass share
+  std::int64_t fast_nodes = 0; // of the last kick, by its SpeedTest, over all ranks
+  std::int64_t host_counts[num_host_counts] = {}; // of the last step, over all ranks
+  std::int64_t failures = 0; // failed elements, loads or sums of the last step, over all ranks
+
+  // Peak of the hourglass energy over the peak of the internal energy.
+  double hourglassShare() const { return peak_internal > 0 ? peak_hourglass / peak_internal : 0; }
+};
+
+class EnergyLedger {
+public:
+  EnergyLedger() = default;
+  // `initial`: motionOf the initial positions and velocities (this rank's). Collective.
+  EnergyLedger(MPI_Comm comm, const LedgerScales& scales, const Vec3& gravity, double total_mass,
+               const MotionSums& initial);
+
+  // Books the kick with forces at step n: the step's one all-reduce of energies, momenta and counts. `dt_kick` is the
+  // kick's dt (half a step at the start), `dt` the step of the drift that follows it. Half-step gauges are evaluated when
+  // `internal.has_energy` in this and the previous call. `counts`: failures e.g. of loads, and what the host likes to add
+  // up. Afterwards balance().failures > 0 on all ranks or none; then everything else in balance() is as before. Collective.
+  void bookStep(MPI_Comm comm, double dt_kick, double dt, const InternalForceResult& internal,
+                const ContactEnergySums& contact, const KickSums& kick,
+                const StepCounts& counts = {});
+
+  // Before bookStep() of a step whose drift is of another length than the last one: the power of the contact forces at the
+  // velocities before the kick, of all ranks. Of a step that bookCorrection() shortens the contact's part is not known.
+  void expectChangedStep(double contact_power) { _contact_power = contact_power; }
+
+  // Books a further kick by the same forces at step n: the drift to come is now `dt` long, and the kick before it should
+  // have been longer by `dt_kick` (negative where the step is shortened). Collective; failures as of bookStep().
+  void bookCorrection(MPI_Comm comm, double dt_kick, double dt, const KickSums& kick);
+
+  const EnergyBalance& balance() const { return _balance; }
+  Vec3 meanVelocity() const; // of all mass, at the last half step
+
+private:
+  struct Contact; // its energies of a step
+  void bookStored(double dt_kick, double dt, const InternalForceResult& internal,
+                  const LimbSums<num_stored_energies>& stored, const KickSums& kick);
+  void gaugeHalfStep();
+  void bookContactChange(double dt_kick, double dt, const KickSums& kick);
+  void bookContact(const ContactEnergySums& contact);
+  void bookWorks(double dt_kick, const KickSums& kick);
+  void bookImpulses(double dt_kick, const KickSums& kick);
+  void bookMoments(double dt_kick, const KickSums& kick);
+
+  EnergyBalance _balance;
+  LedgerScales _scales;
+  Vec3 _gravity;
+  double _total_mass = 0;
+  double _initial_kinetic = 0, _initial_energy = 0;
+  Vec3 _initial_momentum, _initial_angular;
+  Vec3 _first_moment; // sum of m x^n
+  double _radius_of_gyration = 0; // of the start, about the origin
+  std::int64_t _steps = 0; // booked, the start included
+  bool _has_initial_energy = false;
+  StoredGauge _stored;
+  double _initial_hourglass = 0; // energy
+  double _dt = 0; // of the drift after the last kick
+  double _contact_power = 0; // of a step that changes in length
+  double _contact_change = 0; // energy; as of StoredGauge
+  // The largest so far of what errors are made of.
+  double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
+  double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;
+  double _angular_gap = 0, _largest_moment = 0;
+};
+
+} // namespace brickwall::mechanics

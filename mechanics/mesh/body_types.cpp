@@ -1,0 +1,124 @@
+#include "mechanics/mesh/body_types.hpp"
+
+#include "contact/base/hash.hpp"
+#include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
+#include "mechanics/element/hex8_geometry.hpp"
+#include "mechanics/mesh/combine_by_body.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
+
+#include <algorithm>
+
+namespace brickwall::mechanics {
+
+namespace {
+
+// Where a body's numbers begin and how large its elements are.
+struct BodyOrigin {
+  global_id body = -1, elem = INT64_MAX, node = INT64_MAX;
+  double longest_edge = 0;
+};
+// The sum of its elements' hashes, which depends on no order.
+struct BodyHash {
+  global_id body = -1;
+  std::uint64_t sum = 0;
+};
+// The lowest body of a type; the number that brings equal ones together is the hash.
+struct TypeOfBody {
+  global_id body = -1;
+  global_id lowest = -1;
+};
+
+void cornersOf(const HostMesh& host, int elem, CornerCoordinates& X) {
+  for (int c = 0; c < 8; ++c)
+    for (int j = 0; j < 3; ++j)
+      X[c][j] = host.reference_coordinates(host.elem_to_nodes(elem, c), j);
+}
+
+BodyOrigin originOf(const HostMesh& host, const ElementRange& body) {
+  BodyOrigin origin;
+  origin.body = body.body;
+  for (int elem = body.first; elem < body.first + body.count; ++elem) {
+    CornerCoordinates X;
+    cornersOf(host, elem, X);
+    origin.longest_edge = std::max(origin.longest_edge, longestEdge(X));
+    origin.elem = std::min(origin.elem, host.elem_ids(elem));
+    for (int c = 0; c < 8; ++c)
+      origin.node = std::min(origin.node, host.node_ids(host.elem_to_nodes(elem, c)));
+  }
+  return origin;
+}
+
+std::uint64_t hashOf(const HostMesh& host, int elem, const BodyOrigin& origin) {
+  Hash hash;
+  const Material& material = host.materials(host.elem_block(elem));
+  hash.take(material.density);
+  hash.take(material.youngs);
+  hash.take(material.poisson);
+  hash.take(host.elem_ids(elem) - origin.elem);
+  CornerCoordinates X;
+  cornersOf(host, elem, X);
+  for (int c = 0; c < 8; ++c)
+    hash.take(host.node_ids(host.elem_to_nodes(elem, c)) - origin.node);
+  // a little more than the edge, so that copies at a power of two agree
+  const int exponent = std::ilogb(1.001 * origin.longest_edge);
+  hash.take(std::int64_t(exponent));
+  const double units = std::ldexp(1.0, 24 - exponent);
+  for (int c = 1; c < 8; ++c)
+    for (int j = 0; j < 3; ++j)
+      hash.take(static_cast<std::int64_t>(std::rint((X[c][j] - X[0][j]) * units)));
+  return hash.value();
+}
+
+} // namespace
+
+BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
+  const HostMesh host = copyToHost(space, mesh);
+  std::vector<BodyOrigin> origins;
+  for (const ElementRange& body : mesh.bodies)
+    origins.push_back(originOf(host, body));
+  origins = combineByBody(comm, origins, [](BodyOrigin& a, const BodyOrigin& b) {
+    a.elem = std::min(a.elem, b.elem);
+    a.node = std::min(a.node, b.node);
+    a.longest_edge = std::max(a.longest_edge, b.longest_edge);
+  });
+
+  std::vector<BodyHash> hashes;
+  for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
+    BodyHash hash{mesh.bodies[b].body, 0};
+    for (int elem = mesh.bodies[b].first; elem < mesh.bodies[b].first + mesh.bodies[b].count;
+         ++elem)
+      hash.sum += hashOf(host, elem, origins[b]);
+    hashes.push_back(hash);
+  }
+  hashes = combineByBody(comm, hashes, [](BodyHash& a, const BodyHash& b) { a.sum += b.sum; });
+
+  std::vector<TypeOfBody> types;
+  for (const BodyHash& hash : hashes)
+    types.push_back({static_cast<global_id>(hash.sum >> 1), hash.body});
+  types = combineByBody(comm, types, [](TypeOfBody& a, const TypeOfBody& b) {
+    a.lowest = std::min(a.lowest, b.lowest);
+  });
+
+  BodyTypes result;
+  // A cut body's first node is on one of its ranks at least, and perhaps on several: the one that owns it counts.
+  const auto is_owned = toHost(mesh.node_is_owned);
+  for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
+    const ElementRange& body = mesh.bodies[b];
+    result.representative.push_back(types[b].lowest);
+    result.first_node.push_back(origins[b].node);
+    if (types[b].lowest != body.body)
+      continue;
+    bool owns_first = false;
+    for (int elem = body.first; elem < body.first + body.count; ++elem)
+      for (int c = 0; c < 8; ++c) {
+        const int node = host.elem_to_nodes(elem, c);
+        owns_first = owns_first || (host.node_ids(node) == origins[b].node && is_owned(node));
+      }
+    result.count += owns_first;
+  }
+  result.count = allReduce(comm, result.count, MPI_SUM);
+  return result;
+}
+
+} // namespace brickwall::mechanics

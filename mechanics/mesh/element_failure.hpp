@@ -1,0 +1,52 @@
+// What went wrong in an element, reduced to a count and the lowest global element id, and agreed over ranks.
+#pragma once
+
+#include "contact/base/vec3.hpp"
+#include "mechanics/mesh/hex_mesh.hpp"
+
+#include <string>
+
+namespace brickwall::mechanics {
+
+enum FailureReason : int { no_failure, inverted_element, not_a_number, force_overflow };
+
+// Reduced with Combine<ElementFailure>: counts add, the lowest global id wins.
+struct ElementFailure {
+  std::int64_t count = 0;
+  global_id first_elem = INT64_MAX; // global id
+  int reason = no_failure; // of first_elem
+
+  KOKKOS_INLINE_FUNCTION void add(global_id elem, int why) {
+    ++count;
+    if (elem < first_elem) {
+      first_elem = elem;
+      reason = why;
+    }
+  }
+  KOKKOS_INLINE_FUNCTION ElementFailure& operator+=(const ElementFailure& b) {
+    count += b.count;
+    if (b.first_elem < first_elem) {
+      first_elem = b.first_elem;
+      reason = b.reason;
+    }
+    return *this;
+  }
+};
+
+// The same on every rank.
+struct GlobalFailure {
+  std::int64_t count = 0;
+  global_id first_elem = -1;
+  int reason = no_failure;
+  Vec3 position; // mean of the reference coordinates of the first element's corners
+};
+
+// Agrees on the first failed element of all ranks. Collective; for the failing path only, when the step's all-reduce
+// (EnergyLedger::bookStep) has found a count above zero.
+GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                             const ElementFailure& local);
+
+// "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); 3 elements failed".
+std::string describe(const GlobalFailure& failure);
+
+} // namespace brickwall::mechanics

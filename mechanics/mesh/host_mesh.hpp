@@ -1,0 +1,25 @@
+// Host copies of a mesh for set-up code, and host vectors to the device.
+#pragma once
+
+#include "contact/base/to_device.hpp"
+#include "mechanics/mesh/hex_mesh.hpp"
+
+namespace brickwall::mechanics {
+
+// Host mirrors of the arrays of a HexMesh (the same memory on host back ends).
+struct HostMesh {
+  View<int* [8]>::HostMirror elem_to_nodes;
+  View<global_id*>::HostMirror elem_ids;
+  View<global_id*>::HostMirror node_ids;
+  View<int*>::HostMirror elem_block;
+  View<Material*>::HostMirror materials;
+  View<double* [3]>::HostMirror reference_coordinates;
+};
+
+inline HostMesh copyToHost(const exec_space& space, const HexMesh& mesh) {
+  space.fence();
+  return {toHost(mesh.elem_to_nodes), toHost(mesh.elem_ids),  toHost(mesh.node_ids),
+          toHost(mesh.elem_block),    toHost(mesh.materials), toHost(mesh.reference_coordinates)};
+}
+
+} // namespace brickwall::mechanics

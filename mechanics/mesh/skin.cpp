@@ -1,0 +1,170 @@
+#include "mechanics/mesh/skin.hpp"
+
+#include "contact/base/to_device.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
+#include "mechanics/mesh/skin_exchange.hpp"
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+namespace brickwall::mechanics {
+
+namespace {
+
+FaceKey keyOf(const HostMesh& host, int elem, int side) {
+  FaceKey key;
+  for (int c = 0; c < 4; ++c)
+    key[c] = host.node_ids(host.elem_to_nodes(elem, hex8_sides[side][c]));
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+bool allShared(const HostMesh& host, int elem, int side, const std::vector<char>& is_shared) {
+  bool all = true;
+  for (const int c : hex8_sides[side])
+    all = all && is_shared[host.elem_to_nodes(elem, c)];
+  return all;
+}
+
+std::vector<char> sharedFlags(const HexMesh& mesh, const SharedNodeLists& shared) {
+  std::vector<char> is_shared(mesh.num_nodes, 0);
+  for (const auto& list : shared.nodes)
+    for (const int node : list)
+      is_shared[node] = 1;
+  return is_shared;
+}
+
+struct KeyHash {
+  std::size_t operator()(const FaceKey& key) const {
+    std::uint64_t hash = 0;
+    for (const global_id id : key)
+      hash = (hash ^ static_cast<std::uint64_t>(id)) * 0x9E3779B97F4A7C15ull + (hash >> 29);
+    return hash;
+  }
+};
+
+struct LocalFace {
+  FaceKey key;
+  int elem, side;
+};
+
+[[noreturn]] void complainOfThird(const HostMesh& host, int elem, int side) {
+  throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
+                   std::to_string(host.elem_ids(elem) + 1) + " belongs to more than two elements");
+}
+
+// Faces of this rank's elements that may be of the skin or on a cut, in the order of element, then side: what no other element of
+// this rank shares, and what one does but may belong to a third on another rank, since all its corners are shared.
+std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
+                                  const std::vector<char>& is_shared) {
+  std::unordered_map<FaceKey, int, KeyHash> uses;
+  uses.reserve(static_cast<std::size_t>(mesh.num_elems) * 4);
+  for (int elem = 0; elem < mesh.num_elems; ++elem)
+    for (int side = 0; side < 6; ++side)
+      if (++uses[keyOf(host, elem, side)] > 2)
+        complainOfThird(host, elem, side);
+  std::vector<LocalFace> faces;
+  for (int elem = 0; elem < mesh.num_elems; ++elem)
+    for (int side = 0; side < 6; ++side) {
+      const FaceKey key = keyOf(host, elem, side);
+      if (uses.at(key) == 1 || allShared(host, elem, side, is_shared))
+        faces.push_back({key, elem, side});
+    }
+  return faces;
+}
+
+// Only faces whose corners are all shared can lie on a cut.
+std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
+                                   const std::vector<char>& is_shared,
+                                   std::vector<LocalFace> faces) {
+  std::vector<std::size_t> suspects;
+  std::vector<FaceKey> keys;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (allShared(host, faces[f].elem, faces[f].side, is_shared)) {
+      suspects.push_back(f);
+      keys.push_back(faces[f].key);
+    }
+  }
+  const std::vector<std::int64_t> uses = countFacesOnAllRanks(comm, keys);
+  std::vector<char> is_cut(faces.size(), 0);
+  for (std::size_t s = 0; s < suspects.size(); ++s)
+    is_cut[suspects[s]] = uses[s] > 1;
+  together(comm, [&] {
+    for (std::size_t s = 0; s < suspects.size(); ++s)
+      if (uses[s] > 2)
+        complainOfThird(host, faces[suspects[s]].elem, faces[suspects[s]].side);
+  });
+  std::size_t next = 0;
+  faces.erase(std::remove_if(faces.begin(), faces.end(),
+                             [&](const LocalFace&) { return is_cut[next++] != 0; }),
+              faces.end());
+  return faces;
+}
+
+// Surface node of each mesh node, or -1; a node is on the surface when it is so on any rank that shares it.
+std::vector<int> surfaceNodes(MPI_Comm comm, const HexMesh& mesh, const HostMesh& host,
+                              const SharedNodeLists& shared, const std::vector<LocalFace>& faces,
+                              std::vector<int>& surface_to_node) {
+  std::vector<char> on_surface(mesh.num_nodes, 0);
+  for (const LocalFace& face : faces)
+    for (const int c : hex8_sides[face.side])
+      on_surface[host.elem_to_nodes(face.elem, c)] = 1;
+  spreadToSharers(comm, shared, on_surface);
+  std::vector<int> surface_of(mesh.num_nodes, -1);
+  for (int node = 0; node < mesh.num_nodes; ++node)
+    if (on_surface[node]) {
+      surface_of[node] = static_cast<int>(surface_to_node.size());
+      surface_to_node.push_back(node);
+    }
+  return surface_of;
+}
+
+} // namespace
+
+Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+              const SharedNodeLists& shared) {
+  const HostMesh host = copyToHost(space, mesh);
+  std::vector<LocalFace> faces;
+  const std::vector<char> is_shared = sharedFlags(mesh, shared);
+  together(comm, [&] { faces = outerFaces(mesh, host, is_shared); });
+  faces = withoutCuts(comm, host, is_shared, std::move(faces));
+  std::vector<int> surface_to_node;
+  const std::vector<int> surface_of =
+      surfaceNodes(comm, mesh, host, shared, faces, surface_to_node);
+
+  std::vector<int> elems, sides, nodes, surface;
+  std::vector<global_id> ids;
+  for (const LocalFace& face : faces) {
+    elems.push_back(face.elem);
+    sides.push_back(face.side);
+    ids.push_back(host.elem_ids(face.elem) * 6 + face.side);
+    for (const int c : hex8_sides[face.side]) {
+      nodes.push_back(host.elem_to_nodes(face.elem, c));
+      surface.push_back(surface_of[nodes.back()]);
+    }
+  }
+  Skin skin;
+  skin.num_faces = static_cast<int>(faces.size());
+  skin.num_nodes = static_cast<int>(surface_to_node.size());
+  skin.face_to_elem = toDevice(space, "mechanics::Skin::face_to_elem", elems);
+  skin.face_to_side = toDevice(space, "mechanics::Skin::face_to_side", sides);
+  skin.face_ids = toDevice(space, "mechanics::Skin::face_ids", ids);
+  skin.face_to_nodes = toDevice<View<int* [4]>>(space, "mechanics::Skin::face_to_nodes", nodes);
+  skin.face_to_surface_nodes =
+      toDevice<View<int* [4]>>(space, "mechanics::Skin::face_to_surface_nodes", surface);
+  skin.surface_to_node = toDevice(space, "mechanics::Skin::surface_to_node", surface_to_node);
+  return skin;
+}
+
+std::vector<int> sideNodes(const HexMesh& mesh, const std::vector<int>& elems,
+                           const std::vector<int>& sides) {
+  const auto elem_to_nodes = toHost(mesh.elem_to_nodes);
+  std::vector<int> nodes;
+  for (std::size_t f = 0; f < elems.size(); ++f)
+    for (const int c : hex8_sides[sides[f]])
+      nodes.push_back(elem_to_nodes(elems[f], c));
+  return nodes;
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,33 @@
+// The exterior faces of the mesh: element faces that no other element of any rank shares.
+#pragma once
+
+#include "mechanics/mesh/hex_mesh.hpp"
+
+namespace brickwall::mechanics {
+
+// Local corners of the sides of a hex8 (Exodus order, 0-based), outward normal by the right-hand rule.
+constexpr int hex8_sides[6][4] = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6},
+                                  {0, 4, 7, 3}, {0, 3, 2, 1}, {4, 5, 6, 7}};
+
+struct Skin {
+  int num_faces = 0; // of elements here, in the order of local element, then side
+  int num_nodes = 0; // on the surface, if only by faces of other ranks that share the node
+
+  View<int*> face_to_elem; // [face] local element
+  View<int*> face_to_side; // [face] 0..5
+  View<global_id*> face_ids; // [face] global element id * 6 + side
+  View<int* [4]> face_to_nodes; // [face][corner] mesh-local nodes, outward normal
+  View<int* [4]> face_to_surface_nodes; // [face][corner] surface nodes
+  View<int*> surface_to_node; // [surface node] mesh-local node, ascending
+};
+
+// Faces are matched by their four global node ids, between ranks by a rendezvous. Set-up time; collective.
+// Throws InputError on all ranks when three elements share a face.
+Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+              const SharedNodeLists& shared);
+
+// Corner nodes [face][4] of given element sides, for side sets.
+std::vector<int> sideNodes(const HexMesh& mesh, const std::vector<int>& elems,
+                           const std::vector<int>& sides);
+
+} // namespace brickwall::mechanics

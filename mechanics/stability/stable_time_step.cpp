@@ -1,0 +1,232 @@
+#include "mechanics/stability/stable_time_step.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "mechanics/stability/step_bounds.hpp"
+
+#include <cmath>
+
+namespace brickwall::mechanics {
+
+namespace {
+
+// Smallest dt of elements and, of equals, the lowest global element id; and the largest of what changes the frequencies of
+// whole bodies.
+struct Limits {
+  double dt = HUGE_VAL;
+  global_id elem = INT64_MAX;
+  double bare = HUGE_VAL; // dt without viscosity, at rest
+  double viscous = 0; // c
+  double growth = 0; // of omega^2
+  double turn = 0; // theta
+  KOKKOS_INLINE_FUNCTION Limits& operator+=(const Limits& b) {
+    if (b.dt < dt || (b.dt == dt && b.elem < elem)) {
+      dt = b.dt;
+      elem = b.elem;
+    }
+    bare = minOf(bare, b.bare);
+    viscous = maxOf(viscous, b.viscous);
+    growth = maxOf(growth, b.growth);
+    turn = maxOf(turn, b.turn);
+    return *this;
+  }
+};
+
+StableTimeStep agree(MPI_Comm comm, const Limits& local) {
+  StableTimeStep result;
+  result.dt = allReduce(comm, local.dt, MPI_MIN);
+  const global_id none = INT64_MAX;
+  const global_id elem = allReduce(comm, local.dt == result.dt ? local.elem : none, MPI_MIN);
+  result.elem = elem == none ? -1 : elem;
+  return result;
+}
+
+// The step that whole bodies allow, by what is largest over all ranks; 0 where it is not known to be longer than that of elements.
+double stepOfBodies(double viscous, double growth_of_elements, double turn, const StepLoad& load,
+                    const RestFrequency& rest) {
+  if (!(rest.bodies < rest.elements))
+    return 0;
+  const double left = 1 - load.contact, growth = growth_of_elements / left;
+  const double omega = std::sqrt(rest.bodies + growth) + turn * std::sqrt(rest.elements + growth);
+  const double step = viscousStep(2 / omega, viscous / left);
+  return step > 0 ? step : 0; // not for NaN
+}
+double stepOfBodies(MPI_Comm comm, const Limits& local, const StepLoad& load,
+                    const RestFrequency& rest) {
+  if (!(rest.bodies < rest.elements))
+    return 0;
+  double largest[3] = {local.viscous, local.growth, local.turn};
+  allReduce(comm, largest, 3, MPI_MAX);
+  return stepOfBodies(largest[0], largest[1], largest[2], load, rest);
+}
+
+struct LimitsAtRest {
+  MeshViews mesh;
+  StepLoad load;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
+    const Material material = mesh.materials(mesh.elem_block(elem));
+    double gram[3][3], eigenvalues[3], normal[3][3];
+    for (int k = 0; k < 9; ++k)
+      gram[k / 3][k % 3] = shape.gram(k / 3, k % 3);
+    symmetricEigenvalues(gram, eigenvalues);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        normal[i][j] = (material.lambda() + (i == j ? 2 * material.mu() : 0.0)) *
+                       std::sqrt(eigenvalues[i] * eigenvalues[j]);
+    const double omega_square = 8 / material.density * largestEigenvalue(normal);
+    Limits mine;
+    mine.elem = mesh.elem_ids(elem);
+    if (load.viscosity.any())
+      mine.viscous = viscousRate(load, material, shape.length,
+                                 shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
+    const double step = stepOf(omega_square, shape.parallelepiped);
+    mine.dt = loadedStep(step, mine.viscous, load);
+    mine.bare = loadedStep(step, 0, load);
+    limits += mine;
+  }
+};
+
+// With `is_quick` norms stand for eigenvalues, and the elements' own step is not found (unless they failed).
+struct LimitsAtDeformation {
+  MeshViews mesh;
+  StepLoad load;
+  View<const double* [3]> displacement;
+  bool is_quick, is_for_bodies;
+
+  // 8/rho times an upper bound of the largest eigenvalue.
+  KOKKOS_INLINE_FUNCTION double omegaSquare(const double (&A)[9][9], const Mat3& gram,
+                                            double density) const {
+    double matrix[9][9];
+    onMeanGradients(A, gram, matrix);
+    return 8 / density * (is_quick ? largestRow(matrix) : largestEigenvalue(matrix));
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
+    double u[8][3], modes[3][num_modes], H[3][3], A[9][9];
+    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
+    gatherCorners(mesh.elem_to_nodes, displacement, static_cast<int>(elem), u);
+    coordinateModes(u, modes);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        H[i][j] = 0;
+        for (int m = 0; m < num_modes; ++m)
+          H[i][j] += 0.125 * modes[i][m] * shape.b[m][j];
+      }
+    const Material material = mesh.materials(mesh.elem_block(elem));
+    Limits mine;
+    mine.elem = mesh.elem_ids(elem);
+    if (!materialTangent(H, material, A)) {
+      mine.dt = 0;
+      mine.growth = HUGE_VAL;
+      limits += mine;
+      return;
+    }
+    if (load.viscosity.any())
+      mine.viscous =
+          viscousRate(load, material, shape.length, deformedTrace(H, shape.gram, material.model));
+    if (!is_quick) {
+      mine.dt =
+          loadedStep(stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped),
+                     mine.viscous, load);
+      mine.dt = mine.dt == mine.dt ? mine.dt : 0.0;
+    }
+    if (is_for_bodies) {
+      double change[9][9];
+      changeOfModuli(A, H, material, change);
+      const double growth = maxOf(omegaSquare(change, shape.gram, material.density),
+                                  hourglassGrowth(H, material, shape));
+      mine.growth = growth == growth ? maxOf(growth, 0.0) : HUGE_VAL;
+      mine.turn = turnOfCorners(modes, H, shape);
+    }
+    limits += mine;
+  }
+};
+
+} // namespace
+
+ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                  const StepLoad& load) {
+  Limits limits;
+  Kokkos::parallel_reduce("mechanics::findElementsAtRest", over(space, mesh.num_elems),
+                          LimitsAtRest{viewsOf(mesh), load}, Combine<Limits>(limits));
+  space.fence();
+  return {agree(comm, limits), allReduce(comm, limits.bare, MPI_MIN),
+          allReduce(comm, limits.viscous, MPI_MAX)};
+}
+
+StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& load,
+                              const RestFrequency& rest) {
+  StableTimeStep stable = elements.step;
+  stable.dt = maxOf(stable.dt, stepOfBodies(elements.viscous, 0, 0, load, rest));
+  return stable;
+}
+
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                              const StepLoad& load, const RestFrequency& rest) {
+  return stableTimeStep(findElementsAtRest(space, comm, mesh, load), load, rest);
+}
+
+StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                              const View<const double* [3]>& displacement, const StepLoad& load,
+                              const RestFrequency& rest, double enough) {
+  const bool is_for_bodies = rest.bodies < rest.elements;
+  const auto limitsOf = [&](bool is_quick) {
+    Limits limits;
+    Kokkos::parallel_reduce(
+        "mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
+        LimitsAtDeformation{viewsOf(mesh), load, displacement, is_quick, is_for_bodies},
+        Combine<Limits>(limits));
+    space.fence();
+    return limits;
+  };
+  if (is_for_bodies && enough < HUGE_VAL) {
+    StableTimeStep stable;
+    stable.dt = stepOfBodies(comm, limitsOf(true), load, rest);
+    if (stable.dt >= enough)
+      return stable;
+  }
+  const Limits limits = limitsOf(false);
+  StableTimeStep stable = agree(comm, limits);
+  if (stable.dt > 0)
+    stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, load, rest));
+  return stable;
+}
+
+double contactLoad(double penalty, double damping, bool edges) {
+  // As forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) taken at v^{n-1/2}. mult: how often a node's
+  // mass is pushed along one direction.
+  const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
+  constexpr double most = 0.99; // a tenth of the step is left
+  if (!(penalty >= 0 && 0.25 * mult * penalty < most))
+    throw InputError("contact.penalty = " + std::to_string(penalty) + "; a value in [0, " +
+                     std::to_string(4 * most / mult) + ") is needed" +
+                     (edges ? ", with contact.edges = false more" : ""));
+  if (!(damping >= 0))
+    throw InputError("contact.damping = " + std::to_string(damping) + "; a value >= 0 is needed");
+  const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
+  if (!(load <= most))
+    throw InputError("contact.penalty = " + std::to_string(penalty) +
+                     " with contact.damping = " + std::to_string(damping) +
+                     " leaves no stable step of use; damping of at most " +
+                     std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
+                     " is needed");
+  return load;
+}
+
+double penaltyOfEqualLoad(double undamped, double damping) {
+  // s/4 + zeta sqrt(s) = s_0/4
+  const double root = 2 * (std::sqrt(damping * damping + 0.25 * undamped) - damping);
+  return root * root;
+}
+
+View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
+                               const View<const int*>& surface_to_node, double contact_load) {
+  const auto left = allocate<View<double*>>(space, "mechanics::massUnderContact", mass.extent(0));
+  Kokkos::deep_copy(space, left, mass);
+  Kokkos::parallel_for(
+      "mechanics::massUnderContact", over(space, surface_to_node.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t s) { left(surface_to_node(s)) *= 1 - contact_load; });
+  return left;
+}
+
+} // namespace brickwall::mechanics

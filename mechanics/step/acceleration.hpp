@@ -1,0 +1,59 @@
+// How the summed forces and damping by mass move a node, for host and device: its acceleration, and its velocity before a
+// kick.
+#pragma once
+
+#include "contact/base/vec3.hpp"
+#include "mechanics/loads/boundary_conditions.hpp"
+#include "mechanics/mesh/nodal_state.hpp"
+
+namespace brickwall::miniapp {
+
+// Views may be those of the device or their host copies.
+template <class Values, class Masses, class Motions>
+struct NodalMotion {
+  Values values; // NodalForces::values after the shared-node sum
+  Masses mass;
+  Motions motion; // BoundaryConditions::DuringStep::motion
+  double quantum, damping;
+  Vec3 gravity;
+  bool any_prescribed;
+
+  KOKKOS_INLINE_FUNCTION bool isPrescribed(std::int64_t node, int d) const {
+    return any_prescribed && motion(node, d);
+  }
+  // By all forces and gravity, without damping; 0 where the motion is prescribed.
+  KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d) const {
+    if (isPrescribed(node, d))
+      return 0;
+    std::int64_t force = 0;
+    for (int column = d; column < static_cast<int>(values.extent(1)); column += 3)
+      force += values(node, column);
+    return static_cast<double>(force) * quantum / mass(node) + gravity[d];
+  }
+  // (v+ - v)/dt of a kick from v, damping included.
+  KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d, double v, double dt) const {
+    const double free = acceleration(node, d);
+    if (!(damping > 0) || isPrescribed(node, d))
+      return free;
+    return (free - damping * v) / (1 + 0.5 * dt * damping);
+  }
+  // The velocity from which a kick over dt leads to v. Needs dt * damping < 2.
+  KOKKOS_INLINE_FUNCTION double velocityBefore(std::int64_t node, int d, double v,
+                                               double dt) const {
+    const double before = v - dt * acceleration(node, d);
+    if (!(damping > 0) || isPrescribed(node, d))
+      return before;
+    const double half = 0.5 * dt * damping;
+    return (before + half * v) / (1 - half);
+  }
+};
+
+template <class Values, class Masses, class Motions>
+NodalMotion<Values, Masses, Motions> nodalMotion(const Values& values, const Masses& mass,
+                                                 const Motions& motion, double quantum,
+                                                 const mechanics::BoundaryConditions& boundary) {
+  return {values,        mass, motion, quantum, boundary.massDamping(), boundary.gravity(),
+          boundary.any()};
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,128 @@
+#include "mechanics/step/central_difference.hpp"
+
+#include "mechanics/step/kick_kernel.hpp"
+
+#include <type_traits>
+
+namespace brickwall::mechanics {
+
+void drift(const exec_space& space, double dt, const NodalState& state) {
+  const auto u = state.displacement;
+  const auto v = state.velocity;
+  if (u.span_is_contiguous() && v.span_is_contiguous()) { // and of one layout
+    double* const to = u.data();
+    const double* const from = v.data();
+    Kokkos::parallel_for(
+        "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(u.span())),
+        KOKKOS_LAMBDA(const std::int64_t k) { to[k] += dt * from[k]; });
+    return;
+  }
+  Kokkos::parallel_for(
+      "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(state.mass.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        for (int i = 0; i < 3; ++i)
+          u(node, i) += dt * v(node, i);
+      });
+}
+
+void drift(const exec_space& space, double dt, const NodalState& state,
+           const NodeSelection& nodes) {
+  const auto u = state.displacement;
+  const auto v = state.velocity;
+  const NodeSelection selection = nodes;
+  Kokkos::parallel_for(
+      "mechanics::drift::runs", over(space, nodes.numRuns()), KOKKOS_LAMBDA(const std::int64_t r) {
+        const NodeRun run = selection.run(static_cast<int>(r));
+        for (int node = run.first; node < run.first + run.count; ++node)
+          for (int i = 0; i < 3; ++i)
+            u(node, i) += dt * v(node, i);
+      });
+}
+
+namespace {
+
+// Runs of nodes in packs of W, on a host. Nodes that anything but the internal force acts on are kicked one by one.
+template <int kinds, int W>
+struct KickRuns {
+  KickNode<kinds> node_kick;
+  NodeSelection nodes;
+
+  void operator()(const std::int64_t r, KickSums& sums) const {
+    PackKicker<kinds, W> kicker(node_kick, sums);
+    const NodeRun run = nodes.run(static_cast<int>(r));
+    const std::int64_t end = static_cast<std::int64_t>(run.first) + run.count;
+    for (std::int64_t first = run.first; first < end; first += W)
+      if (end - first < W || !kicker.isFree(first) || !kickPack(kicker, first))
+        for (std::int64_t node = first; node < minOf(first + W, end); ++node)
+          node_kick(node, sums);
+  }
+
+  // Does nothing and returns false when other forces act.
+  bool kickPack(PackKicker<kinds, W>& kicker, std::int64_t first) const {
+    const std::int64_t* const rows = &node_kick.forces(first, 0);
+    std::int64_t force[3][W], is_owned[W], others = 0;
+    for (int lane = 0; lane < W; ++lane) {
+      const std::int64_t* const row = rows + 3 * kinds * lane;
+      for (int i = 0; i < 3; ++i)
+        force[i][lane] = row[i];
+      for (int i = 3; i < 3 * kinds; ++i)
+        others |= row[i];
+      is_owned[lane] = -static_cast<std::int64_t>(node_kick.is_owned(first + lane) != 0);
+    }
+    if (others != 0)
+      return false;
+    IntPackOf<W> f[3];
+    MaskPackOf<W> owned;
+    for (int i = 0; i < 3; ++i)
+      memcpy(&f[i].v, force[i], sizeof f[i].v);
+    memcpy(&owned.v, is_owned, sizeof owned.v);
+    kicker.kickSome(first, W, f, owned);
+    return true;
+  }
+};
+
+template <int kinds>
+KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
+                    const KickNode<kinds>& functor) {
+  KickSums sums;
+  if (nodes.numRuns() == 0)
+    return sums;
+  if constexpr (simd_width > 1)
+    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.numRuns()),
+                            KickRuns<kinds, simd_width>{functor, nodes}, Combine<KickSums>(sums));
+  else // a device: all nodes; those that are left out are at rest and stay so
+    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.num_nodes), functor,
+                            Combine<KickSums>(sums));
+  space.fence();
+  sums.carry();
+  return sums;
+}
+
+} // namespace
+
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales, const SpeedTest& test) {
+  return kick(space, mesh, boundary, drift, dt, forces, state, scales, test,
+              NodeSelection::allOf(mesh.num_nodes));
+}
+
+KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
+              const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
+              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes) {
+  const auto launch = [&](auto kinds) {
+    return launchKick(space, nodes,
+                      KickNode<decltype(kinds)::value>{
+                          mesh.reference_coordinates, state.displacement, state.velocity,
+                          state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
+                          boundary.during(drift), scales, test});
+  };
+  KickSums sums = static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
+                      ? launch(std::integral_constant<int, num_force_kinds>())
+                      : launch(std::integral_constant<int, viscous_force>());
+  if (nodes.others_rest && !(dot(test.around, test.around) <= test.limit * test.limit))
+    ++sums.sum[kick_fast_nodes].high; // what rests is fast against the mean
+  return sums;
+}
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,322 @@
+// The kick of one node, or of the nodes in the lanes of a pack, with their terms of the ledger. Included by
+// central_difference.cpp and the sweeps over bricks only.
+#pragma once
+
+#include "contact/base/lane_sums.hpp"
+#include "contact/base/pack_memory.hpp"
+#include "mechanics/ledger/ledger_sums.hpp"
+#include "mechanics/loads/boundary_conditions.hpp"
+
+namespace brickwall::mechanics {
+
+// Terms that every kicked node has, in an order of their own.
+constexpr int num_plain_kick_terms = 10;
+enum PlainKickTerm : int {
+  plain_kinetic,
+  plain_shadow,
+  plain_work, // of the internal force
+  plain_power,
+  plain_momentum,
+  plain_angular = plain_momentum + 3
+};
+struct PlainKickTerms {
+  static constexpr int index[num_plain_kick_terms] = {
+      kick_kinetic,     kick_shadow,       kick_work + internal_force, kick_power,
+      kick_momentum,    kick_momentum + 1, kick_momentum + 2,          kick_angular,
+      kick_angular + 1, kick_angular + 2};
+};
+
+// What every node's kick is made of: `old` velocity, mass, x and the internal force.
+template <class Real>
+struct NodeKick {
+  Real old[3], v[3], x[3], force[3], mass;
+
+  // v = old + (dt/m) total + dt g; a node without elements has no mass.
+  KOKKOS_FORCEINLINE_FUNCTION void accelerate(const Real (&total)[3], double dt,
+                                              const Vec3& gravity) {
+    const Real per_mass = whereNotZero(mass, Real(dt / mass));
+    for (int i = 0; i < 3; ++i)
+      v[i] = (old[i] + per_mass * total[i]) + dt * gravity[i];
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void terms(double dt, Real (&term)[num_plain_kick_terms]) const {
+    Real momentum[3], mean[3];
+    for (int i = 0; i < 3; ++i) {
+      momentum[i] = mass * v[i];
+      mean[i] = old[i] + v[i];
+    }
+    term[plain_kinetic] = 0.5 * dotOf(momentum, v);
+    term[plain_shadow] = 0.5 * dotOf(momentum, old);
+    term[plain_work] = (0.5 * dt) * dotOf(force, mean);
+    term[plain_power] = -dotOf(force, old);
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      term[plain_momentum + i] = momentum[i];
+      term[plain_angular + i] = x[j] * momentum[k] - x[k] * momentum[j];
+    }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static Real dotOf(const Real (&a)[3], const Real (&b)[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  }
+};
+
+// The first `kinds` of the force kinds have columns.
+template <int kinds>
+struct KickNode {
+  View<const double*[3]> reference, displacement;
+  View<double* [3]> velocity;
+  View<const double*> mass;
+  View<const unsigned char*> is_owned;
+  View<std::int64_t**> forces;
+  double quantum, dt;
+  BoundaryConditions::DuringStep boundary;
+  LedgerScales scales;
+  SpeedTest test;
+
+  KOKKOS_INLINE_FUNCTION const LimbScale& scaleOf(int plain_term) const {
+    return plain_term < plain_power
+               ? scales.energy
+               : (plain_term == plain_power
+                      ? scales.power
+                      : (plain_term < plain_angular ? scales.momentum : scales.angular));
+  }
+
+  // The impulse of damping by mass between two velocities: -dt alpha m (old + v)/2.
+  KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
+    return (-0.5 * dt * boundary.mass_damping * m) * (old + v);
+  }
+
+  // Damping and prescribed motion change the free velocity; `reaction` is the impulse that a prescribed motion needed.
+  KOKKOS_INLINE_FUNCTION void constrain(std::int64_t node, const Vec3& total,
+                                        NodeKick<double>& kick, Vec3& reaction) const {
+    const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]};
+    Vec3 v = {kick.v[0], kick.v[1], kick.v[2]};
+    if (boundary.mass_damping > 0) {
+      const double half = 0.5 * dt * boundary.mass_damping;
+      v = (1 / (1 + half)) * (v - half * old);
+    }
+    if (boundary.any)
+      for (int i = 0; i < 3; ++i) {
+        const int motion = boundary.motion(node, i);
+        if (motion == 0)
+          continue;
+        v[i] = boundary.velocity[motion][i];
+        reaction[i] =
+            kick.mass * (v[i] - old[i]) - dt * (total[i] + kick.mass * boundary.gravity[i]);
+        if (boundary.mass_damping > 0)
+          reaction[i] -= dampingImpulse(kick.mass, old, v)[i];
+      }
+    for (int i = 0; i < 3; ++i)
+      kick.v[i] = v[i];
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
+    std::int64_t columns[3 * kinds];
+    for (int c = 0; c < 3 * kinds; ++c)
+      columns[c] = forces(node, c);
+    kickByColumns(node, columns, sums);
+  }
+
+  KOKKOS_INLINE_FUNCTION void
+  kickByColumns(std::int64_t node, const std::int64_t (&columns)[3 * kinds], KickSums& sums) const {
+    NodeKick<double> kick;
+    double total[3];
+    for (int i = 0; i < 3; ++i) {
+      std::int64_t sum = 0;
+      for (int kind = 0; kind < kinds; ++kind)
+        sum += columns[3 * kind + i];
+      total[i] = quantum * static_cast<double>(sum);
+      kick.force[i] = quantum * static_cast<double>(columns[3 * internal_force + i]);
+      kick.old[i] = velocity(node, i);
+      kick.x[i] = reference(node, i) + displacement(node, i);
+    }
+    kick.mass = mass(node);
+    kick.accelerate(total, dt, boundary.gravity);
+    Vec3 reaction;
+    constrain(node, {total[0], total[1], total[2]}, kick, reaction);
+    for (int i = 0; i < 3; ++i)
+      velocity(node, i) = kick.v[i];
+    if (!is_owned(node))
+      return;
+    addPlainTerms(kick, sums);
+    addOtherTerms(columns, kick, reaction, sums);
+  }
+
+  KOKKOS_INLINE_FUNCTION void addPlainTerms(const NodeKick<double>& kick, KickSums& sums) const {
+    double term[num_plain_kick_terms];
+    kick.terms(dt, term);
+    sums.add(kick_kinetic, term[plain_kinetic], scales.energy);
+    sums.add(kick_shadow, term[plain_shadow], scales.energy);
+    sums.add(kick_work + internal_force, term[plain_work], scales.energy);
+    sums.add(kick_power, term[plain_power], scales.power);
+    for (int i = 0; i < 3; ++i) {
+      sums.add(kick_momentum + i, term[plain_momentum + i], scales.momentum);
+      sums.add(kick_angular + i, term[plain_angular + i], scales.angular);
+    }
+  }
+
+  KOKKOS_INLINE_FUNCTION void addOtherTerms(const std::int64_t (&columns)[3 * kinds],
+                                            const NodeKick<double>& kick, const Vec3& reaction,
+                                            KickSums& sums) const {
+    const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]}, v = {kick.v[0], kick.v[1], kick.v[2]};
+    const Vec3 x = {kick.x[0], kick.x[1], kick.x[2]}, mean = 0.5 * (old + v);
+    for (int kind = internal_force + 1; kind < kinds; ++kind) {
+      Vec3 force;
+      for (int i = 0; i < 3; ++i)
+        force[i] = quantum * static_cast<double>(columns[3 * kind + i]);
+      if (isZero(force))
+        continue;
+      sums.add(kick_work + kind, dt * dot(force, mean), scales.energy);
+      const Vec3 impulse = dt * force;
+      if (kind == contact_force)
+        addVector(sums, kick_impulse_contact, impulse, scales.momentum);
+      if (kind == external_force) {
+        addVector(sums, kick_impulse_external, impulse, scales.momentum);
+        addVector(sums, kick_moment_external, cross(x, impulse), scales.angular);
+      }
+    }
+    if (!isZero(reaction))
+      addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
+                 kick_moment_reaction);
+    if (boundary.mass_damping > 0)
+      addImpulse(sums, x, dampingImpulse(kick.mass, old, v), mean, kick_work_damping,
+                 kick_impulse_damping, kick_moment_damping);
+    const Vec3 apart = v - test.around;
+    if (!(dot(apart, apart) <= test.limit * test.limit))
+      ++sums.sum[kick_fast_nodes].high;
+  }
+
+  // Of what is no force column, with its work and its moment.
+  KOKKOS_INLINE_FUNCTION void addImpulse(KickSums& sums, const Vec3& x, const Vec3& impulse,
+                                         const Vec3& mean_velocity, int work_term, int impulse_term,
+                                         int moment_term) const {
+    sums.add(work_term, dot(impulse, mean_velocity), scales.energy);
+    addVector(sums, impulse_term, impulse, scales.momentum);
+    addVector(sums, moment_term, cross(x, impulse), scales.angular);
+  }
+  KOKKOS_INLINE_FUNCTION static void addVector(KickSums& sums, int first, const Vec3& value,
+                                               const LimbScale& scale) {
+    for (int i = 0; i < 3; ++i)
+      sums.add(first + i, value[i], scale);
+  }
+  KOKKOS_INLINE_FUNCTION static bool isZero(const Vec3& a) {
+    return a.x == 0 && a.y == 0 && a.z == 0;
+  }
+};
+
+// Kicks packs of consecutive nodes and keeps their sums. Host code.
+template <int kinds, int W>
+class PackKicker {
+public:
+  using Real = PackOf<W>;
+  using Integer = IntPackOf<W>;
+  using Mask = MaskPackOf<W>;
+
+  PackKicker(const KickNode<kinds>& node_kick, KickSums& sums)
+      : _node_kick(node_kick), _sums(sums), _limit(node_kick.test.limit * node_kick.test.limit),
+        _scales{SplitScale::of(node_kick.scales.energy), SplitScale::of(node_kick.scales.power),
+                SplitScale::of(node_kick.scales.momentum),
+                SplitScale::of(node_kick.scales.angular)},
+        _has_constraints(node_kick.boundary.any) {}
+  ~PackKicker() { fold(); }
+  PackKicker(const PackKicker&) = delete;
+  PackKicker& operator=(const PackKicker&) = delete;
+
+  // Whether kickPlain() will do for nodes [first, first + W): none has a prescribed motion.
+  KOKKOS_FORCEINLINE_FUNCTION bool isFree(std::int64_t first) const {
+    if (_node_kick.boundary.mass_damping > 0)
+      return false;
+    if (!_has_constraints)
+      return true;
+    std::uint64_t words[3 * W / 8], any = 0;
+    memcpy(words, &_node_kick.boundary.motion(first, 0), sizeof words);
+    for (const std::uint64_t word : words)
+      any |= word;
+    return any == 0;
+  }
+  // The same for the first `count` of them.
+  bool isFree(std::int64_t first, int count) const {
+    if (_node_kick.boundary.mass_damping > 0)
+      return false;
+    unsigned char any = 0;
+    if (_has_constraints)
+      for (int k = 0; k < 3 * count; ++k)
+        any |= (&_node_kick.boundary.motion(first, 0))[k];
+    return any == 0;
+  }
+
+  // Nodes [first, first + W), all owned, by the internal force `f` alone.
+  KOKKOS_FORCEINLINE_FUNCTION void kickPlain(std::int64_t first, const Integer (&f)[3]) {
+    kickLanes(
+        first, W, f, [](const Real& a) { return a; }, [] { return firstLanes<W>(W); });
+  }
+  // The first `count` of them. `owned`: those of them that are owned.
+  __attribute__((noinline)) void kickSome(std::int64_t first, int count, const Integer (&f)[3],
+                                          const Mask& owned) {
+    kickLanes(
+        first, count, f, [&](const Real& a) { return whereOrZero(owned, a); },
+        [&] { return owned; });
+  }
+
+  void kickOne(std::int64_t node, const std::int64_t (&columns)[3 * kinds]) {
+    _node_kick.kickByColumns(node, columns, _sums);
+  }
+
+private:
+  // `ifOwned` of a number in all lanes is 0 in those that are not owned, which `owned` tells.
+  template <class IfOwned, class Owned>
+  KOKKOS_FORCEINLINE_FUNCTION void kickLanes(std::int64_t first, int count, const Integer (&f)[3],
+                                             const IfOwned& ifOwned, const Owned& owned) {
+    const KickNode<kinds>& k = _node_kick;
+    NodeKick<Real> kick;
+    loadSomeTriples(&k.velocity(first, 0), count, kick.old);
+    loadSumOfTriples(&k.reference(first, 0), &k.displacement(first, 0), count, kick.x);
+    kick.mass = loadSome<Real>(&k.mass(first), count);
+    for (int i = 0; i < 3; ++i)
+      kick.force[i] = k.quantum * toReal(f[i]);
+    kick.accelerate(kick.force, k.dt, k.boundary.gravity);
+    storeSomeTriples(kick.v, count, &k.velocity(first, 0));
+    kick.mass = ifOwned(kick.mass);
+    for (int i = 0; i < 3; ++i)
+      kick.force[i] = ifOwned(kick.force[i]);
+    Real term[num_plain_kick_terms];
+    kick.terms(k.dt, term);
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      _lanes.add(t, term[t], _scales[scaleIndex(t)]);
+    _lanes.endRow();
+    if (__builtin_expect(++_rows == LaneSums<num_plain_kick_terms, W>::max_rows, 0))
+      fold();
+    if (__builtin_expect(_limit < HUGE_VAL, 0))
+      countFast(kick.v[0], kick.v[1], kick.v[2], owned());
+  }
+
+  static constexpr int scaleIndex(int term) {
+    return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
+  }
+  __attribute__((noinline)) void countFast(Real vx, Real vy, Real vz, Mask owned) {
+    const Real v[3] = {vx, vy, vz};
+    const Vec3& around = _node_kick.test.around;
+    const Real apart[3] = {v[0] - around.x, v[1] - around.y, v[2] - around.z};
+    const Real square = NodeKick<Real>::dotOf(apart, apart);
+    const Mask fast = (!(square <= Real(_limit))) & owned;
+    if (isAny(fast))
+      for (int lane = 0; lane < W; ++lane)
+        _sums.sum[kick_fast_nodes].high -= fast.v[lane];
+  }
+  __attribute__((noinline)) void fold() {
+    const SplitScale* scales[num_plain_kick_terms];
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      scales[t] = &_scales[scaleIndex(t)];
+    _lanes.foldInto(_sums, PlainKickTerms::index, scales);
+    _rows = 0;
+  }
+
+  const KickNode<kinds>& _node_kick;
+  KickSums& _sums;
+  double _limit;
+  SplitScale _scales[4]; // energy, power, momentum, angular
+  bool _has_constraints;
+  LaneSums<num_plain_kick_terms, W> _lanes;
+  int _rows = 0;
+};
+
+} // namespace brickwall::mechanics

@@ -1,0 +1,151 @@
+// `brickwall check`: what the scene will model and what it will need, from the deck alone for walls of any size.
+#include "contact/base/mpi.hpp"
+#include "io/wall/wall_layout.hpp"
+#include "miniapp/commands/commands.hpp"
+#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/output/spared.hpp"
+#include "miniapp/scene/load_warnings.hpp"
+#include "miniapp/scene/memory_estimate.hpp"
+#include "miniapp/scene/scene.hpp"
+#include "miniapp/simulation/simulation.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// A wall with one brick of each kind that the deck's wall has: its time step is the same.
+Config smallestLikeScene(const Config& config) {
+  Config small = config;
+  if (small.wall) {
+    auto& bricks = small.wall->bricks;
+    bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
+    const auto keepOfAll = [](auto& entries) { // not those of bricks and bodies of the large wall
+      entries.erase(std::remove_if(entries.begin(), entries.end(),
+                                   [](const auto& entry) { return entry.brick || entry.body; }),
+                    entries.end());
+    };
+    keepOfAll(small.initial_velocities);
+    keepOfAll(small.initial_deformations);
+  }
+  return small;
+}
+
+const char* modelName(mechanics::MaterialModel model) {
+  switch (model) {
+  case mechanics::MaterialModel::svk:
+    return "svk";
+  case mechanics::MaterialModel::linear:
+    return "linear";
+  default:
+    return "neo_hookean";
+  }
+}
+
+// Whether some bodies of a wall start otherwise than others: its likeness, in which they are not told apart, knows nothing of these.
+bool startsUnlike(const Config& config) {
+  const auto is_of_one = [](const InitialSelection& initial) {
+    return initial.brick.has_value() || initial.body.has_value();
+  };
+  return config.wall && (std::any_of(config.initial_velocities.begin(),
+                                     config.initial_velocities.end(), is_of_one) ||
+                         std::any_of(config.initial_deformations.begin(),
+                                     config.initial_deformations.end(), is_of_one));
+}
+
+} // namespace
+
+int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
+  if (config.wall)
+    refuseUnknownBodies(config, io::WallLayout(toWallConfig(*config.wall)).numBricks());
+  const Config small = smallestLikeScene(config);
+  Scene scene = makeScene(exec_space(), comm, small);
+  for (const std::string& warning : loadWarnings(comm, config, scene.part))
+    scene.warnings.push_back(warning);
+  const Simulation simulation(comm, small, scene);
+
+  std::int64_t elements = scene.part.num_global_elems, nodes = scene.part.num_global_nodes,
+               faces = scene.num_faces, bodies = scene.part.num_global_bodies;
+  if (config.wall) {
+    const io::WallLayout layout(toWallConfig(*config.wall));
+    elements = layout.numElems();
+    nodes = layout.numNodes();
+    faces = layout.numFaces();
+    bodies = layout.numBricks();
+  }
+  const std::int64_t congruent = simulation.numCongruentElems();
+  const bool all_congruent = congruent == scene.part.num_global_elems;
+  const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
+  const auto spared =
+      sparedParts(small, simulation, simulation.contactCounts(), scene.part.num_global_elems);
+  const int ranks = sizeOf(comm);
+  if (rankOf(comm) != 0)
+    return 0;
+
+  const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
+  std::printf("%s\n", config.title.empty() ? options.caseName().c_str() : config.title.c_str());
+  std::printf("  deck              %s\n", config.deck_path.c_str());
+  std::printf("  bodies            %lld\n", count(bodies));
+  std::printf("  elements          %lld (%s; %s)\n", count(elements),
+              config.formulation == Formulation::tlps ? "one-point, assumed-strain hourglass"
+                                                      : "full 2x2x2",
+              all_congruent ? "congruent bricks: no geometry per element"
+                            : "general: geometry stored per element");
+  std::printf("  nodes             %lld\n", count(nodes));
+  std::printf("  exterior faces    %lld\n", count(faces));
+  for (const auto& block : scene.part.blocks) {
+    const auto& material = *config.materialOf(block.name);
+    std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g\n",
+                block.name.c_str(), modelName(material.model), material.density, material.youngs,
+                material.poisson);
+  }
+  std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
+              config.gravity == Triple{0, 0, 0} ? "off" : "on");
+  if (config.viscosity.any())
+    std::printf("  bulk viscosity    linear %g, quadratic %g\n", config.viscosity.linear,
+                config.viscosity.quadratic);
+  if (config.mass_damping > 0)
+    std::printf("  damping           %g by mass\n", config.mass_damping);
+  std::printf("  boundary          %zu fixed, %zu moving node sets\n", config.fixed.size(),
+              config.prescribed.size());
+  if (config.contact.enabled)
+    std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
+                boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge),
+                config.contact.penalty,
+                simulation.dropsSameBody() ? "no contact of a body with itself"
+                                           : "bodies may touch themselves");
+  else
+    std::printf("  contact           off: nothing is searched\n");
+  if (config.contact.enabled && simulation.sureSpeed() < HUGE_VAL)
+    std::printf("  guard             bodies that meet at more than %.4g %s\n",
+                simulation.sureSpeed(),
+                config.contact.guard == GuardAction::cut ? "cut the step" : "stop the run");
+  if (config.contact.enabled && config.search.margin > 0)
+    std::printf("  search            %s, kept until a node has moved %g along an axis\n",
+                nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);
+  else if (config.contact.enabled)
+    std::printf("  search            %s, in every step\n", nameOf(config.search.method));
+  if (config.time.bound == StepBound::lanczos)
+    std::printf(
+        "  time step         %g, %.1f %% longer than by elements (Lanczos, body types: %lld)\n",
+        simulation.clock().dt, 100 * (simulation.stepGain().step - 1),
+        count(simulation.stepGain().body_types));
+  else
+    std::printf("  time step         %g, by elements\n", simulation.clock().dt);
+  for (const SparedReport& part : spared)
+    if (part.share > 0 && !(part.key == "spare.resting_bodies" && startsUnlike(config)))
+      std::printf("  spared            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+                  part.of.c_str());
+  std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
+              config.time.end);
+  std::printf(
+      "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
+      1e-6 * bytes.host_and_device / ranks, ranks, 1e-6 * bytes.device / ranks);
+  for (const std::string& warning : scene.warnings)
+    std::printf("warning: %s\n", warning.c_str());
+  return 0;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,133 @@
+// See command_line.hpp. CLI11 reads everything but --kokkos-*.
+#include "miniapp/commands/command_line.hpp"
+
+#include "io/deck/deck.hpp"
+#include "miniapp/deck/config.hpp"
+#include "miniapp/output/report.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+
+namespace brickwall::miniapp {
+namespace {
+
+constexpr const char* description =
+    "Brickwall: coupled explicit dynamics of hexahedral bricks with contact.\n\n"
+    "Commands (default run):\n"
+    "  run     simulate the deck: Exodus output, history, report, table of phases, PASS or FAIL\n"
+    "  check   validate the deck and say what its scene will model; writes nothing\n"
+    "  mesh    write the Exodus mesh of the deck\n"
+    "  search  time the global and local search alone on the surface of the deck's wall\n\n"
+    "Exit code: 0 PASS, 1 internal error, 2 bad deck or command line, 3 the computation failed or\n"
+    "a limit of the deck is broken, 4 an output could not be written.";
+
+constexpr const char* footer =
+    "Options --kokkos-* go to Kokkos, such as --kokkos-num-threads=2 (--kokkos-threads=2 before\n"
+    "Kokkos 4).";
+
+bool startsWith(const std::string& text, const std::string& prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
+
+Command commandOf(const std::string& word) {
+  return word == "check"    ? Command::check
+         : word == "mesh"   ? Command::mesh
+         : word == "search" ? Command::search
+                            : Command::run;
+}
+
+bool isCommand(const std::string& word) {
+  return word == "run" || word == "check" || word == "mesh" || word == "search";
+}
+
+// The first positional is the command if it is one of the four words, else the deck.
+std::string takePositionals(const std::vector<std::string>& words, Options& options) {
+  std::size_t next = 0;
+  if (next < words.size() && isCommand(words[next]))
+    options.command = commandOf(words[next++]);
+  if (next < words.size())
+    options.deck = words[next++];
+  if (next == words.size())
+    return "";
+  const std::string hint =
+      isCommand(words[0]) ? "one deck" : "a command (run, check, mesh or search), then one deck";
+  return "found \"" + words[next] + "\" after the deck \"" + options.deck + "\", expected " + hint;
+}
+
+} // namespace
+
+std::string Options::caseName() const {
+  return std::filesystem::path(deck).stem().string();
+}
+
+CommandLine parseCommandLine(int argc, const char* const* argv) {
+  Options options;
+  CLI::App app(description, "brickwall");
+  app.footer(footer);
+  std::vector<std::string> positionals;
+  std::int64_t steps = 0;
+  std::string timing = "normal";
+  bool no_output = false, version = false, keys = false;
+  app.add_option("command", positionals,
+                 "[run|check|mesh|search] [DECK]; default: run inputs/brick_wall.toml")
+      ->type_name("");
+  app.add_option("-o,--output", options.output_directory,
+                 "folder for all output; default: out/<deck name>")
+      ->type_name("DIR");
+  app.add_option("--set", options.overrides,
+                 "override a key of the deck, such as --set time.end=0.01 or\n"
+                 "--set load.pressure[0].peak=1e6; repeatable, the last one wins")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  auto* steps_option = app.add_option("--steps", steps, "end after N steps (--set time.steps=N)")
+                           ->type_name("N")
+                           ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
+  app.add_flag("--no-output", no_output, "write no file at all");
+  app.add_option("--timing", timing,
+                 "normal, or paper: fences and barriers between the phases of the search,\n"
+                 "so that waits are told apart from work")
+      ->type_name("HOW")
+      ->check(CLI::IsMember({"normal", "paper"}));
+  app.add_flag("--keys", keys, "list all blocks and keys of a deck");
+  app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
+
+  std::vector<std::string> words; // CLI11 wants them backwards
+  for (int i = argc - 1; i > 0; --i) {
+    if (startsWith(argv[i], "--kokkos-"))
+      options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
+    else
+      words.emplace_back(argv[i]);
+  }
+  const auto fault = [](const std::string& what) {
+    return CommandLine{std::nullopt, "brickwall: " + what + "\nbrickwall -h lists all options\n",
+                       2};
+  };
+  try {
+    app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    return {std::nullopt, app.help(), 0};
+  } catch (const CLI::ParseError& error) {
+    return fault(error.what());
+  }
+  if (version)
+    return {std::nullopt, versionText(), 0};
+  if (keys)
+    return {std::nullopt, io::describe(deckSchema()), 0};
+  const std::string surplus = takePositionals(positionals, options);
+  if (!surplus.empty())
+    return fault(surplus);
+  if (steps_option->count() > 0 &&
+      (options.command == Command::mesh || options.command == Command::search))
+    return fault("--steps: 'brickwall mesh' makes no steps, 'brickwall search' as many as "
+                 "search.repetitions says");
+  if (steps_option->count() > 0)
+    options.overrides.push_back("time.steps=" + std::to_string(steps));
+  options.write_output = !no_output;
+  options.timing = timing == "paper" ? Timing::paper : Timing::normal;
+  if (options.output_directory.empty())
+    options.output_directory = "out/" + options.caseName();
+  return {options, "", 0};
+}
+
+} // namespace brickwall::miniapp

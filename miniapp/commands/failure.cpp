@@ -1,0 +1,57 @@
+// See failure.hpp.
+#include "miniapp/commands/failure.hpp"
+
+#include "contact/base/mpi.hpp"
+
+#include <chrono>
+#include <iostream>
+#include <new>
+#include <thread>
+
+namespace brickwall::miniapp {
+namespace {
+
+int codeOf(const std::exception& error) {
+  const auto* ours = dynamic_cast<const Error*>(&error);
+  return static_cast<int>(ours ? ours->code() : ExitCode::internal);
+}
+
+std::string messageOf(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error))
+    return "out of memory: use more ranks or a smaller deck";
+  return error.what();
+}
+
+// Whether all ranks come here in time.
+bool allRanksCome(MPI_Comm comm, double patience) {
+  MPI_Request request;
+  if (MPI_Ibarrier(comm, &request) != MPI_SUCCESS)
+    return false;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto waited = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  int done = 0;
+  while (MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && !done &&
+         waited() < patience)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return done != 0;
+}
+
+} // namespace
+
+int reportFailure(MPI_Comm comm, const std::exception& error, double patience) {
+  const int code = codeOf(error);
+  std::cout << std::flush;
+  if (allRanksCome(comm, patience)) {
+    if (rankOf(comm) == 0)
+      std::cerr << "brickwall: error: " << messageOf(error) << std::endl;
+    return allReduce(comm, code, MPI_MAX);
+  }
+  std::cerr << "brickwall: error on rank " << rankOf(comm) << " alone: " << messageOf(error)
+            << std::endl;
+  MPI_Abort(comm, code);
+  return code;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,30 @@
+// `brickwall mesh`: writes the Exodus mesh of a deck.
+#include "contact/base/mpi.hpp"
+#include "io/exodus/mesh_writer.hpp"
+#include "miniapp/commands/commands.hpp"
+#include "miniapp/output/report.hpp"
+#include "miniapp/scene/scene.hpp"
+
+#include <cstdio>
+
+namespace brickwall::miniapp {
+
+int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options) {
+  const io::MeshPart part = makeMeshPart(comm, config);
+  if (rankOf(comm) == 0)
+    std::printf("%s: %lld elements, %lld nodes, %lld bodies\n", options.caseName().c_str(),
+                static_cast<long long>(part.num_global_elems),
+                static_cast<long long>(part.num_global_nodes),
+                static_cast<long long>(part.num_global_bodies));
+  if (!options.write_output)
+    return 0;
+  io::ResultsConfig results;
+  results.title = config.title;
+  results.version = versionText();
+  results.information = config.resolved_deck;
+  makeDirectory(comm, options.output_directory);
+  io::writeMesh(comm, options.output_directory + "/" + options.caseName() + ".exo", part, results);
+  return 0;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,306 @@
+// See report.hpp. The names in report.json are fixed: scripts and comparisons of runs read them.
+#include "miniapp/output/report.hpp"
+
+#include "contact/base/backend.hpp"
+#include "contact/base/mpi.hpp"
+#include "miniapp/output/build_info.hpp"
+#include "miniapp/output/git_commit.hpp"
+#include "miniapp/output/report_parts.hpp"
+#include "miniapp/timing/process_memory.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <ostream>
+#include <unistd.h>
+
+namespace brickwall::miniapp {
+namespace {
+
+std::string hostName() {
+  char name[256] = "";
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+std::string cpuName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.compare(0, 10, "model name") == 0 && line.find(": ") != std::string::npos)
+      return line.substr(line.find(": ") + 2);
+  return "unknown";
+}
+
+std::string kokkosVersion() {
+  return std::to_string(KOKKOS_VERSION / 10000) + "." + std::to_string(KOKKOS_VERSION / 100 % 100) +
+         "." + std::to_string(KOKKOS_VERSION % 100);
+}
+
+// The first line: "Open MPI v4.1.4, package: ..." up to the comma.
+std::string mpiVersion() {
+  char text[MPI_MAX_LIBRARY_VERSION_STRING] = "";
+  int length = 0;
+  checkMpi(MPI_Get_library_version(text, &length), "MPI_Get_library_version");
+  const std::string version(text, static_cast<std::size_t>(length));
+  return version.substr(0, version.find_first_of(",\n"));
+}
+
+nlohmann::ordered_json toJson(const StepReport& steps) {
+  auto cuts = nlohmann::ordered_json::array();
+  for (const StepCutReport& cut : steps.cuts)
+    cuts.push_back({{"reason", cut.reason},
+                    {"step", cut.step},
+                    {"time", cut.time},
+                    {"from", cut.from},
+                    {"to", cut.to}});
+  return {{"first", steps.first},
+          {"last", steps.last},
+          {"bound", steps.bound},
+          {"gain", steps.gain},
+          {"products", steps.products},
+          {"body_types", steps.body_types},
+          {"guarded_steps", steps.guarded_steps},
+          {"cuts", cuts}};
+}
+
+nlohmann::ordered_json toJson(const BalanceReport& balance) {
+  nlohmann::ordered_json json = {{"energy_error", balance.energy_error},
+                                 {"momentum_error", balance.momentum_error},
+                                 {"angular_momentum_error", balance.angular_momentum_error},
+                                 {"ledger_residual", balance.ledger_residual},
+                                 {"stored_error", balance.stored_error},
+                                 {"hourglass_share", balance.hourglass_share}};
+  if (balance.has_contact) {
+    json["contact_error"] = balance.contact_error;
+    json["penetration"] = balance.penetration;
+  }
+  json["external_work"] = balance.external_work;
+  json["dissipated_energy"] = balance.dissipated_energy;
+  json["peak_kinetic_energy"] = balance.peak_kinetic_energy;
+  json["peak_stored_energy"] = balance.peak_stored_energy;
+  json["peak_energy"] = balance.peak_energy;
+  return json;
+}
+
+// "time step: 1e-3; 2 cuts: ..." with the first few cuts.
+void printSteps(std::ostream& out, const StepReport& steps) {
+  out << format("time step: %.4g at the start, %.4g at the end, cut %zu times", steps.first,
+                steps.last, steps.cuts.size());
+  constexpr std::size_t most = 4;
+  for (std::size_t i = 0; i < minOf(most, steps.cuts.size()); ++i) {
+    const StepCutReport& cut = steps.cuts[i];
+    out << format("%s to %.4g in step %lld for %s", i == 0 ? ":" : ",", cut.to,
+                  static_cast<long long>(cut.step), cut.reason.c_str());
+  }
+  out << (steps.cuts.size() > most ? ", and so on" : "");
+  if (steps.bound == "lanczos")
+    out << format("; %.1f %% longer than by elements (Lanczos, %lld products, body types: %lld)",
+                  100 * (steps.gain - 1), static_cast<long long>(steps.products),
+                  static_cast<long long>(steps.body_types));
+  out << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
+}
+
+void printBalance(std::ostream& out, const BalanceReport& balance) {
+  out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
+                "kinetic %.6e, peak stored %.6e\n",
+                balance.energy_error, balance.momentum_error, balance.external_work,
+                balance.peak_kinetic_energy, balance.peak_stored_energy);
+  out << format("gauges: ledger residual %.1e, angular momentum error %.1e, stored error %.1e, "
+                "hourglass share %.2g",
+                balance.ledger_residual, balance.angular_momentum_error, balance.stored_error,
+                balance.hourglass_share);
+  if (balance.has_contact)
+    out << format(", contact error %.1e, penetration %.2g", balance.contact_error,
+                  balance.penetration);
+  out << "\n";
+}
+
+} // namespace
+
+void judgeFigures(RunReport& report) {
+  if (report.balance.is_rounding)
+    report.warnings.push_back(
+        format("no energy of the run, at most %.3g, exceeds what the rounding of "
+               "forces and sums may make: its errors tell nothing",
+               report.balance.peak_energy));
+  if (report.search.lost_contacts > 0)
+    report.warnings.push_back(
+        std::to_string(report.search.lost_contacts) +
+        " times a loaded contact was deeper than the search reaches and let go; a larger "
+        "contact.tolerance keeps it");
+  if (report.search.missed_pairs > 0)
+    report.failures.push_back("the audit of the search found " +
+                              std::to_string(report.search.missed_pairs) +
+                              " candidate pairs that the lists in use missed");
+}
+
+Provenance describeRun(MPI_Comm comm) {
+  Provenance run;
+  run.version = build_info::version;
+  run.commit = BRICKWALL_COMMIT;
+  run.compiler = build_info::compiler;
+  run.flags = build_info::flags;
+  run.kokkos = kokkosVersion();
+  run.mpi = mpiVersion();
+  run.host = broadcast(comm, hostName());
+  run.cpu = broadcast(comm, cpuName());
+  run.ranks = sizeOf(comm);
+  run.threads_per_rank = host_exec_space().concurrency();
+  run.execution_space = exec_space::name();
+  return run;
+}
+
+std::string versionText() {
+  return std::string("brickwall ") + build_info::version + " (commit " + BRICKWALL_COMMIT + ")\n" +
+         "compiler " + build_info::compiler + "\nflags    " + build_info::flags + "\nKokkos   " +
+         kokkosVersion() + ", " + exec_space::name() + "\n";
+}
+
+double RunReport::elementStepsPerSecond() const {
+  return ratio(static_cast<double>(elements) * static_cast<double>(counted_steps), loop_seconds);
+}
+double RunReport::solverElementStepsPerSecond() const {
+  return ratio(static_cast<double>(elements) * static_cast<double>(counted_steps), solver_seconds);
+}
+double RunReport::faceSearchesPerSecond() const {
+  return ratio(static_cast<double>(faces) * static_cast<double>(counted_searches), search_seconds);
+}
+
+std::int64_t peakRankBytes(MPI_Comm comm) {
+  return allReduce(comm, peakResidentBytes(), MPI_MAX);
+}
+
+std::string reportJson(const RunReport& r) {
+  nlohmann::ordered_json json;
+  json["schema"] = "brickwall-report-1";
+  json["case"] = r.case_name;
+  json["title"] = r.title;
+  json["command"] = "run";
+  addProvenance(json, r.provenance);
+  json["elements"] = r.elements;
+  json["nodes"] = r.nodes;
+  json["faces"] = r.faces;
+  json["steps"] = r.steps;
+  json["end_time"] = r.end_time;
+  json["loop_seconds"] = r.loop_seconds;
+  json["fom"] = {{"element_steps_per_second", r.elementStepsPerSecond()},
+                 {"solver_element_steps_per_second", r.solverElementStepsPerSecond()},
+                 {"face_searches_per_second", r.faceSearchesPerSecond()}};
+  json["phases"] = toJson(r.phases);
+  json["search"] = {{"method", r.search.method},
+                    {"margin", r.search.margin},
+                    {"searches", r.search.searches},
+                    {"steps_per_search", r.search.steps_per_search},
+                    {"seconds_per_step", r.search.seconds_per_step},
+                    {"ghost_faces", r.search.ghost_faces},
+                    {"candidate_pairs", r.search.candidate_pairs},
+                    {"active_contacts", r.search.active_contacts},
+                    {"drops_same_body", r.search.drops_same_body}};
+  if (r.search.audit > 0) {
+    json["search"]["audit"] = r.search.audit;
+    json["search"]["missed_pairs"] = r.search.missed_pairs;
+  }
+  json["search_timers"] = toJson(r.search_timers);
+  json["time_step"] = toJson(r.time_step);
+  json["balance"] = toJson(r.balance);
+  json["spared"] = nlohmann::ordered_json::array();
+  for (const SparedReport& part : r.spared)
+    json["spared"].push_back(
+        {{"what", part.what}, {"share", part.share}, {"of", part.of}, {"key", part.key}});
+  // As text: a number of JSON need not have 64 bits.
+  const auto hex = [](std::uint64_t sum) {
+    return format("%016llx", static_cast<unsigned long long>(sum));
+  };
+  json["checksums"] = {{"nodes", hex(r.checksums.nodes)},
+                       {"contacts", hex(r.checksums.contacts)},
+                       {"interactions", r.checksums.interactions}};
+  json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
+  json["pass"] = r.pass();
+  json["warnings"] = r.warnings;
+  json["failures"] = r.failures;
+  return jsonText(json);
+}
+
+void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text) {
+  together(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    std::FILE* file = std::fopen(path.c_str(), "w");
+    if (!file)
+      throw OutputError(path + ": can not create the file: " + std::strerror(errno));
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+    const int reason = errno;
+    if ((std::fclose(file) != 0) || !written)
+      throw OutputError(path +
+                        ": can not write the file: " + std::strerror(written ? errno : reason));
+  });
+}
+
+void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report) {
+  writeTextFile(comm, path, reportJson(report));
+}
+
+void removeFile(MPI_Comm comm, const std::string& path) {
+  together(comm, [&] {
+    std::error_code error;
+    if (rankOf(comm) == 0 && !std::filesystem::remove(path, error) && error)
+      throw OutputError(path + ": can not remove the file of an earlier run: " + error.message());
+  });
+}
+
+void makeDirectory(MPI_Comm comm, const std::string& path) {
+  together(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    std::error_code error;
+    std::filesystem::create_directories(path, error);
+    if (!std::filesystem::is_directory(path))
+      throw OutputError(path + ": can not make the output folder: " +
+                        (error ? error.message() : "a file of that name is in the way"));
+  });
+}
+
+void printReport(std::ostream& out, const RunReport& r) {
+  printHeading(out, r.case_name,
+               format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s",
+                      static_cast<long long>(r.elements), static_cast<long long>(r.nodes),
+                      static_cast<long long>(r.faces), static_cast<long long>(r.steps), r.end_time),
+               r.provenance, r.max_rank_bytes);
+  printTable(out, "phase", r.phases);
+  out << "\n";
+  printTable(out, "global search (own time)", r.search_timers);
+  out << "\nsearch: " << r.search.method
+      << (r.search.drops_same_body ? ", pairs within one body dropped"
+                                   : ", pairs within one body kept")
+      << format(", %lld searches, one in %.3g steps, median %.3e s a step; last step: %lld ghost "
+                "faces, %lld candidate pairs, "
+                "%lld active contacts\n",
+                static_cast<long long>(r.search.searches), r.search.steps_per_search,
+                r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
+                static_cast<long long>(r.search.candidate_pairs),
+                static_cast<long long>(r.search.active_contacts));
+  if (r.search.audit > 0)
+    out << format("audit: %lld pairs missed, all pairs looked at in every %lld steps\n",
+                  static_cast<long long>(r.search.missed_pairs),
+                  static_cast<long long>(r.search.audit));
+  printSteps(out, r.time_step);
+  printBalance(out, r.balance);
+  for (const SparedReport& part : r.spared)
+    if (part.share > 0)
+      out << format("spared: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+                    part.of.c_str());
+  for (std::size_t i = r.warnings_told; i < r.warnings.size(); ++i)
+    out << "warning: " << r.warnings[i] << '\n';
+  out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "
+                "loop_seconds=%.6g\n",
+                r.elementStepsPerSecond(), r.faceSearchesPerSecond(), r.loop_seconds);
+  std::string why;
+  for (const std::string& failure : r.failures)
+    why += (why.empty() ? "" : "; ") + failure;
+  out << (r.pass() ? "PASS" : "FAIL: " + why) << std::endl;
+}
+
+} // namespace brickwall::miniapp

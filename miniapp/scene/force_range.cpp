@@ -1,0 +1,72 @@
+#include "miniapp/scene/force_range.hpp"
+
+#include "contact/base/error.hpp"
+#include "contact/base/fixed_point.hpp"
+#include "contact/base/mpi.hpp"
+#include "mechanics/element/hex8_geometry.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// (lambda + 2 mu) h^2 of this rank's weakest element of each block, and of its strongest of all.
+struct ForceRange {
+  std::vector<double> weakest; // [block]
+  double strongest = 0;
+};
+ForceRange forceRangeOf(const io::MeshPart& part,
+                        const std::vector<mechanics::Material>& materials) {
+  ForceRange range;
+  range.weakest.assign(part.blocks.size(), HUGE_VAL);
+  for (int elem = 0; elem < part.numElems(); ++elem) {
+    mechanics::CornerCoordinates X;
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::size_t node = part.elem_nodes[std::size_t(8) * elem + corner];
+      for (int d = 0; d < 3; ++d)
+        X[corner][d] = part.coordinates[3 * node + d];
+    }
+    const int block = part.elem_block[elem];
+    const double h = mechanics::longestEdge(X);
+    const double force = (materials[block].lambda() + 2 * materials[block].mu()) * h * h;
+    range.weakest[block] = std::min(range.weakest[block], force);
+    range.strongest = std::max(range.strongest, force);
+  }
+  return range;
+}
+
+} // namespace
+
+std::vector<std::string> checkForceRange(MPI_Comm comm, const io::MeshPart& part,
+                                         const std::vector<mechanics::Material>& materials) {
+  ForceRange range = forceRangeOf(part, materials);
+  allReduce(comm, range.weakest.data(), static_cast<int>(range.weakest.size()), MPI_MIN);
+  range.strongest = allReduce(comm, range.strongest, MPI_MAX);
+  std::vector<std::string> warnings;
+  if (!(range.strongest > 0))
+    return warnings;
+  const double quantum = Quantum::forForceScale(range.strongest).value;
+  for (std::size_t block = 0; block < range.weakest.size(); ++block) {
+    const double rounding = quantum / range.weakest[block];
+    if (!(rounding > coarse_forces))
+      continue;
+    std::ostringstream text;
+    text.precision(2);
+    text << "element block '" << part.blocks[block].name
+         << "': forces of its weakest element at a strain of one, (lambda + 2 mu) h^2, are "
+            "resolved to "
+         << rounding
+         << " of themselves only, because one quantum serves all blocks and the strongest "
+         << "element is " << range.strongest / range.weakest[block] << " times as strong";
+    if (rounding > too_coarse_forces)
+      throw InputError(text.str() +
+                       "; expected at most 1e-6: make the strong elements smaller or softer, or "
+                       "prescribe the motion of a small part of that body");
+    warnings.push_back(text.str());
+  }
+  return warnings;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,102 @@
+#include "miniapp/scene/initial_overlaps.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
+#include "contact/overlap/box_pairs.hpp"
+#include "contact/overlap/initial_overlap.hpp"
+#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/scene/body_name.hpp"
+#include "miniapp/scene/face_name.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+std::string advice(double reach) {
+  std::ostringstream message;
+  message << "; expected no more than " << reach
+          << ", 2 contact.tolerance of the shortest edge, for contact sees no deeper. Move them "
+             "apart, or raise contact.tolerance: contact then counts from the overlap on";
+  return message.str();
+}
+
+std::string describe(const Config& config, const contact::InitialOverlap& overlap) {
+  std::ostringstream message;
+  message << "bodies overlap at the start: " << nodeName(overlap.node) << " of "
+          << bodyName(config, overlap.node_body) << " is " << overlap.depth << " deep in "
+          << bodyName(config, overlap.face_body) << ", behind " << faceName(overlap.face);
+  return message.str();
+}
+
+std::string describe(const Config& config, const contact::ElementOverlap& overlap) {
+  const auto element = [](global_id id) {
+    return "element " + std::to_string(id) + " (1-based id " + std::to_string(id + 1) + ")";
+  };
+  std::ostringstream message;
+  message << "bodies overlap at the start: " << element(overlap.element) << " of "
+          << bodyName(config, overlap.body) << ", centre (" << overlap.centre.x << ", "
+          << overlap.centre.y << ", " << overlap.centre.z << "), and " << element(overlap.other)
+          << " of " << bodyName(config, overlap.other_body) << " stand " << overlap.depth
+          << " deep in each other";
+  return message.str();
+}
+
+// This rank's elements of the bodies in `bodies`, ascending.
+contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMesh& mesh,
+                                 const View<const double* [3]>& displacement,
+                                 const std::vector<global_id>& bodies) {
+  std::vector<int> elems;
+  std::vector<global_id> elem_bodies;
+  for (const mechanics::ElementRange& range : mesh.bodies)
+    if (std::binary_search(bodies.begin(), bodies.end(), range.body))
+      for (int elem = range.first; elem < range.first + range.count; ++elem) {
+        elems.push_back(elem);
+        elem_bodies.push_back(range.body);
+      }
+  const auto chosen = toDevice<View<int*>>(space, "overlaps::elements", elems);
+  const auto corners = allocate<View<double**>>(space, "overlaps::corners", elems.size(), 24);
+  const auto ids = allocate<View<global_id*>>(space, "overlaps::ids", elems.size());
+  const mechanics::MeshViews views = mechanics::viewsOf(mesh);
+  Kokkos::parallel_for(
+      "overlaps::gatherElements", over(space, static_cast<std::int64_t>(elems.size())),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int elem = chosen(i);
+        ids(i) = views.elem_ids(elem);
+        for (int corner = 0; corner < 8; ++corner) {
+          const int node = views.elem_to_nodes(elem, corner);
+          for (int d = 0; d < 3; ++d)
+            corners(i, 3 * corner + d) =
+                views.reference_coordinates(node, d) + displacement(node, d);
+        }
+      });
+  contact::BodyElements elements;
+  elements.count = static_cast<int>(elems.size());
+  elements.corners = corners;
+  elements.ids = ids;
+  elements.bodies = toDevice<View<global_id*>>(space, "overlaps::bodies", elem_bodies);
+  return elements;
+}
+
+} // namespace
+
+void refuseDeepOverlaps(const exec_space& space, MPI_Comm comm, const Config& config,
+                        const Scene& scene, const contact::Surface& surface,
+                        const View<const double* [3]>& displacement) {
+  const double reach = deepestBirth(config.contact, scene.shortest_edge);
+  const auto bodies = contact::bodiesThatMeet(space, comm, surface, reach);
+  if (!allReduce(comm, static_cast<int>(!bodies.empty()), MPI_MAX))
+    return;
+  const contact::InitialOverlap of_nodes =
+      contact::deepestOverlap(space, comm, surface, 0.5 * scene.longest_edge);
+  if (of_nodes.depth > reach)
+    throw InputError(describe(config, of_nodes) + advice(reach));
+  const contact::ElementOverlap of_elements = contact::deepestElementOverlap(
+      space, comm, elementsOf(space, scene.mesh, displacement, bodies), reach);
+  if (of_elements.depth > 0)
+    throw InputError(describe(config, of_elements) + advice(reach));
+}
+
+} // namespace brickwall::miniapp

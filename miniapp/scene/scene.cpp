@@ -1,0 +1,266 @@
+#include "miniapp/scene/scene.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
+#include "contact/base/vec3.hpp"
+#include "io/exodus/mesh_reader.hpp"
+#include "io/wall/wall_generator.hpp"
+#include "mechanics/mesh/lumped_mass.hpp"
+#include "miniapp/deck/boundary_conflicts.hpp"
+#include "miniapp/scene/face_name.hpp"
+#include "miniapp/scene/force_range.hpp"
+
+#include <utility>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+std::vector<mechanics::Material> materialsOf(const Config& config,
+                                             const std::vector<io::Block>& blocks) {
+  std::vector<mechanics::Material> materials;
+  for (const auto& block : blocks)
+    materials.push_back(*config.materialOf(block.name));
+  return materials;
+}
+
+// Runs of consecutive elements of one body.
+std::vector<mechanics::ElementRange> bodyRanges(const std::vector<global_id>& elem_body) {
+  std::vector<mechanics::ElementRange> ranges;
+  for (int elem = 0; elem < static_cast<int>(elem_body.size()); ++elem) {
+    if (ranges.empty() || ranges.back().body != elem_body[elem])
+      ranges.push_back({elem, 0, elem_body[elem]});
+    ++ranges.back().count;
+  }
+  return ranges;
+}
+
+mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
+                             const std::vector<unsigned char>& node_is_owned,
+                             const std::vector<mechanics::Material>& materials) {
+  mechanics::HexMesh mesh;
+  mesh.num_nodes = part.numNodes();
+  mesh.num_elems = part.numElems();
+  mesh.elem_to_nodes = toDevice<View<int* [8]>>(space, "mesh::elem_to_nodes", part.elem_nodes);
+  mesh.elem_ids = toDevice<View<global_id*>>(space, "mesh::elem_ids", part.elem_ids);
+  mesh.node_ids = toDevice<View<global_id*>>(space, "mesh::node_ids", part.node_ids);
+  mesh.node_is_owned = toDevice<View<unsigned char*>>(space, "mesh::node_is_owned", node_is_owned);
+  mesh.elem_block = toDevice<View<int*>>(space, "mesh::elem_block", part.elem_block);
+  mesh.materials = toDevice<View<mechanics::Material*>>(space, "mesh::materials", materials);
+  mesh.reference_coordinates =
+      toDevice<View<double* [3]>>(space, "mesh::reference_coordinates", part.coordinates);
+  mesh.bodies = bodyRanges(part.elem_body);
+  return mesh;
+}
+
+void refuseEdgesOfNoLength(const exec_space& space, MPI_Comm comm, const Scene& scene) {
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto ids = scene.skin.face_ids;
+  const auto X = scene.mesh.reference_coordinates;
+  global_id first = INT64_MAX;
+  Kokkos::parallel_reduce(
+      "miniapp::refuseEdgesOfNoLength", over(space, scene.skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face, global_id& least) {
+        for (int corner = 0; corner < 4; ++corner)
+          if (!(norm(rowOf(X, face_to_nodes(face, (corner + 1) % 4)) -
+                     rowOf(X, face_to_nodes(face, corner))) > 0))
+            least = minOf(least, ids(face));
+      },
+      Kokkos::Min<global_id>(first));
+  first = allReduce(comm, first, MPI_MIN);
+  if (first != INT64_MAX)
+    throw InputError("the mesh has an edge of length zero on " + faceName(first) +
+                     "; expected hexahedra with eight corners apart");
+}
+
+void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto X = scene.mesh.reference_coordinates;
+  double shortest = HUGE_VAL, longest = 0;
+  Kokkos::parallel_reduce(
+      "miniapp::measureSkinEdges", over(space, scene.skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face, double& least, double& most) {
+        for (int corner = 0; corner < 4; ++corner) {
+          const Vec3 a = rowOf(X, face_to_nodes(face, corner));
+          const Vec3 b = rowOf(X, face_to_nodes(face, (corner + 1) % 4));
+          least = minOf(least, norm(b - a));
+          most = maxOf(most, norm(b - a));
+        }
+      },
+      Kokkos::Min<double>(shortest), Kokkos::Max<double>(longest));
+  scene.shortest_edge = allReduce(comm, shortest, MPI_MIN);
+  scene.longest_edge = allReduce(comm, longest, MPI_MAX);
+  if (!(scene.shortest_edge > 0))
+    refuseEdgesOfNoLength(space, comm, scene);
+}
+
+template <class Set>
+const Set& findByName(const std::vector<Set>& sets, const std::string& name,
+                      const std::string& kind) {
+  std::vector<std::string> names;
+  std::string known;
+  for (const auto& set : sets) {
+    if (set.name == name)
+      return set;
+    names.push_back(set.name);
+    known += (known.empty() ? "" : ", ") + set.name;
+  }
+  const std::string nearest = io::nearestName(name, names);
+  throw InputError("the mesh has no " + kind + " '" + name + "'" +
+                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + " (it has " +
+                   (known.empty() ? "none" : known) + ")");
+}
+
+// A deck names one set; of several that share the name it would not say which.
+template <class Set>
+void refuseSharedName(const Config& config, const std::vector<Set>& sets, const Set& found,
+                      const std::string& kind) {
+  std::string ids;
+  int count = 0;
+  for (const auto& set : sets)
+    if (set.name == found.name) {
+      ids += (count == 0 ? "" : ", ") + std::to_string(set.id);
+      ++count;
+    }
+  if (count > 1)
+    throw InputError(config.mesh->file + " has " + std::to_string(count) + " " + kind + "s '" +
+                     found.name + "' (ids " + ids + "); expected a name of one " + kind);
+}
+
+// All names in the deck that the mesh lacks or has twice, in one error.
+void checkNames(const Config& config, const io::MeshPart& part) {
+  std::string faults;
+  const auto look = [&](const std::string& where, const auto& find) {
+    try {
+      find();
+    } catch (const InputError& error) {
+      faults +=
+          (faults.empty() ? "" : "\n") + config.deck_path + ": " + where + ": " + error.what();
+    }
+  };
+  for (const auto& block : part.blocks)
+    look("[material]", [&] {
+      if (!config.materialOf(block.name))
+        throw InputError("element block '" + block.name + "' has no material; expected a table " +
+                         "[material." + block.name + "]");
+    });
+  for (const auto& load : config.pressures)
+    look("[[load.pressure]]", [&] {
+      refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");
+    });
+  const auto look_for_nodes = [&](const std::string& where, const std::string& name) {
+    look(where,
+         [&] { refuseSharedName(config, part.node_sets, nodeSetOf(part, name), "node set"); });
+  };
+  for (const auto& fixed : config.fixed)
+    look_for_nodes("[[boundary.fixed]]", fixed.node_set);
+  for (const auto& moving : config.prescribed)
+    look_for_nodes("[[boundary.velocity]]", moving.node_set);
+  const auto look_for_block = [&](const std::string& where, const InitialSelection& initial) {
+    if (initial.block)
+      look(where, [&] { findByName(part.blocks, *initial.block, "element block"); });
+  };
+  for (const auto& initial : config.initial_velocities)
+    look_for_block("[[initial.velocity]]", initial);
+  for (const auto& initial : config.initial_deformations)
+    look_for_block("[[initial.deformation]]", initial);
+  if (!faults.empty())
+    throw InputError(faults);
+}
+
+// What is on a set without members does nothing, and its deck says nothing of it.
+std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io::MeshPart& part) {
+  std::vector<std::string> warnings;
+  const auto warnIfEmpty = [&](const char* where, const char* kind, const std::string& name,
+                               std::size_t members) {
+    if (allReduce(comm, static_cast<std::int64_t>(members), MPI_SUM) == 0)
+      warnings.push_back(std::string("[[") + where + "]] does nothing: the mesh has nothing in " +
+                         kind + " \"" + name + "\"");
+  };
+  for (const auto& load : config.pressures)
+    warnIfEmpty("load.pressure", "side set", load.side_set,
+                sideSetOf(part, load.side_set).elems.size());
+  for (const auto& fixed : config.fixed)
+    warnIfEmpty("boundary.fixed", "node set", fixed.node_set,
+                nodeSetOf(part, fixed.node_set).nodes.size());
+  for (const auto& moving : config.prescribed)
+    warnIfEmpty("boundary.velocity", "node set", moving.node_set,
+                nodeSetOf(part, moving.node_set).nodes.size());
+  return warnings;
+}
+
+} // namespace
+
+void refuseUnknownBodies(const Config& config, global_id num_bodies) {
+  const auto refuse = [&](const char* block, const InitialSelection& entry) {
+    if (entry.body && *entry.body >= num_bodies)
+      throw InputError(config.deck_path + ": [[" + block + "]]: found body " +
+                       std::to_string(*entry.body) + "; expected one of the " +
+                       std::to_string(num_bodies) + " bodies, from 0");
+  };
+  for (const auto& entry : config.initial_velocities)
+    refuse("initial.velocity", entry);
+  for (const auto& entry : config.initial_deformations)
+    refuse("initial.deformation", entry);
+}
+
+io::WallConfig toWallConfig(const WallConfig& wall) {
+  io::WallConfig config;
+  config.bricks = wall.bricks;
+  config.brick = wall.brick;
+  config.elements = wall.elements;
+  config.gap = wall.gap;
+  config.ends = wall.ends == Ends::flush ? io::WallEnds::flush : io::WallEnds::ragged;
+  return config;
+}
+
+io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config) {
+  return config.wall ? io::generateWall(comm, toWallConfig(*config.wall))
+                     : io::readMesh(comm, config.mesh->file);
+}
+
+mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part) {
+  mechanics::SharedNodeLists shared;
+  for (const auto& list : part.shared_nodes) {
+    shared.ranks.push_back(list.rank);
+    shared.nodes.push_back(list.nodes);
+  }
+  return shared;
+}
+
+Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
+  Scene scene;
+  scene.part = makeMeshPart(comm, config);
+  checkNames(config, scene.part);
+  refuseUnknownBodies(config, scene.part.num_global_bodies);
+  refuseConflictsOfSets(comm, config, scene.part);
+  scene.warnings = emptySets(comm, config, scene.part);
+  const auto materials = materialsOf(config, scene.part.blocks);
+  for (const std::string& warning : checkForceRange(comm, scene.part, materials))
+    scene.warnings.push_back(warning);
+  scene.node_is_owned.reserve(scene.part.node_owner.size());
+  for (const int owner : scene.part.node_owner)
+    scene.node_is_owned.push_back(owner == rankOf(comm));
+  scene.mesh = toHexMesh(space, scene.part, scene.node_is_owned, materials);
+
+  const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
+  scene.shared = mechanics::SharedNodeSum(space, comm, shared);
+  scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+  try {
+    scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
+    measureSkinEdges(space, comm, scene);
+  } catch (const InputError& error) { // all ranks have it
+    throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
+  }
+  scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
+  return scene;
+}
+
+const io::SideSet& sideSetOf(const io::MeshPart& part, const std::string& name) {
+  return findByName(part.side_sets, name, "side set");
+}
+const io::NodeSet& nodeSetOf(const io::MeshPart& part, const std::string& name) {
+  return findByName(part.node_sets, name, "node set");
+}
+
+} // namespace brickwall::miniapp

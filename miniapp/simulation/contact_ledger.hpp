@@ -1,0 +1,42 @@
+// What contact tells the energy ledger of each step.
+#pragma once
+
+#include "contact/enforcement/penalty.hpp"
+#include "mechanics/ledger/ledger_sums.hpp"
+
+namespace brickwall::miniapp {
+
+class ContactLedger {
+public:
+  // This rank's share of the balance after a step's enforcement. Friction took from the bodies what it stores and what is gone.
+  mechanics::ContactEnergySums add(const contact::EnforcementSums& step) {
+    mechanics::ContactEnergySums shares;
+    LimbSum& stored = shares.sum[mechanics::contact_friction_stored_half];
+    for (const contact::ContactSums* sums : {&step.nodes, &step.edges}) {
+      subtract(sums->terms.sum[contact::friction_work], _taken_by_friction);
+      subtract(sums->terms.sum[contact::damping_work], _taken_by_damping);
+      stored += sums->terms.sum[contact::friction_stored];
+    }
+    _edge_work += step.edges.terms.sum[contact::spring_work];
+    for (LimbSum* sum : {&_taken_by_friction, &_taken_by_damping, &_edge_work})
+      sum->carry();
+    shares.sum[mechanics::contact_stored_half] = step.nodes.terms.sum[contact::spring_stored];
+    shares.sum[mechanics::contact_edge_stored_half] = step.edges.terms.sum[contact::spring_stored];
+    shares.sum[mechanics::contact_edge_work] = _edge_work;
+    shares.sum[mechanics::contact_damping_dissipated] = _taken_by_damping;
+    LimbSum& gone = shares.sum[mechanics::contact_friction_dissipated];
+    gone = _taken_by_friction;
+    subtract(stored, gone);
+    return shares;
+  }
+
+private:
+  static void subtract(const LimbSum& term, LimbSum& from) {
+    from.high -= term.high;
+    from.low -= term.low;
+    from.tail -= term.tail;
+  }
+  LimbSum _taken_by_friction, _taken_by_damping, _edge_work; // since the start
+};
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,103 @@
+// What a simulation makes before its first step: state, forces, loads, the bodies that step by themselves or rest, the length
+// of steps, contact.
+#include "contact/base/mpi.hpp"
+#include "mechanics/ledger/turned_rounding.hpp"
+#include "mechanics/mesh/lumped_mass.hpp"
+#include "miniapp/scene/loads.hpp"
+#include "miniapp/simulation/simulation.hpp"
+
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+std::string reversingDamping(double damping, double dt) {
+  std::ostringstream message;
+  message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
+          << dt << "; expected less than 2 over the step, " << 2 / dt;
+  return message.str();
+}
+
+void markNodes(const std::vector<mechanics::PressureLoad>& loads, std::vector<char>& marks) {
+  for (const auto& load : loads) {
+    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
+    for (std::size_t face = 0; face < faces.extent(0); ++face)
+      for (int corner = 0; corner < 4; ++corner)
+        marks[faces(face, corner)] = 1;
+  }
+}
+
+} // namespace
+
+Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
+    : _comm(comm), _config(config), _scene(scene),
+      _boundary(_space, scene.mesh.num_nodes, prescribedMotions(config, scene.part),
+                toVec3(config.gravity), config.mass_damping),
+      _shared(scene.shared) {
+  const auto& mesh = scene.mesh;
+  _state.mass = scene.mass;
+  _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
+  _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
+  _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
+  allocateForces();
+  _scales = mechanics::ledgerScales(_space, comm, mesh);
+  const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
+                                                            : mechanics::ElementKind::full;
+  _internal_force = std::make_unique<mechanics::InternalForce>(
+      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
+  _loads = pressureLoads(_space, config, scene);
+  freeBricks();
+  for (const MaterialConfig& material : config.materials)
+    _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
+  setInitialDeformations(_space, config, scene, _shared, _state);
+  if (!config.initial_deformations.empty())
+    mechanics::allowForTurnedBodies(_space, comm, mesh, _state.displacement, _scales);
+  setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
+  restBodies();
+
+  setStepLimits();
+  planSteps(longestStepAtStart());
+  if (config.mass_damping * _clock.dt >= 2)
+    throw InputError(reversingDamping(config.mass_damping, _clock.dt));
+  if (config.contact.enabled)
+    setUpContact();
+  _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
+                                    mechanics::totalMass(_space, comm, mesh, scene.mass),
+                                    mechanics::motionOf(_space, mesh, _state, _scales));
+}
+
+// Bricks that nothing but their own forces, gravity and prescribed motions moves.
+void Simulation::freeBricks() {
+  _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
+  if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
+      !_config.spare.free_bricks)
+    return;
+  std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
+  markNodes(_loads, is_loaded);
+  _free_bricks = mechanics::FreeBricks(_space, _scene.mesh, *_internal_force, is_loaded);
+  if (_free_bricks.any())
+    _other_nodes = _free_bricks.otherNodes();
+}
+
+// Forces reach a body by its surface and by loads, which may be on sides inside it, and this rank's part of it by shared nodes.
+// Without contact few bodies ever wake.
+void Simulation::restBodies() {
+  if (!_config.spare.resting_bodies || !_config.contact.enabled)
+    return;
+  std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);
+  const auto surface =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _scene.skin.surface_to_node);
+  for (std::size_t s = 0; s < surface.extent(0); ++s)
+    may_be_pushed[surface(s)] = 1;
+  for (const auto& nodes : sharedNodes(_scene.part).nodes)
+    for (const int node : nodes)
+      may_be_pushed[node] = 1;
+  markNodes(_loads, may_be_pushed);
+  _resting =
+      mechanics::RestingBodies(_space, _scene.mesh, _state, prescribedMotions(_config, _scene.part),
+                               _boundary.gravity(), may_be_pushed);
+  _internal_force->leaveOutResting(_resting.flags());
+}
+
+} // namespace brickwall::miniapp

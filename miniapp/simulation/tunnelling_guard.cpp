@@ -1,0 +1,58 @@
+#include "miniapp/simulation/tunnelling_guard.hpp"
+
+#include "contact/base/error.hpp"
+#include "miniapp/scene/face_name.hpp"
+
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+constexpr double least_share_of_stable_step = 1e-3;
+
+std::string describe(const contact::PairMotion& pair) {
+  const auto edge = [](global_id id) { return "an edge of " + faceName(id / 4); };
+  std::ostringstream text;
+  if (pair.is_of_edges)
+    text << edge(pair.node);
+  else
+    text << nodeName(pair.node);
+  text << " of body " << pair.node_body << " moves by " << pair.motion << " against "
+       << (pair.is_of_edges ? edge(pair.face) : faceName(pair.face)) << " of body "
+       << pair.face_body << " in one step";
+  return text.str();
+}
+
+} // namespace
+
+TunnellingGuard::TunnellingGuard(const Config& config, double reach, double reference_step)
+    : _action(config.contact.guard), _reference_step(reference_step),
+      _shortest_step(least_share_of_stable_step * reference_step) {
+  if (_action != GuardAction::off)
+    _allowed = reach * minOf(0.5, config.contact.penalty);
+}
+
+double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
+                                std::int64_t step, double time) {
+  const double spare = actsEarly(is_early) ? 0.8 : 1; // 3/4 of it is below early_share
+  const double sure =
+      spare * _allowed / (pair.motion / dt); // the reference step in which it would be
+  const bool is_too_short = 0.5 * sure < _shortest_step;
+  if (_action == GuardAction::cut && !is_too_short) {
+    _reference_step = 0.75 * sure;
+    return minOf(dt, 0.5 * sure);
+  }
+  std::ostringstream message;
+  message << "contact could be missed in step " << step + 1 << " (from time " << time
+          << "): " << describe(pair) << "; contact is sure up to " << allowedMotion(dt) << ". ";
+  if (is_too_short)
+    message << "The step would have to fall from " << dt << " to " << 0.5 * sure
+            << ", below 1/1000 of the stable one. Slow the bodies down or raise contact.tolerance";
+  else
+    message << "contact.guard = \"cut\" shortens the step; a larger contact.tolerance or a smaller "
+               "time.safety may do too";
+  throw PhysicsError(message.str());
+}
+
+} // namespace brickwall::miniapp

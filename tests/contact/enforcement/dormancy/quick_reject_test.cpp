@@ -1,0 +1,266 @@
+// Tests that come before the exact ones never reject what those accept, and reject most of what is far; what is known of many
+// contacts together is what is known of each alone, bit by bit.
+#include "contact/enforcement/edge_edge/edge_touch.hpp"
+#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "tests/contact/enforcement/support/brick_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+#include <vector>
+
+namespace brickwall::contact {
+namespace {
+
+class Random {
+public:
+  double operator()(double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(_engine);
+  }
+  Vec3 vector(double size) {
+    return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)};
+  }
+
+private:
+  std::mt19937_64 _engine{7};
+};
+
+// Faces with four nodes each of their own, then `more` nodes.
+struct LoneFaces {
+  LoneFaces(int n, int more, int num_attributes)
+      : count(n), x_old("x_old", 4 * n + more), x_new("x_new", 4 * n + more),
+        to_nodes("to_nodes", n), body("body", n), ids("ids", n),
+        attributes("attributes", n, num_attributes) {
+    surface.num_nodes = 4 * n + more;
+    surface.num_faces = n;
+    surface.coordinates_old = x_old;
+    surface.coordinates_new = x_new;
+    surface.face_to_nodes = to_nodes;
+    surface.face_body = body;
+    surface.face_ids = ids;
+    surface.face_attributes = attributes;
+    for (int f = 0; f < n; ++f) {
+      body(f) = ids(f) = f;
+      for (int j = 0; j < 4; ++j)
+        to_nodes(f, j) = 4 * f + j;
+    }
+  }
+  void set(int node, const Vec3& now, const Vec3& before) {
+    for (int d = 0; d < 3; ++d) {
+      x_new(node, d) = now[d];
+      x_old(node, d) = before[d];
+    }
+  }
+  int count;
+  View<double*[3]> x_old, x_new;
+  View<int* [4]> to_nodes;
+  View<global_id*> body, ids;
+  View<double**> attributes;
+  Surface surface;
+};
+
+Vec3 turned(const Vec3& p, const Vec3& axis_angle) {
+  const double angle = norm(axis_angle);
+  const Vec3 k = (1 / angle) * axis_angle;
+  return std::cos(angle) * p + std::sin(angle) * cross(k, p) +
+         (1 - std::cos(angle)) * dot(k, p) * k;
+}
+
+// Whether EdgeBirths takes it that the edges of pair_of(pair) may touch, each asked for in a row of its own.
+template <class PairOf>
+std::vector<bool> mayTouch(const LoneFaces& edges, int num_pairs, const PairOf& pair_of) {
+  const FaceAccess faces{edges.surface, GhostFaces()};
+  const View<EdgeRecord*> own("own", edges.surface.num_faces);
+  for (int e = 0; e < edges.surface.num_faces; ++e)
+    for (int j = 0; j < 2; ++j)
+      for (int d = 0; d < 3; ++d)
+        own(e).end[j][d] = faces.quad(e).corner[j][d];
+  const EdgeRecords records{own, {}};
+  std::vector<bool> all;
+  constexpr int rows = 32;
+  for (int first = 0; first < num_pairs; first += rows) {
+    EdgeBirths<Lanes> births{faces,
+                             records,
+                             {EdgeTouch::least_sine, 0.5 * 0.05, EdgeTouch::deepest_birth,
+                              1 + EdgeTouch::beyond_side * 0.05},
+                             EdgeTouch::cosine_column,
+                             EdgeTouch::sine_column,
+                             EdgeTouch::width_column,
+                             0,
+                             {},
+                             {}};
+    for (int row = 0; row < rows && first + row < num_pairs; ++row)
+      births.add(row, pair_of(first + row)[0], pair_of(first + row)[1]);
+    births.finish();
+    for (int row = 0; row < rows && first + row < num_pairs; ++row)
+      all.push_back(births.rows >> row & 1u);
+  }
+  return all;
+}
+
+TEST(QuickReject, NeverRejectsEdgesThatCross) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
+  Random random;
+  constexpr int n = 40000; // pairs
+  LoneFaces edges(2 * n, 2 * n, EdgeTouch::num_columns);
+  const double c = std::sqrt(0.5);
+  const Vec3 ridge[4] = {{-0.5, 0, 0}, {0.5, 0, 0}, {0.5, c, -c}, {-0.5, c, -c}};
+  for (int pair = 0; pair < n; ++pair) {
+    const double spread = pair % 2 ? 0.05 : 0.6, beside = pair % 2 ? 0.7 : 2.5; // near and far
+    const Vec3 turn = random.vector(pair % 3 ? 0.3 : 1.5);
+    const Vec3 away = {random(-beside, beside), random(-beside, beside), random(-spread, spread)};
+    for (int j = 0; j < 4; ++j) {
+      edges.set(8 * pair + j, ridge[j], ridge[j]);
+      const Vec3 above = {ridge[j].y, ridge[j].x, -ridge[j].z}; // turned over, and across
+      const Vec3 x = turned(above, turn) + away;
+      edges.set(8 * pair + 4 + j, x, x + Vec3{0, 0, pair % 5 ? 0.7 : 0.0});
+    }
+    for (int e = 2 * pair; e < 2 * pair + 2; ++e) {
+      edges.attributes(e, EdgeTouch::cosine_column) = 0;
+      edges.attributes(e, EdgeTouch::sine_column) = 1;
+      edges.attributes(e, EdgeTouch::goes_on_column) = pair % 4;
+      for (int side = 0; side < 2; ++side) // of one pair in four so narrow that it may be spanned
+        edges.attributes(e, EdgeTouch::width_column + side) =
+            pair % 4 == 1 ? random(0.01, 0.5) : 10;
+    }
+  }
+  EdgeTouch touch;
+  touch.lateral_tolerance = 0.05;
+  touch.edge_tolerance = 0.2;
+  touch.num_corners = 8 * n;
+  const FaceAccess faces{edges.surface, GhostFaces()};
+  const std::vector<bool> may_touch = mayTouch(edges, n, [](int pair) {
+    return std::array<int, 2>{2 * pair, 2 * pair + 1};
+  });
+  int accepted = 0, spanning = 0, rejected = 0;
+  for (int pair = 0; pair < n; ++pair) {
+    const int node = touch.num_corners + 2 * pair, other = 2 * pair + 1;
+    Hit hit;
+    hit.previous = -1;
+    const bool touches = touch.test(faces, node, other, Stage::born, hit);
+    EXPECT_TRUE(!touches || may_touch[pair]) << pair;
+    accepted += touches;
+    if (touches && pair % 4 == 1) {
+      for (int e = 2 * pair; e < 2 * pair + 2; ++e)
+        for (int side = 0; side < 2; ++side)
+          edges.attributes(e, EdgeTouch::width_column + side) = 10;
+      spanning += !touch.test(faces, node, other, Stage::born, hit);
+    }
+    rejected += !may_touch[pair];
+  }
+  EXPECT_GT(accepted, n / 100);
+  EXPECT_GT(spanning, 10); // accepted only because they span a side
+  EXPECT_GT(rejected, n - 2 * accepted); // few are left for the whole test
+}
+
+TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
+  LoneFaces edges(3, 3, EdgeTouch::num_columns);
+  const Vec3 along_x[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, -1}, {0, 1, -1}};
+  for (int j = 0; j < 4; ++j) {
+    edges.set(j, along_x[j], along_x[j]);
+    edges.set(4 + j, along_x[j] + Vec3{0.3, 0.01, 0}, along_x[j]); // side by side
+    const Vec3 across = {along_x[j].y + 0.5, along_x[j].x - 0.5, -along_x[j].z}; // flush
+    edges.set(8 + j, across, across);
+  }
+  for (int e = 0; e < 3; ++e) {
+    edges.attributes(e, EdgeTouch::cosine_column) = 0;
+    edges.attributes(e, EdgeTouch::sine_column) = 1;
+    edges.attributes(e, EdgeTouch::width_column) = std::sqrt(2.0);
+    edges.attributes(e, EdgeTouch::width_column + 1) = 1;
+  }
+  const std::vector<bool> may_touch = mayTouch(edges, 2, [](int pair) {
+    return std::array<int, 2>{0, 1 + pair};
+  });
+  EXPECT_FALSE(may_touch[0]);
+  EXPECT_FALSE(may_touch[1]);
+}
+
+// Bent, flat, repeated corners, and none that is a face at all.
+Vec3 cornerOf(int kind, int j, Random& random) {
+  static const Vec3 square[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  if (kind == 0)
+    return square[j];
+  if (kind == 1)
+    return square[j == 3 ? 2 : j];
+  if (kind == 2)
+    return square[j % 2];
+  return square[j] + random.vector(kind == 3 ? 0.02 : 0.6);
+}
+
+TEST(KnownContacts, AreThoseOfEachAlone) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
+  Random random;
+  constexpr int n = 4003;
+  LoneFaces quads(n, n, 4);
+  View<double*> mass("mass", quads.surface.num_nodes);
+  ContactHistory history;
+  history.interactions = View<Interaction*>("interactions", n);
+  std::vector<KnownContact> contacts(n);
+  for (int f = 0; f < n; ++f) {
+    for (int j = 0; j < 4; ++j) {
+      const Vec3 x = cornerOf(f % 5, j, random);
+      quads.set(4 * f + j, x, x + random.vector(0.01));
+      quads.attributes(f, j) = f % 7 ? random(0.5, 2) : HUGE_VAL;
+      history.interactions(f).weight[j] = random(0, 1);
+    }
+    const int node = 4 * n + f;
+    const Vec3 x = {random(-0.3, 1.3), random(-0.3, 1.3), random(-0.2, f % 11 ? 0.2 : 3)};
+    quads.set(node, x, x + random.vector(0.01));
+    mass(node) = random(0.5, 2);
+    history.interactions(f).point = atNode(node);
+    contacts[f].node = node;
+    contacts[f].slot = 0;
+    contacts[f].previous = contacts[f].face = f;
+  }
+  const FaceAccess faces{quads.surface, GhostFaces()};
+  lookAtContacts(faces, mass, history, n, contacts.data());
+  int on_quads = 0, on_others = 0;
+  for (const KnownContact& contact : contacts) {
+    const Vec3 x = rowOf(quads.surface.coordinates_new, contact.node);
+    const FacePoint point = project(faces.quad(contact.face), x);
+    ASSERT_EQ(contact.point.valid, point.valid) << contact.face;
+    const Interaction& last = history.interactions(contact.previous);
+    const Vec3 last_motion = faces.relativeMotion(last.point, contact.face, last.weight);
+    for (int d = 0; d < 3; ++d)
+      EXPECT_EQ(contact.last_motion[d], last_motion[d]) << contact.face;
+    if (!point.valid)
+      continue;
+    ++(point.has_parameters ? on_quads : on_others);
+    const Vec3 motion = faces.relativeMotion(last.point, contact.face, point.weight);
+    double inverse_mass = 1 / mass(contact.node);
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_EQ(contact.point.weight[j], point.weight[j]) << contact.face;
+      if (point.weight[j] != 0)
+        inverse_mass += point.weight[j] * point.weight[j] / quads.attributes(contact.face, j);
+    }
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_EQ(contact.point.normal[d], point.normal[d]) << contact.face;
+      EXPECT_EQ(contact.motion[d], motion[d]) << contact.face;
+    }
+    EXPECT_EQ(contact.point.gap, point.gap) << contact.face;
+    EXPECT_EQ(contact.point.excess, point.excess) << contact.face;
+    EXPECT_EQ(contact.point.xi, point.xi) << contact.face;
+    EXPECT_EQ(contact.point.eta, point.eta) << contact.face;
+    EXPECT_EQ(contact.inverse_mass, inverse_mass) << contact.face;
+  }
+  EXPECT_GT(on_quads, n / 3);
+  EXPECT_GT(on_others, n / 10);
+}
+
+TEST(MeanPlane, RejectsAllThatStandBeforeAFlatFace) {
+  Random random;
+  const MeanPlane plane = meanPlane(Quad{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
+  for (int trial = 0; trial < 1000; ++trial) {
+    const double gap = random(-0.5, 0.5);
+    const Vec3 x = {random(-0.5, 1.5), random(-0.5, 1.5), gap};
+    EXPECT_EQ(plane.surelyOutside(x, 0.05, 0), gap > 0) << trial;
+  }
+}
+
+} // namespace
+} // namespace brickwall::contact

@@ -1,0 +1,197 @@
+// Contacts corrected in lanes against the same ones corrected one by one: the same bits of forces, and sums of forces that are those
+// of the interactions, whatever state they are in.
+#include "contact/enforcement/law/correct_springs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace brickwall::contact::testing {
+namespace {
+
+constexpr int num_nodes = 40, num_faces = 15, num_pairs = 203; // not a multiple of the lanes
+
+// Random contacts of random nodes with random faces, of which some are ghosts.
+class RandomContacts {
+public:
+  explicit RandomContacts(unsigned seed, double force_scale = 1) : _random(seed) {
+    Surface& surface = _faces.surface;
+    surface.num_nodes = num_nodes;
+    surface.num_faces = num_faces - 3;
+    const View<int* [4]> face_to_nodes("face_to_nodes", surface.num_faces);
+    const auto host_nodes = Kokkos::create_mirror_view(face_to_nodes);
+    for (int face = 0; face < surface.num_faces; ++face)
+      for (int j = 0; j < 4; ++j)
+        host_nodes(face, j) = static_cast<int>(_random() % num_nodes);
+    Kokkos::deep_copy(face_to_nodes, host_nodes);
+    surface.face_to_nodes = face_to_nodes;
+    _pairs.interactions = View<Interaction*>("interactions", num_pairs);
+    _pairs.count = num_pairs;
+    const auto host = Kokkos::create_mirror_view(_pairs.interactions);
+    for (int i = 0; i < num_pairs; ++i)
+      host(i) = randomContact(force_scale);
+    Kokkos::deep_copy(_pairs.interactions, host);
+    _accelerations = randomValues<View<double* [3]>>(num_nodes, 3);
+    _ghost_accelerations = randomValues<View<double* [12]>>(3, 12);
+  }
+
+  CorrectPair correct(double relaxation) const {
+    return {_faces, _ghost_accelerations, _accelerations, 0.9, 1.1, 0, relaxation};
+  }
+  PairForces add() const {
+    PairForces add;
+    add.faces = _faces;
+    add.target.nodes = View<std::int64_t* [3]>("nodes", num_nodes);
+    add.target.ghost_corners = View<std::int64_t* [12]>("ghost_corners", 3);
+    add.inverse_quantum = 1e14;
+    return add;
+  }
+  const ContactHistory& pairs() const { return _pairs; }
+
+private:
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(_random);
+  }
+  Interaction randomContact(double force_scale) {
+    Interaction pair;
+    pair.node = static_cast<int>(_random() % num_nodes);
+    pair.point = atNode(pair.node);
+    pair.face_index = static_cast<int>(_random() % num_faces);
+    pair.depth = uniform(-0.1, 1);
+    pair.offset = uniform(-0.2, 0.2);
+    pair.stiffness = force_scale * uniform(0.5, 2);
+    pair.first_force = pair.stiffness * pair.depth;
+    pair.force = _random() % 2 ? pair.first_force : uniform(0, 1) * pair.first_force;
+    pair.damping = pair.first_damping = _random() % 3 ? 0 : force_scale * uniform(-0.1, 0.1);
+    pair.stored = force_scale * uniform(-0.1, 0.5);
+    pair.closing = uniform(-1, 1);
+    pair.is_new = _random() % 2;
+    pair.inverse_mass = _random() % 9 ? uniform(0.1, 3) / force_scale : 0; // both prescribed
+    pair.normal = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+    const double xi = uniform(-1, 1), eta = _random() % 4 ? uniform(-1, 1) : 1;
+    pair.weight[0] = 0.25 * (1 - xi) * (1 - eta);
+    pair.weight[1] = 0.25 * (1 + xi) * (1 - eta);
+    pair.weight[2] = 0.25 * (1 + xi) * (1 + eta);
+    pair.weight[3] = 0.25 * (1 - xi) * (1 + eta);
+    return pair;
+  }
+  template <class ViewType>
+  ViewType randomValues(int rows, int columns) {
+    const ViewType values("values", rows);
+    const auto host = Kokkos::create_mirror_view(values);
+    for (int i = 0; i < rows; ++i)
+      for (int c = 0; c < columns; ++c)
+        host(i, c) = uniform(-2, 2);
+    Kokkos::deep_copy(values, host);
+    return values;
+  }
+
+  std::mt19937 _random;
+  FaceAccess _faces = {{}, GhostFaces::none()};
+  ContactHistory _pairs;
+  View<double* [3]> _accelerations;
+  View<double* [12]> _ghost_accelerations;
+};
+
+struct Outcome {
+  ContactHistory pairs;
+  ContactForces forces;
+  View<unsigned char*> is_changed{"is_changed", num_pairs};
+  View<std::int64_t> num_changed{"num_changed"};
+  int num_left = 0;
+
+  explicit Outcome(const RandomContacts& contacts) : pairs(contacts.pairs()) {}
+};
+
+Outcome inLanes(const RandomContacts& contacts, double relaxation) {
+  Outcome outcome(contacts);
+  const PairForces add = contacts.add();
+  outcome.forces = add.target;
+  const CorrectPair correct = contacts.correct(relaxation);
+  const auto pairs = outcome.pairs;
+  const auto is_changed = outcome.is_changed;
+  const auto num_changed = outcome.num_changed;
+  Kokkos::parallel_reduce(
+      "inLanes", over(exec_space(), 1),
+      KOKKOS_LAMBDA(const std::int64_t, int& left) {
+        std::int64_t numbers[num_pairs];
+        for (int i = 0; i < num_pairs; ++i)
+          numbers[i] = num_pairs - 1 - i;
+        left += correctSprings(pairs, correct, add, numbers, num_pairs, is_changed, num_changed());
+      },
+      outcome.num_left);
+  return outcome;
+}
+
+Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
+  Outcome outcome(contacts);
+  const PairForces add = contacts.add();
+  outcome.forces = add.target;
+  const CorrectPair correct = contacts.correct(relaxation);
+  const auto pairs = outcome.pairs;
+  const auto is_changed = outcome.is_changed;
+  Kokkos::parallel_for(
+      "oneByOne", over(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
+        const CorrectPair::Correction corrected = correct.of(pairs, i);
+        is_changed(i) = corrected.changes(pairs.interactions(i));
+        PairQuanta quanta;
+        add.round(pairs, i, quanta);
+        add.add(pairs.interactions(i), quanta, -1);
+        correct.apply(corrected, pairs, i);
+        add.round(pairs, i, quanta);
+        add.add(pairs.interactions(i), quanta, 1);
+      });
+  return outcome;
+}
+
+template <class ViewType>
+auto onHost(const ViewType& view) {
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+
+template <class ViewType>
+void expectEqual(const ViewType& a, const ViewType& b) {
+  const auto host_a = onHost(a), host_b = onHost(b);
+  for (std::size_t i = 0; i < a.extent(0); ++i)
+    for (std::size_t c = 0; c < a.extent(1); ++c)
+      EXPECT_EQ(host_a(i, c), host_b(i, c)) << i << " " << c;
+}
+
+TEST(CorrectSprings, AreThoseOfOneByOne) {
+  for (const unsigned seed : {1u, 2u, 3u})
+    for (const double relaxation : {1.0, 0.7}) {
+      const Outcome lanes = inLanes(RandomContacts(seed), relaxation);
+      const Outcome one = oneByOne(RandomContacts(seed), relaxation);
+      EXPECT_EQ(lanes.num_left, 0);
+      const auto pairs = onHost(lanes.pairs.interactions), of_one = onHost(one.pairs.interactions);
+      const auto changed = onHost(lanes.is_changed), of_one_changed = onHost(one.is_changed);
+      int num_changed = 0;
+      for (int i = 0; i < num_pairs; ++i) {
+        EXPECT_EQ(pairs(i).force, of_one(i).force) << i;
+        EXPECT_EQ(pairs(i).damping, of_one(i).damping) << i;
+        EXPECT_EQ(changed(i), of_one_changed(i)) << i;
+        num_changed += changed(i);
+      }
+      EXPECT_GT(num_changed, num_pairs / 4);
+      EXPECT_LT(num_changed, num_pairs);
+      EXPECT_EQ(onHost(lanes.num_changed)(), num_changed);
+      expectEqual(lanes.forces.nodes, one.forces.nodes);
+      expectEqual(lanes.forces.ghost_corners, one.forces.ghost_corners);
+    }
+}
+
+TEST(CorrectSprings, ThoseThatDoNotFitAreLeftAlone) {
+  const RandomContacts contacts(4, 500);
+  const auto before = onHost(RandomContacts(4, 500).pairs().interactions);
+  const Outcome lanes = inLanes(contacts, 1);
+  EXPECT_GT(lanes.num_left, num_pairs / 2);
+  EXPECT_LT(lanes.num_left, num_pairs); // some have hardly a force
+  const auto pairs = onHost(lanes.pairs.interactions);
+  int num_same = 0;
+  for (int i = 0; i < num_pairs; ++i)
+    num_same += pairs(i).force == before(i).force && pairs(i).damping == before(i).damping;
+  EXPECT_GE(num_same, lanes.num_left);
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

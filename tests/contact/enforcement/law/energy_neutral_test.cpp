@@ -1,0 +1,104 @@
+// The factor of the fading force against the closed form of its work.
+#include "contact/enforcement/law/energy_neutral.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace brickwall::contact::testing {
+namespace {
+
+struct Case {
+  Interaction pair;
+  KickedPair motion;
+  KickedFading fading;
+  double work_to_end;
+
+  // What is left for the fading force when the normal force has done its work, F (d- + d+)/2 taken from the pair.
+  double left() const {
+    return pair.stored + 0.5 * pair.force * (motion.closing + motion.next_closing);
+  }
+  // Work of `factor` times the fading force over the kick: its own share of the motion after it grows with it.
+  double workOf(double factor) const {
+    const double before = factor * fading.before;
+    const double after = factor * (fading.after + (factor - 1) * fading.gain);
+    return 0.5 * (before + after);
+  }
+  double factor() const { return neutralFading(pair, pair.force, motion, fading, work_to_end); }
+};
+
+// Anything; `share` of the work until the end is done in the step to come.
+Case randomCase(std::mt19937& random, double share) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Case c;
+  c.pair.force = 1 + uniform(random);
+  c.pair.stored = 0.5 + 0.5 * uniform(random);
+  c.motion.closing = uniform(random);
+  c.motion.next_closing = c.motion.closing - 0.2;
+  c.motion.next_drift = 1 + 0.2 * uniform(random);
+  c.motion.mobility = 0.1;
+  c.fading.before = uniform(random);
+  c.fading.gain = 0.3 + 0.2 * uniform(random);
+  c.fading.after = c.fading.before + c.fading.gain;
+  c.fading.next_drift = c.motion.next_drift;
+  c.work_to_end = c.fading.after * c.fading.next_drift / share;
+  return c;
+}
+
+// Sums and products of numbers up to 4, and a root that is taken from one of them: gain >= .1 divides.
+constexpr double round_off = 1e-13;
+
+TEST(NeutralFading, InTheLastStepGivesBackExactlyWhatIsLeft) {
+  std::mt19937 random(1);
+  int with_load = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    Case c = randomCase(random, 0.9);
+    if (c.fading.after <= 0) // it does not move towards the end
+      continue;
+    if (c.left() > 0) {
+      EXPECT_NEAR(c.workOf(c.factor()), c.left(), round_off);
+      EXPECT_GT(c.factor(), 0);
+      ++with_load;
+    } else {
+      EXPECT_EQ(c.factor(), 0);
+    }
+  }
+  EXPECT_GT(with_load, 200);
+}
+
+TEST(NeutralFading, BeforeTheLastStepNeverGivesMoreThanIsLeft) {
+  std::mt19937 random(2);
+  int limited = 0, whole = 0, closing = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    Case c = randomCase(random, 0.3);
+    if (c.fading.after <= 0)
+      continue;
+    const double factor = c.factor(), wanted = c.workOf(1), left = std::max(c.left(), 0.0);
+    if (wanted <= 0) { // it takes energy from the bodies
+      EXPECT_EQ(factor, 1);
+      ++closing;
+    } else if (wanted <= left) { // there is load left
+      EXPECT_EQ(factor, 1);
+      ++whole;
+    } else {
+      EXPECT_LT(factor, 1);
+      EXPECT_NEAR(c.workOf(factor), left, round_off);
+      ++limited;
+    }
+  }
+  EXPECT_GT(limited, 50);
+  EXPECT_GT(whole, 50);
+  EXPECT_GT(closing, 5);
+}
+
+TEST(NeutralFading, IsTheForceItselfWhereNothingMovesByIt) {
+  std::mt19937 random(3);
+  for (const double share : {0.3, 0.9}) {
+    Case c = randomCase(random, share);
+    c.fading.gain = 0; // no fading force, or prescribed motion on both sides
+    EXPECT_EQ(c.factor(), 1);
+  }
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

@@ -1,0 +1,188 @@
+// Energy in the spring of a contact at the half step, with and without fading.
+#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "contact/surface/feature_edges.hpp"
+#include "tests/contact/enforcement/support/resultant.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::contact::testing {
+namespace {
+
+TEST(StoredBetween, WithoutFadingIsHalfTheProductOfStiffnessAndBothDepths) {
+  Interaction last, now;
+  last.face = now.face = 7;
+  last.stiffness = now.stiffness = 0.3;
+  for (const double depth : {0.1, 0.7, 1e-9})
+    for (const double next_depth : {0.2, 0.0, -0.1}) {
+      last.depth = depth;
+      now.depth = next_depth;
+      const double stored = SelectInteractions<NodeFaceTouch>().storedBetween(last, now, {}, 0);
+      EXPECT_EQ(stored, 0.5 * 0.3 * depth * next_depth);
+    }
+}
+
+// A fixed plate [-1, 1] x [-1, 1] with true edges, its top of one face of half-length 1 or more along x, and a cube with one corner
+// down. The node there has the mass 1, its spring the stiffness 1.
+class CornerOnPlate {
+public:
+  CornerOnPlate(const Vec3& start, int faces = 1)
+      : _scene(sceneAt(start, faces)), _tip(_scene.nodeAt(1, start)),
+        _part((_scene.mass[_tip] = 1, _scene), MPI_COMM_SELF, onOneRank, 0.5),
+        _surface(_part.surface()) {
+    _surface.face_attributes = withTrueEdges(_surface);
+    EnforcementConfig config;
+    config.reference_step = 0.5;
+    config.penalty = config.reference_step * config.reference_step; // k = s m/dt_ref^2
+    config.edge_tolerance = 0.2; // fades out from 1.04 on, over .16 or twice the depth
+    config.deepest_birth = 0.05; // the face on top alone
+    _enforcement = std::make_unique<Enforcement>(exec_space(), MPI_COMM_SELF, _surface,
+                                                 _part.nodeMass(), config, _quantum, _scale);
+  }
+
+  // The cube moves in a step of this length.
+  void move(const Vec3& by, double step) {
+    _scene.step();
+    _scene.move(1, by);
+    _part.update(_scene);
+    _surface.coordinates_old = _part.surface().coordinates_old;
+    _surface.coordinates_new = _part.surface().coordinates_new;
+    sums = _enforcement->enforce(exec_space(), _surface, _part.ghosts(), _part.pairs(), step).nodes;
+    EXPECT_EQ(sums.problem(), "");
+    EXPECT_LE(sums.interactions, 1);
+  }
+  Vec3 position() const { return _scene.x_new[_tip]; }
+  Vec3 force() const {
+    const auto quanta = _part.total(_enforcement->forces(), _scene.x_new.size(), _scene)[_tip];
+    Vec3 f;
+    for (int d = 0; d < 3; ++d)
+      f[d] = _quantum.value * static_cast<double>(quanta[d]);
+    return f;
+  }
+  Interaction contact() const { return onHost(_enforcement->history().interactions)(0); }
+  double stored() const { return sums.terms.sum[spring_stored].value(_scale); }
+
+  ContactSums sums;
+
+private:
+  static Scene sceneAt(const Vec3& start, int faces) {
+    Scene scene;
+    scene.addBox({-1, -1, -2}, {2, 2, 2}, {faces, 1, 1});
+    scene.fix(0);
+    scene.addBrick({0.6, 0.6, 0.6}, {1, 1, 1}, 1, [&](const Vec3& p) {
+      return start + Vec3{(p.x - p.y) / std::sqrt(2.0), (p.x + p.y - 2 * p.z) / std::sqrt(6.0),
+                          (p.x + p.y + p.z) / std::sqrt(3.0)};
+    });
+    for (Scene::Face& face : scene.faces)
+      face.surface_mass = 1e6; // the mass of the node decides on the stiffness
+    return scene;
+  }
+  static View<double**> withTrueEdges(const Surface& surface) {
+    const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, surface);
+    const View<double**> wide("test::attributes", surface.num_faces, NodeFaces::num_columns);
+    const auto host = Kokkos::create_mirror_view(wide);
+    const auto from = onHost(surface.face_attributes);
+    for (int f = 0; f < surface.num_faces; ++f) {
+      for (int column = 0; column < NodeFaces::true_edges_column; ++column)
+        host(f, column) = from(f, column);
+      host(f, NodeFaces::true_edges_column) = features.true_edges[f];
+    }
+    Kokkos::deep_copy(wide, host);
+    return wide;
+  }
+
+  Scene _scene;
+  int _tip;
+  ScenePart _part;
+  Surface _surface;
+  Quantum _quantum = Quantum::forForceScale(1);
+  LimbScale _scale = LimbScale::forLargest(1);
+  std::unique_ptr<Enforcement> _enforcement;
+};
+
+// Over the edge w is less than 1, but as long as the node goes straight up and down, it stays what it is: k w p p+/2.
+TEST(StoredBetween, WhereTheFadingStandsStillIsThatOfASofterSpring) {
+  CornerOnPlate run({0.9, 0.13, 0.01});
+  run.move({0, 0, -0.03}, 1);
+  run.move({0.2, 0, 0}, 1);
+  const double taper = run.contact().taper;
+  EXPECT_NEAR(taper, 0.625 * 0.625 * (3 - 2 * 0.625), 1e-12); // 1.1 is .06 of .16 beyond 1.04
+  double depth = 0.02;
+  EXPECT_NEAR(run.contact().depth, depth, 1e-15);
+  for (const double rise : {-0.001, 0.0005, 0.0015, -0.002, 0.0004}) {
+    const double next_depth = depth - rise;
+    run.move({0, 0, rise}, 1);
+    EXPECT_EQ(run.contact().taper, taper);
+    EXPECT_NEAR(run.stored(), 0.5 * taper * depth * next_depth, 1e-15) << rise;
+    depth = next_depth;
+  }
+}
+
+// The top of two faces that meet at x = 0: the node is on the one that covers it, to 1e-7, and its spring does not notice.
+TEST(HandOver, GoesToTheFaceThatCoversTheNodeAtNoEnergy) {
+  CornerOnPlate run({-0.1, 0.13, 0.01}, 2);
+  run.move({0, 0, -0.03}, 1);
+  const global_id left = run.contact().face;
+  for (const double x : {0.01, -0.01, 1e-6, -1e-6, 1e-7, -1e-7}) {
+    run.move({x - run.position().x, 0, 0}, 1);
+    const Interaction contact = run.contact();
+    EXPECT_EQ(contact.face == left, x < 0) << x;
+    EXPECT_EQ(contact.is_new, 0);
+    EXPECT_NEAR(contact.depth, 0.02, 1e-15);
+    EXPECT_NEAR(contact.offset, 0, 1e-15);
+    EXPECT_NEAR(run.stored(), 0.5 * 0.02 * 0.02, 1e-15);
+    for (const double weight : contact.weight)
+      EXPECT_GE(weight, 0);
+  }
+  const global_id before = run.contact().face; // a slide over the edge and back by less is rest
+  run.move({1.02e-7, 0, 0}, 1);
+  EXPECT_EQ(run.contact().face, before);
+}
+
+// The corner comes down near the true edge and slides over it freely, while the spring swings once, by sin t. The worst error of
+// kinetic energy + spring, of the energy of its fall.
+struct Slide {
+  double worst = 0, least_taper = 1;
+  bool has_left = false;
+
+  // It touches at t = 0, the fading begins at .8, and would end at 2.2, before it rises off the face at pi.
+  Slide(double depth, double fading_way, double step, double longest_step) {
+    const double speed = fading_way / 1.4, before = 8 * longest_step;
+    CornerOnPlate run({1.04 - (0.8 + before) * speed, 0.13, before * depth});
+    Vec3 velocity = {speed, 0, -depth};
+    const double start = 0.5 * dot(velocity, velocity), of_fall = 0.5 * depth * depth;
+    bool has_touched = false;
+    while (!has_left && run.position().x < 2) {
+      run.move(step * velocity, step);
+      const double energy = 0.5 * dot(velocity, velocity) + run.stored();
+      worst = std::max(worst, std::fabs(energy - start) / of_fall);
+      if (run.sums.interactions > 0)
+        least_taper = std::min(least_taper, run.contact().taper);
+      has_left = has_touched && run.sums.interactions == 0;
+      has_touched = has_touched || run.sums.interactions > 0;
+      velocity += step * run.force();
+    }
+  }
+};
+
+TEST(StoredBetween, KeepsTheEnergyOfASlideOverATrueEdgeToSecondOrderInTheStep) {
+  constexpr double longest = 0.025;
+  // The least way, .8 edge_tolerance; and one that grows with the depth, 4 P
+  for (const auto& [depth, way] : {std::make_pair(0.02, 0.16), {0.075, 0.3}}) {
+    double error[3];
+    for (int i = 0; i < 3; ++i) {
+      const Slide slide(depth, way, longest / (1 << i), longest);
+      EXPECT_TRUE(slide.has_left);
+      EXPECT_LT(slide.least_taper, 0.1); // it faded out
+      error[i] = slide.worst;
+    }
+    const double order[2] = {std::log2(error[0] / error[1]), std::log2(error[1] / error[2])};
+    std::printf("  slide off an edge, depth %g: energy %.1e %.1e %.1e, order %.2f %.2f\n", depth,
+                error[0], error[1], error[2], order[0], order[1]);
+    EXPECT_LT(error[0], 1e-3);
+    EXPECT_GT(order[0], 1.9);
+    EXPECT_GT(order[1], 1.9);
+  }
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

@@ -1,0 +1,138 @@
+// Coulomb friction and contact damping: stick is an exact spring, slip is mu F_n, nothing is made.
+#include "contact/enforcement/law/coulomb_friction.hpp"
+#include "tests/contact/enforcement/support/scene_run.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::contact::testing {
+namespace {
+
+constexpr double mu = 0.4;
+
+// A block that was pressed onto a plate, ready to be dragged.
+std::unique_ptr<SceneRun> pressedBlock(const EnforcementConfig& c, double press = 0.02) {
+  Scene scene;
+  scene.addBox({0, 0, -1}, {4, 4, 1}, {4, 4, 1});
+  const int block = scene.addBox({1, 1, -press}, {2, 2, 1}, {2, 2, 1});
+  scene.cameBy(block, {0, 0, -press});
+  scene.fix(
+      block); // so that its area, not its masses, decides on the stiffness, which is then the same everywhere
+  auto run = alone(scene, c);
+  run->step();
+  return run;
+}
+EnforcementConfig rough() {
+  EnforcementConfig c = config();
+  c.friction = mu;
+  return c;
+}
+// Tangential force on the block along x, over its normal force.
+double dragRatio(const SceneRun& run, const std::vector<std::array<std::int64_t, 3>>& force) {
+  double drag = 0, normal = 0;
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (run.scene.node_body[i] == 1) {
+      drag += static_cast<double>(force[i][0]);
+      normal += static_cast<double>(force[i][2]);
+    }
+  return drag / normal;
+}
+
+TEST(Friction, SticksAsASpringAndSlipsAtMuTimesTheNormalForce) {
+  auto run = pressedBlock(rough());
+  const auto drag = [&](double by) {
+    run->scene.step();
+    run->scene.move(1, {by, 0, 0});
+    return dragRatio(*run, run->step());
+  };
+  // k_t = k and p = .02: a drag d gives t/F = d/.02, if it is below mu.
+  EXPECT_NEAR(drag(0.002), -0.1, 1e-12);
+  EXPECT_NEAR(drag(0.004), -0.3, 1e-12);
+  EXPECT_NEAR(drag(-0.006), 0, 1e-12); // back: no drift
+  EXPECT_NEAR(drag(0.05), -mu, 1e-12);
+  EXPECT_NEAR(drag(0.05), -mu, 1e-12);
+  EXPECT_NEAR(drag(-0.008), 0, 1e-12); // mu p: the spring unloads from where it slipped
+}
+
+TEST(Friction, StiffnessRatioScalesTheStickingSpring) {
+  EnforcementConfig c = rough();
+  c.friction_stiffness = 0.25;
+  auto run = pressedBlock(c);
+  run->scene.step();
+  run->scene.move(1, {0.004, 0, 0});
+  EXPECT_NEAR(dragRatio(*run, run->step()), -0.05, 1e-12);
+}
+
+TEST(Friction, HoldsItsForceOverAFaceSwitchAndAddsUpToZero) {
+  auto run = pressedBlock(rough());
+  // The block's nodes cross from face to face of the plate (edges of length 1) in steps that keep them sticking.
+  double held = 0;
+  for (int step = 0; step < 4; ++step) {
+    run->scene.step();
+    run->scene.move(1, {0.0015, 0, 0});
+    const auto force = run->step();
+    held += 0.0015 / 0.02;
+    EXPECT_NEAR(dragRatio(*run, force), -held, 1e-9) << step;
+    std::int64_t sum[3] = {0, 0, 0};
+    for (const auto& f : force)
+      for (int d = 0; d < 3; ++d)
+        sum[d] += f[d];
+    EXPECT_EQ(sum[0], 0);
+    EXPECT_EQ(sum[2], 0);
+  }
+}
+
+TEST(Friction, TurnsWithTheContact) {
+  const Vec3 t = turnedInto({0.3, 0, 0}, {std::sqrt(0.5), 0, std::sqrt(0.5)});
+  EXPECT_NEAR(norm(t), 0.3, 1e-15);
+  EXPECT_NEAR(t.x, -t.z, 1e-15);
+  EXPECT_GT(t.x, 0);
+  EXPECT_EQ(norm(turnedInto({0, 0, 1}, {0, 0, 1})), 0);
+  EXPECT_EQ(norm(slipped({3, 4, 0}, 10)), 5);
+  EXPECT_DOUBLE_EQ(norm(slipped({3, 4, 0}, 1)), 1);
+  EXPECT_EQ(norm(slipped({3, 4, 0}, 0)), 0);
+}
+
+// Drags to and fro: what friction took is what it booked, and what is stored comes back.
+TEST(Friction, BooksItsWorkAndWhatItStores) {
+  auto run = pressedBlock(rough());
+  double work = 0, stored = 0;
+  const auto drag = [&](double by) {
+    run->scene.step();
+    run->scene.move(1, {by, 0, 0});
+    run->step();
+    work += run->sums.terms.sum[friction_work].value(energyScale());
+    stored = run->sums.terms.sum[friction_stored].value(energyScale());
+  };
+  for (const double by : {0.001, 0.002, 0.003, 0.0, 0.0}) // at rest again at the end
+    drag(by);
+  EXPECT_GT(stored, 0);
+  EXPECT_NEAR(-work, stored, 1e-12 * stored); // still sticking: all is stored
+  for (const double by : {0.01, 0.01, 0.0, -0.008, 0.0, 0.0})
+    drag(by);
+  EXPECT_NEAR(stored, 0, 1e-12);
+  EXPECT_LT(work, -1e-4); // gone by slipping
+}
+
+TEST(ContactDamping, NeverPullsAndOpposesTheMotion) {
+  EnforcementConfig c = config();
+  c.damping = 0.2;
+  auto run = pressedBlock(c);
+  const int node = run->scene.nodeAt(1, {2, 2, -0.02});
+  const auto normalForce = [&](double rise) {
+    run->scene.step();
+    run->scene.move(1, {0, 0, rise});
+    const auto force = run->step();
+    return static_cast<double>(force[node][2]) * quantum().value;
+  };
+  const Interaction rest = (normalForce(0), run->of(node)[0]);
+  EXPECT_EQ(rest.damping, 0);
+  const double coefficient = 2 * c.damping * rest.stiffness * dt / std::sqrt(c.penalty);
+  const double closing = normalForce(-0.001);
+  EXPECT_NEAR(run->of(node)[0].damping, coefficient * 0.001 / dt, 1e-12);
+  EXPECT_GT(closing, rest.stiffness * 0.021);
+  EXPECT_EQ(normalForce(0.0205), 0); // opening fast: F + F_d = 0, not less
+  EXPECT_LT(run->of(node)[0].damping, 0);
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

@@ -1,0 +1,147 @@
+// Contact beyond true edges: the fading force is the gradient of the energy it stands for, and where edges are true.
+#include "contact/enforcement/law/true_edges.hpp"
+#include "contact/surface/feature_edges.hpp"
+#include "tests/contact/enforcement/support/scene_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace brickwall::contact::testing {
+namespace {
+
+constexpr double stiffness = 3, offset = 0.02;
+
+EdgeReach allEdges(const Quad& face) {
+  EdgeReach reach;
+  reach.mask = 15;
+  reach.edge_tolerance = 0.2;
+  reach.measure(face);
+  return reach;
+}
+
+// U = k w p^2/2 of a node at `node` on the face, p = P - offset.
+double energyOf(const Quad& face, const Vec3& node, const EdgeReach& reach) {
+  const FacePoint point = project(face, node);
+  EXPECT_TRUE(reach.covers(point, reach.lateral_tolerance));
+  const double w = taperAt(reach, 0, point.xi, -point.gap).value *
+                   taperAt(reach, 1, point.eta, -point.gap).value;
+  const double p = -point.gap - offset;
+  return 0.5 * stiffness * w * p * p;
+}
+
+TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    Quad face{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
+    for (Vec3& x : face.corner)
+      x += 0.15 * Vec3{uniform(random), uniform(random), uniform(random)};
+    // Above the edge xi = 1, above the corner, and inside
+    const double xi = trial % 3 == 2 ? 0.5 : 1.05 + 0.1 * std::fabs(uniform(random));
+    const double eta =
+        trial % 3 == 0 ? 0.7 * uniform(random) : -1.05 - 0.1 * std::fabs(uniform(random));
+    Vec3 node;
+    const double N[4] = {0.25 * (1 - xi) * (1 - eta), 0.25 * (1 + xi) * (1 - eta),
+                         0.25 * (1 + xi) * (1 + eta), 0.25 * (1 - xi) * (1 + eta)};
+    for (int j = 0; j < 4; ++j)
+      node += N[j] * face.corner[j];
+    node.z -= trial % 2 ? 0.05 : 0.15; // the fading way is the least one, or grows with the depth
+    const FacePoint point = project(face, node);
+    ASSERT_TRUE(point.has_parameters);
+    const double p = -point.gap - offset;
+    // Half-lengths of the face enter as constants: they change by strains.
+    const EdgeReach reach = allEdges(face);
+    const LateralForce lateral =
+        lateralForce(face, point.xi, point.eta, point.normal, -point.gap, reach, stiffness, p);
+    const Vec3 on_node =
+        stiffness * p * (lateral.taper + lateral.along_normal) * point.normal + lateral.on_node;
+    constexpr double step = 1e-5; // central differences: 1e-10 of third derivatives of order 1e3
+    const auto slope = [&](Vec3& x, int d) {
+      const double kept = x[d];
+      x[d] = kept + step;
+      const double up = energyOf(face, node, reach);
+      x[d] = kept - step;
+      const double down = energyOf(face, node, reach);
+      x[d] = kept;
+      return (up - down) / (2 * step);
+    };
+    for (int d = 0; d < 3; ++d)
+      EXPECT_NEAR(on_node[d], -slope(node, d), 2e-7) << trial;
+    for (int j = 0; j < 4; ++j)
+      for (int d = 0; d < 3; ++d)
+        EXPECT_NEAR(-point.weight[j] * on_node[d] + lateral.on_corner[j] * point.normal[d],
+                    -slope(face.corner[j], d), 2e-7)
+            << trial << ' ' << j;
+  }
+}
+
+TEST(Taper, IsOneOnTheFaceAndZeroAtTheReach) {
+  EdgeReach reach;
+  reach.mask = 2 + 8; // xi = 1 and xi = -1
+  EXPECT_EQ(taperAt(reach, 0, 1.02, 0).value, 1);
+  EXPECT_EQ(taperAt(reach, 0, -1.02, 0).slope, 0);
+  EXPECT_NEAR(taperAt(reach, 0, -1.06, 0).value, 0.5, 1e-12);
+  EXPECT_NEAR(taperAt(reach, 0, 1.1, 0).value, 0, 1e-12);
+  EXPECT_EQ(taperAt(reach, 1, 1.1, 0).value, 1);
+  EXPECT_NEAR(taperAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
+}
+
+// The edges of boxes, however cut: 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1) segments.
+TEST(FeatureEdges, OfABoxAreItsTwelveEdgesOnAnyCut) {
+  Scene scene;
+  scene.addBox({0, 0, 0}, {2, 3, 1}, {2, 3, 1});
+  const int size = sizeOf(MPI_COMM_WORLD);
+  const ScenePart part(
+      scene, MPI_COMM_WORLD, [&](int e) { return e % size; }, 0.1);
+  const FeatureEdges edges = findFeatureEdges(MPI_COMM_WORLD, part.surface());
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, static_cast<int>(edges.convex.size()), MPI_SUM), 24);
+  int marks = 0;
+  for (const unsigned char mask : edges.true_edges)
+    for (int j = 0; j < 4; ++j)
+      marks += mask >> j & 1;
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, marks, MPI_SUM), 48); // each from both sides
+  for (const FeatureEdge& edge : edges.convex) {
+    EXPECT_EQ(edge.cosine, 0);
+    EXPECT_EQ(edge.sine, 1);
+    for (const double width : edge.width)
+      EXPECT_EQ(width, 1);
+  }
+  // Of an edge of n segments, 2 (n - 1) ends go on: 4 (2 (2 - 1) + 2 (3 - 1)).
+  int going_on = 0;
+  for (const FeatureEdge& edge : edges.convex)
+    going_on += (edge.goes_on & 1) + (edge.goes_on >> 1);
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, going_on, MPI_SUM), 24);
+}
+
+TEST(FeatureEdges, OfASmoothBodyAreNone) {
+  Scene scene; // a plate bent to an arc: face angles of 0.2, but for its rim
+  scene.addBrick({4, 1, 1}, {8, 1, 1}, 1, [](const Vec3& p) {
+    const double angle = 0.4 * p.x, radius = 5 + p.z;
+    return Vec3{radius * std::sin(angle), p.y, radius * std::cos(angle)};
+  });
+  const ScenePart part(
+      scene, MPI_COMM_SELF, [](int) { return 0; }, 0.1);
+  const FeatureEdges edges = findFeatureEdges(MPI_COMM_SELF, part.surface());
+  EXPECT_EQ(edges.convex.size(), 4u * 8 + 8); // along both sides, and the two ends
+}
+
+// Two blocks of one body side by side at different heights: the step's inner edge is true but not convex.
+TEST(FeatureEdges, ReentrantEdgesAreTrueButPushNobody) {
+  Scene scene;
+  scene.addBrick({2, 1, 1}, {2, 1, 1}, 1, [](const Vec3& p) {
+    // an L: the second half turns down
+    return p.x > 1.5 ? Vec3{1 + p.z - 1, p.y, -1 * (p.x - 1)} : p;
+  });
+  const ScenePart part(
+      scene, MPI_COMM_SELF, [](int) { return 0; }, 0.1);
+  const FeatureEdges edges = findFeatureEdges(MPI_COMM_SELF, part.surface());
+  int marks = 0;
+  for (const unsigned char mask : edges.true_edges)
+    for (int j = 0; j < 4; ++j)
+      marks += mask >> j & 1;
+  EXPECT_GT(marks, 2 * static_cast<int>(edges.convex.size()));
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

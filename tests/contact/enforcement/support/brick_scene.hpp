@@ -1,0 +1,341 @@
+// Bricks of hexahedra for contact tests: every rank holds the whole scene on the host, so that ghosts, pairs and sums
+// can be made by brute force and compared with one rank's answer. Not a model of how the program does it.
+#pragma once
+
+#include "contact/enforcement/penalty.hpp"
+#include "contact/surface/candidate_rows.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace brickwall::contact::testing {
+
+// A static scene on the host: nodes, elements and skin of all bricks, in global numbering.
+struct Scene {
+  struct Face {
+    std::array<int, 4> nodes;
+    global_id id;
+    int body, element;
+    double surface_mass;
+  };
+  std::vector<Vec3> x_old, x_new; // [node]
+  std::vector<double> mass; // [node]
+  std::vector<int> node_body; // [node]
+  std::vector<std::array<int, 8>> elements;
+  std::vector<Face> faces;
+  int num_bodies = 0;
+
+  // A brick of `n` elements; `place` maps its box [0, size] to space. Returns its body number.
+  template <class Place>
+  int addBrick(const Vec3& size, const std::array<int, 3>& n, double density, const Place& place) {
+    const int body = num_bodies++, first = static_cast<int>(x_new.size());
+    const Vec3 h = {size.x / n[0], size.y / n[1], size.z / n[2]};
+    const auto node = [&](int i, int j, int k) {
+      return first + i + (n[0] + 1) * (j + (n[1] + 1) * k);
+    };
+    for (int k = 0; k <= n[2]; ++k)
+      for (int j = 0; j <= n[1]; ++j)
+        for (int i = 0; i <= n[0]; ++i) {
+          x_new.push_back(place(Vec3{i * h.x, j * h.y, k * h.z}));
+          mass.push_back(0);
+          node_body.push_back(body);
+        }
+    x_old.insert(x_old.end(), x_new.begin() + first, x_new.end());
+    static constexpr int sides[6][4] = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6},
+                                        {0, 4, 7, 3}, {0, 3, 2, 1}, {4, 5, 6, 7}};
+    for (int k = 0; k < n[2]; ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          const int elem = static_cast<int>(elements.size());
+          elements.push_back({node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k),
+                              node(i, j + 1, k), node(i, j, k + 1), node(i + 1, j, k + 1),
+                              node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)});
+          for (const int corner : elements.back())
+            mass[corner] += density * h.x * h.y * h.z / 8;
+          const bool outside[6] = {j == 0, i == n[0] - 1, j == n[1] - 1,
+                                   i == 0, k == 0,        k == n[2] - 1};
+          const double thickness[6] = {h.y, h.x, h.y, h.x, h.z, h.z};
+          for (int side = 0; side < 6; ++side)
+            if (outside[side]) {
+              Face face;
+              for (int c = 0; c < 4; ++c)
+                face.nodes[c] = elements.back()[sides[side][c]];
+              face.id = global_id(elem) * 6 + side;
+              face.body = body;
+              face.element = elem;
+              face.surface_mass = 0.5 * density * thickness[side];
+              faces.push_back(face);
+            }
+        }
+    return body;
+  }
+  int addBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& n,
+             double density = 1) {
+    return addBrick(size, n, density, [&](const Vec3& p) { return corner + p; });
+  }
+  // Where the body's nodes were at x^n: x^{n+1} - motion.
+  void cameBy(int body, const Vec3& motion) {
+    for (std::size_t i = 0; i < x_new.size(); ++i)
+      if (node_body[i] == body)
+        x_old[i] = x_new[i] - motion;
+  }
+  // x^{n+1} becomes x^n, then the body moves on.
+  void step() { x_old = x_new; }
+  void move(int body, const Vec3& motion) {
+    for (std::size_t i = 0; i < x_new.size(); ++i)
+      if (node_body[i] == body)
+        x_new[i] += motion;
+  }
+  void fix(int body) {
+    for (std::size_t i = 0; i < x_new.size(); ++i)
+      if (node_body[i] == body)
+        mass[i] = HUGE_VAL;
+  }
+  int nodeAt(int body, const Vec3& p) const {
+    for (std::size_t i = 0; i < x_new.size(); ++i)
+      if (node_body[i] == body && norm(x_new[i] - p) < 1e-6)
+        return static_cast<int>(i);
+    return -1;
+  }
+};
+
+// One rank's part of a scene with the contact code on it. `cut` gives the rank of an element.
+class ScenePart {
+public:
+  template <class Cut>
+  ScenePart(const Scene& scene, MPI_Comm comm, const Cut& cut, double reach)
+      : _comm(comm), _rank(rankOf(comm)), _reach(reach) {
+    std::vector<int> owner(scene.x_new.size(), sizeOf(comm));
+    for (std::size_t e = 0; e < scene.elements.size(); ++e)
+      for (const int node : scene.elements[e])
+        owner[node] = std::min(owner[node], cut(static_cast<int>(e)));
+    std::set<int> nodes;
+    std::vector<std::pair<int, int>> others;
+    for (std::size_t f = 0; f < scene.faces.size(); ++f) {
+      const int rank = cut(scene.faces[f].element);
+      if (rank == _rank)
+        _faces.push_back(static_cast<int>(f));
+      else
+        others.emplace_back(rank, static_cast<int>(f));
+      for (const int node : scene.faces[f].nodes)
+        if (rank == _rank || owner[node] == _rank)
+          nodes.insert(node);
+    }
+    std::sort(others.begin(), others.end());
+    for (const auto& other : others)
+      _ghosts.push_back(other.second);
+    _nodes.assign(nodes.begin(), nodes.end());
+    makeSurface(scene, owner);
+    update(scene);
+  }
+
+  // Coordinates, ghosts and pairs of the scene as it stands now.
+  void update(const Scene& scene) {
+    setCoordinates(scene);
+    findPairs(scene);
+  }
+
+  const Surface& surface() const { return _surface; }
+  const GhostFaces& ghosts() const { return _ghost_faces; }
+  const CandidatePairs& pairs() const { return _pairs; }
+  const View<const double*> nodeMass() const { return _mass; }
+  const std::vector<int>& nodes() const { return _nodes; } // global number of each surface node
+  MPI_Comm comm() const { return _comm; }
+
+  // Collective. Totals over all ranks [global node][xyz].
+  std::vector<std::array<std::int64_t, 3>> total(const ContactForces& forces, std::size_t num_nodes,
+                                                 const Scene& scene) const {
+    std::vector<std::array<std::int64_t, 3>> sum(num_nodes, {0, 0, 0});
+    const auto own = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
+    const auto ghost =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.ghost_corners);
+    for (std::size_t i = 0; i < _nodes.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        sum[_nodes[i]][d] += own(i, d);
+    for (std::size_t g = 0; g < _ghosts.size(); ++g)
+      for (int j = 0; j < 4; ++j)
+        for (int d = 0; d < 3; ++d)
+          sum[scene.faces[_ghosts[g]].nodes[j]][d] += ghost(g, 3 * j + d);
+    allReduce(_comm, sum[0].data(), static_cast<int>(3 * num_nodes), MPI_SUM);
+    return sum;
+  }
+
+  // What the energy-neutral scheme asks of its host, by brute force. `acceleration` [global node].
+  NeutralInput neutralInput(const Scene& scene, const std::vector<Vec3>& acceleration) const {
+    NeutralInput input;
+    const View<double* [3]> values("test::acceleration", _nodes.size());
+    const auto host = Kokkos::create_mirror_view(values);
+    for (std::size_t i = 0; i < _nodes.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        host(i, d) = acceleration[_nodes[i]][d];
+    Kokkos::deep_copy(values, host);
+    input.accelerations = [values](const NodeList&) { return values; };
+    input.sum_forces = [this, &scene](const ContactForces& forces) {
+      const auto sum = total(forces, scene.x_new.size(), scene);
+      const auto nodes = Kokkos::create_mirror_view(forces.nodes);
+      for (std::size_t i = 0; i < _nodes.size(); ++i)
+        for (int d = 0; d < 3; ++d)
+          nodes(i, d) = sum[_nodes[i]][d];
+      Kokkos::deep_copy(forces.nodes, nodes);
+    };
+    input.share_with_ghosts = [this, &scene](const View<const double* [3]>& from,
+                                             const View<double* [12]>& to) {
+      const auto host_from = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), from);
+      std::vector<double> all(3 * scene.x_new.size(), -HUGE_VAL); // every copy has the same bits
+      for (std::size_t i = 0; i < _nodes.size(); ++i)
+        for (int d = 0; d < 3; ++d)
+          all[3 * _nodes[i] + d] = host_from(i, d);
+      allReduce(_comm, all.data(), static_cast<int>(all.size()), MPI_MAX);
+      const auto host_to = Kokkos::create_mirror_view(to);
+      for (std::size_t g = 0; g < _ghosts.size(); ++g)
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d)
+            host_to(g, 3 * j + d) = all[3 * scene.faces[_ghosts[g]].nodes[j] + d];
+      Kokkos::deep_copy(to, host_to);
+    };
+    return input;
+  }
+
+private:
+  void makeSurface(const Scene& scene, const std::vector<int>& owner) {
+    const int num_nodes = static_cast<int>(_nodes.size()),
+              num_faces = static_cast<int>(_faces.size());
+    _surface.num_nodes = num_nodes;
+    _surface.num_faces = num_faces;
+    const View<int* [4]> face_to_nodes("test::face_to_nodes", num_faces);
+    const View<global_id*> node_ids("test::node_ids", num_nodes),
+        face_ids("test::face_ids", num_faces);
+    const View<unsigned char*> owned("test::owned", num_nodes);
+    const View<global_id*> node_body("test::node_body", num_nodes),
+        face_body("test::face_body", num_faces);
+    const View<double**> attributes("test::attributes", num_faces, 5);
+    const View<double*> mass("test::mass", num_nodes);
+    fill(node_ids, [&](auto& v, int i) { v(i) = _nodes[i]; });
+    fill(owned, [&](auto& v, int i) { v(i) = owner[_nodes[i]] == _rank; });
+    fill(node_body, [&](auto& v, int i) { v(i) = scene.node_body[_nodes[i]]; });
+    fill(mass, [&](auto& v, int i) { v(i) = scene.mass[_nodes[i]]; });
+    fill(face_ids, [&](auto& v, int f) { v(f) = scene.faces[_faces[f]].id; });
+    fill(face_body, [&](auto& v, int f) { v(f) = scene.faces[_faces[f]].body; });
+    fill(attributes, [&](auto& v, int f) { setAttributes(scene, _faces[f], v, f); });
+    fill(face_to_nodes, [&](auto& v, int f) {
+      for (int j = 0; j < 4; ++j)
+        v(f, j) = static_cast<int>(
+            std::lower_bound(_nodes.begin(), _nodes.end(), scene.faces[_faces[f]].nodes[j]) -
+            _nodes.begin());
+    });
+    _surface.face_to_nodes = face_to_nodes;
+    _surface.node_ids = node_ids;
+    _surface.face_ids = face_ids;
+    _surface.node_is_owned = owned;
+    _surface.node_body = node_body;
+    _surface.face_body = face_body;
+    _surface.face_attributes = attributes;
+    _mass = mass;
+    for (const int node : _nodes)
+      _is_owned.push_back(owner[node] == _rank);
+
+    const int num_ghosts = static_cast<int>(_ghosts.size());
+    _ghost_faces.count = num_ghosts;
+    _ghost_faces.face_ids = View<global_id*>("test::ghost_ids", num_ghosts);
+    _ghost_faces.bodies = View<global_id*>("test::ghost_bodies", num_ghosts);
+    _ghost_faces.corner_ids = View<global_id* [4]>("test::ghost_corner_ids", num_ghosts);
+    _ghost_faces.coordinates_old = View<double* [12]>("test::ghost_old", num_ghosts);
+    _ghost_faces.coordinates_new = View<double* [12]>("test::ghost_new", num_ghosts);
+    _ghost_faces.attributes = View<double**>("test::ghost_attributes", num_ghosts, 5);
+    fill(_ghost_faces.face_ids, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].id; });
+    fill(_ghost_faces.bodies, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].body; });
+    fill(_ghost_faces.attributes, [&](auto& v, int g) { setAttributes(scene, _ghosts[g], v, g); });
+  }
+  template <class ViewType>
+  static void setAttributes(const Scene& scene, int face, const ViewType& view, int row) {
+    for (int j = 0; j < 4; ++j)
+      view(row, j) = scene.mass[scene.faces[face].nodes[j]];
+    view(row, 4) = scene.faces[face].surface_mass;
+  }
+  template <class ViewType, class Set>
+  static void fill(const ViewType& view, const Set& set) {
+    auto host = Kokkos::create_mirror_view(view);
+    for (int i = 0; i < static_cast<int>(view.extent(0)); ++i)
+      set(host, i);
+    Kokkos::deep_copy(view, host);
+  }
+
+  void setCoordinates(const Scene& scene) {
+    const auto of = [&](const std::vector<Vec3>& x, const char* label) {
+      const View<double* [3]> view(std::string(label), _nodes.size());
+      fill(view, [&](auto& v, int i) {
+        for (int d = 0; d < 3; ++d)
+          v(i, d) = x[_nodes[i]][d];
+      });
+      return view;
+    };
+    _surface.coordinates_old = of(scene.x_old, "test::x_old");
+    _surface.coordinates_new = of(scene.x_new, "test::x_new");
+    const auto corners = [&](const std::vector<Vec3>& x, const View<double* [12]>& view) {
+      fill(view, [&](auto& v, int g) {
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d)
+            v(g, 3 * j + d) = x[scene.faces[_ghosts[g]].nodes[j]][d];
+      });
+    };
+    corners(scene.x_old, _ghost_faces.coordinates_old);
+    corners(scene.x_new, _ghost_faces.coordinates_new);
+  }
+
+  static bool near(const Vec3& p, const Scene& scene, const Scene::Face& face, double reach) {
+    for (int d = 0; d < 3; ++d) {
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      for (const int node : face.nodes) {
+        low = std::min({low, scene.x_new[node][d], scene.x_old[node][d]});
+        high = std::max({high, scene.x_new[node][d], scene.x_old[node][d]});
+      }
+      if (p[d] < low - reach || p[d] > high + reach)
+        return false;
+    }
+    return true;
+  }
+  void findPairs(const Scene& scene) {
+    std::vector<std::int64_t> offsets(1, 0);
+    std::vector<int> listed;
+    std::vector<int> order(_faces.size() + _ghosts.size());
+    for (std::size_t f = 0; f < order.size(); ++f)
+      order[f] = static_cast<int>(f);
+    const auto faceOf = [&](int f) -> const Scene::Face& {
+      const int num_own = static_cast<int>(_faces.size());
+      return scene.faces[f < num_own ? _faces[f] : _ghosts[f - num_own]];
+    };
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      return std::make_pair(faceOf(a).body, faceOf(a).id) <
+             std::make_pair(faceOf(b).body, faceOf(b).id);
+    });
+    for (std::size_t i = 0; i < _nodes.size(); ++i) {
+      for (const int f : order)
+        if (_is_owned[i] && faceOf(f).body != scene.node_body[_nodes[i]] &&
+            (near(scene.x_new[_nodes[i]], scene, faceOf(f), _reach) ||
+             near(scene.x_old[_nodes[i]], scene, faceOf(f), _reach)))
+          listed.push_back(f);
+      offsets.push_back(static_cast<std::int64_t>(listed.size()));
+    }
+    View<std::int64_t*> row_offsets("test::offsets", offsets.size());
+    _pairs.faces = View<int*>("test::faces", listed.size());
+    fill(row_offsets, [&](auto& v, int i) { v(i) = offsets[i]; });
+    fill(_pairs.faces, [&](auto& v, int i) { v(i) = listed[i]; });
+    layOutRowsByNode(exec_space(), static_cast<int>(_nodes.size()), row_offsets, _pairs);
+  }
+
+  MPI_Comm _comm;
+  int _rank;
+  double _reach;
+  std::vector<int> _nodes, _faces, _ghosts; // global numbers
+  std::vector<char> _is_owned;
+  Surface _surface;
+  GhostFaces _ghost_faces;
+  CandidatePairs _pairs;
+  View<const double*> _mass;
+};
+
+} // namespace brickwall::contact::testing

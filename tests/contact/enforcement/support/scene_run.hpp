@@ -1,0 +1,69 @@
+// A scene of bricks with its contact enforcement, stepped by hand.
+#pragma once
+
+#include "tests/contact/enforcement/support/brick_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace brickwall::contact::testing {
+
+constexpr double dt = 0.1;
+
+inline EnforcementConfig config() {
+  EnforcementConfig c;
+  c.reference_step = dt;
+  return c;
+}
+inline Quantum quantum() {
+  return Quantum::forForceScale(100);
+}
+inline LimbScale energyScale() {
+  return LimbScale::forLargest(1e3);
+}
+
+// A scene on the ranks of `comm` with its enforcement.
+struct SceneRun {
+  template <class Cut>
+  SceneRun(const Scene& s, MPI_Comm comm, const Cut& cut, const EnforcementConfig& c = config(),
+           double reach = 0.3)
+      : scene(s), part(s, comm, cut, reach),
+        enforcement(exec_space(), comm, part.surface(), part.nodeMass(), c, quantum(),
+                    energyScale()) {}
+  // Collective. Forces of all nodes at the scene's present coordinates.
+  std::vector<std::array<std::int64_t, 3>> step() {
+    part.update(scene);
+    sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt).nodes;
+    sumOverRanks(part.comm(), sums);
+    return part.total(enforcement.forces(), scene.x_new.size(), scene);
+  }
+  // The interactions of an owned node.
+  std::vector<Interaction> of(int node) const {
+    std::vector<Interaction> found;
+    const auto& h = enforcement.history();
+    const auto all = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), h.interactions);
+    for (std::int64_t i = 0; i < h.count; ++i)
+      if (part.nodes()[all(i).node] == node)
+        found.push_back(all(i));
+    std::sort(found.begin(), found.end(),
+              [](const Interaction& a, const Interaction& b) { return a.body < b.body; });
+    return found;
+  }
+
+  Scene scene;
+  ScenePart part;
+  Enforcement enforcement;
+  ContactSums sums;
+};
+
+inline int onOneRank(int) {
+  return 0;
+}
+inline std::unique_ptr<SceneRun> alone(const Scene& scene, const EnforcementConfig& c = config(),
+                                       double reach = 0.3) {
+  return std::make_unique<SceneRun>(scene, MPI_COMM_SELF, onOneRank, c, reach);
+}
+
+} // namespace brickwall::contact::testing

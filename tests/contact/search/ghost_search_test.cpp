@@ -1,0 +1,379 @@
+// The global search of all methods against a brute-force evaluation of its definition, and what else it promises:
+// invariants of the partners, exports, the way back, errors found together, no allocation in a steady step.
+#include "tests/contact/search/ghost_cases.hpp"
+#include "tests/contact/search/search_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <limits>
+
+namespace brickwall::contact::test {
+namespace {
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+// One step; false when any rank found a difference.
+bool checkGhosts(const SurfaceCase& c, GlobalSearch& search, const LocalSurface& local,
+                 std::int64_t* num_ghosts = nullptr) {
+  const exec_space space;
+  const int rank = rankOf(comm);
+  const GhostFaces& ghosts = search.findGhosts(space, local.surface);
+  space.fence();
+  if (num_ghosts)
+    *num_ghosts += ghosts.count;
+  const auto ok =
+      ghostsAre(c, expectedOnRank(c, local, rank).ghosts, ghosts, search.config().method);
+  EXPECT_TRUE(ok) << c.name() << ", " << nameOf(search.config().method) << ", rank " << rank;
+  return okOnAllRanks(comm, ok);
+}
+bool checkGhosts(const SurfaceCase& c, GlobalSearch& search) {
+  return checkGhosts(c, search, localSurface(c, rankOf(comm)));
+}
+
+TEST(GhostSearchTest, GhostsEqualBruteForceOnRandomSurfaces) {
+  std::int64_t num_ghosts = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed)
+    for (const SearchMethod method : all_methods) {
+      const SurfaceCase c = makeCase(seed, sizeOf(comm));
+      GlobalSearch search(comm, configOf(c, method));
+      ASSERT_TRUE(checkGhosts(c, search, localSurface(c, rankOf(comm)), &num_ghosts)) << c.name();
+    }
+  if (sizeOf(comm) > 1) { // the cases are not hollow
+    EXPECT_GT(allReduce(comm, num_ghosts, MPI_SUM), 10000);
+  }
+}
+
+TEST(GhostSearchTest, BoxesEqualInFloatsAreDecidedInDoubles) {
+  std::int64_t num_ghosts = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed)
+    for (const SearchMethod method : all_methods) {
+      const SurfaceCase c = makeHardCase(seed, sizeOf(comm));
+      GlobalSearch search(comm, configOf(c, method));
+      ASSERT_TRUE(checkGhosts(c, search, localSurface(c, rankOf(comm)), &num_ghosts)) << c.name();
+    }
+  if (sizeOf(comm) > 1) {
+    EXPECT_GT(allReduce(comm, num_ghosts, MPI_SUM), 10000);
+  }
+}
+
+// Two faces of two ranks, a gap of `ulps` units in the last place of 1 between the node and the face box: closed boxes
+// overlap if it is not positive. All three cases are one and the same in floats.
+TEST(GhostSearchTest, OneUnitInTheLastPlaceDecides) {
+  const int size = sizeOf(comm);
+  if (size == 1)
+    GTEST_SKIP() << "needs two ranks";
+  for (const int ulps : {-1, 0, 1})
+    for (int d = 0; d < 3; ++d)
+      for (const bool above : {false, true}) {
+        SurfaceCase c;
+        c.kind = "gap of " + std::to_string(ulps) + " ulp";
+        for (int f = 0; f < 2; ++f) {
+          std::array<int, 4> corners{};
+          for (int k = 0; k < 4; ++k) {
+            Point x{};
+            x[(d + 1) % 3] = k == 1 || k == 2 ? 1 : 0;
+            x[(d + 2) % 3] = k / 2;
+            x[d] = 1;
+            if (f == 1 && ulps != 0)
+              x[d] = std::nextafter(1.0, (ulps > 0) == above ? 2.0 : 0.0);
+            corners[k] = addNode(c, f, x);
+            // Behind the plane each is thick, so that an overlap is one of volumes.
+            if (k % 2 == 1)
+              c.nodes[corners[k]].x_new[d] += (f == 1) == above ? 0.5 : -0.5;
+          }
+          addFace(c, f, corners);
+          c.faces[f].rank = f == 0 ? 0 : size - 1;
+          for (const int corner : corners) {
+            c.nodes[corner].owner = c.faces[f].rank;
+            c.nodes[corner].sharers = {c.faces[f].rank};
+          }
+        }
+        const int rank = rankOf(comm);
+        const auto expected = expectedOnRank(c, localSurface(c, rank), rank).ghosts.size();
+        EXPECT_EQ(expected, ulps <= 0 && (rank == 0 || rank == size - 1) ? 1u : 0u);
+        for (const SearchMethod method : all_methods) {
+          GlobalSearch search(comm, configOf(c, method));
+          EXPECT_TRUE(checkGhosts(c, search)) << c.kind << ", direction " << d << ", " << above;
+        }
+      }
+}
+
+TEST(GhostSearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
+  const SurfaceCase first = makeCase(0, sizeOf(comm));
+  for (const SearchMethod method : all_methods) {
+    GlobalSearch search(comm, configOf(first, method));
+    for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty ones in turn
+      SurfaceCase c =
+          seed % 2 == 0 ? makeCase(seed / 2, sizeOf(comm)) : makeHardCase(seed / 2, sizeOf(comm));
+      c.node_tolerance = first.node_tolerance;
+      c.face_tolerance = first.face_tolerance;
+      ASSERT_TRUE(checkGhosts(c, search)) << c.name();
+    }
+  }
+}
+
+// The same Views in every step, so that orders and trees are kept.
+TEST(GhostSearchTest, AMovingSurfaceKeepsItsGhostsRight) {
+  for (std::uint64_t seed = 0; seed < 60; seed += 5) {
+    SurfaceCase c = makeCase(seed % 10 == 5 ? 7 + seed : 6 + seed, sizeOf(comm));
+    LocalSurface local = localSurface(c, rankOf(comm));
+    const View<double*[3]> x_old("test", local.nodes.size()), x_new("test", local.nodes.size());
+    local.surface.coordinates_old = x_old;
+    local.surface.coordinates_new = x_new;
+    GlobalSearch search(comm, configOf(c, SearchMethod::cluster));
+    Random random(seed);
+    for (int step = 0; step < 8; ++step) {
+      for (auto& node : c.nodes) {
+        node.x_old = node.x_new;
+        for (int d = 0; d < 3; ++d)
+          node.x_new[d] += random.real(-0.2, 0.2) + 0.1 * static_cast<double>(node.body % 3);
+      }
+      const auto host_old = Kokkos::create_mirror_view(x_old);
+      const auto host_new = Kokkos::create_mirror_view(x_new);
+      for (std::size_t i = 0; i < local.nodes.size(); ++i)
+        for (int d = 0; d < 3; ++d) {
+          host_old(i, d) = c.nodes[local.nodes[i]].x_old[d];
+          host_new(i, d) = c.nodes[local.nodes[i]].x_new[d];
+        }
+      Kokkos::deep_copy(x_old, host_old);
+      Kokkos::deep_copy(x_new, host_new);
+      ASSERT_TRUE(checkGhosts(c, search, local)) << c.name() << ", step " << step;
+    }
+  }
+}
+
+void expectPartnersAgree(const PartnerLists& sends_to, const PartnerLists& receives_from,
+                         const SurfaceCase& c) {
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  std::vector<int> sends(size * size, 0), receives(size * size, 0);
+  for (const int q : sends_to.ranks)
+    ++sends[rank * size + q];
+  for (const int q : receives_from.ranks)
+    ++receives[q * size + rank];
+  allReduce(comm, sends.data(), size * size, MPI_SUM);
+  allReduce(comm, receives.data(), size * size, MPI_SUM);
+  EXPECT_EQ(sends, receives) << c.name(); // r in Q_snd(q) if and only if q in Q_rcv(r)
+  EXPECT_EQ(sends[rank * size + rank], 0);
+  for (const int count : sends)
+    EXPECT_LE(count, 1); // no duplicates
+}
+
+TEST(GhostSearchTest, SendersAndReceiversAgreeOnPartners) {
+  const exec_space space;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const SurfaceCase c = makeCase(seed, sizeOf(comm));
+    const LocalSurface local = localSurface(c, rankOf(comm));
+    RankBoxes rank_boxes;
+    for (const SearchMethod method : {SearchMethod::paper, SearchMethod::reference}) {
+      SurfaceBoxes boxes;
+      GhostingCandidates candidates;
+      constructBoxes(space, local.surface, configOf(c, method), boxes);
+      exchangeRankBoxes(comm, local.surface, boxes, rank_boxes);
+      findPartnersAndCandidates(space, local.surface, boxes, rank_boxes, method, candidates);
+      expectPartnersAgree(candidates.nodes_to_send, candidates.faces_to_test, c);
+    }
+    SurfaceClusters clusters;
+    ClusterCandidates candidates;
+    clusters.update(space, local.surface, configOf(c, SearchMethod::cluster));
+    exchangeRankBoxes(comm, local.surface, clusters, rank_boxes);
+    findPartnersAndCandidates(space, clusters, rank_boxes, candidates);
+    expectPartnersAgree(candidates.nodes_to_send, candidates.blocks_to_test, c);
+  }
+}
+
+// What the owners say they sent is what the others hold, in the same order.
+TEST(GhostSearchTest, SentFacesAreTheGhostsOfTheirDestinations) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    for (const SearchMethod method : all_methods) {
+      const SurfaceCase c = makeCase(seed, size);
+      const LocalSurface local = localSurface(c, rank);
+      GlobalSearch search(comm, configOf(c, method));
+      const GhostFaces& ghosts = search.findGhosts(space, local.surface);
+      const auto sent = search.sentFaces(space, local.surface);
+      EXPECT_EQ(static_cast<std::int64_t>(sent.size()), search.statistics().faces_sent);
+      std::vector<std::vector<global_id>> to(static_cast<std::size_t>(size));
+      for (const SentFace& face : sent)
+        to[static_cast<std::size_t>(face.destination)].push_back(face.face);
+      std::vector<global_id> expected;
+      for (const auto& from : exchangeByRank(comm, to))
+        expected.insert(expected.end(), from.begin(), from.end());
+      const auto ids = onHost(ghosts.face_ids);
+      const std::vector<global_id> found(ids.data(), ids.data() + ghosts.count);
+      EXPECT_EQ(found, expected) << c.name() << ", " << nameOf(method);
+    }
+}
+
+// A search in floats may look at a little more, never at less; its hits are first hits.
+TEST(GhostSearchTest, StatisticsOfTheMethodsAreConsistent) {
+  const exec_space space;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const SurfaceCase c = makeCase(seed, sizeOf(comm));
+    const LocalSurface local = localSurface(c, rankOf(comm));
+    GlobalSearch cluster(comm, configOf(c, SearchMethod::cluster));
+    GlobalSearch paper(comm, configOf(c, SearchMethod::paper));
+    cluster.findGhosts(space, local.surface);
+    paper.findGhosts(space, local.surface);
+    const SearchStatistics a = cluster.statistics(), b = paper.statistics();
+    EXPECT_GE(a.num_partners, b.num_partners) << c.name();
+    EXPECT_GE(a.node_boxes_sent, b.node_boxes_sent) << c.name();
+    EXPECT_GE(a.candidate_faces, b.candidate_faces) << c.name();
+    EXPECT_EQ(a.faces_sent, b.faces_sent) << c.name();
+    EXPECT_EQ(a.num_ghosts, b.num_ghosts) << c.name();
+    EXPECT_EQ(a.overlapping_pairs, a.faces_sent) << c.name();
+    EXPECT_GE(b.overlapping_pairs, b.faces_sent) << c.name();
+  }
+}
+
+std::int64_t reactionOf(global_id face, int rank, int i) {
+  return (face * 7919 + rank * 104729 + i * 31) * (i % 2 == 0 ? 1000003 : -1000033);
+}
+
+TEST(GhostSearchTest, ReactionsOnGhostsReturnToTheirOwnersExactly) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  for (std::uint64_t run = 0; run < 60; ++run) {
+    const SearchMethod method = all_methods[run % 3];
+    const SurfaceCase c = makeCase(run / 3, size);
+    const LocalSurface local = localSurface(c, rank);
+    GlobalSearch global(comm, configOf(c, method));
+    const GhostFaces& ghosts = global.findGhosts(space, local.surface);
+    const auto ids = onHost(ghosts.face_ids);
+    const auto reactions = viewOf<View<std::int64_t* [12]>>(
+        static_cast<std::size_t>(ghosts.count), 12,
+        [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
+    const auto returned = viewOf<View<std::int64_t* [3]>>(
+        local.nodes.size(), 3, [](auto, auto d) { return static_cast<std::int64_t>(d); });
+    global.returnToOwners(space, local.surface.face_to_nodes, reactions, returned);
+    space.fence();
+
+    const auto found = onHost(returned);
+    const auto face_to_nodes = onHost(local.surface.face_to_nodes);
+    std::vector<std::vector<char>> ghosted(size, std::vector<char>(c.faces.size(), 0));
+    for (int q = 0; q < size; ++q)
+      for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts)
+        ghosted[q][f] = 1;
+    std::vector<std::array<std::int64_t, 3>> expected(local.nodes.size(), {0, 1, 2});
+    for (std::size_t f = 0; f < local.faces.size(); ++f)
+      for (int q = 0; q < size; ++q)
+        if (ghosted[q][local.faces[f]])
+          for (int i = 0; i < 12; ++i)
+            expected[face_to_nodes(f, i / 3)][i % 3] +=
+                reactionOf(c.faces[local.faces[f]].id, q, i);
+    bool ok = true;
+    for (std::size_t n = 0; n < expected.size(); ++n)
+      for (int d = 0; d < 3; ++d)
+        ok = ok && found(n, d) == expected[n][d];
+    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+  }
+}
+
+TEST(GhostSearchTest, ValuesAtNodesReachTheCornersOfGhosts) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  const auto valueOf = [](global_id node, int d) { return 0.25 * static_cast<double>(node) + d; };
+  for (std::uint64_t run = 0; run < 60; ++run) {
+    const SearchMethod method = all_methods[run % 3];
+    const SurfaceCase c = makeCase(run / 3, size);
+    const LocalSurface local = localSurface(c, rank);
+    GlobalSearch search(comm, configOf(c, method));
+    const GhostFaces& ghosts = search.findGhosts(space, local.surface);
+    const auto node_values =
+        viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
+          return valueOf(c.nodes[local.nodes[n]].id, static_cast<int>(d));
+        });
+    const View<double* [12]> values("test", static_cast<std::size_t>(ghosts.count));
+    search.sendToGhosts(space, local.surface, node_values, values);
+    space.fence();
+    const auto found = onHost(values);
+    const auto corners = onHost(ghosts.corner_ids);
+    bool ok = true;
+    for (int g = 0; g < ghosts.count; ++g)
+      for (int i = 0; i < 12; ++i)
+        ok = ok && found(g, i) == valueOf(corners(g, i / 3), i % 3);
+    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+  }
+}
+
+TEST(GhostSearchTest, AllRanksThrowTheSameMessageForACoordinateThatIsNotFinite) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  SurfaceCase c = makeCase(10, size);
+  const double bad_values[] = {std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::infinity()};
+  for (std::size_t n = 0; n < c.nodes.size(); n += 17)
+    for (const double bad : bad_values) {
+      SurfaceCase broken = c;
+      (n % 2 == 0 ? broken.nodes[n].x_new : broken.nodes[n].x_old)[n % 3] = bad;
+      GlobalSearch search(comm, configOf(c, all_methods[n / 17 % 3]));
+      std::string message = "nothing thrown";
+      try {
+        search.findGhosts(space, localSurface(broken, rank).surface);
+      } catch (const PhysicsError& error) {
+        message = error.what();
+      }
+      EXPECT_EQ(message, broadcast(comm, message)); // rank 0's
+      EXPECT_NE(message.find("node " + std::to_string(c.nodes[n].id) + " on rank " +
+                             std::to_string(c.nodes[n].sharers.front())),
+                std::string::npos)
+          << message;
+      EXPECT_TRUE(checkGhosts(c, search)); // and the search is usable again
+    }
+}
+
+TEST(GhostSearchTest, DifferentNumbersOfFaceAttributesAreRefusedTogether) {
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  if (size == 1)
+    GTEST_SKIP() << "needs two ranks with faces";
+  const exec_space space;
+  SurfaceCase c = makeCase(0, size);
+  for (std::size_t f = 0; f < c.faces.size(); ++f)
+    c.faces[f].rank = static_cast<int>(f) % size;
+  for (auto& node : c.nodes) {
+    node.sharers.resize(static_cast<std::size_t>(size));
+    for (int q = 0; q < size; ++q)
+      node.sharers[q] = q;
+  }
+  LocalSurface local = localSurface(c, rank);
+  if (rank == 1)
+    local.surface.face_attributes = View<double**>("test", local.faces.size(), 1);
+  for (const SearchMethod method : all_methods) {
+    GlobalSearch search(comm, configOf(c, method));
+    EXPECT_THROW(search.findGhosts(space, local.surface), InputError) << nameOf(method);
+  }
+}
+
+TEST(GhostSearchTest, ToleranceMustBeAFiniteLength) {
+  SearchConfig config;
+  config.node_tolerance = -1;
+  EXPECT_THROW(GlobalSearch(comm, config), InputError);
+  config.node_tolerance = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(GlobalSearch(comm, config), InputError);
+}
+
+std::atomic<int> num_allocations{0};
+
+TEST(GhostSearchTest, ASteadyStepAllocatesNothing) {
+  const exec_space space;
+  for (const SearchMethod method : {SearchMethod::cluster, SearchMethod::paper}) {
+    const SurfaceCase c = makeCase(30, sizeOf(comm));
+    const LocalSurface local = localSurface(c, rankOf(comm));
+    GlobalSearch search(comm, configOf(c, method));
+    Kokkos::Tools::Experimental::set_allocate_data_callback(
+        [](Kokkos_Profiling_SpaceHandle, const char*, const void*, std::uint64_t) {
+          ++num_allocations;
+        });
+    num_allocations = 0;
+    search.findGhosts(space, local.surface);
+    EXPECT_GT(num_allocations, 0); // the first step does, so the count counts
+    num_allocations = 0;
+    search.findGhosts(space, local.surface);
+    Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
+    EXPECT_EQ(num_allocations, 0) << nameOf(method);
+  }
+}
+
+} // namespace
+} // namespace brickwall::contact::test

@@ -1,0 +1,131 @@
+// The fastest pair against a look at all pairs that the search lists, on any ranks and with lists that are kept.
+#include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/search/audit/pair_motion.hpp"
+#include "contact/search/audit/read_back.hpp"
+#include "contact/search/candidate_search.hpp"
+#include "tests/contact/enforcement/support/scene_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace brickwall::contact::testing {
+namespace {
+
+const MPI_Comm world = MPI_COMM_WORLD;
+
+int scattered(int element) {
+  return element * 7 % 5 % sizeOf(world);
+}
+
+// A spinning brick on one at rest; every node has a motion of its own.
+Scene spinningOnTop() {
+  Scene scene;
+  scene.addBox({0, 0, 0}, {3, 3, 1}, {3, 3, 1});
+  scene.addBox({0.3, 0.2, 1.05}, {3, 2, 1}, {3, 2, 1});
+  for (std::size_t i = 0; i < scene.x_new.size(); ++i)
+    if (scene.node_body[i] == 1)
+      scene.x_new[i] += cross(Vec3{0.01, -0.02, 0.1}, scene.x_new[i] - Vec3{1, 1, 1});
+  return scene;
+}
+
+SearchConfig searchOf(double tolerance) {
+  SearchConfig search;
+  search.node_tolerance = search.face_tolerance = tolerance;
+  search.drop_same_body = true;
+  return search;
+}
+
+PairMotion bruteForce(const Scene& scene, const std::vector<IdPair>& pairs) {
+  PairMotion found;
+  const auto motionOf = [&](int node) { return scene.x_new[node] - scene.x_old[node]; };
+  for (const IdPair& pair : pairs)
+    for (const Scene::Face& face : scene.faces)
+      if (face.id == pair.face)
+        for (const int corner : face.nodes) {
+          const double motion = norm(motionOf(static_cast<int>(pair.node)) - motionOf(corner));
+          const bool is_lower =
+              pair.node != found.node ? pair.node < found.node : pair.face < found.face;
+          if (motion > found.motion || (motion == found.motion && is_lower))
+            found = {{pair.node, pair.face, scene.node_body[static_cast<std::size_t>(pair.node)],
+                      face.body},
+                     motion,
+                     false};
+        }
+  return found;
+}
+
+void expectSame(const PairMotion& a, const PairMotion& b) {
+  EXPECT_EQ(a.motion, b.motion);
+  EXPECT_EQ(a.node, b.node);
+  EXPECT_EQ(a.face, b.face);
+  EXPECT_EQ(a.node_body, b.node_body);
+  EXPECT_EQ(a.face_body, b.face_body);
+}
+
+TEST(FastestPair, IsTheOneThatAllPairsShow) {
+  const exec_space space;
+  const Scene scene = spinningOnTop();
+  const ScenePart whole(scene, MPI_COMM_SELF, onOneRank, 0);
+  CandidateSearch all(MPI_COMM_SELF, searchOf(0.05));
+  all.update(space, whole.surface());
+  const PairMotion expected =
+      bruteForce(scene, candidateIds(space, whole.surface(), all.ghosts(), all.pairs()));
+  EXPECT_GT(expected.motion, 0.1);
+
+  const ScenePart part(scene, world, scattered, 0);
+  for (const double margin : {0.0, 1.0}) { // kept lists hold faster pairs that are too far away
+    CandidateSearch search(world, searchOf(0.05), margin);
+    search.update(space, part.surface());
+    expectSame(fastestPair(space, world, part.surface(), search.ghosts(), search.pairs(), 0.1),
+               expected);
+    const PairMotion unnamed =
+        fastestPair(space, world, part.surface(), search.ghosts(), search.pairs(), 1);
+    EXPECT_EQ(unnamed.motion, expected.motion);
+    EXPECT_EQ(unnamed.node, -1);
+  }
+}
+
+TEST(FastestPair, OfBodiesThatMoveAsOneDoesNotMove) {
+  Scene scene = spinningOnTop();
+  scene.x_new = scene.x_old;
+  for (int body = 0; body < 2; ++body)
+    scene.move(body, {5, 0, 0});
+  const ScenePart part(scene, world, scattered, 0);
+  CandidateSearch search(world, searchOf(0.05));
+  search.update(exec_space(), part.surface());
+  EXPECT_GT(allReduce(world, search.pairs().count, MPI_SUM), 0);
+  EXPECT_LE(
+      fastestPair(exec_space(), world, part.surface(), search.ghosts(), search.pairs(), 1).motion,
+      1e-15); // x + 5 - x rounds
+}
+
+// Bars on edge that cross in mid-cell.
+TEST(FastestPair, OfCrossingEdgesIsThatOfTheirEnds) {
+  const exec_space space;
+  const double c = std::sqrt(0.5);
+  Scene scene;
+  scene.addBrick({3, 3, 3}, {3, 3, 3}, 1, [&](const Vec3& p) {
+    const double y = p.y - 3, z = p.z - 3; // the ridge is where both are 0
+    return Vec3{p.x - 1.5, c * (y - z), c * (y + z)};
+  });
+  scene.addBrick({3, 3, 3}, {3, 3, 3}, 1, [&](const Vec3& p) {
+    return Vec3{c * (p.x - p.z), p.y - 1.513, 0.15 + c * (p.x + p.z)};
+  });
+  scene.move(1, {0, 0.1, -0.2});
+  for (const bool is_cut : {false, true}) {
+    const ScenePart part(scene, is_cut ? world : MPI_COMM_SELF, is_cut ? scattered : onOneRank, 0);
+    EdgeContact edges(space, part.comm(), part.surface(),
+                      findFeatureEdges(part.comm(), part.surface()), part.nodeMass(),
+                      searchOf(0.01), 0, config(), quantum(), energyScale());
+    edges.findCandidates(space, part.surface());
+    const PairMotion fastest = edges.fastestPair(space, part.comm(), 0.1);
+    EXPECT_TRUE(fastest.is_of_edges);
+    EXPECT_NEAR(fastest.motion, std::sqrt(0.05), 1e-14);
+    EXPECT_EQ(fastest.node_body + fastest.face_body, 1);
+    EXPECT_GE(fastest.node, 0);
+  }
+}
+
+} // namespace
+} // namespace brickwall::contact::testing

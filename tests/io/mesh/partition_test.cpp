@@ -1,0 +1,136 @@
+// RCB, shared nodes and connected components, also where there is little or nothing to divide.
+#include "tests/io/support/io_test_support.hpp"
+
+#include "io/mesh/connected_components.hpp"
+#include "io/mesh/id_slices.hpp"
+#include "io/mesh/partition.hpp"
+#include "io/mesh/shared_nodes.hpp"
+
+namespace brickwall::io::testing {
+namespace {
+
+// `n` points on a line, or all in one place, given as slices; returns how many each rank got.
+std::vector<std::int64_t> sharesOf(std::int64_t n, bool coincident, std::int64_t first_id) {
+  const IdSlices slices{n, sizeOf(MPI_COMM_WORLD)};
+  const int rank = rankOf(MPI_COMM_WORLD);
+  std::vector<global_id> ids;
+  std::vector<double> points;
+  for (std::int64_t i = slices.begin(rank); i < slices.end(rank); ++i) {
+    ids.push_back(first_id + i);
+    for (int d = 0; d < 3; ++d)
+      points.push_back(coincident ? 1.0 : static_cast<double>(d == 0 ? i : 0));
+  }
+  const std::vector<int> ranks = partitionPoints(MPI_COMM_WORLD, ids, points);
+  EXPECT_EQ(ranks.size(), ids.size());
+  std::vector<std::int64_t> shares(sizeOf(MPI_COMM_WORLD), 0);
+  for (const int q : ranks)
+    ++shares.at(q);
+  allReduce(MPI_COMM_WORLD, shares.data(), static_cast<int>(shares.size()), MPI_SUM);
+  return shares;
+}
+
+TEST(IdSlices, CoverAllIdsOnceInOrder) {
+  for (const std::int64_t total : {0, 1, 5, 7, 8, 100})
+    for (const int ranks : {1, 2, 3, 7, 8}) {
+      const IdSlices slices{total, ranks};
+      EXPECT_EQ(slices.begin(0), 0);
+      EXPECT_EQ(slices.end(ranks - 1), total);
+      for (int r = 0; r < ranks; ++r)
+        for (std::int64_t id = slices.begin(r); id < slices.end(r); ++id)
+          EXPECT_EQ(slices.rankOf(id), r);
+    }
+}
+
+TEST(Partition, SharesPointsEvenly) {
+  const std::int64_t n = 10000;
+  for (const std::int64_t share : sharesOf(n, false, 0))
+    EXPECT_NEAR(static_cast<double>(share), static_cast<double>(n) / sizeOf(MPI_COMM_WORLD),
+                0.02 * n);
+}
+
+TEST(Partition, TakesFewerPointsThanRanksAndNone) {
+  for (const std::int64_t n : {0, 1, 2, 3}) {
+    std::int64_t sum = 0;
+    for (const std::int64_t share : sharesOf(n, false, 0))
+      sum += share;
+    EXPECT_EQ(sum, n);
+  }
+}
+
+TEST(Partition, TakesCoincidentPoints) {
+  std::int64_t sum = 0;
+  for (const std::int64_t share : sharesOf(1000, true, 0))
+    sum += share;
+  EXPECT_EQ(sum, 1000);
+}
+
+TEST(Partition, KeepsIdsBeyond32Bits) {
+  std::int64_t sum = 0;
+  for (const std::int64_t share : sharesOf(500, false, (std::int64_t(1) << 40) + 12345))
+    sum += share;
+  EXPECT_EQ(sum, 500);
+}
+
+TEST(SharedNodes, AreFoundOnBothSidesAndOwnedByTheLowest) {
+  // Rank r has nodes r .. r + 2 of a row: each shared by up to three ranks.
+  const int rank = rankOf(MPI_COMM_WORLD), size = sizeOf(MPI_COMM_WORLD);
+  const std::vector<global_id> ids = {rank, rank + 1, rank + 2};
+  const NodeSharing sharing = findSharedNodes(MPI_COMM_WORLD, ids, size + 2);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(sharing.node_owner[i], std::max(0, rank + i - 2));
+  for (const SharedNodes& shared : sharing.sharers) {
+    const int distance = std::abs(shared.rank - rank);
+    ASSERT_LE(distance, 2);
+    EXPECT_EQ(shared.nodes.size(), 3u - distance);
+  }
+}
+
+// A bar of hexes in x; the hexes are dealt out to ranks in turn, so that every neighbour is elsewhere. Cut before the
+// elements in `cuts`.
+MeshPart dealtBars(int num_elems, const std::set<int>& cuts) {
+  MeshPart part;
+  const int rank = rankOf(MPI_COMM_WORLD), size = sizeOf(MPI_COMM_WORLD);
+  std::vector<global_id> corners;
+  global_id plane = 0; // first of four nodes at the left of the element
+  for (int elem = 0; elem < num_elems; ++elem, plane += 4) {
+    if (cuts.count(elem) > 0)
+      plane += 4;
+    if (elem % size != rank)
+      continue;
+    part.elem_ids.push_back(elem);
+    for (int c = 0; c < 8; ++c)
+      corners.push_back(plane + c);
+  }
+  part.node_ids = corners;
+  std::sort(part.node_ids.begin(), part.node_ids.end());
+  part.node_ids.erase(std::unique(part.node_ids.begin(), part.node_ids.end()), part.node_ids.end());
+  for (const global_id node : corners)
+    part.elem_nodes.push_back(
+        static_cast<int>(std::lower_bound(part.node_ids.begin(), part.node_ids.end(), node) -
+                         part.node_ids.begin()));
+  part.num_global_elems = num_elems;
+  part.num_global_nodes = plane + 4;
+  NodeSharing sharing = findSharedNodes(MPI_COMM_WORLD, part.node_ids, part.num_global_nodes);
+  part.node_owner = sharing.node_owner;
+  part.shared_nodes = sharing.sharers;
+  return part;
+}
+
+TEST(ConnectedComponents, AreFoundThroughManyRankCuts) {
+  MeshPart part = dealtBars(40, {10, 11, 30});
+  findBodies(MPI_COMM_WORLD, part);
+  EXPECT_EQ(part.num_global_bodies, 4);
+  for (int elem = 0; elem < part.numElems(); ++elem) {
+    const global_id id = part.elem_ids[elem];
+    EXPECT_EQ(part.elem_body[elem], id < 10 ? 0 : id < 11 ? 1 : id < 30 ? 2 : 3);
+  }
+}
+
+TEST(ConnectedComponents, TakeASingleElement) {
+  MeshPart part = dealtBars(1, {});
+  findBodies(MPI_COMM_WORLD, part);
+  EXPECT_EQ(part.num_global_bodies, 1);
+}
+
+} // namespace
+} // namespace brickwall::io::testing

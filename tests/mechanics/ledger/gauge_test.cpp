@@ -1,0 +1,326 @@
+// The gauges of the ledger against exact answers: invariants of linear bodies, telescoping work, impulses and their moments.
+#include "tests/mechanics/support/solver.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::mechanics {
+namespace {
+
+using namespace testing;
+
+constexpr double rounding = 1e-12; // some hundred steps of sums relative to the energy
+
+Block brick(Vec3 origin = {}) {
+  Block block;
+  block.elements[0] = 4, block.elements[1] = 3, block.elements[2] = 2;
+  block.size = {2, 1, 1};
+  block.origin = origin;
+  return block;
+}
+
+// All modes: displacements and velocities without any order.
+void stir(Solver& solver, double amplitude) {
+  const auto anyVector = [=](double x, double y, double z) {
+    const auto seed = static_cast<std::uint64_t>(1e3 * x + 1e6 * y + 1e9 * z + 1e12);
+    return amplitude * Vec3{randomOf(seed), randomOf(seed + 1), randomOf(seed + 2)};
+  };
+  solver.state.displacement = nodalField(solver.space, solver.blocks.mesh,
+                                         [&](const Vec3& x) { return anyVector(x.x, x.y, x.z); });
+  solver.state.velocity = nodalField(solver.space, solver.blocks.mesh,
+                                     [&](const Vec3& x) { return anyVector(x.z + 3, x.x, x.y); });
+}
+
+// Full integration of the linear material is linear in u exactly.
+Solver linearSolid() {
+  return Solver(world, brick(), {MaterialModel::linear, 1, 1, 0.3}, {}, asIs, ElementKind::full);
+}
+
+TEST(ShadowEnergy, OfALinearSolidIsConstantAtConstantSteps) {
+  Solver solver = linearSolid();
+  stir(solver, 1e-3);
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  const double first = solver.ledger.balance().shadow;
+  EXPECT_GT(first, 0);
+  for (int s = 0; s < 300; ++s) {
+    solver.step(dt);
+    ASSERT_NEAR(solver.ledger.balance().shadow / first, 1, rounding) << "step " << s;
+  }
+}
+
+TEST(ShadowEnergy, IsThatOfTheMeanVelocityLessTheSquareOfTheAcceleration) {
+  Solver solver = linearSolid();
+  stir(solver, 1e-3);
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  for (int s = 0; s < 3; ++s) {
+    const auto before =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.velocity);
+    Kokkos::View<double* [3], Kokkos::HostSpace> old("old", before.extent(0));
+    for (int node = 0; node < solver.blocks.mesh.num_nodes; ++node)
+      for (int i = 0; i < 3; ++i)
+        old(node, i) = before(node, i);
+    solver.step(dt);
+    const auto after =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.velocity);
+    const auto mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.mass);
+    const auto owned =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.blocks.mesh.node_is_owned);
+    double sum = 0;
+    for (int node = 0; node < solver.blocks.mesh.num_nodes; ++node)
+      for (int i = 0; owned(node) && i < 3; ++i) {
+        const double mean = 0.5 * (old(node, i) + after(node, i));
+        const double acceleration = (after(node, i) - old(node, i)) / dt;
+        sum += mass(node) * (0.5 * mean * mean - dt * dt / 8 * acceleration * acceleration);
+      }
+    sum = allReduce(world, sum, MPI_SUM);
+    const EnergyBalance& b = solver.ledger.balance();
+    EXPECT_NEAR(sum + b.stored_material + b.stored_hourglass, b.shadow, rounding * b.shadow);
+  }
+}
+
+TEST(StoredEnergy, OfALinearSolidIsMinusTheWorkOfItsForces) {
+  Solver solver = linearSolid();
+  stir(solver, 1e-3);
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  for (int s = 0; s < 300; ++s)
+    solver.step(dt);
+  const EnergyBalance& b = solver.ledger.balance();
+  EXPECT_LE(b.stored_error, rounding);
+  EXPECT_LE(b.energy_error, rounding);
+  EXPECT_GT(std::fabs(b.work[internal_force]), 1e-3 * b.peak_total);
+}
+
+// However little a body moves, as in the first steps of a smooth pulse: rounding is no error of the physics.
+TEST(EnergyError, OfBodiesThatHardlyMoveIsFarBelowTheUsualLimit) {
+  for (double amplitude = 1e-3; amplitude > 1e-22; amplitude *= 0.3) {
+    Solver solver = linearSolid();
+    stir(solver, amplitude);
+    const double dt = 0.8 * solver.stableStep();
+    solver.start(dt);
+    for (int s = 0; s < 20; ++s) {
+      solver.step(dt);
+      EXPECT_LE(solver.ledger.balance().energy_error, 0.01) << amplitude << ", step " << s;
+    }
+  }
+}
+
+// Forces are the gradient of the energy; what is left is that of a nonlinear body, of second order in dt.
+TEST(StoredEnergy, FollowsItsWorkWithSecondOrder) {
+  const auto errorOf = [](double share) {
+    Solver solver(world, brick(), {MaterialModel::neo_hookean, 1, 1, 0.3});
+    // smooth, so that dt resolves it
+    solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
+      return 0.1 * Vec3{std::sin(2 * x.y), std::cos(x.x + x.z), std::sin(1.5 * x.x)};
+    });
+    const double dt = share * solver.stableStep();
+    solver.start(dt);
+    for (double time = 0; time < 3; time += dt)
+      solver.step(dt);
+    const EnergyBalance& b = solver.ledger.balance();
+    EXPECT_GT(b.peak_hourglass, 1e-3 * b.peak_total);
+    EXPECT_EQ(b.work_hourglass, -b.stored_hourglass); // there was none at the start
+    return b.stored_error;
+  };
+  const double coarse = errorOf(0.8), fine = errorOf(0.2);
+  if (rankOf(world) == 0)
+    std::printf("  stored_error at chi = .8, .2: %.2g, %.2g\n", coarse, fine);
+  EXPECT_LE(coarse, 1e-3);
+  EXPECT_GE(std::log2(coarse / fine) / 2, 1.8);
+}
+
+TEST(HourglassShare, IsNoneInUniformStrainAndAllInAPureHourglassMode) {
+  Block one;
+  for (const bool is_hourglass : {false, true}) {
+    Solver solver(MPI_COMM_SELF, one, {MaterialModel::neo_hookean, 1, 1, 0.3});
+    solver.state.displacement = nodalField(solver.space, solver.blocks.mesh, [&](const Vec3& x) {
+      const double mode = (2 * x.x - 1) * (2 * x.y - 1);
+      return is_hourglass ? Vec3{0, 0, 1e-3 * mode} : Vec3{1e-3 * x.x, 0, 0};
+    });
+    solver.start(1e-6); // too short to move
+    const EnergyBalance& b = solver.ledger.balance();
+    EXPECT_GT(b.peak_internal, 0);
+    EXPECT_NEAR(b.hourglassShare(), is_hourglass ? 1 : 0, 1e-12);
+  }
+}
+
+// Every node on a spring to its reference place: the stored energy k u^n.u^{n+1}/2 and the work telescope exactly.
+TEST(ContactError, IsNoneForLinearSpringsAndShowsWhatIsMissing) {
+  for (const double told : {1.0, 0.9}) {
+    Solver solver = linearSolid();
+    stir(solver, 1e-3);
+    const double k = 0.01, dt = 0.5 * solver.stableStep();
+    const auto& mesh = solver.blocks.mesh;
+    Kokkos::View<double* [3], Kokkos::HostSpace> last("last", mesh.num_nodes);
+    bool has_last = false;
+    solver.contact = [&] {
+      ContactEnergySums sums;
+      const auto owned =
+          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.node_is_owned);
+      const auto u =
+          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.displacement);
+      const auto forces =
+          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.forces.values);
+      for (int node = 0; node < mesh.num_nodes; ++node)
+        for (int i = 0; i < 3; ++i) {
+          forces(node, 3 * contact_force + i) =
+              roundToFixed(-k * u(node, i) * solver.forces.quantum.inverse);
+          if (owned(node) && has_last)
+            sums.add(contact_stored_half, told * 0.5 * k * last(node, i) * u(node, i),
+                     solver.scales.energy);
+          last(node, i) = u(node, i);
+        }
+      Kokkos::deep_copy(solver.forces.values, forces);
+      has_last = true;
+      return sums;
+    };
+    // The springs are slack at the start, as contacts are.
+    Kokkos::deep_copy(solver.state.displacement, 0);
+    solver.start(dt);
+    double peak = 0;
+    for (int s = 0; s < 200; ++s) {
+      solver.step(dt);
+      peak = std::max(peak, solver.ledger.balance().stored_contact);
+    }
+    const EnergyBalance& b = solver.ledger.balance();
+    EXPECT_GT(peak, 0.01 * b.peak_total);
+    if (told == 1.0) {
+      EXPECT_LE(b.contact_error, 1e-9); // forces are rounded to 2^-54 of a strain of one
+      EXPECT_LE(b.energy_error, 1e-9);
+    } else {
+      EXPECT_NEAR(b.contact_error * b.peak_total, peak / 9, 1e-6 * peak); // a tenth of the truth
+    }
+  }
+}
+
+// Far from the origin and turning; loads follow the body; every force that can turn it acts; the step changes.
+TEST(AngularMomentum, ChangesByTheMomentsOfAllImpulses) {
+  Solver solver(world, brick({3, -2, 1}), {MaterialModel::neo_hookean, 1, 1, 0.3});
+  solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
+    return cross(Vec3{0.02, -0.01, 0.05}, x - Vec3{4, -1.5, 1.5}) + Vec3{0.01, 0, 0};
+  });
+  PrescribedMotion hinge;
+  hinge.nodes = solver.nodesWhere([](const Vec3& x) { return x.x < 3 + 1e-9 && x.y < -2 + 1e-9; });
+  hinge.component[2] = false;
+  solver.fix({hinge}, {0.001, 0, -0.002}, 0.1);
+  Pressure pressure;
+  pressure.peak = 0.02;
+  pressure.follower = true;
+  solver.press(pressure, [](const Vec3& x) { return x.z > 2 - 1e-9; });
+  const double stable = solver.stableStep();
+  double dt = 0.8 * stable;
+  solver.start(dt);
+  for (int s = 0; s < 400; ++s) {
+    const double next = s == 200 ? 0.3 * stable : dt;
+    drift(solver.space, dt, solver.state);
+    solver.time += dt;
+    solver.evaluateAndKick(0.5 * (dt + next), next);
+    dt = next;
+  }
+  const EnergyBalance& b = solver.ledger.balance();
+  ASSERT_EQ(b.failures, 0);
+  for (const Vec3& moment :
+       {b.moment_external, b.moment_gravity, b.moment_reaction, b.moment_damping})
+    EXPECT_GT(norm(moment), 0.01 * norm(b.angular_momentum));
+  EXPECT_LE(b.angular_momentum_error, 1e-13);
+  EXPECT_LE(b.momentum_error, 1e-12);
+  EXPECT_LE(b.ledger_residual, 1e-13);
+}
+
+// x_0 x M g t, by hand.
+TEST(AngularMomentum, OfFreeFallGrowsWithTheTimeOfTheHalfStep) {
+  const Vec3 gravity = {0, 0, -0.1}, centre = {4, -1.5, 1.5};
+  Solver solver(world, brick({3, -2, 1}), {MaterialModel::neo_hookean, 1, 1, 0.3}, gravity);
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  for (int s = 0; s < 100; ++s)
+    solver.step(dt);
+  const EnergyBalance& b = solver.ledger.balance();
+  const double mass = 2;
+  const Vec3 exact = (mass * (solver.time + 0.5 * dt)) * cross(centre, gravity);
+  EXPECT_LE(norm(b.angular_momentum - exact), rounding * norm(exact));
+  EXPECT_LE(b.angular_momentum_error, 1e-13);
+}
+
+// A force that the gauge does not know of must show: a couple on 2 of 60 nodes, a small part of R sqrt(2 K M).
+TEST(AngularMomentum, ShowsAMomentFromNowhere) {
+  Solver solver(MPI_COMM_SELF, brick(), {MaterialModel::neo_hookean, 1, 1, 0.3});
+  solver.contact = [&] {
+    const auto forces =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.forces.values);
+    forces(0, 3 * contact_force + 1) += 1LL << 30;
+    forces(solver.blocks.mesh.num_nodes - 1, 3 * contact_force + 1) -= 1LL << 30;
+    Kokkos::deep_copy(solver.forces.values, forces);
+    return ContactEnergySums();
+  };
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  solver.step(dt);
+  EXPECT_LE(solver.ledger.balance().momentum_error, 1e-12);
+  EXPECT_GT(solver.ledger.balance().angular_momentum_error, 0.05);
+}
+
+// A step that is shortened after its kick: the kick is taken back in part, and nothing tells it from one that knew.
+TEST(Correction, OfAKickLeavesWhatTheShorterKickWouldHaveMade) {
+  const auto run = [](bool corrects, bool at_start) {
+    auto solver = std::make_unique<Solver>(world, brick({3, -2, 1}),
+                                           Material{MaterialModel::neo_hookean, 1, 1, 0.3},
+                                           Vec3{0, 0, -0.01});
+    stir(*solver, 1e-3);
+    const double dt = 0.8 * solver->stableStep(), shorter = 0.1 * dt;
+    const double before = at_start ? 0 : dt, first = corrects ? dt : shorter;
+    if (at_start) {
+      solver->start(first);
+    } else {
+      solver->start(dt);
+      drift(solver->space, dt, solver->state);
+      solver->evaluateAndKick(0.5 * (dt + first), first);
+    }
+    if (corrects) {
+      const double back = 0.5 * (before + shorter) - 0.5 * (before + dt);
+      solver->ledger.bookCorrection(world, back, shorter,
+                                    kick(solver->space, solver->blocks.mesh, *solver->boundary,
+                                         {solver->time, solver->time + shorter}, back,
+                                         solver->forces, solver->state, solver->scales));
+    }
+    for (int s = 0; s < 10; ++s)
+      solver->step(shorter);
+    return solver;
+  };
+  for (const bool at_start : {false, true}) {
+    const auto whole = run(false, at_start), corrected = run(true, at_start);
+    const EnergyBalance &a = whole->ledger.balance(), &b = corrected->ledger.balance();
+    EXPECT_NEAR(a.kinetic, b.kinetic, 1e-13 * a.kinetic);
+    EXPECT_NEAR(a.total_half, b.total_half, 1e-13 * a.total_half);
+    EXPECT_NEAR(a.energy_error, b.energy_error, 1e-12);
+    EXPECT_NEAR(a.stored_error, b.stored_error, 1e-12);
+    EXPECT_NEAR(a.work[internal_force], b.work[internal_force], 1e-13 * a.peak_total);
+    EXPECT_LE(norm(a.momentum - b.momentum), 1e-13 * norm(a.momentum));
+    EXPECT_LE(b.momentum_error, 1e-12);
+    EXPECT_LE(b.angular_momentum_error, 1e-12);
+    EXPECT_LE(b.ledger_residual, 1e-13);
+  }
+}
+
+TEST(SpeedTest, CountsTheNodesOfAllRanksThatMoveUnlikeTheRest) {
+  Solver solver(world, bar(9), {MaterialModel::linear, 1, 1, 0});
+  solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
+    return Vec3{1, 0, x.x < 1e-9 ? 0.5 : 0.0};
+  });
+  solver.start(1e-9);
+  EXPECT_EQ(solver.ledger.balance().fast_nodes, 0); // nobody has asked
+  zeroForces(solver.space, solver.forces);
+  const auto count = [&](const SpeedTest& test) {
+    KickSums sums = kick(solver.space, solver.blocks.mesh, *solver.boundary, {}, 1e-9,
+                         solver.forces, solver.state, solver.scales, test);
+    allReduce(world, sums);
+    return sums.sum[kick_fast_nodes].high;
+  };
+  EXPECT_EQ(count({{1, 0, 0}, 0.4}), 4); // the four at the end
+  EXPECT_EQ(count({{1, 0, 0}, 0.6}), 0);
+  EXPECT_EQ(count({{0, 0, 0}, 0.6}), 40);
+}
+
+} // namespace
+} // namespace brickwall::mechanics

@@ -1,0 +1,140 @@
+// Damping by mass: the decay of central differences with a centred velocity is known in closed form, and the ledger
+// closes with it.
+#include "tests/mechanics/support/solver.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::mechanics {
+namespace {
+
+using namespace testing;
+
+// v+/v- of a free body over a kick.
+double decay(double damping, double dt) {
+  const double half = 0.5 * damping * dt;
+  return (1 - half) / (1 + half);
+}
+
+TEST(MassDamping, SlowsAFreeBodyByTheClosedForm) {
+  Block block;
+  block.elements[0] = 3, block.elements[1] = 2;
+  Solver solver(world, block, steelLike());
+  constexpr double alpha = 0.3;
+  constexpr int steps = 200;
+  solver.fix({}, {}, alpha);
+  const Vec3 before = {0.2, -0.1, 0.05};
+  solver.state.velocity =
+      nodalField(solver.space, solver.blocks.mesh, [&](const Vec3&) { return before; });
+  const double dt = 0.8 * solver.stableStep();
+  solver.start(dt);
+  for (int s = 0; s < steps; ++s)
+    solver.step(dt);
+  const double left = decay(alpha, 0.5 * dt) * std::pow(decay(alpha, dt), steps);
+  EXPECT_LT(left, 1e-3);
+  const EnergyBalance& b = solver.ledger.balance();
+  const double mass = 1;
+  EXPECT_LE(norm(b.momentum - left * mass * before), 1e-13 * norm(before));
+  EXPECT_LE(norm(b.impulse_damping - (left - 1) * mass * before), 1e-13 * norm(before));
+  EXPECT_NEAR(b.work_damping, 0.5 * mass * (left * left - 1) * dot(before, before), 1e-14);
+  EXPECT_LE(b.ledger_residual, 1e-13);
+  EXPECT_LE(b.momentum_error, 1e-13);
+  EXPECT_LE(b.energy_error, 1e-13);
+}
+
+// One element that breathes along x: relative displacement w with omega^2 = 2 k/m = 4 E/(rho L^2). Central differences
+// give w+ (1 + h) - (2 - omega^2 dt^2) w + (1 - h) w- = 0, whose Casoratian w+ w- - w^2 decays by (1 - h)/(1 + h) a step.
+TEST(MassDamping, OfAnOscillatorDecaysAsTheDifferenceEquation) {
+  Solver solver(MPI_COMM_SELF, Block(), {MaterialModel::linear, 1, 1, 0});
+  constexpr double alpha = 0.1, amplitude = 0.1, dt = 0.5;
+  constexpr int steps = 120;
+  solver.fix({}, {}, alpha);
+  solver.state.displacement = nodalField(solver.space, solver.blocks.mesh, [&](const Vec3& x) {
+    return Vec3{amplitude * (x.x - 0.5), 0, 0};
+  });
+  const auto ends = solver.nodesWhere([](const Vec3& x) { return x.y < 0.5 && x.z < 0.5; });
+  const auto opening = [&] {
+    const auto u =
+        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.displacement);
+    return u(ends[1], 0) - u(ends[0], 0);
+  };
+  std::vector<double> w = {opening()};
+  solver.start(dt);
+  for (int s = 0; s < steps; ++s) {
+    solver.step(dt);
+    w.push_back(opening());
+    ASSERT_LE(solver.ledger.balance().ledger_residual, 1e-13);
+  }
+  const double h = 0.5 * alpha * dt, omega_square = 4;
+  double expected = -HUGE_VAL, largest = 0;
+  for (std::size_t n = 1; n + 1 < w.size(); ++n) {
+    expected = ((2 - omega_square * dt * dt) * w[n] - (1 - h) * w[n - 1]) / (1 + h);
+    largest = std::max(largest, std::fabs(w[n + 1] - expected));
+  }
+  EXPECT_LE(largest, 1e-14 * amplitude);
+  const auto casoratian = [&](std::size_t n) { return w[n + 1] * w[n - 1] - w[n] * w[n]; };
+  const double left = std::pow(decay(alpha, dt), steps - 2);
+  EXPECT_LT(left, 0.01);
+  EXPECT_NEAR(casoratian(steps - 1), left * casoratian(1), 1e-11 * left * std::fabs(casoratian(1)));
+  EXPECT_LE(solver.ledger.balance().energy_error,
+            1e-13); // the gauge stays exact for linear springs
+  // The energy of the gauge at the start is (1 - (omega dt)^2/4) U; of it (1 - h)/(1 + h) is left each step.
+  const double start = 0.75 * 0.5 * amplitude * amplitude;
+  EXPECT_NEAR(solver.ledger.balance().dissipated.damping, start, 0.01 * start);
+}
+
+// Loads, gravity, prescribed motion and steps of two lengths.
+struct Loaded {
+  std::vector<std::int64_t> velocity;
+  EnergyBalance balance;
+  bool never_gained = true;
+};
+Loaded loadedBlock(MPI_Comm comm) {
+  Block block;
+  block.elements[0] = 4, block.elements[1] = 3, block.elements[2] = 2;
+  Solver solver(comm, block, {MaterialModel::neo_hookean, 1, 1, 0.3});
+  PrescribedMotion base, side;
+  base.nodes = solver.nodesWhere([](const Vec3& x) { return x.z < 1e-9; });
+  side.nodes = solver.nodesWhere([](const Vec3& x) { return x.z > 1 - 1e-9 && x.y < 1e-9; });
+  side.component[1] = side.component[2] = false;
+  side.velocity = {0.02, 0, 0};
+  side.shape = {PulseKind::half_sine, 3.0};
+  solver.fix({base, side}, {0, 0, -0.001}, 0.5);
+  Pressure pressure;
+  pressure.peak = 0.01;
+  pressure.shape = {PulseKind::sin_squared, 4.0};
+  solver.press(pressure, [](const Vec3& x) { return x.y < 1e-9; });
+  const double stable = solver.stableStep();
+  double dt = 0.7 * stable;
+  solver.start(dt);
+  Loaded result;
+  double before = solver.ledger.balance().work_damping;
+  for (int s = 0; s < 200; ++s) {
+    const double next = s == 100 ? 0.5 * stable : dt;
+    drift(solver.space, dt, solver.state);
+    solver.time += dt;
+    solver.evaluateAndKick(0.5 * (dt + next), next);
+    dt = next;
+    result.never_gained = result.never_gained && solver.ledger.balance().work_damping <= before;
+    before = solver.ledger.balance().work_damping;
+  }
+  result.velocity = globalWords(comm, solver.blocks, solver.state.velocity);
+  result.balance = solver.ledger.balance();
+  return result;
+}
+
+TEST(MassDamping, ClosesTheLedgerAndGivesTheSameBitsCutOrWhole) {
+  const Loaded whole = loadedBlock(MPI_COMM_SELF), cut = loadedBlock(world);
+  EXPECT_EQ(whole.velocity, cut.velocity);
+  EXPECT_EQ(whole.balance.work_damping, cut.balance.work_damping);
+  const EnergyBalance& b = cut.balance;
+  EXPECT_TRUE(cut.never_gained);
+  EXPECT_LT(b.work_damping, -1e-6);
+  EXPECT_GT(norm(b.impulse_damping), 1e-3);
+  EXPECT_LE(b.ledger_residual, 1e-13);
+  EXPECT_LE(b.momentum_error, 1e-12);
+  EXPECT_LE(b.energy_error, 0.02); // O(dt^2) of the load and the change of step
+  EXPECT_EQ(b.failures, 0);
+}
+
+} // namespace
+} // namespace brickwall::mechanics

@@ -1,0 +1,82 @@
+// The command line: what it may say, and what is told of the rest.
+#include "miniapp/commands/command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace {
+
+using namespace brickwall::miniapp;
+
+CommandLine parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "brickwall");
+  return parseCommandLine(static_cast<int>(words.size()), words.data());
+}
+
+TEST(CommandLine, RunsTheDefaultDeckWithoutWords) {
+  const CommandLine line = parse({});
+  ASSERT_TRUE(line.options.has_value());
+  EXPECT_EQ(line.options->command, Command::run);
+  EXPECT_EQ(line.options->deck, "inputs/brick_wall.toml");
+  EXPECT_EQ(line.options->caseName(), "brick_wall");
+  EXPECT_EQ(line.options->output_directory, "out/brick_wall");
+  EXPECT_TRUE(line.options->write_output);
+  EXPECT_EQ(line.options->timing, Timing::normal);
+}
+
+TEST(CommandLine, TakesCommandDeckAndOptionsInAnyOrder) {
+  const CommandLine line =
+      parse({"--set", "time.end=1", "check", "--kokkos-threads=2", "decks/a.b.toml", "-o", "here",
+             "--set=wall.gap=0", "--steps", "5", "--no-output", "--timing", "paper"});
+  ASSERT_TRUE(line.options.has_value()) << line.text;
+  EXPECT_EQ(line.options->command, Command::check);
+  EXPECT_EQ(line.options->deck, "decks/a.b.toml");
+  EXPECT_EQ(line.options->caseName(), "a.b");
+  EXPECT_EQ(line.options->output_directory, "here");
+  EXPECT_EQ(line.options->overrides,
+            (std::vector<std::string>{"time.end=1", "wall.gap=0", "time.steps=5"}));
+  EXPECT_EQ(line.options->kokkos_arguments, std::vector<std::string>{"--kokkos-threads=2"});
+  EXPECT_FALSE(line.options->write_output);
+  EXPECT_EQ(line.options->timing, Timing::paper);
+}
+
+TEST(CommandLine, TakesTheDeckWithoutACommand) {
+  const CommandLine line = parse({"a.toml"});
+  ASSERT_TRUE(line.options.has_value());
+  EXPECT_EQ(line.options->command, Command::run);
+  EXPECT_EQ(line.options->deck, "a.toml");
+}
+
+TEST(CommandLine, PrintsHelpVersionAndKeys) {
+  const CommandLine help = parse({"-h"});
+  EXPECT_FALSE(help.options.has_value());
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* part : {"run", "check", "mesh", "search", "--output", "--set", "--steps",
+                           "--no-output", "--timing", "--version", "--keys", "--kokkos-"})
+    EXPECT_NE(help.text.find(part), std::string::npos) << part << " in\n" << help.text;
+  EXPECT_NE(parse({"--version"}).text.find("brickwall "), std::string::npos);
+  EXPECT_NE(parse({"--keys"}).text.find("[[load.pressure]]"), std::string::npos);
+}
+
+TEST(CommandLine, RefusesWhatItDoesNotKnow) {
+  const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
+                                                       {"--threads=2"},
+                                                       {"run", "a.toml", "b.toml"},
+                                                       {"a.toml", "run"},
+                                                       {"--steps", "0"},
+                                                       {"search", "a.toml", "--steps", "3"},
+                                                       {"mesh", "--steps", "3"},
+                                                       {"--steps", "1.5"},
+                                                       {"--steps"},
+                                                       {"--timing", "sometimes"},
+                                                       {"--set"}};
+  for (const auto& words : wrong) {
+    const CommandLine line = parse(words);
+    EXPECT_FALSE(line.options.has_value()) << words[0];
+    EXPECT_EQ(line.exit_code, 2) << words[0];
+    EXPECT_NE(line.text, "") << words[0];
+  }
+}
+
+} // namespace

@@ -1,0 +1,147 @@
+// What simulations make of meshes with sets and elements that no wall has.
+#include "miniapp/scene/force_range.hpp"
+#include "tests/miniapp/scene/mesh_scene.hpp"
+
+namespace brickwall::miniapp::testing {
+namespace {
+
+// Two sides of the inmost element of 3 x 3 x 3: no node of theirs is on the surface.
+io::SideSet sidesOfTheInmost() {
+  io::SideSet inner;
+  inner.id = 77;
+  inner.name = "inner";
+  inner.elems = {13, 13};
+  inner.sides = {0, 1};
+  return inner;
+}
+
+struct Outcome {
+  Checksums checksums;
+  double external_work = 0;
+};
+Outcome outcomeOf(MPI_Comm comm, const Config& config) {
+  const Scene scene = makeScene(exec_space(), comm, config);
+  Simulation simulation(comm, config, scene);
+  simulation.start();
+  while (!simulation.done())
+    simulation.step();
+  return {simulation.checksums(), simulation.balance().external_work};
+}
+
+TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyRanks) {
+  const MeshFile mesh(oneBrick({3, 3, 3}),
+                      [](io::MeshPart& part) { part.side_sets.push_back(sidesOfTheInmost()); });
+  const std::string load =
+      "[[load.pressure]]\nside_set = \"inner\"\npeak = 1e-3\nshape = \"step\"\n";
+  const Outcome alone = outcomeOf(MPI_COMM_SELF, mesh.config(load));
+  EXPECT_GT(alone.external_work, 0);
+  for (const std::string spare : {"", "[spare]\nresting_bodies = false\n"}) {
+    const Outcome found = outcomeOf(MPI_COMM_WORLD, mesh.config(load + spare));
+    EXPECT_EQ(found.external_work, alone.external_work) << spare;
+    EXPECT_EQ(found.checksums.nodes, alone.checksums.nodes) << spare;
+  }
+}
+
+// Nodes at x = 0 ("left") and at y = 0 ("front"), which share an edge, and "nothing".
+void addNodeSets(io::MeshPart& part) {
+  io::NodeSet left, front, nothing;
+  left.id = 201, left.name = "left";
+  front.id = 202, front.name = "front_nodes";
+  nothing.id = 203, nothing.name = "nothing";
+  for (int node = 0; node < part.numNodes(); ++node) {
+    if (part.coordinates[3 * node] == 0)
+      left.nodes.push_back(node);
+    if (part.coordinates[3 * node + 1] == 0)
+      front.nodes.push_back(node);
+  }
+  part.node_sets = {left, front, nothing};
+}
+
+TEST(MeshScene, SetsThatShareNodesAreRefusedWhereTheirMotionsDiffer) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const std::string fixed = "[[boundary.fixed]]\nnode_set = \"left\"\n";
+  const auto moved = [&](const char* motion) {
+    return mesh.config(fixed + "[[boundary.velocity]]\nnode_set = \"front_nodes\"\n" + motion);
+  };
+  const std::string fault = faultOf(moved("velocity = [0.1, 0, -0.1]\n"));
+  EXPECT_NE(fault.find("boundary.fixed[0] and boundary.velocity[0]"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("different motions of x, z of nodes"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("\"left\" and \"front_nodes\", 4 of them, the first node 0 (1-based id 1)"),
+            std::string::npos)
+      << fault;
+  EXPECT_EQ(faultOf(moved("velocity = [0, 0, 0]\n")), ""); // they agree
+  EXPECT_EQ(faultOf(mesh.config("[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"
+                                "[[boundary.velocity]]\nnode_set = \"front_nodes\"\n"
+                                "velocity = [0, 0, 0.1]\ncomponents = [\"z\"]\n")),
+            "");
+}
+
+TEST(MeshScene, SetsWithoutMembersAreWarnedOf) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const Scene scene =
+      makeScene(exec_space(), MPI_COMM_WORLD,
+                mesh.config("[[boundary.fixed]]\nnode_set = \"nothing\"\n"
+                            "[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
+}
+
+// Two bricks, the second a block of its own, `stiffer` times as stiff as the first: forces are rounded to 2^-54 to 2^-53 of its
+// strength.
+std::vector<std::string> warningsOfContrast(double stiffer) {
+  io::WallConfig wall = oneBrick({2, 2, 2});
+  wall.bricks = {2, 1, 1};
+  io::MeshPart part = io::generateWall(MPI_COMM_WORLD, wall);
+  part.blocks[0].name = "soft";
+  part.blocks.push_back({2, "stiff", 8});
+  for (int elem = 0; elem < part.numElems(); ++elem)
+    part.elem_block[elem] = part.elem_body[elem] == 1;
+  const mechanics::Material soft = {mechanics::MaterialModel::neo_hookean, 1, 1, 0.2};
+  const mechanics::Material stiff = {mechanics::MaterialModel::neo_hookean, 1, stiffer, 0.2};
+  return checkForceRange(MPI_COMM_WORLD, part, {soft, stiff});
+}
+
+TEST(MeshScene, ForcesTooCoarseForASoftBlockAreWarnedOfAndRefused) {
+  const double limit = coarse_forces * std::ldexp(1.0, 53),
+               refused = too_coarse_forces * std::ldexp(1.0, 53);
+  EXPECT_TRUE(warningsOfContrast(0.99 * limit).empty());
+  const auto warnings = warningsOfContrast(2.01 * limit);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("element block 'soft'"), std::string::npos) << warnings[0];
+  EXPECT_EQ(warningsOfContrast(0.99 * refused).size(), 1u);
+  EXPECT_THROW(warningsOfContrast(2.01 * refused), InputError);
+}
+
+TEST(MeshScene, AnEdgeOfNoLengthIsNamedWithFileAndElement) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart& part) { // the second becomes a wedge
+    const auto node = [&](int corner) { return 3 * part.elem_nodes[8 + corner]; };
+    for (const int corner : {2, 6}) // of one coordinate with its neighbour along y
+      for (int d = 0; d < 3; ++d)
+        part.coordinates[node(corner) + d] = part.coordinates[node(corner - 1) + d];
+  });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
+  EXPECT_NE(fault.find("of the element with 1-based id 2"), std::string::npos) << fault;
+}
+
+TEST(MeshScene, ASideOfThreeElementsIsNamedWithFileAndElement) {
+  const MeshFile mesh(oneBrick({3, 1, 1}),
+                      [](io::MeshPart& part) { // the third on the first's place
+                        for (int corner = 0; corner < 8; ++corner)
+                          part.elem_nodes[16 + corner] = part.elem_nodes[corner];
+                      });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
+  EXPECT_NE(fault.find(" of the element with 1-based id "), std::string::npos) << fault;
+}
+
+TEST(MeshScene, AStepTooShortForANumberIsAFaultOfTheDeck) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart&) {});
+  Config config = mesh.config("");
+  config.materials[0].material.density = 1e-300;
+  config.time.end = 1e200;
+  EXPECT_NE(faultOf(config).find("the stable step is "), std::string::npos);
+}
+
+} // namespace
+} // namespace brickwall::miniapp::testing

@@ -1,0 +1,67 @@
+// A steady step allocates no memory for data: every View of the step is kept by its owner.
+#include "tests/miniapp/simulation/case.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using brickwall::verification::Case;
+
+std::int64_t allocations = 0;
+void countAllocation(Kokkos_Profiling_SpaceHandle, const char*, const void*, std::uint64_t) {
+  ++allocations;
+}
+
+// Views allocated in 50 steps.
+std::int64_t allocationsOf(Case& wall) {
+  allocations = 0;
+  Kokkos::Tools::Experimental::set_allocate_data_callback(countAllocation);
+  for (int step = 0; step < 50; ++step)
+    wall.simulation.step();
+  Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
+  return allocations;
+}
+
+TEST(SteadyStep, AllocatesNoView) {
+  // Bricks that press each other and slide: faces, edges, friction, viscosity, loads; searched in every step or not.
+  for (const char* search : {"", "[search]\nreuse = { margin = 0.0 }\n"}) {
+    Case wall(
+        std::string("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
+                    "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\n"
+                    "poissons_ratio = 0.2\n"
+                    "[[load.pressure]]\nside_set = \"top\"\npeak = 1e6\nshape = \"step\"\n"
+                    "[[boundary.fixed]]\nnode_set = \"base\"\n"
+                    "[gravity]\nacceleration = [0, 0, -9.81]\n"
+                    "[viscosity]\nlinear = 0.06\n"
+                    "[contact]\nfriction = 0.3\ndamping = 0.05\n"
+                    "[time]\nend = 1\ncheck_interval = 20\n") +
+        search);
+    auto& simulation = wall.simulation;
+    simulation.start();
+    for (int step = 0; step < 200; ++step)
+      simulation.step();
+    EXPECT_GT(simulation.contactCounts().active, 0);
+    EXPECT_EQ(allocationsOf(wall), 0);
+  }
+}
+
+// Bricks that step by themselves.
+TEST(SteadyStep, OfFreeBricksAllocatesNoView) {
+  Case wall("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
+            "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\n"
+            "poissons_ratio = 0.2\n"
+            "[[boundary.fixed]]\nnode_set = \"base\"\n"
+            "[gravity]\nacceleration = [0, 0, -9.81]\n"
+            "[contact]\nenabled = false\n"
+            "[time]\nend = 1\ncheck_interval = 1000\n");
+  auto& simulation = wall.simulation;
+  if (brickwall::simd_width > 1) {
+    EXPECT_GT(simulation.numFreeElems(), 0);
+  }
+  simulation.start();
+  for (int step = 0; step < 10; ++step)
+    simulation.step();
+  EXPECT_EQ(allocationsOf(wall), 0);
+}
+
+} // namespace

@@ -1,0 +1,56 @@
+// When the guard against tunnelling acts, and how far it cuts the step.
+#include "contact/base/error.hpp"
+#include "miniapp/simulation/tunnelling_guard.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace brickwall;
+using namespace brickwall::miniapp;
+
+constexpr double reach = 0.1, step = 0.5;
+
+TunnellingGuard guardThat(GuardAction action) {
+  Config config;
+  config.contact.guard = action;
+  config.contact.penalty = 0.75; // allowed: reach/2
+  return {config, reach, step};
+}
+
+contact::PairMotion movingBy(double motion) {
+  contact::PairMotion pair;
+  pair.motion = motion;
+  return pair;
+}
+
+TEST(TunnellingGuard, ActsAtWhatIsSureAndEarlyAtTwoThirdsOfIt) {
+  const auto guard = guardThat(GuardAction::cut);
+  EXPECT_DOUBLE_EQ(guard.allowedMotion(step), reach / 2);
+  EXPECT_DOUBLE_EQ(guard.allowedMotion(step / 4), reach / 8);
+  EXPECT_DOUBLE_EQ(guard.tolerableMotion(step, false), reach / 2);
+  EXPECT_DOUBLE_EQ(guard.tolerableMotion(step, true), reach / 3);
+  EXPECT_DOUBLE_EQ(guardThat(GuardAction::stop).tolerableMotion(step, true), reach / 2);
+}
+
+TEST(TunnellingGuard, ACutLeavesThePairBelowWhatItActsAt) {
+  for (const bool is_early : {false, true})
+    for (const double speed : {0.07, 0.1, 0.3, 2.0}) { // length a time
+      auto guard = guardThat(GuardAction::cut);
+      if (!(speed * step > guard.tolerableMotion(step, is_early)))
+        continue;
+      const double dt = guard.shorten(step, movingBy(speed * step), is_early, 1, 0.0);
+      EXPECT_LE(dt, step);
+      EXPECT_GE(guard.referenceStep(), dt) << speed;
+      EXPECT_LT(guard.referenceStep(), step) << speed;
+      EXPECT_LT(speed * dt, guard.tolerableMotion(dt, is_early)) << speed;
+      EXPECT_NEAR(speed * guard.referenceStep(), (is_early ? 0.6 : 0.75) * reach / 2, 1e-15);
+    }
+}
+
+TEST(TunnellingGuard, StopsWhereTheStepWouldVanish) {
+  auto guard = guardThat(GuardAction::cut);
+  EXPECT_THROW(guard.shorten(step, movingBy(1e3), false, 1, 0.0), PhysicsError);
+}
+
+} // namespace

@@ -1,0 +1,206 @@
+// Prints the speed of contact enforcement (candidate pairs per second, rejected ones included; without search and solver) on
+// a wall of bricks of 16x8x8 elements in running bond, of rigid bodies that come to be in contact all over, stand flush, or fly
+// apart. Bodies in contact move at constant speed: other forces balance those of the contacts, as the elements' do; or nothing
+// does, so that the energy-neutral scheme takes each step for the contacts' last one and corrects all forces in every round.
+// Not a pass or fail: machines differ. BRICKWALL_COURSES: how many courses of as many bricks, about (29 are W(8)).
+#include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/search/candidate_search.hpp"
+#include "tests/contact/enforcement/support/brick_scene.hpp"
+#include "verification/performance/benchmarks/benchmark_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace brickwall::contact {
+namespace {
+
+constexpr double edge_length = 0.125, dt = 0.05;
+
+int numCourses() {
+  const char* text = std::getenv("BRICKWALL_COURSES");
+  return text ? std::atoi(text) : 6;
+}
+
+template <class ViewType, class Set>
+ViewType filled(const std::string& label, std::size_t n, const Set& set) {
+  ViewType view(label, n);
+  const auto host = Kokkos::create_mirror_view(view);
+  for (std::size_t i = 0; i < n; ++i)
+    set(host, i);
+  Kokkos::deep_copy(view, host);
+  return view;
+}
+
+// The skin of a wall whose bricks move towards its middle.
+class Wall {
+public:
+  explicit Wall(int courses) : _courses(courses) {
+    testing::Scene scene;
+    for (int course = 0; course < courses; ++course)
+      for (int along = 0; along < (courses + 1) / 2; ++along) {
+        _place.push_back({2.0 * along + (course % 2), 0, 1.0 * course});
+        scene.addBox(_place.back(), {2, 1, 1}, {16, 8, 8});
+      }
+    std::vector<int> number(scene.x_new.size(), -1);
+    for (const auto& face : scene.faces)
+      for (const int node : face.nodes)
+        number[node] = 0;
+    for (std::size_t node = 0; node < number.size(); ++node)
+      if (number[node] == 0) {
+        number[node] = static_cast<int>(_nodes.size());
+        _nodes.push_back(static_cast<int>(node));
+        _x.push_back(scene.x_new[node]);
+        _body.push_back(scene.node_body[node]);
+      }
+    const std::size_t num_nodes = _nodes.size(), num_faces = scene.faces.size();
+    _surface.num_nodes = static_cast<int>(num_nodes);
+    _surface.num_faces = static_cast<int>(num_faces);
+    _surface.face_to_nodes =
+        filled<View<int* [4]>>("face_to_nodes", num_faces, [&](auto& v, std::size_t f) {
+          for (int j = 0; j < 4; ++j)
+            v(f, j) = number[scene.faces[f].nodes[j]];
+        });
+    _surface.face_ids = filled<View<global_id*>>(
+        "face_ids", num_faces, [&](auto& v, std::size_t f) { v(f) = scene.faces[f].id; });
+    _surface.face_body = filled<View<global_id*>>(
+        "face_body", num_faces, [&](auto& v, std::size_t f) { v(f) = scene.faces[f].body; });
+    _surface.node_ids = filled<View<global_id*>>("node_ids", num_nodes,
+                                                 [&](auto& v, std::size_t i) { v(i) = _nodes[i]; });
+    _surface.node_body = filled<View<global_id*>>("node_body", num_nodes,
+                                                  [&](auto& v, std::size_t i) { v(i) = _body[i]; });
+    _surface.node_is_owned = filled<View<unsigned char*>>(
+        "node_is_owned", num_nodes, [&](auto& v, std::size_t i) { v(i) = 1; });
+    _mass = filled<View<double*>>("mass", num_nodes,
+                                  [&](auto& v, std::size_t i) { v(i) = scene.mass[_nodes[i]]; });
+    const View<double**> attributes("attributes", num_faces, NodeFaces::num_columns);
+    const auto host = Kokkos::create_mirror_view(attributes);
+    for (std::size_t f = 0; f < num_faces; ++f) {
+      for (int j = 0; j < 4; ++j)
+        host(f, j) = scene.mass[scene.faces[f].nodes[j]];
+      host(f, NodeFaces::surface_mass_column) = scene.faces[f].surface_mass;
+    }
+    Kokkos::deep_copy(attributes, host);
+    _surface.face_attributes = attributes;
+    _old = View<double* [3]>("x_old", num_nodes);
+    _new = View<double* [3]>("x_new", num_nodes);
+    _surface.coordinates_old = _old;
+    _surface.coordinates_new = _new;
+    contract(0);
+    contract(0);
+    const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, _surface);
+    for (std::size_t f = 0; f < num_faces; ++f)
+      host(f, NodeFaces::true_edges_column) = features.true_edges[f];
+    Kokkos::deep_copy(attributes, host);
+    edges = features;
+  }
+
+  // x^n := x^{n+1}; then every brick stands this share of its way to the middle from where it was first.
+  void contract(double share) {
+    std::swap(_old, _new);
+    _surface.coordinates_old = _old;
+    _surface.coordinates_new = _new;
+    const auto host = Kokkos::create_mirror_view(_new);
+    for (std::size_t i = 0; i < _x.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        host(i, d) = _x[i][d] + share * (0.5 * _courses - _place[_body[i]][d]) * (d != 1);
+    Kokkos::deep_copy(_new, host);
+  }
+  const Surface& surface() const { return _surface; }
+  const View<const double*> mass() const { return _mass; }
+  std::size_t numBricks() const { return _place.size(); }
+
+  FeatureEdges edges;
+
+private:
+  int _courses;
+  std::vector<Vec3> _place, _x;
+  std::vector<int> _nodes, _body;
+  Surface _surface;
+  View<double*> _mass;
+  View<double*[3]> _old, _new;
+};
+
+// Accelerations that balance the contact forces.
+void balance(const exec_space& space, const ContactForces& forces, const Quantum& quantum,
+             const View<const double*>& mass, const View<double* [3]>& accelerations) {
+  const auto nodes = forces.nodes;
+  Kokkos::parallel_for(
+      "balance", over(space, mass.extent(0)), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          accelerations(i, d) = -static_cast<double>(nodes(i, d)) * quantum.value / mass(i);
+      });
+}
+
+void printSpeed(const char* name, double share_a_step, bool is_balanced = true) {
+  const exec_space space;
+  Wall wall(numCourses());
+  SearchConfig search_config;
+  search_config.node_tolerance = search_config.face_tolerance = 0.05 * edge_length;
+  search_config.drop_same_body = true;
+  EnforcementConfig config;
+  config.scheme = Scheme::energy_neutral;
+  config.reference_step = dt;
+  config.edge_tolerance = 0.2;
+  config.least_depth = 1e-12 * edge_length;
+  const Quantum quantum = Quantum::forForceScale(1);
+  const LimbScale scale = LimbScale::forLargest(1e3);
+  CandidateSearch search(MPI_COMM_SELF, search_config);
+  EdgeContact edges(space, MPI_COMM_SELF, wall.surface(), wall.edges, wall.mass(), search_config, 0,
+                    config, quantum, scale);
+  Enforcement enforcement(space, MPI_COMM_SELF, wall.surface(), wall.mass(), config, quantum,
+                          scale);
+  const View<double* [3]> by_others("accelerations", wall.surface().num_nodes);
+  NeutralInput neutral;
+  neutral.accelerations = [&](const NodeList&) { return by_others; };
+  neutral.sum_forces = [](const ContactForces&) {};
+  neutral.share_with_ghosts = [](const View<const double* [3]>&, const View<double* [12]>&) {};
+  std::vector<double> seconds;
+  std::int64_t active = 0, node_pairs = 0, edge_pairs = 0;
+  constexpr int steps = 12, warm_up = 3;
+  for (int step = 0; step < steps; ++step) {
+    wall.contract((step + 1) * share_a_step);
+    search.update(space, wall.surface());
+    edges.findCandidates(space, wall.surface());
+    space.fence();
+    const double begin = now();
+    active =
+        enforcement
+            .enforce(space, wall.surface(), search.ghosts(), search.pairs(), dt, &neutral, &edges)
+            .active();
+    space.fence();
+    if (step >= warm_up)
+      seconds.push_back(now() - begin);
+    if (is_balanced)
+      balance(space, enforcement.forces(), quantum, wall.mass(), by_others);
+    node_pairs = search.pairs().count;
+    edge_pairs = edges.search().pairs().count;
+  }
+  std::sort(seconds.begin(), seconds.end());
+  const double median = seconds[seconds.size() / 2], least = seconds[0];
+  const auto pairs = static_cast<double>(node_pairs + edge_pairs);
+  std::printf(
+      "%-13s %zu bricks, %d faces, %lld + %lld pairs (nodes + edges), %lld active: %.2f ms a step "
+      "(least %.2f), %.1f M pairs/s, %.1f ns a pair, %d threads\n",
+      name, wall.numBricks(), wall.surface().num_faces, static_cast<long long>(node_pairs),
+      static_cast<long long>(edge_pairs), static_cast<long long>(active), 1e3 * median, 1e3 * least,
+      1e-6 * pairs / median, 1e9 * median / pairs, concurrency(space));
+}
+
+TEST(EnforcementSpeed, FullContact) {
+  printSpeed("full contact", 2e-4);
+}
+TEST(EnforcementSpeed, FullContactCorrectedInEveryRound) {
+  printSpeed("all corrected", 2e-4, false);
+}
+TEST(EnforcementSpeed, AtRest) {
+  printSpeed("at rest", 0);
+}
+TEST(EnforcementSpeed, FlyingApart) {
+  printSpeed("flying apart", -2e-4);
+}
+
+} // namespace
+} // namespace brickwall::contact

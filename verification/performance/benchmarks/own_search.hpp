@@ -1,0 +1,38 @@
+// Our search as the peer benchmark runs it: one object for the steps of a surface, and its pairs by global ids.
+#pragma once
+
+#include "contact/search/global_search.hpp"
+#include "contact/search/local_search.hpp"
+#include "verification/performance/peers/peers.hpp"
+
+namespace brickwall::peers {
+
+class OwnSearch {
+public:
+  OwnSearch(MPI_Comm comm, const contact::SearchConfig& config)
+      : _global(comm, config), _local(config) {}
+
+  // Collective. One step from coordinates to candidate pairs: boxes, ghosts, local search. Fences.
+  void search(const exec_space& space, const contact::Surface& surface);
+
+  // Pairs of the last search in any order, with those of a node and a face it belongs to added: peers find them, ours
+  // leaves them out by connectivity, and their boxes always overlap.
+  std::vector<IdPair> pairsWithOwnFaces(const contact::Surface& surface) const;
+
+  const contact::GlobalSearch& global() const { return _global; }
+  const contact::CandidatePairs& candidates() const { return _local.pairs(); }
+
+private:
+  contact::GlobalSearch _global;
+  contact::LocalSearch _local;
+};
+
+// What one set of pairs lacks and has beside the other.
+struct PairDifference {
+  std::int64_t missing = 0, extra = 0, repeated = 0;
+};
+
+// Collective. `found` against `wanted` over all ranks; sorts both. A pair that `found` lists twice counts as repeated.
+PairDifference comparePairs(MPI_Comm comm, std::vector<IdPair>& wanted, std::vector<IdPair>& found);
+
+} // namespace brickwall::peers
