@@ -54,14 +54,14 @@ constexpr int simd_width = fills_lanes ? 8 : 1;
 constexpr int cluster_size = fills_lanes ? 16 : 1;
 
 // One launch policy over [0, n) on the given space instance.
-inline range_policy over(const exec_space& space, std::int64_t n) {
+inline range_policy rangePolicy(const exec_space& space, std::int64_t n) {
   return range_policy(space, 0, n);
 }
 
 // The same where iterations differ in work: threads take `chunk` of them at a time.
 using dynamic_policy = Kokkos::RangePolicy<exec_space, Kokkos::Schedule<Kokkos::Dynamic>,
                                            Kokkos::IndexType<std::int64_t>>;
-inline dynamic_policy overInChunks(const exec_space& space, std::int64_t n, int chunk) {
+inline dynamic_policy dynamicPolicy(const exec_space& space, std::int64_t n, int chunk) {
   return dynamic_policy(space, 0, n, Kokkos::ChunkSize(chunk));
 }
 
@@ -97,15 +97,15 @@ KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
 }
 
 // Reducer for any value type with operator+= whose default value is the neutral element: parallel_reduce(...,
-// Combine<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators; this does not.
+// PlusReducer<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators; this does not.
 template <class T>
-class Combine {
+class PlusReducer {
 public:
-  using reducer = Combine;
+  using reducer = PlusReducer;
   using value_type = T;
   using result_view_type = Kokkos::View<T, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;
 
-  KOKKOS_INLINE_FUNCTION explicit Combine(T& result) : _result(&result) {}
+  KOKKOS_INLINE_FUNCTION explicit PlusReducer(T& result) : _result(&result) {}
   KOKKOS_INLINE_FUNCTION void join(T& to, const T& from) const { to += from; }
   KOKKOS_INLINE_FUNCTION void join(volatile T& to, const volatile T& from) const {
     const_cast<T&>(to) += const_cast<const T&>(from);

@@ -38,7 +38,7 @@ struct Box {
     return {0.5 * lower[0] + 0.5 * upper[0], 0.5 * lower[1] + 0.5 * upper[1],
             0.5 * lower[2] + 0.5 * upper[2]};
   }
-  // Reduction with Combine<Box>: the union.
+  // Reduction with PlusReducer<Box>: the union.
   KOKKOS_INLINE_FUNCTION Box& operator+=(const Box& b) {
     include(b);
     return *this;

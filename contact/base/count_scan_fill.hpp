@@ -11,7 +11,7 @@ inline std::int64_t scanCounts(const exec_space& space, const std::string& label
                                const View<std::int64_t*>& counts, std::int64_t n) {
   std::int64_t total = 0;
   Kokkos::parallel_scan(
-      label, over(space, n + 1),
+      label, rangePolicy(space, n + 1),
       KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum, const bool final) {
         const std::int64_t count = i < n ? counts(i) : 0;
         if (final)
@@ -32,7 +32,7 @@ std::int64_t countScanFill(const exec_space& space, const std::string& label, st
   growTo(space, offsets, n + 1);
   const auto counts = offsets;
   Kokkos::parallel_for(
-      label + "::count", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+      label + "::count", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         std::int64_t count = 0;
         emit(i, [&](const T&) { ++count; });
         counts(i) = count;
@@ -41,7 +41,7 @@ std::int64_t countScanFill(const exec_space& space, const std::string& label, st
   growTo(space, values, total);
   const auto filled = values;
   Kokkos::parallel_for(
-      label + "::fill", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+      label + "::fill", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         std::int64_t next = counts(i);
         if (counts(i + 1) > next)
           emit(i, [&](const T& value) { filled(next++) = value; });

@@ -166,7 +166,8 @@ void packRows(const exec_space& space, const SourceView& source, const View<int*
               std::int64_t num_rows, const View<std::int64_t*>& packed) {
   const auto width = static_cast<std::int64_t>(source.extent(1));
   Kokkos::parallel_for(
-      "base::ExchangePlan::pack", over(space, num_rows), KOKKOS_LAMBDA(const std::int64_t i) {
+      "base::ExchangePlan::pack", rangePolicy(space, num_rows),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         for (std::int64_t w = 0; w < width; ++w)
           packed(i * width + w) = toWord(source(rows(i), w));
       });
@@ -178,7 +179,8 @@ void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, cons
   using value_type = typename TargetView::non_const_value_type;
   const auto width = static_cast<std::int64_t>(target.extent(1));
   Kokkos::parallel_for(
-      "base::ExchangePlan::unpack", over(space, num_rows), KOKKOS_LAMBDA(const std::int64_t i) {
+      "base::ExchangePlan::unpack", rangePolicy(space, num_rows),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         for (std::int64_t w = 0; w < width; ++w) {
           value_type value;
           fromWord(packed(i * width + w), value);

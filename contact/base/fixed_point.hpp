@@ -103,7 +103,7 @@ struct LimbSum {
   }
 };
 
-// N sums that are reduced together: Kokkos reduces it with Combine<LimbSums<N>>, MPI as 3 N + 1 int64.
+// N sums that are reduced together: Kokkos reduces it with PlusReducer<LimbSums<N>>, MPI as 3 N + 1 int64.
 template <int N>
 struct LimbSums {
   LimbSum sum[N];

@@ -100,7 +100,7 @@ inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
 
 // Collective. Runs `work` on this rank; when it throws on any rank, every rank throws the message of the lowest such
 // rank, as the same class of error. So what one rank finds alone is decided together. `work` itself must not call MPI.
-inline void together(MPI_Comm comm, const std::function<void()>& work) {
+inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) {
   std::string message;
   int code = 0;
   try {

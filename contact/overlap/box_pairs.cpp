@@ -52,7 +52,7 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
   const CandidatePairs pairs = search.pairs();
   const View<char*> meets("contact::bodies::meets", count);
   Kokkos::parallel_for(
-      "contact::bodiesThatMeet", over(space, pairs.num_rows),
+      "contact::bodiesThatMeet", rangePolicy(space, pairs.num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) {
         meets(pairs.node(row)) = pairs.end(row) > pairs.begin(row);
       });
@@ -76,7 +76,7 @@ Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
   const auto nodes = allocate<View<int* [4]>>(space, "contact::boxes::nodes", count);
   const auto owned = allocate<View<unsigned char*>>(space, "contact::boxes::owned", count);
   Kokkos::parallel_for(
-      "contact::surfaceOfBoxes", over(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::surfaceOfBoxes", rangePolicy(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d) {
           low(i, d) = boxes(i).lower[d];
           high(i, d) = boxes(i).upper[d];

@@ -80,7 +80,7 @@ View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, 
   const auto boxes = allocate<View<Box*>>(space, "contact::elements::boxes", elements.count);
   const auto corners = elements.corners;
   Kokkos::parallel_for(
-      "contact::elements::boxes", over(space, elements.count),
+      "contact::elements::boxes", rangePolicy(space, elements.count),
       KOKKOS_LAMBDA(const std::int64_t element) {
         Box box;
         for (int i = 0; i < 8; ++i)
@@ -99,7 +99,7 @@ Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elemen
   for (int d = 0; d < 3; ++d) {
     centre[d] = -HUGE_VAL;
     Kokkos::parallel_reduce(
-        "contact::centreOfElement", over(space, elements.count),
+        "contact::centreOfElement", rangePolicy(space, elements.count),
         KOKKOS_LAMBDA(const std::int64_t element, double& all) {
           if (ids(element) != id)
             return;
@@ -125,9 +125,9 @@ InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surf
   CandidateSearch search(comm, config, 0);
   search.update(space, surface);
   LeadingPair local;
-  Kokkos::parallel_reduce("contact::deepestOverlap", over(space, search.pairs().num_rows),
+  Kokkos::parallel_reduce("contact::deepestOverlap", rangePolicy(space, search.pairs().num_rows),
                           FindDeepest{FaceAccess{surface, search.ghosts()}, search.pairs()},
-                          Combine<LeadingPair>(local));
+                          PlusReducer<LeadingPair>(local));
   space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   return {leader.pair, leader.value};
@@ -147,9 +147,9 @@ ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
   search.update(space, surface);
   LeadingPair local;
   Kokkos::parallel_reduce(
-      "contact::deepestElementOverlap", over(space, search.pairs().num_rows),
+      "contact::deepestElementOverlap", rangePolicy(space, search.pairs().num_rows),
       FindDeepestElements{FaceAccess{surface, search.ghosts()}, search.pairs(), least},
-      Combine<LeadingPair>(local));
+      PlusReducer<LeadingPair>(local));
   space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   deepest.depth = leader.value;

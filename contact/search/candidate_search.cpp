@@ -33,9 +33,9 @@ double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   double largest = 0;
   Kokkos::parallel_reduce(
-      "contact::largestMotion", over(space, surface.num_nodes),
+      "contact::largestMotion", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& all) {
-        all = maxOf(all, leftBy(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
+        all = maxOf(all, excursionOutside(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
       },
       Kokkos::Max<double>(largest));
   space.fence();
@@ -46,7 +46,7 @@ void keepSweptBoxes(const exec_space& space, const Surface& surface,
                     const View<double* [6]>& searched_at) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
-      "contact::keepSweptBoxes", over(space, surface.num_nodes),
+      "contact::keepSweptBoxes", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d) {
           searched_at(node, d) = minOf(x_old(node, d), x_new(node, d));
@@ -112,7 +112,7 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
     may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
   }
   if (may_keep)
-    _global.refreshGhosts(space, surface);
+    _global.forwardCoordinates(space, surface);
   else
     findGhosts(space, surface);
   return _global.ghosts();

@@ -11,7 +11,7 @@
 namespace brickwall::contact {
 
 // How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
-KOKKOS_INLINE_FUNCTION double leftBy(const Vec3& x, const Vec3& low, const Vec3& high) {
+KOKKOS_INLINE_FUNCTION double excursionOutside(const Vec3& x, const Vec3& low, const Vec3& high) {
   double largest = maxOf(low[0] - x[0], x[0] - high[0]);
   for (int d = 1; d < 3; ++d)
     largest = maxOf(largest, maxOf(low[d] - x[d], x[d] - high[d]));
@@ -19,11 +19,12 @@ KOKKOS_INLINE_FUNCTION double leftBy(const Vec3& x, const Vec3& low, const Vec3&
   return zero == 0 ? largest : HUGE_VAL;
 }
 // The same of a row of sweptBoxes(), for both configurations.
-KOKKOS_INLINE_FUNCTION double leftBy(const View<const double* [6]>& boxes, std::int64_t node,
-                                     const Vec3& x_old, const Vec3& x_new) {
+KOKKOS_INLINE_FUNCTION double excursionOutside(const View<const double* [6]>& boxes,
+                                               std::int64_t node, const Vec3& x_old,
+                                               const Vec3& x_new) {
   const Vec3 low = {boxes(node, 0), boxes(node, 1), boxes(node, 2)};
   const Vec3 high = {boxes(node, 3), boxes(node, 4), boxes(node, 5)};
-  return maxOf(leftBy(x_old, low, high), leftBy(x_new, low, high));
+  return maxOf(excursionOutside(x_old, low, high), excursionOutside(x_new, low, high));
 }
 
 class CandidateSearch {
@@ -42,7 +43,7 @@ public:
   const CandidatePairs& update(const exec_space& space, const Surface& surface);
 
   // Collective. The same for a host that has read the coordinates anyway: `motion` is by how much nodes of this rank have left
-  // sweptBoxes() in either configuration of the step, along an axis where that is most (leftBy() of all nodes; any number if
+  // sweptBoxes() in either configuration of the step, along an axis where that is most (excursionOutside() of all nodes; any number if
   // there are no such boxes).
   const CandidatePairs& update(const exec_space& space, const Surface& surface, double motion);
   // [node][low xyz, high xyz] of the last search, as far as its lists may be kept; else of no nodes.
@@ -67,15 +68,14 @@ public:
   const CandidatePairs& pairs() const { return _local.pairs(); }
 
   // Collective; as GlobalSearch, for the ghosts of the last update().
-  void returnToOwners(const exec_space& space, const View<const int* [4]>& face_to_nodes,
-                      const View<const std::int64_t* [12]>& ghost_values,
-                      const View<std::int64_t* [3]>& node_values) {
-    _global.returnToOwners(space, face_to_nodes, ghost_values, node_values);
+  void reverseSum(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                  const View<const std::int64_t* [12]>& ghost_values,
+                  const View<std::int64_t* [3]>& node_values) {
+    _global.reverseSum(space, face_to_nodes, ghost_values, node_values);
   }
-  void sendToGhosts(const exec_space& space, const Surface& surface,
-                    const View<const double* [3]>& node_values,
-                    const View<double* [12]>& ghost_values) {
-    _global.sendToGhosts(space, surface, node_values, ghost_values);
+  void forward(const exec_space& space, const Surface& surface,
+               const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values) {
+    _global.forward(space, surface, node_values, ghost_values);
   }
 
   // Collective. Pairs over all ranks that pairs() lack, by a look at all pairs (pair_audit.hpp); `surface` as in the last

@@ -51,22 +51,21 @@ void GlobalSearch::findByBoxes(const exec_space& space, const Surface& surface) 
                _rank_boxes.num_attributes, _config.method, _migration);
 }
 
-void GlobalSearch::returnToOwners(const exec_space& space,
-                                  const View<const int* [4]>& face_to_nodes,
-                                  const View<const std::int64_t* [12]>& ghost_values,
-                                  const View<std::int64_t* [3]>& node_values) {
-  returnGhostValues(space, _comm, facesToSend(), face_to_nodes, ghost_values, _migration,
-                    node_values);
+void GlobalSearch::reverseSum(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                              const View<const std::int64_t* [12]>& ghost_values,
+                              const View<std::int64_t* [3]>& node_values) {
+  reverseSumGhostValues(space, _comm, facesToSend(), face_to_nodes, ghost_values, _migration,
+                        node_values);
 }
 
-void GlobalSearch::sendToGhosts(const exec_space& space, const Surface& surface,
-                                const View<const double* [3]>& node_values,
-                                const View<double* [12]>& ghost_values) {
-  sendCornerValues(space, _comm, facesToSend(), surface.face_to_nodes, node_values, _migration,
-                   ghost_values);
+void GlobalSearch::forward(const exec_space& space, const Surface& surface,
+                           const View<const double* [3]>& node_values,
+                           const View<double* [12]>& ghost_values) {
+  forwardCornerValues(space, _comm, facesToSend(), surface.face_to_nodes, node_values, _migration,
+                      ghost_values);
 }
 
-void GlobalSearch::refreshGhosts(const exec_space& space, const Surface& surface) {
+void GlobalSearch::forwardCoordinates(const exec_space& space, const Surface& surface) {
   sendCoordinates(space, _comm, facesToSend(), surface, _migration);
 }
 
@@ -78,7 +77,7 @@ std::vector<SentFace> GlobalSearch::sentFaces(const exec_space& space,
   const auto ids_sent =
       allocate<View<global_id*>>(space, "contact::GlobalSearch::sent_faces", lists.size());
   Kokkos::parallel_for(
-      "contact::GlobalSearch::sentFaces", over(space, lists.size()),
+      "contact::GlobalSearch::sentFaces", rangePolicy(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) { ids_sent(i) = ids(faces(i)); });
   std::vector<global_id> host_ids;
   copyToHost(space, ids_sent, lists.size(), host_ids);

@@ -39,19 +39,18 @@ public:
   // Collective. Adds each ghost's values to the nodes of its owner's face: node_values(node of corner j, xyz) +=
   // ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in quanta. `face_to_nodes` [own face] may be other
   // numbers than the surface's. Integer sums: exact, any order.
-  void returnToOwners(const exec_space& space, const View<const int* [4]>& face_to_nodes,
-                      const View<const std::int64_t* [12]>& ghost_values,
-                      const View<std::int64_t* [3]>& node_values);
+  void reverseSum(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                  const View<const std::int64_t* [12]>& ghost_values,
+                  const View<std::int64_t* [3]>& node_values);
 
   // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner, xyz), for the ghosts of
   // the last findGhosts().
-  void sendToGhosts(const exec_space& space, const Surface& surface,
-                    const View<const double* [3]>& node_values,
-                    const View<double* [12]>& ghost_values);
+  void forward(const exec_space& space, const Surface& surface,
+               const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values);
 
   // Collective among partners. Gives ghosts() the present coordinates, x^n and x^{n+1}, of their owners' surfaces, which are
   // otherwise as in the last findGhosts().
-  void refreshGhosts(const exec_space& space, const Surface& surface);
+  void forwardCoordinates(const exec_space& space, const Surface& surface);
 
   // The faces that the last findGhosts() sent, by destination, within one in the order in which its ghosts lie there;
   // `surface` as it was given then. Not collective; copies what was sent to the host.

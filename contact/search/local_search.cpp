@@ -38,16 +38,16 @@ void appendGhostBoxes(const exec_space& space, const View<const Box*>& own, int 
   const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
   Box ghost_box;
   Kokkos::parallel_for(
-      "contact::localSearch::own_boxes", over(space, num_own),
+      "contact::localSearch::own_boxes", rangePolicy(space, num_own),
       KOKKOS_LAMBDA(const std::int64_t face) { joined(face) = own(face); });
   Kokkos::parallel_reduce(
-      "contact::localSearch::ghost_boxes", over(space, ghosts.count),
+      "contact::localSearch::ghost_boxes", rangePolicy(space, ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost, Box& sum) {
         const Box box = ghostBox(x_old, x_new, ghost, tolerance);
         joined(num_own + ghost) = box;
         sum.include(box);
       },
-      Combine<Box>(ghost_box));
+      PlusReducer<Box>(ghost_box));
   space.fence();
   all.include(ghost_box);
 }
@@ -60,14 +60,14 @@ void compressRows(const exec_space& space, int num_nodes, const QueryResults& re
   const auto items = results.items;
   const auto faces = pairs.faces;
   Kokkos::parallel_scan(
-      "contact::localSearch::offsets", over(space, num_nodes + 1),
+      "contact::localSearch::offsets", rangePolicy(space, num_nodes + 1),
       KOKKOS_LAMBDA(const std::int64_t node, std::int64_t& sum, const bool final) {
         if (final)
           offsets(node) = sum;
         sum += node < num_nodes ? count(node) : 0;
       });
   Kokkos::parallel_for(
-      "contact::localSearch::gather", over(space, num_nodes),
+      "contact::localSearch::gather", rangePolicy(space, num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         const std::int64_t first = offsets(node), n = offsets(node + 1) - first;
         for (std::int64_t i = 0; i < n; ++i)
@@ -78,7 +78,7 @@ void compressRows(const exec_space& space, int num_nodes, const QueryResults& re
 void sortRows(const exec_space& space, const DeviceRules& rules, const CandidatePairs& pairs) {
   const auto faces = pairs.faces;
   Kokkos::parallel_for(
-      "contact::localSearch::sort_rows", over(space, pairs.num_rows),
+      "contact::localSearch::sort_rows", rangePolicy(space, pairs.num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) {
         const std::int64_t first = pairs.begin(row), n = pairs.end(row) - first;
         if (n > 1)

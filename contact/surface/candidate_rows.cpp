@@ -12,7 +12,7 @@ void layOutRowsByNode(const exec_space& space, int num_nodes,
   const auto row_nodes = pairs.row_nodes, row_begin = pairs.row_begin;
   const auto block_begin = pairs.block_begin;
   Kokkos::parallel_for(
-      "contact::layOutRowsByNode", over(space, num_blocks),
+      "contact::layOutRowsByNode", rangePolicy(space, num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block) {
         const std::int64_t first = offsets(block * width);
         block_begin(block) = first;

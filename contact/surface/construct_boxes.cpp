@@ -34,7 +34,7 @@ void constructNodeBoxes(const exec_space& space, const Surface& surface, double 
   const auto node_boxes = boxes.node_boxes;
   NodeReduction result;
   Kokkos::parallel_reduce(
-      "contact::constructBoxes::nodes", over(space, surface.num_nodes),
+      "contact::constructBoxes::nodes", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, NodeReduction& all) {
         const Vec3 a = rowOf(x_old, node), b = rowOf(x_new, node);
         if (!isFinite(a) || !isFinite(b)) { // a face may use the node even where it is not owned
@@ -45,7 +45,7 @@ void constructNodeBoxes(const exec_space& space, const Surface& surface, double 
         node_boxes(node) = box;
         all.box.include(box);
       },
-      Combine<NodeReduction>(result));
+      PlusReducer<NodeReduction>(result));
   space.fence();
   boxes.node_box = result.box;
   boxes.num_invalid = result.num_invalid;
@@ -59,13 +59,13 @@ void constructFaceBoxes(const exec_space& space, const Surface& surface, double 
   const auto face_to_nodes = surface.face_to_nodes;
   const auto face_boxes = boxes.face_boxes;
   Kokkos::parallel_reduce(
-      "contact::constructBoxes::faces", over(space, surface.num_faces),
+      "contact::constructBoxes::faces", rangePolicy(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face, Box& all) {
         const Box box = faceBox(x_old, x_new, face_to_nodes, face, tolerance);
         face_boxes(face) = box;
         all.include(box);
       },
-      Combine<Box>(boxes.face_box));
+      PlusReducer<Box>(boxes.face_box));
   space.fence();
 }
 

@@ -1,5 +1,5 @@
 // The true edges of a surface: where a face has no coplanar neighbour of its body. Node-face contact fades out beyond them
-// (true_edges.hpp), and edges that cross such edges of other bodies push them (edge_contact.hpp).
+// (edge_fading.hpp), and edges that cross such edges of other bodies push them (edge_contact.hpp).
 #pragma once
 
 #include "contact/surface/surface.hpp"

@@ -151,7 +151,7 @@ Deck::~Deck() = default;
 Deck Deck::read(MPI_Comm comm, const std::string& path, const std::vector<std::string>& overrides,
                 const Schema& schema) {
   std::string text;
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     if (rankOf(comm) == 0)
       text = readDeckFile(path);
   });

@@ -206,7 +206,7 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   const int rank = rankOf(comm), size = sizeOf(comm);
   MeshContents contents;
   MeshSlice slice;
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     try {
       const ExodusFile file = ExodusFile::open(file_name);
       contents = readContents(file);
@@ -227,7 +227,7 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
 
   const std::vector<int> rank_of_elem = placeElems(comm, slice, home);
   const std::vector<ElemCorners> elems = moveElems(comm, slice, rank_of_elem);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     checkedInt(8 * static_cast<std::int64_t>(elems.size()), "readMesh: element corners");
   });
   const std::vector<global_id> file_nodes = sortedDistinct(nodesOf(elems));

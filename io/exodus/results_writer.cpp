@@ -278,7 +278,7 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
   s.num_nodes = part.numNodes();
   const int rank = rankOf(comm);
   const std::string path = rankFileName(base, sizeOf(comm), rank);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     const int flags = createFlags(part, config.format);
     s.file = ExodusFile::create(path, flags, config.single_precision ? 4 : 8);
     if (flags & EX_NETCDF4) {
@@ -313,7 +313,7 @@ void ResultsWriter::writeStep(double time, const std::vector<std::vector<double>
                               const std::vector<std::vector<double>>& element,
                               const std::vector<double>& global) {
   State& s = *_state;
-  together(s.comm, [&] {
+  rethrowOnAllRanks(s.comm, [&] {
     const auto demand = [](std::size_t found, std::size_t needed, const char* what) {
       if (found != needed)
         throw Error(ExitCode::internal, "ResultsWriter::writeStep: " + std::to_string(found) + " " +
@@ -360,7 +360,7 @@ const std::string& ResultsWriter::fileName() const {
 }
 
 void ResultsWriter::close() {
-  together(_state->comm, [&] { _state->file.close(); });
+  rethrowOnAllRanks(_state->comm, [&] { _state->file.close(); });
 }
 
 } // namespace brickwall::io

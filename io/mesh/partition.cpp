@@ -92,7 +92,8 @@ std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& id
   const std::int64_t num_points = allReduce(comm, static_cast<std::int64_t>(ids.size()), MPI_SUM);
   if (sizeOf(comm) == 1 || num_points == 0) // RCB complains when there is nothing to divide
     return std::vector<int>(ids.size(), 0);
-  together(comm, [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
+  rethrowOnAllRanks(comm,
+                    [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
   const Points mine{&ids, &points};
   const ZoltanHandle zoltan = createRcb(comm, mine);
 

@@ -92,7 +92,7 @@ MeshPart generateWall(MPI_Comm comm, const WallConfig& config) {
   part.num_global_bodies = wall.numBricks();
 
   part.elem_ids = partitionElems(comm, wall);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     checkedInt(8 * static_cast<std::int64_t>(part.elem_ids.size()),
                "generateWall: element corners");
   });

@@ -69,7 +69,7 @@ SurfacePart generateWallSurface(MPI_Comm comm, const WallConfig& config, const W
   part.num_global_nodes = wall.numNodes();
   part.num_global_faces = wall.numFaces();
   part.face_ids = partitionFaces(comm, wall);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     checkedInt(4 * static_cast<std::int64_t>(part.face_ids.size()),
                "generateWallSurface: face corners");
   });

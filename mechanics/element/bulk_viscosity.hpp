@@ -7,7 +7,7 @@
 #pragma once
 
 #include "mechanics/element/hex8_full.hpp"
-#include "mechanics/element/hex8_tlps.hpp"
+#include "mechanics/element/hex8_one_point.hpp"
 
 namespace brickwall::mechanics {
 
@@ -77,7 +77,7 @@ template <class Real>
 KOKKOS_INLINE_FUNCTION Real elementLength(const TlpsGeometry<Real>& geometry) {
   return lengthByFrame(geometry.Q);
 }
-KOKKOS_INLINE_FUNCTION double elementLength(const TlpsBox& box) {
+KOKKOS_INLINE_FUNCTION double elementLength(const OnePointBox& box) {
   return lengthByFrame(box.Q);
 }
 KOKKOS_INLINE_FUNCTION double elementLength(const TlpsBrick& brick) {

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "mechanics/element/hex8_full.hpp"
-#include "mechanics/element/hex8_tlps.hpp"
+#include "mechanics/element/hex8_one_point.hpp"
 
 namespace brickwall::mechanics {
 
-// dU/du_m of the one-point element, linear in u: tlpsForces at F = I.
+// dU/du_m of the one-point element, linear in u: onePointForces at F = I.
 KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
                                        const TlpsGeometry<double>& geometry,
                                        const Material& material, double (&forces)[3][num_modes]) {

@@ -15,7 +15,7 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
   const MeshViews m = viewsOf(mesh);
   double largest = 0;
   Kokkos::parallel_reduce(
-      "mechanics::forceScale::elements", over(space, mesh.num_elems),
+      "mechanics::forceScale::elements", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, double& scale) {
         CornerCoordinates X;
         gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
@@ -153,10 +153,10 @@ void InternalForce::computeFields(const exec_space& space,
   growTo(space, fields.energy_density, _tables.num_elems);
   const auto num_chunks = static_cast<std::int64_t>(_tables.chunks.extent(0));
   if (_kind == ElementKind::one_point)
-    Kokkos::parallel_for("mechanics::computeFields::one_point", over(space, num_chunks),
+    Kokkos::parallel_for("mechanics::computeFields::one_point", rangePolicy(space, num_chunks),
                          FieldFunctor<ElementKind::one_point>{_tables, displacement, fields});
   else
-    Kokkos::parallel_for("mechanics::computeFields::full", over(space, num_chunks),
+    Kokkos::parallel_for("mechanics::computeFields::full", rangePolicy(space, num_chunks),
                          FieldFunctor<ElementKind::full>{_tables, displacement, fields});
 }
 

@@ -1,11 +1,11 @@
-// Internal forces of all elements, in fixed point: TL-PS one-point hexahedra (hex8_tlps.hpp) or full 2x2x2 integration
+// Internal forces of all elements, in fixed point: TL-PS one-point hexahedra (hex8_one_point.hpp) or full 2x2x2 integration
 // (hex8_full.hpp). Each element's force is rounded once, as 7 Walsh-Hadamard modes of 3 components, and transformed to
 // the corners in integers, so an element's corner forces sum to exactly zero and totals depend on no order.
 #pragma once
 
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/element/hex8_full.hpp"
-#include "mechanics/element/hex8_tlps.hpp"
+#include "mechanics/element/hex8_one_point.hpp"
 #include "mechanics/force/packs/element_chunks.hpp"
 #include "mechanics/mesh/brick_lattice.hpp"
 #include "mechanics/mesh/element_failure.hpp"
@@ -46,11 +46,11 @@ struct ElementFields {
 struct CongruentShape {
   bool is_brick = false;
   TlpsBrick brick;
-  TlpsBox box;
+  OnePointBox box;
   static CongruentShape of(const Mat3& jacobian) {
     CongruentShape shape;
     shape.is_brick = isTlpsBrick(jacobian);
-    shape.box = tlpsBox(jacobian);
+    shape.box = onePointBox(jacobian);
     if (shape.is_brick)
       shape.brick = tlpsBrick(jacobian);
     return shape;

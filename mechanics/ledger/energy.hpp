@@ -95,7 +95,7 @@ public:
 
   // Before bookStep() of a step whose drift is of another length than the last one: the power of the contact forces at the
   // velocities before the kick, of all ranks. Of a step that bookCorrection() shortens the contact's part is not known.
-  void expectChangedStep(double contact_power) { _contact_power = contact_power; }
+  void setContactPower(double contact_power) { _contact_power = contact_power; }
 
   // Books a further kick by the same forces at step n: the drift to come is now `dt` long, and the kick before it should
   // have been longer by `dt_kick` (negative where the step is shortened). Collective; failures as of bookStep().

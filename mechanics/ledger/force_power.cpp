@@ -14,7 +14,7 @@ double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   const LimbScale scale = scales.power;
   LimbSums<1> sums;
   Kokkos::parallel_reduce(
-      "mechanics::forcePower", over(space, mesh.num_nodes),
+      "mechanics::forcePower", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, LimbSums<1>& all) {
         if (!m.node_is_owned(node))
           return;
@@ -23,7 +23,7 @@ double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
           power += quantum * static_cast<double>(values(node, 3 * kind + d)) * velocity(node, d);
         all.add(0, power, scale);
       },
-      Combine<LimbSums<1>>(sums));
+      PlusReducer<LimbSums<1>>(sums));
   space.fence();
   allReduce(comm, sums);
   return sums.sum[0].value(scale);

@@ -31,7 +31,7 @@ struct MeshExtremes {
 MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_elems) {
   MeshExtremes result;
   Kokkos::parallel_reduce(
-      "mechanics::ledgerScales::elements", over(space, num_elems),
+      "mechanics::ledgerScales::elements", rangePolicy(space, num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, MeshExtremes& sum) {
         CornerCoordinates X;
         gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
@@ -49,7 +49,7 @@ MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_ele
             one.farthest = maxOf(one.farthest, std::fabs(X[c][j]));
         sum += one;
       },
-      Combine<MeshExtremes>(result));
+      PlusReducer<MeshExtremes>(result));
   space.fence();
   return result;
 }
@@ -101,7 +101,7 @@ MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalSta
   const NodalState s = state;
   MotionSums result;
   Kokkos::parallel_reduce(
-      "mechanics::motionOf::nodes", over(space, mesh.num_nodes),
+      "mechanics::motionOf::nodes", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, MotionSums& sums) {
         if (!m.node_is_owned(node))
           return;
@@ -117,7 +117,7 @@ MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalSta
           sums.add(motion_first_moment + i, mass * x[i], scales.first_moment);
         }
       },
-      Combine<MotionSums>(result));
+      PlusReducer<MotionSums>(result));
   space.fence();
   return result;
 }

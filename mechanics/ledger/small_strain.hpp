@@ -12,11 +12,11 @@ namespace brickwall::mechanics {
 // Beyond it a linear material errs by more than 1 % of the length of its fibres: turned by 8 degrees, for one.
 constexpr double large_left_out_strain = 0.01;
 
-struct LeftOutStrain {
+struct NeglectedStrain {
   double strain = 0; // largest entry of H^T H/2 on its diagonal, at the centre
   global_id elem = INT64_MAX; // the lowest id of those with it
 
-  KOKKOS_INLINE_FUNCTION LeftOutStrain& operator+=(const LeftOutStrain& b) {
+  KOKKOS_INLINE_FUNCTION NeglectedStrain& operator+=(const NeglectedStrain& b) {
     if (b.strain > strain || (b.strain == strain && b.elem < elem))
       *this = b;
     return *this;
@@ -24,7 +24,7 @@ struct LeftOutStrain {
 };
 
 // The most that an element of linear material leaves out, of all ranks; 0 without such. Collective.
-LeftOutStrain leftOutStrain(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                            const View<const double* [3]>& displacement);
+NeglectedStrain neglectedStrain(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                const View<const double* [3]>& displacement);
 
 } // namespace brickwall::mechanics

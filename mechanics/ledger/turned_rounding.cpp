@@ -27,13 +27,13 @@ KOKKOS_INLINE_FUNCTION double squaredGradient(const CornerCoordinates& X,
 
 } // namespace
 
-void allowForTurnedBodies(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                          const View<const double* [3]>& displacement, LedgerScales& scales) {
+void raiseNoiseFloorForRotation(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                const View<const double* [3]>& displacement, LedgerScales& scales) {
   const MeshViews m = viewsOf(mesh);
   const LedgerScales s = scales;
   TurnedSums sums;
   Kokkos::parallel_reduce(
-      "mechanics::allowForTurnedBodies", over(space, mesh.num_elems),
+      "mechanics::raiseNoiseFloorForRotation", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, TurnedSums& all) {
         const Material material = m.materials(m.elem_block(elem));
         if (material.model != MaterialModel::neo_hookean)
@@ -53,7 +53,7 @@ void allowForTurnedBodies(const exec_space& space, MPI_Comm comm, const HexMesh&
                 s.energy);
         all.add(turned_inertia, material.density * volume * dot(centre, centre), s.inertia);
       },
-      Combine<TurnedSums>(sums));
+      PlusReducer<TurnedSums>(sums));
   space.fence();
   allReduce(comm, sums);
   const double energy = of_energy * sums.sum[turned_energy].value(scales.energy);

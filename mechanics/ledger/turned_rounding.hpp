@@ -11,7 +11,7 @@ namespace brickwall::mechanics {
 // Raises `scales.noise` to 256 times that rounding, whose errors are then below a hundredth, and `scales.angular_noise` to the angular
 // momentum of the turned elements at this kinetic energy: forces that are rounded likewise set a free body spinning, slowly. Bodies
 // that are not displaced raise nothing. The same bits on any layout. Collective.
-void allowForTurnedBodies(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                          const View<const double* [3]>& displacement, LedgerScales& scales);
+void raiseNoiseFloorForRotation(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                const View<const double* [3]>& displacement, LedgerScales& scales);
 
 } // namespace brickwall::mechanics

@@ -22,7 +22,7 @@ void setInitialField(const exec_space& space, const HexMesh& mesh, SharedNodeSum
   const auto elem_to_nodes = mesh.elem_to_nodes;
   View<std::int64_t**> touches("mechanics::setInitialField::touches", mesh.num_nodes, 1);
   Kokkos::parallel_for(
-      "mechanics::setInitialField::mark", over(space, mesh.num_elems),
+      "mechanics::setInitialField::mark", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem) {
         if (chosen(elem))
           for (int c = 0; c < 8; ++c)
@@ -31,7 +31,7 @@ void setInitialField(const exec_space& space, const HexMesh& mesh, SharedNodeSum
   shared.sum(space, touches);
   const View<const double* [3]> X = mesh.reference_coordinates;
   Kokkos::parallel_for(
-      "mechanics::setInitialField::set", over(space, mesh.num_nodes),
+      "mechanics::setInitialField::set", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         if (touches(node, 0) == 0)
           return;

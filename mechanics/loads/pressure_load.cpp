@@ -44,7 +44,7 @@ double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& 
   double square = 0;
   Kokkos::parallel_reduce(
       "mechanics::PressureLoad::farthestCorner",
-      over(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
+      rangePolicy(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t face, double& largest) {
         for (int c = 0; c < 4; ++c) {
           const Vec3 away = rowOf(X, face_to_nodes(face, c)) - centre;
@@ -82,8 +82,8 @@ std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
       mean,         _pressure.follower, _face_to_nodes,        mesh.reference_coordinates,
       displacement, forces.values,      forces.quantum.inverse};
   Kokkos::parallel_reduce("mechanics::PressureLoad::add",
-                          over(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))), functor,
-                          Kokkos::Sum<std::int64_t>(misfits));
+                          rangePolicy(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))),
+                          functor, Kokkos::Sum<std::int64_t>(misfits));
   space.fence();
   return misfits;
 }

@@ -82,7 +82,7 @@ std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm com
                                            const HexMesh& mesh) {
   const HostMesh host = copyToHost(space, mesh);
   std::vector<Reference> references;
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     for (const ElementRange& body : mesh.bodies) {
       if (body.body < 0 || body.count < 1)
         throw Error(ExitCode::internal, "markCongruentBodies: body number " +

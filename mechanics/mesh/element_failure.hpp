@@ -10,7 +10,7 @@ namespace brickwall::mechanics {
 
 enum FailureReason : int { no_failure, inverted_element, not_a_number, force_overflow };
 
-// Reduced with Combine<ElementFailure>: counts add, the lowest global id wins.
+// Reduced with PlusReducer<ElementFailure>: counts add, the lowest global id wins.
 struct ElementFailure {
   std::int64_t count = 0;
   global_id first_elem = INT64_MAX; // global id

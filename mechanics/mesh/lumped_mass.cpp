@@ -28,7 +28,7 @@ KOKKOS_INLINE_FUNCTION double cornerMass(const MeshViews& mesh, int elem, HexVol
 MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems) {
   MassCheck check;
   Kokkos::parallel_reduce(
-      "mechanics::lumpedMass::check", over(space, num_elems),
+      "mechanics::lumpedMass::check", rangePolicy(space, num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, MassCheck& sum) {
         HexVolume volume;
         const double mass = cornerMass(m, static_cast<int>(elem), volume);
@@ -37,7 +37,7 @@ MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems
         else
           sum.failure.add(m.elem_ids(elem), inverted_element);
       },
-      Combine<MassCheck>(check));
+      PlusReducer<MassCheck>(check));
   space.fence();
   return check;
 }
@@ -45,7 +45,8 @@ MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems
 void addMasses(const exec_space& space, const MeshViews& m, int num_elems, double inverse_quantum,
                const View<std::int64_t**>& sums) {
   Kokkos::parallel_for(
-      "mechanics::lumpedMass::add", over(space, num_elems), KOKKOS_LAMBDA(const std::int64_t elem) {
+      "mechanics::lumpedMass::add", rangePolicy(space, num_elems),
+      KOKKOS_LAMBDA(const std::int64_t elem) {
         HexVolume volume;
         const std::int64_t mass =
             roundToFixed(inverse_quantum * cornerMass(m, static_cast<int>(elem), volume));
@@ -71,7 +72,7 @@ View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& 
   shared.sum(space, sums);
   const auto mass = allocate<View<double*>>(space, "mechanics::mass", mesh.num_nodes);
   Kokkos::parallel_for(
-      "mechanics::lumpedMass::convert", over(space, mesh.num_nodes),
+      "mechanics::lumpedMass::convert", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         mass(node) = quantum.value * static_cast<double>(sums(node, 0));
       });
@@ -83,19 +84,19 @@ double totalMass(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                  const View<const double*>& mass) {
   double largest = 0;
   Kokkos::parallel_reduce(
-      "mechanics::totalMass::largest", over(space, mesh.num_nodes),
+      "mechanics::totalMass::largest", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& m) { m = maxOf(m, mass(node)); },
       Kokkos::Max<double>(largest));
   const LimbScale scale = LimbScale::forLargest(2 * allReduce(comm, largest, MPI_MAX));
   const auto is_owned = mesh.node_is_owned;
   LimbSums<1> sum;
   Kokkos::parallel_reduce(
-      "mechanics::totalMass::sum", over(space, mesh.num_nodes),
+      "mechanics::totalMass::sum", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, LimbSums<1>& s) {
         if (is_owned(node))
           s.add(0, mass(node), scale);
       },
-      Combine<LimbSums<1>>(sum));
+      PlusReducer<LimbSums<1>>(sum));
   allReduce(comm, sum);
   return sum.sum[0].value(scale);
 }

@@ -90,7 +90,7 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
   std::vector<char> is_cut(faces.size(), 0);
   for (std::size_t s = 0; s < suspects.size(); ++s)
     is_cut[suspects[s]] = uses[s] > 1;
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     for (std::size_t s = 0; s < suspects.size(); ++s)
       if (uses[s] > 2)
         complainOfThird(host, faces[suspects[s]].elem, faces[suspects[s]].side);
@@ -127,7 +127,7 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   const HostMesh host = copyToHost(space, mesh);
   std::vector<LocalFace> faces;
   const std::vector<char> is_shared = sharedFlags(mesh, shared);
-  together(comm, [&] { faces = outerFaces(mesh, host, is_shared); });
+  rethrowOnAllRanks(comm, [&] { faces = outerFaces(mesh, host, is_shared); });
   faces = withoutCuts(comm, host, is_shared, std::move(faces));
   std::vector<int> surface_to_node;
   const std::vector<int> surface_of =

@@ -107,7 +107,7 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
 
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
                                          TlpsGeometry<double>& geometry) {
-  geometry = tlpsGeometry(X);
+  geometry = onePointGeometry(X);
 }
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
                                          FullGeometry<double>& geometry) {
@@ -120,7 +120,7 @@ View<Geometry*> geometriesOf(const exec_space& space, const HexMesh& mesh) {
       allocate<View<Geometry*>>(space, "mechanics::largestFrequency::geometries", mesh.num_elems);
   const MeshViews m = viewsOf(mesh);
   Kokkos::parallel_for(
-      "mechanics::largestFrequency::geometry", over(space, mesh.num_elems),
+      "mechanics::largestFrequency::geometry", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem) {
         CornerCoordinates X;
         gatherCorners(m.elem_to_nodes, m.reference_coordinates, static_cast<int>(elem), X);
@@ -215,9 +215,9 @@ double Lanczos::dot(const Vectors& a, const Vectors& b) const {
   const LimbScale scale = LimbScale::forLargest(4);
   LimbSums<1> sum;
   Kokkos::parallel_reduce(
-      "mechanics::largestFrequency::dot", over(_space, _bodies.mesh.num_nodes),
+      "mechanics::largestFrequency::dot", rangePolicy(_space, _bodies.mesh.num_nodes),
       DotTerms{a, b, _bodies.mass, _bodies.mesh.node_is_owned, 1 / _total_mass, scale},
-      Combine<LimbSums<1>>(sum));
+      PlusReducer<LimbSums<1>>(sum));
   _space.fence();
   allReduce(_comm, sum);
   return sum.sum[0].value(scale);
@@ -274,14 +274,14 @@ bool Lanczos::begin() {
   const int num_nodes = _bodies.mesh.num_nodes;
   _total_mass = totalMass(_space, _comm, _bodies.mesh, _bodies.mass);
   double least = HUGE_VAL;
-  Kokkos::parallel_reduce("mechanics::largestFrequency::least_mass", over(_space, num_nodes),
+  Kokkos::parallel_reduce("mechanics::largestFrequency::least_mass", rangePolicy(_space, num_nodes),
                           LeastMass{_bodies.mass}, Kokkos::Min<double>(least));
   least = allReduce(_comm, least, MPI_MIN);
   const int bits = 54 - static_cast<int>(std::ceil(0.5 * std::log2(_total_mass / least)));
   if (!(bits >= 30))
     return false;
   _quantum = std::ldexp(1.0, -bits);
-  Kokkos::parallel_for("mechanics::largestFrequency::start", over(_space, num_nodes),
+  Kokkos::parallel_for("mechanics::largestFrequency::start", rangePolicy(_space, num_nodes),
                        StartVector{_bodies.seeds, _w});
   _beta.assign(1, std::sqrt(dot(_w, _w)));
   return true;
@@ -290,17 +290,18 @@ bool Lanczos::begin() {
 template <class Geometry>
 void Lanczos::iterate(const View<Geometry*>& geometries, double omega_square) {
   const HexMesh& mesh = _bodies.mesh;
-  Kokkos::parallel_for("mechanics::largestFrequency::next", over(_space, mesh.num_nodes),
+  Kokkos::parallel_for("mechanics::largestFrequency::next", rangePolicy(_space, mesh.num_nodes),
                        Scale{1 / _beta.back(), _w, _v});
   Kokkos::deep_copy(_space, _sums, std::int64_t(0));
-  Kokkos::parallel_for("mechanics::largestFrequency::product", over(_space, mesh.num_elems),
+  Kokkos::parallel_for("mechanics::largestFrequency::product", rangePolicy(_space, mesh.num_elems),
                        AddProduct<Geometry>{viewsOf(mesh), geometries, _bodies.mass, _v, _sums,
                                             1 / (omega_square * _quantum)});
   _bodies.shared.sum(_space, _sums);
-  Kokkos::parallel_for("mechanics::largestFrequency::convert", over(_space, mesh.num_nodes),
+  Kokkos::parallel_for("mechanics::largestFrequency::convert", rangePolicy(_space, mesh.num_nodes),
                        FromSums{_sums, _quantum, _w});
   const double alpha = dot(_w, _v);
-  Kokkos::parallel_for("mechanics::largestFrequency::orthogonalise", over(_space, mesh.num_nodes),
+  Kokkos::parallel_for("mechanics::largestFrequency::orthogonalise",
+                       rangePolicy(_space, mesh.num_nodes),
                        Orthogonalise{alpha, _alpha.empty() ? 0.0 : _beta.back(), _before, _v, _w});
   _alpha.push_back(alpha);
   _beta.push_back(std::sqrt(dot(_w, _w)));

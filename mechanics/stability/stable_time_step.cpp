@@ -41,8 +41,8 @@ StableTimeStep agree(MPI_Comm comm, const Limits& local) {
 }
 
 // The step that whole bodies allow, by what is largest over all ranks; 0 where it is not known to be longer than that of elements.
-double stepOfBodies(double viscous, double growth_of_elements, double turn, const StepLoad& load,
-                    const RestFrequency& rest) {
+double stepOfBodies(double viscous, double growth_of_elements, double turn,
+                    const StabilityTerms& load, const RestFrequency& rest) {
   if (!(rest.bodies < rest.elements))
     return 0;
   const double left = 1 - load.contact, growth = growth_of_elements / left;
@@ -50,7 +50,7 @@ double stepOfBodies(double viscous, double growth_of_elements, double turn, cons
   const double step = viscousStep(2 / omega, viscous / left);
   return step > 0 ? step : 0; // not for NaN
 }
-double stepOfBodies(MPI_Comm comm, const Limits& local, const StepLoad& load,
+double stepOfBodies(MPI_Comm comm, const Limits& local, const StabilityTerms& load,
                     const RestFrequency& rest) {
   if (!(rest.bodies < rest.elements))
     return 0;
@@ -61,7 +61,7 @@ double stepOfBodies(MPI_Comm comm, const Limits& local, const StepLoad& load,
 
 struct LimitsAtRest {
   MeshViews mesh;
-  StepLoad load;
+  StabilityTerms load;
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
     const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
     const Material material = mesh.materials(mesh.elem_block(elem));
@@ -89,7 +89,7 @@ struct LimitsAtRest {
 // With `is_quick` norms stand for eigenvalues, and the elements' own step is not found (unless they failed).
 struct LimitsAtDeformation {
   MeshViews mesh;
-  StepLoad load;
+  StabilityTerms load;
   View<const double* [3]> displacement;
   bool is_quick, is_for_bodies;
 
@@ -145,16 +145,16 @@ struct LimitsAtDeformation {
 } // namespace
 
 ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                                  const StepLoad& load) {
+                                  const StabilityTerms& load) {
   Limits limits;
-  Kokkos::parallel_reduce("mechanics::findElementsAtRest", over(space, mesh.num_elems),
-                          LimitsAtRest{viewsOf(mesh), load}, Combine<Limits>(limits));
+  Kokkos::parallel_reduce("mechanics::findElementsAtRest", rangePolicy(space, mesh.num_elems),
+                          LimitsAtRest{viewsOf(mesh), load}, PlusReducer<Limits>(limits));
   space.fence();
   return {agree(comm, limits), allReduce(comm, limits.bare, MPI_MIN),
           allReduce(comm, limits.viscous, MPI_MAX)};
 }
 
-StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& load,
+StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StabilityTerms& load,
                               const RestFrequency& rest) {
   StableTimeStep stable = elements.step;
   stable.dt = maxOf(stable.dt, stepOfBodies(elements.viscous, 0, 0, load, rest));
@@ -162,20 +162,21 @@ StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& lo
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepLoad& load, const RestFrequency& rest) {
+                              const StabilityTerms& load, const RestFrequency& rest) {
   return stableTimeStep(findElementsAtRest(space, comm, mesh, load), load, rest);
 }
 
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const View<const double* [3]>& displacement, const StepLoad& load,
-                              const RestFrequency& rest, double enough) {
+                              const View<const double* [3]>& displacement,
+                              const StabilityTerms& load, const RestFrequency& rest,
+                              double enough) {
   const bool is_for_bodies = rest.bodies < rest.elements;
   const auto limitsOf = [&](bool is_quick) {
     Limits limits;
     Kokkos::parallel_reduce(
-        "mechanics::stableTimeStep::deformed", over(space, mesh.num_elems),
+        "mechanics::stableTimeStep::deformed", rangePolicy(space, mesh.num_elems),
         LimitsAtDeformation{viewsOf(mesh), load, displacement, is_quick, is_for_bodies},
-        Combine<Limits>(limits));
+        PlusReducer<Limits>(limits));
     space.fence();
     return limits;
   };
@@ -192,7 +193,7 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
   return stable;
 }
 
-double contactLoad(double penalty, double damping, bool edges) {
+double contactMassFraction(double penalty, double damping, bool edges) {
   // As forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) taken at v^{n-1/2}. mult: how often a node's
   // mass is pushed along one direction.
   const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
@@ -213,7 +214,7 @@ double contactLoad(double penalty, double damping, bool edges) {
   return load;
 }
 
-double penaltyOfEqualLoad(double undamped, double damping) {
+double penaltyForMassFraction(double undamped, double damping) {
   // s/4 + zeta sqrt(s) = s_0/4
   const double root = 2 * (std::sqrt(damping * damping + 0.25 * undamped) - damping);
   return root * root;
@@ -224,7 +225,7 @@ View<double*> massUnderContact(const exec_space& space, const View<const double*
   const auto left = allocate<View<double*>>(space, "mechanics::massUnderContact", mass.extent(0));
   Kokkos::deep_copy(space, left, mass);
   Kokkos::parallel_for(
-      "mechanics::massUnderContact", over(space, surface_to_node.extent(0)),
+      "mechanics::massUnderContact", rangePolicy(space, surface_to_node.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t s) { left(surface_to_node(s)) *= 1 - contact_load; });
   return left;
 }

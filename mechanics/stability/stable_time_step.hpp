@@ -29,10 +29,10 @@ struct StableTimeStep {
 };
 
 // What else the step must allow for.
-struct StepLoad {
+struct StabilityTerms {
   BulkViscosity viscosity;
   double rate = 0; // largest l |tr D|/c_d of compression of any element
-  double contact = 0; // a, of contactLoad
+  double contact = 0; // a, of contactMassFraction
 };
 
 // Bounds of omega^2 at rest, 1/time^2; without knowledge of the bodies the element bound does alone.
@@ -49,28 +49,28 @@ struct ElementsAtRest {
 };
 // One pass over the elements: small-strain moduli, closed form. The same for any partition. Collective.
 ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                                  const StepLoad& load);
+                                  const StabilityTerms& load);
 // The longer of the steps by elements and, with `rest`, by bodies.
-StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StepLoad& load,
+StableTimeStep stableTimeStep(const ElementsAtRest& elements, const StabilityTerms& load,
                               const RestFrequency& rest);
 // Both at once.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                              const StepLoad& load = {}, const RestFrequency& rest = {});
+                              const StabilityTerms& load = {}, const RestFrequency& rest = {});
 
 // At X + u: the material's tangent moduli and stress at each element's centre (9x9 eigenvalue problems, about 10 us an
 // element: call it rarely). With `rest` plain norms of the matrices are tried first, and they do where the
 // step that they allow is `enough`. A failed element (J <= 0, NaN) gives dt = 0. Collective.
 StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                               const View<const double* [3]>& displacement,
-                              const StepLoad& load = {}, const RestFrequency& rest = {},
+                              const StabilityTerms& load = {}, const RestFrequency& rest = {},
                               double enough = HUGE_VAL);
 
 // The largest share a of a surface node's mass that contact takes: mult (s/4 + zeta sqrt(s)) with penalty s (capped by the reduced
 // mass, two passes: mult 2.05), damping zeta; crossing edges bring mult to 2.55. Friction needs nothing more: its spring, of at most
 // the same stiffness, acts across the normal one. Throws InputError unless s >= 0, zeta >= 0 and a <= .99.
-double contactLoad(double penalty, double damping = 0, bool edges = false);
+double contactMassFraction(double penalty, double damping = 0, bool edges = false);
 // The penalty that brings, with this damping, the load of `undamped` alone.
-double penaltyOfEqualLoad(double undamped, double damping);
+double penaltyForMassFraction(double undamped, double damping);
 
 // `mass` where nodes of the surface are lighter by a.
 View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,

@@ -50,7 +50,7 @@ KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
 
 // c = (8/rho) l rho c_d xi tr G, G of the present configuration: the viscous stress is proportional to tr D alone, so
 // the element's C has this one eigenvalue.
-KOKKOS_INLINE_FUNCTION double viscousRate(const StepLoad& load, const Material& material,
+KOKKOS_INLINE_FUNCTION double viscousRate(const StabilityTerms& load, const Material& material,
                                           double length, double gram_trace) {
   const BulkViscosity& b = load.viscosity;
   const double xi = b.linear + b.quadratic * b.quadratic * load.rate;
@@ -65,7 +65,7 @@ KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c) {
   return step / (xi + std::sqrt(xi * xi + 1));
 }
 // The same with a mass that is smaller by contact's share.
-KOKKOS_INLINE_FUNCTION double loadedStep(double step, double c, const StepLoad& load) {
+KOKKOS_INLINE_FUNCTION double loadedStep(double step, double c, const StabilityTerms& load) {
   const double left = 1 - load.contact;
   return viscousStep(step * std::sqrt(left), c / left);
 }

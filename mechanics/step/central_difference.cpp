@@ -13,12 +13,13 @@ void drift(const exec_space& space, double dt, const NodalState& state) {
     double* const to = u.data();
     const double* const from = v.data();
     Kokkos::parallel_for(
-        "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(u.span())),
+        "mechanics::drift::nodes", rangePolicy(space, static_cast<std::int64_t>(u.span())),
         KOKKOS_LAMBDA(const std::int64_t k) { to[k] += dt * from[k]; });
     return;
   }
   Kokkos::parallel_for(
-      "mechanics::drift::nodes", over(space, static_cast<std::int64_t>(state.mass.extent(0))),
+      "mechanics::drift::nodes",
+      rangePolicy(space, static_cast<std::int64_t>(state.mass.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int i = 0; i < 3; ++i)
           u(node, i) += dt * v(node, i);
@@ -31,7 +32,8 @@ void drift(const exec_space& space, double dt, const NodalState& state,
   const auto v = state.velocity;
   const NodeSelection selection = nodes;
   Kokkos::parallel_for(
-      "mechanics::drift::runs", over(space, nodes.numRuns()), KOKKOS_LAMBDA(const std::int64_t r) {
+      "mechanics::drift::runs", rangePolicy(space, nodes.numRuns()),
+      KOKKOS_LAMBDA(const std::int64_t r) {
         const NodeRun run = selection.run(static_cast<int>(r));
         for (int node = run.first; node < run.first + run.count; ++node)
           for (int i = 0; i < 3; ++i)
@@ -88,11 +90,12 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
   if (nodes.numRuns() == 0)
     return sums;
   if constexpr (simd_width > 1)
-    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.numRuns()),
-                            KickRuns<kinds, simd_width>{functor, nodes}, Combine<KickSums>(sums));
+    Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.numRuns()),
+                            KickRuns<kinds, simd_width>{functor, nodes},
+                            PlusReducer<KickSums>(sums));
   else // a device: all nodes; those that are left out are at rest and stay so
-    Kokkos::parallel_reduce("mechanics::kick::nodes", over(space, nodes.num_nodes), functor,
-                            Combine<KickSums>(sums));
+    Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.num_nodes), functor,
+                            PlusReducer<KickSums>(sums));
   space.fence();
   sums.carry();
   return sums;

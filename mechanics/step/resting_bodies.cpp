@@ -126,7 +126,7 @@ void RestingBodies::wake(const exec_space& space, const NodalForces& forces) {
   const int columns = static_cast<int>(values.extent(1));
   int woken = 0;
   Kokkos::parallel_reduce(
-      "mechanics::RestingBodies::wake", over(space, watched.extent(0)),
+      "mechanics::RestingBodies::wake", rangePolicy(space, watched.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t i, int& count) {
         int* const flag = &flags(body_of_watched(i));
         if (Kokkos::atomic_fetch_add(flag, 0) == 0)

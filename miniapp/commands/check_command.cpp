@@ -3,7 +3,7 @@
 #include "io/wall/wall_layout.hpp"
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/deck/search_choice.hpp"
-#include "miniapp/output/spared.hpp"
+#include "miniapp/output/skipped_work.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/scene/memory_estimate.hpp"
 #include "miniapp/scene/scene.hpp"
@@ -78,7 +78,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const std::int64_t congruent = simulation.numCongruentElems();
   const bool all_congruent = congruent == scene.part.num_global_elems;
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
-  const auto spared =
+  const auto skipped =
       sparedParts(small, simulation, simulation.contactCounts(), scene.part.num_global_elems);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
@@ -134,9 +134,9 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
         count(simulation.stepGain().body_types));
   else
     std::printf("  time step         %g, by elements\n", simulation.clock().dt);
-  for (const SparedReport& part : spared)
+  for (const SparedReport& part : skipped)
     if (part.share > 0 && !(part.key == "spare.resting_bodies" && startsUnlike(config)))
-      std::printf("  spared            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+      std::printf("  skipped            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                   part.of.c_str());
   std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
               config.time.end);

@@ -2,8 +2,8 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
-#include "miniapp/output/globals.hpp"
 #include "miniapp/output/history.hpp"
+#include "miniapp/output/history_columns.hpp"
 #include "miniapp/output/results.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/scene/load_warnings.hpp"
@@ -173,7 +173,7 @@ private:
   void warnOfLargeStrain() {
     if (_has_large_strain)
       return;
-    const mechanics::LeftOutStrain left_out = _simulation.leftOutStrain();
+    const mechanics::NeglectedStrain left_out = _simulation.neglectedStrain();
     _has_large_strain = left_out.strain > mechanics::large_left_out_strain;
     if (!_has_large_strain)
       return;

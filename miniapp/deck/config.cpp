@@ -273,8 +273,9 @@ void readMethods(Deck& deck, Config& config) {
   config.contact.friction_stiffness = deck.real("contact", "friction_stiffness");
   config.contact.damping = deck.real("contact", "damping");
   if (!deck.has("contact", "penalty"))
-    deck.assignReal("contact", "penalty",
-                    mechanics::penaltyOfEqualLoad(config.contact.penalty, config.contact.damping));
+    deck.assignReal(
+        "contact", "penalty",
+        mechanics::penaltyForMassFraction(config.contact.penalty, config.contact.damping));
   config.contact.penalty = deck.real("contact", "penalty");
   config.contact.edges = deck.boolean("contact", "edges");
   config.contact.self = choice<SelfContact>(deck, "contact", "self", {"auto", "never", "always"});

@@ -114,7 +114,7 @@ enum class GuardAction { cut, stop, off };
 struct ContactConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation, of the shortest skin edge
-  ContactScheme scheme = ContactScheme::energy_neutral; // contact/enforcement/penalty.hpp
+  ContactScheme scheme = ContactScheme::energy_neutral; // contact/enforcement/enforcement.hpp
   double penalty = 0.9; // s
   double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
   double edge_tolerance = 0.1; // the same beyond true edges, where the force fades out
@@ -145,11 +145,12 @@ struct SearchConfig {
 };
 
 // [spare]: what a scene does not need is left out, bit for bit the same
-struct SpareConfig {
+struct SkipConfig {
   bool resting_bodies = true; // mechanics/step/resting_bodies.hpp
   bool free_bricks = true; // mechanics/step/free_bricks/free_bricks.hpp
   bool lattices = true; // mechanics/mesh/brick_lattice.hpp
-  bool still_contact = true; // contact/enforcement/dormancy/still_parts.hpp, sleeping_blocks.hpp
+  bool still_contact =
+      true; // contact/enforcement/dormancy/stationary_nodes.hpp, sleeping_blocks.hpp
 };
 
 // [time]
@@ -165,12 +166,12 @@ struct TimeConfig {
 
 // [output]
 enum class FileFormat { classic, offset64, netcdf4 };
-enum class Precision { single, twofold };
+enum class Precision { single, float64 };
 struct OutputConfig {
   double interval = 0; // time; 0: the first and last state only
   double history_interval = 0; // time; 0: every step
   FileFormat file_format = FileFormat::offset64;
-  Precision precision = Precision::twofold;
+  Precision precision = Precision::float64;
   bool processor_id = false; // write the element field processor_id
 };
 
@@ -190,7 +191,7 @@ struct Config {
   std::vector<InitialDeformationConfig> initial_deformations;
   ContactConfig contact;
   SearchConfig search;
-  SpareConfig spare;
+  SkipConfig spare;
   TimeConfig time;
   OutputConfig output;
   LimitsConfig limits;

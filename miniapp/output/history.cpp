@@ -33,7 +33,7 @@ HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path,
   if (_path.empty())
     return;
   try {
-    together(_comm, [&] {
+    rethrowOnAllRanks(_comm, [&] {
       if (rankOf(_comm) != 0)
         return;
       _file = std::fopen(_path.c_str(), "w");
@@ -59,7 +59,7 @@ HistoryWriter::~HistoryWriter() {
 void HistoryWriter::write(const std::vector<double>& values) {
   if (_path.empty())
     return;
-  together(_comm, [&] {
+  rethrowOnAllRanks(_comm, [&] {
     if (rankOf(_comm) != 0)
       return;
     if (values.size() != _columns.size())

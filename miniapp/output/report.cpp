@@ -205,9 +205,9 @@ std::string reportJson(const RunReport& r) {
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = toJson(r.balance);
-  json["spared"] = nlohmann::ordered_json::array();
-  for (const SparedReport& part : r.spared)
-    json["spared"].push_back(
+  json["skipped"] = nlohmann::ordered_json::array();
+  for (const SparedReport& part : r.skipped)
+    json["skipped"].push_back(
         {{"what", part.what}, {"share", part.share}, {"of", part.of}, {"key", part.key}});
   // As text: a number of JSON need not have 64 bits.
   const auto hex = [](std::uint64_t sum) {
@@ -224,7 +224,7 @@ std::string reportJson(const RunReport& r) {
 }
 
 void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text) {
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     if (rankOf(comm) != 0)
       return;
     std::FILE* file = std::fopen(path.c_str(), "w");
@@ -244,7 +244,7 @@ void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report
 }
 
 void removeFile(MPI_Comm comm, const std::string& path) {
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     std::error_code error;
     if (rankOf(comm) == 0 && !std::filesystem::remove(path, error) && error)
       throw OutputError(path + ": can not remove the file of an earlier run: " + error.message());
@@ -252,7 +252,7 @@ void removeFile(MPI_Comm comm, const std::string& path) {
 }
 
 void makeDirectory(MPI_Comm comm, const std::string& path) {
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     if (rankOf(comm) != 0)
       return;
     std::error_code error;
@@ -288,9 +288,9 @@ void printReport(std::ostream& out, const RunReport& r) {
                   static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
   printBalance(out, r.balance);
-  for (const SparedReport& part : r.spared)
+  for (const SparedReport& part : r.skipped)
     if (part.share > 0)
-      out << format("spared: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+      out << format("skipped: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                     part.of.c_str());
   for (std::size_t i = r.warnings_told; i < r.warnings.size(); ++i)
     out << "warning: " << r.warnings[i] << '\n';

@@ -71,7 +71,7 @@ struct StepReport {
   std::int64_t guarded_steps = 0; // steps whose pairs were looked at because some nodes moved fast
 };
 
-// miniapp/output/spared.hpp.
+// miniapp/output/skipped.hpp.
 struct SparedReport {
   std::string what; // e.g. "elements at rest"
   double share = 0; // of what it is a part of, 0 to 1
@@ -100,7 +100,7 @@ struct RunReport {
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
   SearchReport search;
   StepReport time_step;
-  std::vector<SparedReport> spared;
+  std::vector<SparedReport> skipped;
   ChecksumReport checksums;
   BalanceReport balance;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes

@@ -3,7 +3,7 @@
 #include "contact/base/exchange_plan.hpp"
 #include "contact/base/region.hpp"
 #include "mechanics/step/acceleration.hpp"
-#include "miniapp/output/globals.hpp"
+#include "miniapp/output/history_columns.hpp"
 #include "miniapp/output/report.hpp"
 
 namespace brickwall::miniapp {
@@ -43,7 +43,7 @@ void packContact(const exec_space& space, const Scene& scene,
   const auto status = enforcement.status();
   const auto gap = enforcement.gap();
   Kokkos::parallel_for(
-      "results::packContact", over(space, scene.skin.num_nodes),
+      "results::packContact", rangePolicy(space, scene.skin.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         if (!is_owned(node))

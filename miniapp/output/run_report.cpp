@@ -2,7 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "miniapp/deck/search_choice.hpp"
-#include "miniapp/output/spared.hpp"
+#include "miniapp/output/skipped_work.hpp"
 
 namespace brickwall::miniapp {
 
@@ -89,7 +89,7 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
-  report.spared = sparedParts(config, simulation, counts, report.elements);
+  report.skipped = sparedParts(config, simulation, counts, report.elements);
   const Checksums sums = simulation.checksums();
   report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);

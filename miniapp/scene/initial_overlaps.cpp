@@ -61,7 +61,7 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
   const auto ids = allocate<View<global_id*>>(space, "overlaps::ids", elems.size());
   const mechanics::MeshViews views = mechanics::viewsOf(mesh);
   Kokkos::parallel_for(
-      "overlaps::gatherElements", over(space, static_cast<std::int64_t>(elems.size())),
+      "overlaps::gatherElements", rangePolicy(space, static_cast<std::int64_t>(elems.size())),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int elem = chosen(i);
         ids(i) = views.elem_ids(elem);

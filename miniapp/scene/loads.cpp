@@ -121,7 +121,7 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
   const auto at_start = boundary.during({});
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
-      "miniapp::prescribedInitialVelocity", over(space, scene.mesh.num_nodes),
+      "miniapp::prescribedInitialVelocity", rangePolicy(space, scene.mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           if (at_start.motion(node, d))

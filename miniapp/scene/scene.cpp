@@ -59,7 +59,7 @@ void refuseEdgesOfNoLength(const exec_space& space, MPI_Comm comm, const Scene& 
   const auto X = scene.mesh.reference_coordinates;
   global_id first = INT64_MAX;
   Kokkos::parallel_reduce(
-      "miniapp::refuseEdgesOfNoLength", over(space, scene.skin.num_faces),
+      "miniapp::refuseEdgesOfNoLength", rangePolicy(space, scene.skin.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face, global_id& least) {
         for (int corner = 0; corner < 4; ++corner)
           if (!(norm(rowOf(X, face_to_nodes(face, (corner + 1) % 4)) -
@@ -78,7 +78,7 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
   const auto X = scene.mesh.reference_coordinates;
   double shortest = HUGE_VAL, longest = 0;
   Kokkos::parallel_reduce(
-      "miniapp::measureSkinEdges", over(space, scene.skin.num_faces),
+      "miniapp::measureSkinEdges", rangePolicy(space, scene.skin.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face, double& least, double& most) {
         for (int corner = 0; corner < 4; ++corner) {
           const Vec3 a = rowOf(X, face_to_nodes(face, corner));

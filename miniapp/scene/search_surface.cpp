@@ -50,7 +50,8 @@ void SearchSurface::move(const exec_space& space, std::int64_t step) {
   const auto x_old = _old, x_new = _new, motion = _motion;
   const auto node_brick = _node_brick;
   Kokkos::parallel_for(
-      "search::move", over(space, _surface.num_nodes), KOKKOS_LAMBDA(const std::int64_t node) {
+      "search::move", rangePolicy(space, _surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           x_new(node, d) = x_old(node, d) + motion(node_brick(node), d);
       });

@@ -31,7 +31,7 @@ Checksums Simulation::checksums() const {
   const auto& mesh = _scene.mesh;
   std::uint64_t nodes = 0, contacts = 0;
   Kokkos::parallel_reduce(
-      "miniapp::checksums::nodes", over(_space, mesh.num_nodes),
+      "miniapp::checksums::nodes", rangePolicy(_space, mesh.num_nodes),
       HashNode{mesh.node_ids, mesh.node_is_owned, _state.displacement, _state.velocity},
       Kokkos::Sum<std::uint64_t>(nodes));
   _space.fence();

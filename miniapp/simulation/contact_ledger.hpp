@@ -1,7 +1,7 @@
 // What contact tells the energy ledger of each step.
 #pragma once
 
-#include "contact/enforcement/penalty.hpp"
+#include "contact/enforcement/enforcement.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
 
 namespace brickwall::miniapp {

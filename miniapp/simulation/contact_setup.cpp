@@ -20,7 +20,7 @@ contact::EnforcementConfig enforcementConfig(const Config& config, double shorte
                            ? contact::Scheme::energy_neutral
                            : contact::Scheme::penalty;
   enforcement.penalty = deck.penalty;
-  enforcement.leaves_out_still = config.spare.still_contact;
+  enforcement.skip_stationary = config.spare.still_contact;
   enforcement.reference_step = reference_step;
   enforcement.lateral_tolerance = deck.lateral_tolerance;
   enforcement.edge_tolerance = deck.edge_tolerance;

@@ -2,7 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "contact/enforcement/law/true_edges.hpp"
+#include "contact/enforcement/law/edge_fading.hpp"
 #include "mechanics/ledger/force_power.hpp"
 #include "mechanics/step/central_difference.hpp"
 
@@ -15,11 +15,11 @@ void Simulation::step() {
   auditCandidates();
   adaptTimeStep();
   computeInternalForces();
-  watchCompression();
+  limitStepForCompression();
   addLoads(nextLoadSpan());
   sumSharedNodes();
   enforceContact(_clock.dt_before);
-  expectChangedStep();
+  setContactPower();
   kickVelocities(0.5 * (_clock.dt_before + _clock.dt));
   bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
 }
@@ -28,7 +28,7 @@ void Simulation::start() {
   findContactCandidates();
   auditCandidates();
   computeInternalForces();
-  watchCompression();
+  limitStepForCompression();
   addLoads(nextLoadSpan());
   sumSharedNodes();
   enforceContact(_clock.dt);
@@ -37,7 +37,7 @@ void Simulation::start() {
 }
 
 void Simulation::moveNodes() {
-  keepPositionsWhereFast();
+  saveStateForGuard();
   const Region region("step::drift");
   // Free bricks drift while they are swept, unless someone looks at the positions before.
   _free_have_drifted = _free_bricks.any() && checksStableStep(_clock.step + 1);
@@ -54,7 +54,7 @@ void Simulation::findContactCandidates() {
   if (!_coupling)
     return;
   const Region region("search");
-  reachAsDeepAsContacts();
+  growSearchTolerance();
   _search->update(_space, _coupling->surface());
   if (_edges)
     _edges->findCandidates(_space, _coupling->surface());
@@ -73,12 +73,12 @@ void Simulation::auditCandidates() {
 // depths_to_end, and a little), but no farther than the shortest edge: a node that is pressed in deep keeps its faces. They grow
 // with some reserve and shrink late, so that lists that are kept stay of use.
 double Simulation::reachOf(double deepest) const {
-  constexpr double depths_to_end = contact::EdgeReach::depths_to_end;
+  constexpr double depths_to_end = contact::FadeRegion::depths_to_end;
   const double wanted = 0.5 * ((depths_to_end + 0.2) * deepest +
                                0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
   return deepest > 0 ? minOf(wanted, 0.5 * _scene.shortest_edge) : 0;
 }
-void Simulation::reachAsDeepAsContacts() {
+void Simulation::growSearchTolerance() {
   if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
     return;
   const double deepest = maxOf(_contact.nodes.deepest, _contact.edges.deepest);
@@ -141,7 +141,7 @@ void Simulation::enforceContact(double dt) {
     neutral.sum_forces = sum_forces;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
-      _search->sendToGhosts(_space, surface, values, ghost_values);
+      _search->forward(_space, surface, values, ghost_values);
     };
   }
   _contact = _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(),
@@ -156,10 +156,10 @@ void Simulation::enforceContact(double dt) {
 }
 
 // What the gauges need where the step changes: the power of contact before the kick.
-void Simulation::expectChangedStep() {
+void Simulation::setContactPower() {
   if (_enforcement && _clock.dt != _clock.dt_before)
-    _ledger.expectChangedStep(mechanics::forcePower(_space, _comm, _scene.mesh, _forces, _state,
-                                                    mechanics::contact_force, _scales));
+    _ledger.setContactPower(mechanics::forcePower(_space, _comm, _scene.mesh, _forces, _state,
+                                                  mechanics::contact_force, _scales));
 }
 
 // All nodes but those of bricks that step by themselves and of bodies at rest.
@@ -207,7 +207,7 @@ const mechanics::NodalForces& Simulation::forces() {
 
 void Simulation::bookEnergies(double dt_kick) {
   const Region region("step::ledger");
-  _spared_element_steps += _resting_elems;
+  _skipped_element_steps += _resting_elems;
   mechanics::StepCounts counts;
   counts.failures = _load_failures + _contact.failures();
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];

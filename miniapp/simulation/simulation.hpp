@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
-#include "contact/enforcement/penalty.hpp"
+#include "contact/enforcement/enforcement.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "mechanics/force/internal_force.hpp"
 #include "mechanics/ledger/energy.hpp"
@@ -67,7 +67,8 @@ struct ContactCounts {
 // Sums modulo 2^64 of hashes (contact/base/hash.hpp).
 struct Checksums {
   std::uint64_t nodes = 0; // displacement and velocity of every node
-  std::uint64_t contacts = 0; // of nodes with faces and of edges (contact/enforcement/reports/history_checksum.hpp)
+  std::uint64_t contacts =
+      0; // of nodes with faces and of edges (contact/enforcement/reports/history_checksum.hpp)
   std::int64_t interactions = 0;
 };
 
@@ -85,7 +86,7 @@ struct StepGain {
 // One bound of the step: dt = share times the stable step under the load, until that is less than dt/largest_share.
 struct StepLimit {
   // The rate is that which the step allows for; at first one that costs few per cent of the step.
-  mechanics::StepLoad load = {{}, 0.01, 0};
+  mechanics::StabilityTerms load = {{}, 0.01, 0};
   mechanics::ElementsAtRest elements; // under the load, as the run begins
   mechanics::RestFrequency rest; // of the bodies under the load's contact
   double share = 1, largest_share = 1;
@@ -120,7 +121,7 @@ public:
   GaugeValues gauges();
   // What linear materials leave out of the strain (mechanics/ledger/small_strain.hpp); looked at every check_interval steps and at the end,
   // 0 in others and without such materials. Collective.
-  mechanics::LeftOutStrain leftOutStrain() const;
+  mechanics::NeglectedStrain neglectedStrain() const;
   const mechanics::NodalState& state() const { return _state; }
   // Of the last step, of all nodes.
   const mechanics::NodalForces& forces();
@@ -135,14 +136,14 @@ public:
   bool dropsSameBody() const { return _drops_same_body; }
   std::int64_t numCongruentElems() const; // of all ranks; collective
   std::int64_t numLatticeElems() const; // swept plane by plane; of all ranks; collective
-  // Of bodies that nothing has moved yet, and what they have spared since the start; of all ranks; collective.
+  // Of bodies that nothing has moved yet, and what they have skipped since the start; of all ranks; collective.
   std::int64_t numRestingElems() const;
-  std::int64_t sparedElementSteps() const;
+  std::int64_t skippedElementSteps() const;
   std::int64_t numFreeElems() const; // of bricks that step by themselves; of all ranks; collective
 
 private:
   void moveNodes();
-  void keepPositionsWhereFast();
+  void saveStateForGuard();
   // Where a pair of this step moves by more than contact reaches: takes the drift back, shortens the step for good, drifts
   // and searches again; or throws PhysicsError, on all ranks, in the state of the step before. Collective.
   void guardAgainstTunnelling();
@@ -152,16 +153,16 @@ private:
   // Every check_interval steps: compares dt with the stable step of the deformed bodies and shortens it for good where
   // needed. Collective.
   void adaptTimeStep();
-  void watchCompression();
+  void limitStepForCompression();
   bool checksStableStep(std::int64_t step) const;
   void shortenStepIfUnstable(); // collective
   void findContactCandidates();
   void auditCandidates(); // collective
   double reachOf(double deepest) const;
-  void reachAsDeepAsContacts(); // collective
+  void growSearchTolerance(); // collective
   void allocateForces();
-  void freeBricks();
-  void restBodies();
+  void findFreeBricks();
+  void findRestingBodies();
   const mechanics::NodeSelection& movingNodes() const;
   void stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift);
   void computeInternalForces();
@@ -169,7 +170,7 @@ private:
   mechanics::TimeSpan nextLoadSpan() const;
   void enforceContact(double dt);
   void sumSharedNodes();
-  void expectChangedStep(); // collective
+  void setContactPower(); // collective
   void kickVelocities(double dt_kick);
   void bookEnergies(double dt_kick);
   void stepBack(double dt_kick);
@@ -202,7 +203,7 @@ private:
   std::unique_ptr<mechanics::InternalForce> _internal_force;
   mechanics::FreeBricks _free_bricks; // none with contact or viscosity
   mechanics::RestingBodies _resting; // none without contact
-  std::int64_t _resting_elems = 0, _spared_element_steps = 0; // here, in this step and in all
+  std::int64_t _resting_elems = 0, _skipped_element_steps = 0; // here, in this step and in all
   mechanics::NodeSelection _other_nodes;
   bool _free_have_drifted = true, _has_all_forces = true; // in the step under way
   std::vector<mechanics::PressureLoad> _loads;

@@ -47,14 +47,14 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _internal_force = std::make_unique<mechanics::InternalForce>(
       _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
   _loads = pressureLoads(_space, config, scene);
-  freeBricks();
+  findFreeBricks();
   for (const MaterialConfig& material : config.materials)
     _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
   if (!config.initial_deformations.empty())
-    mechanics::allowForTurnedBodies(_space, comm, mesh, _state.displacement, _scales);
+    mechanics::raiseNoiseFloorForRotation(_space, comm, mesh, _state.displacement, _scales);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
-  restBodies();
+  findRestingBodies();
 
   setStepLimits();
   planSteps(longestStepAtStart());
@@ -68,7 +68,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
 }
 
 // Bricks that nothing but their own forces, gravity and prescribed motions moves.
-void Simulation::freeBricks() {
+void Simulation::findFreeBricks() {
   _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
   if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
       !_config.spare.free_bricks)
@@ -82,7 +82,7 @@ void Simulation::freeBricks() {
 
 // Forces reach a body by its surface and by loads, which may be on sides inside it, and this rank's part of it by shared nodes.
 // Without contact few bodies ever wake.
-void Simulation::restBodies() {
+void Simulation::findRestingBodies() {
   if (!_config.spare.resting_bodies || !_config.contact.enabled)
     return;
   std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);

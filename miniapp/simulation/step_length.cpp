@@ -31,7 +31,7 @@ void Simulation::setStepLimits() {
   };
   add(0, _config.time.safety);
   if (contact.enabled)
-    add(mechanics::contactLoad(contact.penalty, contact.damping, contact.edges), most);
+    add(mechanics::contactMassFraction(contact.penalty, contact.damping, contact.edges), most);
 }
 
 void Simulation::findLargestFrequency(StepLimit& limit) {
@@ -120,7 +120,7 @@ bool Simulation::checksStableStep(std::int64_t step) const {
 // Quadratic viscosity damps the more, and needs the shorter a step, the faster elements are compressed. The step allows for
 // a rate; when that is exceeded, for half as much again, so that few changes reach any rate. Before the kick, which spans
 // half of either step. Collective.
-void Simulation::watchCompression() {
+void Simulation::limitStepForCompression() {
   if (!(_config.viscosity.quadratic > 0) || done())
     return;
   const double rate = allReduce(_comm, _internal.compression_rate, MPI_MAX);
@@ -147,7 +147,7 @@ void Simulation::shortenStepIfUnstable() {
 }
 
 // Decided by the velocities, before the drift: then what it starts from can be kept bit for bit.
-void Simulation::keepPositionsWhereFast() {
+void Simulation::saveStateForGuard() {
   _is_watched = _coupling && _ledger.balance().fast_nodes > 0;
   if (!_is_watched)
     return;

@@ -61,7 +61,7 @@ void SurfaceCoupling::fillNodes(const exec_space& space, const Scene& scene,
   const auto mesh_is_owned = scene.mesh.node_is_owned;
   const auto mesh_mass = scene.mass;
   Kokkos::parallel_for(
-      "coupling::fillNodes", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::fillNodes", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         node_ids(i) = mesh_ids(node);
         node_is_owned(i) = mesh_is_owned(node);
@@ -85,7 +85,8 @@ void SurfaceCoupling::fillFaces(const exec_space& space, const Scene& scene) {
   const auto face_body = _face_body;
   const auto attributes = _attributes;
   Kokkos::parallel_for(
-      "coupling::fillFaces", over(space, _num_faces), KOKKOS_LAMBDA(const std::int64_t face) {
+      "coupling::fillFaces", rangePolicy(space, _num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
         const int elem = face_to_elem(face);
         Vec3 centre;
         for (int corner = 0; corner < 8; ++corner)
@@ -107,7 +108,8 @@ void SurfaceCoupling::setTrueEdges(const exec_space& space,
   const auto masks = toDevice<View<unsigned char*>>(space, "coupling::true_edges", true_edges);
   const auto attributes = _attributes;
   Kokkos::parallel_for(
-      "coupling::setTrueEdges", over(space, _num_faces), KOKKOS_LAMBDA(const std::int64_t face) {
+      "coupling::setTrueEdges", rangePolicy(space, _num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
         attributes(face, contact::NodeFaces::true_edges_column) = masks(face);
       });
 }
@@ -124,7 +126,8 @@ void SurfaceCoupling::gatherAgain(const exec_space& space,
   const auto X = _reference;
   const auto x = _new;
   Kokkos::parallel_for(
-      "coupling::gatherCoordinates", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::gatherCoordinates", rangePolicy(space, _num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         for (int d = 0; d < 3; ++d)
           x(i, d) = X(node, d) + displacement(node, d);
@@ -159,20 +162,20 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        mechanics::SharedNodeSum& shared) {
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
-    search.returnToOwners(space, _face_to_surface_nodes, forces.ghost_corners, forces.nodes);
+    search.reverseSum(space, _face_to_surface_nodes, forces.ghost_corners, forces.nodes);
   if (shared.partners().empty())
     return;
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
   const auto totals = _contact_forces; // 0 inside the bodies for ever
   Kokkos::parallel_for(
-      "coupling::toMesh", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::toMesh", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           totals(surface_to_node(i), d) = nodes(i, d);
       });
   shared.sum(space, totals);
   Kokkos::parallel_for(
-      "coupling::toSurface", over(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::toSurface", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           nodes(i, d) = totals(surface_to_node(i), d);
       });
@@ -185,7 +188,8 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
   const auto totals = forces.nodes;
   const auto values = target.values;
   Kokkos::parallel_for(
-      "coupling::storeContactForces", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::storeContactForces", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i);
         for (int d = 0; d < 3; ++d)
           values(surface_to_node(at), 3 * mechanics::contact_force + d) = totals(at, d);
@@ -201,7 +205,8 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
-      "coupling::accelerations", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "coupling::accelerations", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
         for (int d = 0; d < 3; ++d)
           acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);

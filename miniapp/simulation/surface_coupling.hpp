@@ -1,7 +1,7 @@
 // Joins the volume mesh and the contact surface: coordinates and masses go to the surface, contact forces come back.
 #pragma once
 
-#include "contact/enforcement/penalty.hpp"
+#include "contact/enforcement/enforcement.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "contact/surface/surface.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"

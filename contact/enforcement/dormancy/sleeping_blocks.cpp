@@ -9,7 +9,7 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
       _num_awake(_num_blocks) {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
-  _state.bounds = View<KeptBound*>(label + "::bounds", 0); // the first lull() makes room
+  _state.bounds = View<KeptBound*>(label + "::bounds", 0); // the first putToSleep() makes room
   _state.age = View<unsigned char*>(label + "::age", n);
   _state.wait = View<unsigned char*>(label + "::wait", n);
   _state.patience = View<unsigned char*>(label + "::patience", n);
@@ -35,7 +35,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
   const double rounding = motion.rounding();
   _num_awake = 0;
   Kokkos::parallel_reduce(
-      "contact::SleepingBlocks::wake", over(space, _num_blocks),
+      "contact::SleepingBlocks::wake", rangePolicy(space, _num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block, std::int64_t& awake) {
         const int count = state.num_bounds(block);
         if (count == SleepState::awake) {

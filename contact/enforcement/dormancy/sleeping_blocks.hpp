@@ -22,11 +22,12 @@ public:
             bool is_unchanged);
 
   // After the blocks that are awake have been looked at: puts to sleep those whose pairs are apart. `row_count` [node]
-  // contacts of the present step; `clear` as of StillFlags, which is taken back from rows that sleep.
-  template <class Touch>
-  void lull(const exec_space& space, const Touch& touch, const FaceAccess& faces,
-            const CandidatePairs& pairs, const SurfaceMotion& motion,
-            const View<const unsigned char*>& row_count, const View<unsigned char*>& clear);
+  // contacts of the present step; `clear` as of StationaryFlags, which is taken back from rows that sleep.
+  template <class Kinematics>
+  void putToSleep(const exec_space& space, const Kinematics& touch, const FaceAccess& faces,
+                  const CandidatePairs& pairs, const SurfaceMotion& motion,
+                  const View<const unsigned char*>& row_count,
+                  const View<unsigned char*>& known_apart);
 
   const SleepState& state() const { return _state; }
   bool hasAsleep() const { return _num_awake < _num_blocks; }
@@ -40,16 +41,16 @@ private:
   const unsigned char* _changed = nullptr; // of the same
 };
 
-// Kernel functor of lull(): one block.
-template <class Touch>
+// Kernel functor of putToSleep(): one block.
+template <class Kinematics>
 struct FindBounds {
-  Touch touch;
+  Kinematics touch;
   FaceAccess faces;
   CandidatePairs pairs;
   BodyMotions motions;
   double rounding;
   View<const unsigned char*> row_count;
-  View<unsigned char*> clear;
+  View<unsigned char*> known_apart;
   SleepState state;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t block) const {
@@ -74,7 +75,7 @@ struct FindBounds {
     state.num_bounds(block) = static_cast<unsigned char>(count);
     state.age(block) = 0;
     for (std::int64_t row = begin; row < end; ++row)
-      clear(pairs.node(row)) = 0;
+      known_apart(pairs.node(row)) = 0;
   }
 
 private:
@@ -125,11 +126,12 @@ private:
   }
 };
 
-template <class Touch>
-void SleepingBlocks::lull(const exec_space& space, const Touch& touch, const FaceAccess& faces,
-                          const CandidatePairs& pairs, const SurfaceMotion& motion,
-                          const View<const unsigned char*>& row_count,
-                          const View<unsigned char*>& clear) {
+template <class Kinematics>
+void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& touch,
+                                const FaceAccess& faces, const CandidatePairs& pairs,
+                                const SurfaceMotion& motion,
+                                const View<const unsigned char*>& row_count,
+                                const View<unsigned char*>& known_apart) {
   // Rows of one node a block that every step searches anew count as changed each time: the block would wake at once.
   const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
   if (_num_awake == 0 || pairs.version == 0 || !rows_last)
@@ -137,9 +139,9 @@ void SleepingBlocks::lull(const exec_space& space, const Touch& touch, const Fac
   if (_state.bounds.extent(0) == 0)
     _state.bounds =
         allocate<View<KeptBound*>>(space, _state.bounds.label(), max_bounds * _num_blocks);
-  Kokkos::parallel_for("contact::SleepingBlocks::lull", over(space, _num_blocks),
-                       FindBounds<Touch>{touch, faces, pairs, motion.bodies(), motion.rounding(),
-                                         row_count, clear, _state});
+  Kokkos::parallel_for("contact::SleepingBlocks::putToSleep", rangePolicy(space, _num_blocks),
+                       FindBounds<Kinematics>{touch, faces, pairs, motion.bodies(),
+                                              motion.rounding(), row_count, known_apart, _state});
 }
 
 } // namespace brickwall::contact

@@ -76,7 +76,7 @@ void SurfaceMotion::measure(const exec_space& space, const Surface& surface) {
   _num_moving = 0;
   Kokkos::parallel_reduce(
       "contact::SurfaceMotion::measure",
-      over(space, static_cast<std::int64_t>(piece_body.extent(0))),
+      rangePolicy(space, static_cast<std::int64_t>(piece_body.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t piece, std::int64_t& moving) {
         double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
         const int end = piece_begin(piece + 1);
@@ -112,7 +112,8 @@ void SurfaceMotion::addUp(const exec_space& space) {
   const bool has_last = _has_last;
   double farthest = 0;
   Kokkos::parallel_reduce(
-      "contact::SurfaceMotion::addUp", over(space, static_cast<std::int64_t>(step.extent(0))),
+      "contact::SurfaceMotion::addUp",
+      rangePolicy(space, static_cast<std::int64_t>(step.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t body, double& most) {
         for (int d = 0; d < 3; ++d) {
           if (has_last) {
@@ -132,7 +133,7 @@ void SurfaceMotion::measureExtent(const exec_space& space, const Surface& surfac
   const auto x = surface.coordinates_new;
   double extent = 0;
   Kokkos::parallel_reduce(
-      "contact::SurfaceMotion::extent", over(space, _num_nodes),
+      "contact::SurfaceMotion::extent", rangePolicy(space, _num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& most) {
         for (int d = 0; d < 3; ++d)
           most = maxOf(most, std::fabs(x(node, d)));

@@ -29,7 +29,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
   _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, config, quantum);
-  _still = StillParts("contact::EdgeContact", _edges, _corner_to_node);
+  _still = StationaryNodes("contact::EdgeContact", _edges, _corner_to_node);
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
 
@@ -44,7 +44,7 @@ double EdgeContact::gather(const exec_space& space, const Surface& surface) {
   const bool has_boxes = boxes.extent(0) > 0;
   double of_corners = 0, of_edges = 0;
   Kokkos::parallel_reduce(
-      "contact::EdgeContact::gatherCorners", over(space, num_corners),
+      "contact::EdgeContact::gatherCorners", rangePolicy(space, num_corners),
       KOKKOS_LAMBDA(const std::int64_t i, double& most) {
         const int node = corner_to_node(i);
         const Vec3 before = rowOf(surface.coordinates_old, node);
@@ -54,17 +54,17 @@ double EdgeContact::gather(const exec_space& space, const Surface& surface) {
           x_new(i, d) = now[d];
         }
         if (has_boxes)
-          most = maxOf(most, leftBy(boxes, i, before, now));
+          most = maxOf(most, excursionOutside(boxes, i, before, now));
       },
       Kokkos::Max<double>(of_corners));
   Kokkos::parallel_reduce(
-      "contact::EdgeContact::sweepEdges", over(space, _edges.num_faces),
+      "contact::EdgeContact::sweepEdges", rangePolicy(space, _edges.num_faces),
       KOKKOS_LAMBDA(const std::int64_t e, double& most) {
         const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
         Vec3 low, high;
         for (int d = 0; d < 3; ++d) {
-          const double over_old = EdgeTouch::overhang * (x_old(b, d) - x_old(a, d));
-          const double over_new = EdgeTouch::overhang * (x_new(b, d) - x_new(a, d));
+          const double over_old = EdgeEdgeKinematics::overhang * (x_old(b, d) - x_old(a, d));
+          const double over_new = EdgeEdgeKinematics::overhang * (x_new(b, d) - x_new(a, d));
           const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
                                   x_new(a, d) - over_new, x_new(b, d) + over_new};
           low[d] = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
@@ -75,7 +75,7 @@ double EdgeContact::gather(const exec_space& space, const Surface& surface) {
           records(e).end[1][d] = x_new(b, d);
         }
         if (has_boxes)
-          most = maxOf(most, leftBy(boxes, num_corners + e, low, high));
+          most = maxOf(most, excursionOutside(boxes, num_corners + e, low, high));
       },
       Kokkos::Max<double>(of_edges));
   space.fence();
@@ -87,7 +87,7 @@ void EdgeContact::recordGhosts(const exec_space& space) {
   growTo(space, _ghost_records, faces.ghosts.count);
   const auto records = _ghost_records;
   Kokkos::parallel_for(
-      "contact::EdgeContact::recordGhosts", over(space, faces.ghosts.count),
+      "contact::EdgeContact::recordGhosts", rangePolicy(space, faces.ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         const int edge = faces.surface.num_faces + static_cast<int>(ghost);
         EdgeRecord& record = records(ghost);
@@ -116,7 +116,7 @@ bool EdgeContact::leavesOutAll() const {
 
 ContactSums EdgeContact::select(const exec_space& space, double dt, const SurfaceMotion& motion) {
   const CandidatePairs& pairs = _search.pairs();
-  if (_config.leaves_out_still) {
+  if (_config.skip_stationary) {
     _still.update(space, _edges, motion, pairs.step_test);
     _sleeping.wake(space, pairs, motion, _still.isUnchanged());
   }
@@ -125,7 +125,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
     findTouched(space);
     return {};
   }
-  SelectInteractions<EdgeTouch> select;
+  SelectInteractions<EdgeEdgeKinematics> select;
   select.energy_scale = _energy_scale;
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
@@ -142,9 +142,9 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   select.touch.previous = _set.history().interactions;
   const ContactSums sums = _set.select(space, pairs, select);
   _has_touched = sums.touching > 0;
-  if (_config.leaves_out_still)
-    _sleeping.lull(space, select.touch, select.faces, pairs, motion, _set.next().row_count,
-                   _still.flags().clear);
+  if (_config.skip_stationary)
+    _sleeping.putToSleep(space, select.touch, select.faces, pairs, motion, _set.next().row_count,
+                         _still.flags().known_apart);
   findTouched(space);
   return sums;
 }
@@ -153,14 +153,14 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
   if (!_has_forces_anywhere)
     return;
   if (hasOtherRanks())
-    _search.returnToOwners(space, _edge_to_nodes, _set.forces().ghost_corners, nodes);
+    _search.reverseSum(space, _edge_to_nodes, _set.forces().ghost_corners, nodes);
   if (!_set.hasForces())
     return;
   const auto of_corners = _set.forces().nodes;
   const auto corner_to_node = _corner_to_node;
   const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::EdgeContact::toNodes", over(space, list.count),
+      "contact::EdgeContact::toNodes", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int corner = list(i);
         for (int d = 0; d < 3; ++d)
@@ -180,7 +180,7 @@ Corrections EdgeContact::correctForces(const exec_space& space, const StepLength
   const bool knows_changes = node_has_changed.extent(0) > 0;
   const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::EdgeContact::accelerations", over(space, list.count),
+      "contact::EdgeContact::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int corner = list(i), node = corner_to_node(corner);
         for (int d = 0; d < 3; ++d)
@@ -188,7 +188,7 @@ Corrections EdgeContact::correctForces(const exec_space& space, const StepLength
         has_changed(corner) = knows_changes ? node_has_changed(node) : 1;
       });
   growTo(space, _ghost_accelerations, _search.ghosts().count);
-  _search.sendToGhosts(space, _edges, _accelerations, _ghost_accelerations);
+  _search.forward(space, _edges, _accelerations, _ghost_accelerations);
   return _set.correctForces(space, access(), steps, relaxation, _accelerations,
                             _ghost_accelerations,
                             knows_changes ? _has_changed : View<unsigned char*>());

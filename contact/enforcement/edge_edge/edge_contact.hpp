@@ -1,9 +1,9 @@
-// Contact of edges that cross each other in mid-cell (edge_touch.hpp): the same search and the same interactions as nodes and
+// Contact of edges that cross each other in mid-cell (edge_edge_kinematics.hpp): the same search and the same interactions as nodes and
 // faces have, on a surface whose faces and pushing points are the convex edges.
 #pragma once
 
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/still_parts.hpp"
+#include "contact/enforcement/dormancy/stationary_nodes.hpp"
 #include "contact/enforcement/edge_edge/edge_records.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
@@ -30,7 +30,7 @@ public:
   void findCandidates(const exec_space& space, const Surface& surface);
 
   // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
-  // leaves_out_still is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
+  // skip_stationary is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
   // collectForces is collective: it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
   // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts
   // of this rank act on.
@@ -88,7 +88,7 @@ private:
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;
   InteractionSet _set;
-  StillParts _still;
+  StationaryNodes _still;
   SleepingBlocks _sleeping;
   bool _has_touched = false; // in the last step, with a force or without
   bool _has_forces_anywhere = false; // in the present step, on any rank

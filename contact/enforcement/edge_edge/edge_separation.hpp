@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/enforcement/dormancy/separation.hpp"
-#include "contact/enforcement/edge_edge/edge_touch.hpp"
+#include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 
 namespace brickwall::contact {
 
@@ -17,8 +17,8 @@ struct TurningEdge {
   double limit; // of s
 
   KOKKOS_INLINE_FUNCTION TurningEdge(const FaceAccess& faces, int edge)
-      : quad(faces.quad(edge)), cone(quad, faces.attribute(edge, EdgeTouch::cosine_column),
-                                     faces.attribute(edge, EdgeTouch::sine_column)) {
+      : quad(faces.quad(edge)), cone(quad, faces.attribute(edge, EdgeEdgeKinematics::cosine_column),
+                                     faces.attribute(edge, EdgeEdgeKinematics::sine_column)) {
     way = quad.corner[1] - quad.corner[0];
     const double length = norm(way);
     turn = 2 / length;
@@ -38,13 +38,13 @@ struct TurningEdge {
   }
 };
 
-KOKKOS_INLINE_FUNCTION TurningEdge surroundingsOf(const EdgeTouch& touch, const FaceAccess& faces,
-                                                  int node) {
+KOKKOS_INLINE_FUNCTION TurningEdge surroundingsOf(const EdgeEdgeKinematics& touch,
+                                                  const FaceAccess& faces, int node) {
   return TurningEdge(faces, touch.edgeOf(node));
 }
 
-// Why EdgeTouch::test() fails at Stage::born.
-KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch&, const FaceAccess& faces,
+// Why EdgeEdgeKinematics::test() fails at ContactTest::activate.
+KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeEdgeKinematics&, const FaceAccess& faces,
                                                const TurningEdge& own, int, int other_edge) {
   constexpr double least_outside = 0.1; // directions that are closer to a cone are left to the gap
   const TurningEdge other(faces, other_edge);
@@ -52,12 +52,12 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch&, const FaceAcces
   const double sine = std::sqrt(maxOf(crossing.determinant, 0.0) / (crossing.aa * crossing.bb));
   Separation apart;
   // The determinant of parallel edges is rounding.
-  const double room = EdgeTouch::least_sine - 1e-6 - sine;
+  const double room = EdgeEdgeKinematics::least_sine - 1e-6 - sine;
   if (room > 0) {
     apart.most_spread = room / maxOf(own.turn, other.turn);
     return apart;
   }
-  if (!(sine > 1.5 * EdgeTouch::least_sine))
+  if (!(sine > 1.5 * EdgeEdgeKinematics::least_sine))
     return apart;
   const Vec3 across = cross(own.way, other.way);
   Vec3 normal = (1 / norm(across)) * across;
@@ -77,7 +77,8 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const EdgeTouch&, const FaceAcces
     return apart;
   const double outside = maxOf(own.outside(-normal), other.outside(normal));
   if (outside > least_outside) {
-    const double room_outside = outside - EdgeTouch::least_sine - 1e-9; // on the rim they may begin
+    const double room_outside =
+        outside - EdgeEdgeKinematics::least_sine - 1e-9; // on the rim they may begin
     apart.most_spread = minOf(limit, minOf(sure, room_outside) / rate);
     return apart;
   }

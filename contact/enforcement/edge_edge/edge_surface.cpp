@@ -2,7 +2,7 @@
 #include "contact/enforcement/edge_edge/edge_surface.hpp"
 
 #include "contact/base/to_device.hpp"
-#include "contact/enforcement/edge_edge/edge_touch.hpp"
+#include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -120,14 +120,14 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
           const FeatureEdge& edge = edges.convex[e];
           for (int j = 0; j < 4; ++j)
             v(e, j) = attributes(edge.face, (edge.edge + j) % 4);
-          v(e, EdgeTouch::cosine_column) = edge.cosine;
-          v(e, EdgeTouch::sine_column) = edge.sine;
-          v(e, EdgeTouch::goes_on_column) = edge.goes_on;
+          v(e, EdgeEdgeKinematics::cosine_column) = edge.cosine;
+          v(e, EdgeEdgeKinematics::sine_column) = edge.sine;
+          v(e, EdgeEdgeKinematics::goes_on_column) = edge.goes_on;
           for (int side = 0; side < 2; ++side)
-            v(e, EdgeTouch::width_column + side) = edge.width[side];
+            v(e, EdgeEdgeKinematics::width_column + side) = edge.width[side];
         }
       },
-      num_edges, EdgeTouch::num_columns);
+      num_edges, EdgeEdgeKinematics::num_columns);
   made.corner_to_node = filled<View<int*>>(
       space, "contact::EdgeContact::corner_to_node",
       [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, num_corners);

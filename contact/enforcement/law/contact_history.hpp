@@ -29,7 +29,8 @@ struct Interaction {
   double offset = 0; // e, length: penetration that was there when the contact was born or switched
   double depth = 0; // p = P - e, length: what the spring feels
   double stiffness = 0; // k, force/length: of the birth, lowered where the cap falls below it
-  double taper = 1; // w, 0 to 1: less than 1 beyond true edges and beyond the ends of crossing ones
+  double fade_weight =
+      1; // w, 0 to 1: less than 1 beyond true edges and beyond the ends of crossing ones
   double stored = 0; // U, energy: work done on this contact since its birth
   double force = 0; // F, force: of the spring along the normal, as applied at the last step
   double damping = 0; // F_d, force along the normal; F + F_d >= 0
@@ -74,7 +75,7 @@ struct NormalForces {
   }
 };
 
-// Forces of an interaction that are neither along its normal nor friction: see true_edges.hpp.
+// Forces of an interaction that are neither along its normal nor friction: see edge_fading.hpp.
 struct FadingForce {
   Vec3 on_node; // each corner takes -N_j of it
   NormalForces normal; // besides
@@ -109,7 +110,7 @@ struct FadingForce {
 struct ContactHistory {
   View<Interaction*> interactions; // [0, count); the View may be longer
   View<FrictionSpring*> friction; // [as interactions], empty without friction
-  View<FadingForce*> fading; // [as interactions], valid where taper < 1
+  View<FadingForce*> fading; // [as interactions], valid where fade_weight < 1
   View<int*> row_begin; // [node]
   View<unsigned char*> row_count; // [node]
   std::int64_t count = 0;

@@ -36,11 +36,11 @@ struct CorrectPair {
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
       corrected.friction =
-          slipped(spring.trial, friction_limit * (corrected.force + corrected.damping));
+          returnMap(spring.trial, friction_limit * (corrected.force + corrected.damping));
       const Vec3 change = corrected.friction - spring.force;
       corrected.has_friction = change.x != 0 || change.y != 0 || change.z != 0;
     }
-    if (pair.taper < 1) {
+    if (pair.fade_weight < 1) {
       motion.next_closing += (pair.force - corrected.force) * motion.mobility;
       const FadingForce& fading = pairs.fading(i);
       KickedFading kicked;

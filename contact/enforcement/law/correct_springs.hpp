@@ -104,7 +104,7 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const Corre
 
 // Whether an interaction is one of these. With ghosts or without.
 KOKKOS_FORCEINLINE_FUNCTION bool hasOnlySpring(const Interaction& pair, const PairForces& add) {
-  return !add.has_friction && add.face_corners == 4 && pair.taper == 1 && pair.point.isNode();
+  return !add.has_friction && add.face_corners == 4 && pair.fade_weight == 1 && pair.point.isNode();
 }
 
 // How far ahead interactions are asked for, which follow each other in memory.

@@ -18,7 +18,7 @@ struct EnforcementConfig {
   double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
   double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
   double edge_tolerance =
-      0.1; // the same beyond true edges, where the force fades out (true_edges.hpp)
+      0.1; // the same beyond true edges, where the force fades out (edge_fading.hpp)
   double friction = 0; // mu, Coulomb
   double friction_stiffness =
       1; // k_t/k; up to 1 it needs no smaller step: the spring acts across the normal one
@@ -30,7 +30,8 @@ struct EnforcementConfig {
   double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this
   double shared_cosine = 0.8; // interactions whose normals are closer than this cosine share A_i
   bool self_contact = false; // also faces of the node's own body (those that do not touch the node)
-  bool leaves_out_still = true; // what has not moved (still_parts.hpp): the same bits either way
+  bool skip_stationary =
+      true; // what has not moved (stationary_nodes.hpp): the same bits either way
   int corrections = 3; // rounds of the energy-neutral correction
   // Of what a round after the first wants to change: contacts that share nodes answer each other, all at once, and overshoot.
   double relaxation = 0.7;

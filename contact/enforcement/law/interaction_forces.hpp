@@ -5,28 +5,29 @@
 #include "contact/enforcement/law/contact_sums.hpp"
 #include "contact/enforcement/law/coulomb_friction.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
-#include "contact/enforcement/law/hit.hpp"
+#include "contact/enforcement/law/face_contact.hpp"
 #include "contact/enforcement/law/pair_forces.hpp"
 
 namespace brickwall::contact {
 
-template <class Touch>
+template <class Kinematics>
 struct InteractionForces {
   static constexpr double least_taper = 0.01; // below it a switch does not keep the energy
 
   EnforcementConfig config;
   LimbScale energy_scale;
   double dt, previous_dt;
-  Touch touch;
+  Kinematics touch;
   FaceAccess faces = {{}, GhostFaces::none()};
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   PairForces add; // takes the forces of what is written to `next`
 
   // Writes interaction `index` of `next`; -1: only counts it.
-  KOKKOS_INLINE_FUNCTION void interact(int node, const Hit (&hits)[max_interactions], int num_hits,
-                                       int h, std::int64_t index, ContactSums& sums) const {
-    const Hit& hit = hits[h];
+  KOKKOS_INLINE_FUNCTION void interact(int node, const FaceContact (&hits)[max_interactions],
+                                       int num_hits, int h, std::int64_t index,
+                                       ContactSums& sums) const {
+    const FaceContact& hit = hits[h];
     Interaction now;
     now.body = touch.bodyOf(faces, hit.face);
     now.face = touch.idOf(faces, hit.face);
@@ -39,8 +40,9 @@ struct InteractionForces {
       now.weight[j] = hit.weight[j];
     const Vec3 motion = hit.motion;
     now.closing = -dot(now.normal, motion);
-    now.inverse_mass = Touch::knows_motion && hit.known != nullptr ? hit.known->inverse_mass
-                                                                   : inverseMass(now, hit.face);
+    now.inverse_mass = Kinematics::knows_motion && hit.known != nullptr
+                           ? hit.known->inverse_mass
+                           : inverseMass(now, hit.face);
     if (goesOn(hit))
       continueContact(now, previous.interactions(hit.previous), hit,
                       touch.stiffnessCap(config, now));
@@ -54,7 +56,7 @@ struct InteractionForces {
     if (config.damping > 0 && now.depth > 0)
       now.first_damping = maxOf(dampingOf(now), -now.first_force);
     now.damping = now.first_damping;
-    if (now.taper < 1)
+    if (now.fade_weight < 1)
       fading.work = workOf(fading, motion, now, hit.face);
     addTo(sums, now, hit);
     if (goesOn(hit)) {
@@ -72,7 +74,7 @@ struct InteractionForces {
     next.interactions(index) = now;
     if (config.friction > 0)
       next.friction(index) = friction;
-    if (now.taper < 1)
+    if (now.fade_weight < 1)
       next.fading(index) = fading;
     if (now.first_force == 0)
       return;
@@ -92,7 +94,7 @@ struct InteractionForces {
   }
 
   // All others are births.
-  KOKKOS_INLINE_FUNCTION bool goesOn(const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool goesOn(const FaceContact& hit) const {
     return hit.previous >= 0 && !hit.has_ended && previous.interactions(hit.previous).depth > 0;
   }
 
@@ -107,19 +109,19 @@ struct InteractionForces {
   // The spring goes on closing as the last force did when the node moves to another face, and keeps its energy when it must become
   // softer: then e may be below 0, and what is stored beyond P comes back in the last step before the node is outside.
   KOKKOS_INLINE_FUNCTION void continueContact(Interaction& now, const Interaction& last,
-                                              const Hit& hit, double stiffness_cap) const {
+                                              const FaceContact& hit, double stiffness_cap) const {
     now.is_new = 0;
-    now.taper = last.taper;
+    now.fade_weight = last.fade_weight;
     now.stored = last.stored + hit.contact_work;
     now.offset = minOf(last.offset, hit.depth);
     if (last.face != now.face || (last.is_held && !now.is_held)) {
-      const double taper = maxOf(touch.taperOf(faces, now.node, hit), least_taper);
+      const double fade_weight = maxOf(touch.fadeWeightOf(faces, now.node, hit), least_taper);
       const double depth = maxOf(last.depth + hit.closing_before, 0.0);
-      now.offset = hit.depth - depth * std::sqrt(last.taper / taper);
+      now.offset = hit.depth - depth * std::sqrt(last.fade_weight / fade_weight);
     }
     now.stiffness = last.stiffness;
     soften(stiffness_cap, hit.depth, now.stiffness, now.offset);
-    if (last.taper < 1)
+    if (last.fade_weight < 1)
       matchStored(now, last, hit);
   }
 
@@ -136,10 +138,10 @@ struct InteractionForces {
   // A contact that was to end beyond an edge, and gave back its energy, but came back after all, holds no more than it has: at the
   // half step, k w p^n p^{n+1}/2.
   KOKKOS_INLINE_FUNCTION void matchStored(Interaction& now, const Interaction& last,
-                                          const Hit& hit) const {
+                                          const FaceContact& hit) const {
     const double depth = hit.depth - now.offset, stored = maxOf(now.stored, 0.0);
-    const double taper = 0.5 * (last.taper + touch.taperOf(faces, now.node, hit));
-    const double softened = now.stiffness * taper;
+    const double fade_weight = 0.5 * (last.fade_weight + touch.fadeWeightOf(faces, now.node, hit));
+    const double softened = now.stiffness * fade_weight;
     if (depth > 0 && softened * last.depth * depth > 4 * stored)
       now.offset = hit.depth - 2 * stored / (softened * last.depth);
   }
@@ -147,8 +149,8 @@ struct InteractionForces {
   // Where normals turn and faces change, what the spring holds drifts from the work that was done on it, more than the last step
   // could give back. So from the next step on the spring feels a little more, or less, until half of what is missing is made up.
   KOKKOS_INLINE_FUNCTION static void followWork(Interaction& now, double held) {
-    now.offset = offsetThatFollows(now.offset, now.stored, held, now.taper * now.depth,
-                                   now.stiffness * now.taper * now.depth, now.depth);
+    now.offset = offsetThatFollows(now.offset, now.stored, held, now.fade_weight * now.depth,
+                                   now.stiffness * now.fade_weight * now.depth, now.depth);
   }
   // `force`: of the spring, at the depth that it feels tapered.
   template <class Real>
@@ -175,28 +177,28 @@ struct InteractionForces {
 
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red the mass that k is for.
   KOKKOS_INLINE_FUNCTION double dampingOf(const Interaction& now) const {
-    const double c = 2 * config.damping * now.stiffness * now.taper * config.reference_step /
+    const double c = 2 * config.damping * now.stiffness * now.fade_weight * config.reference_step /
                      std::sqrt(config.penalty);
     return c * now.closing / dt;
   }
 
-  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, const Hit& hit,
+  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, const FaceContact& hit,
                                             const Vec3& motion, FrictionSpring& friction,
                                             ContactSums& sums) const {
     friction.stiffness = config.friction_stiffness * now.stiffness;
     if (!(now.depth > 0 && friction.stiffness > 0) || now.is_held)
       return; // nearly parallel edges could not give back the couple of a force across both
     touch.setLevers(faces, now, hit.depth, friction.lever);
-    friction.motion = along(slipOf(friction, motion, now, hit.face), now.normal);
+    friction.motion = tangentialPart(slipOf(friction, motion, now, hit.face), now.normal);
     Vec3 held;
     if (goesOn(hit)) {
       const FrictionSpring& last = previous.friction(hit.previous);
-      held = turnedInto(last.force, now.normal);
+      held = rotateToPlane(last.force, now.normal);
       if (friction.stiffness < last.stiffness) // softer at equal stored energy
         held = std::sqrt(friction.stiffness / last.stiffness) * held;
     }
     friction.trial = held - friction.stiffness * friction.motion;
-    friction.force = slipped(friction.trial, config.friction * (now.force + now.damping));
+    friction.force = returnMap(friction.trial, config.friction * (now.force + now.damping));
     sums.terms.add(friction_stored, 0.5 * dot(held, friction.force) / friction.stiffness,
                    energy_scale);
   }
@@ -228,7 +230,7 @@ struct InteractionForces {
   // Books the work of the last step's forces over the half step before and after them, of which the second half is the
   // motion of this step. Returns the work done on the contact's spring: dt F n . (v^{n-1/2} + v^{n+1/2})/2 and its fading part.
   // `closing_now`: that motion of this step, along the last normal.
-  KOKKOS_INLINE_FUNCTION double bookWork(const KnownContact& known, double closing_now,
+  KOKKOS_INLINE_FUNCTION double bookWork(const PersistentContact& known, double closing_now,
                                          ContactSums& sums) const {
     const int index = known.previous, last_face = known.face;
     const Interaction& last = previous.interactions(index);
@@ -236,12 +238,12 @@ struct InteractionForces {
     const double kick = 0.5 * (previous_dt + dt);
     const double closing = closingOfKick(last.closing, closing_now);
     double on_spring = last.force * closing;
-    if (last.taper < 1) {
+    if (last.fade_weight < 1) {
       const FadingForce& fading = previous.fading(index);
       on_spring -=
           kick * 0.5 * (fading.work / previous_dt + workOf(fading, motion, last, last_face) / dt);
     }
-    if (Touch::books_spring_work)
+    if (Kinematics::books_spring_work)
       sums.terms.add(spring_work, -on_spring, energy_scale);
     if (last.damping != 0)
       sums.terms.add(damping_work, -last.damping * closing, energy_scale);
@@ -257,7 +259,7 @@ struct InteractionForces {
   }
 
   KOKKOS_INLINE_FUNCTION void addTo(ContactSums& sums, const Interaction& now,
-                                    const Hit& hit) const {
+                                    const FaceContact& hit) const {
     ++sums.interactions;
     sums.active += now.depth > 0;
     if (now.depth > 0) {
@@ -275,22 +277,23 @@ struct InteractionForces {
   // At the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, U = k w p^2/2, W^n the work of the forces of x^n over the motion between the two;
   // without fading that is k p^n p^{n+1}/2.
   KOKKOS_INLINE_FUNCTION double storedBetween(const Interaction& last, const Interaction& now,
-                                              const Hit& hit, double fading_work) const {
-    if ((last.taper == 1 && now.taper == 1) || last.face != now.face ||
+                                              const FaceContact& hit, double fading_work) const {
+    if ((last.fade_weight == 1 && now.fade_weight == 1) || last.face != now.face ||
         !(last.depth > 0 && now.depth > 0))
-      return storedWithoutFading(last.stiffness, now.stiffness, last.taper + now.taper, last.depth,
-                                 now.depth);
+      return storedWithoutFading(last.stiffness, now.stiffness, last.fade_weight + now.fade_weight,
+                                 last.depth, now.depth);
     const double stiffness = std::sqrt(last.stiffness * now.stiffness);
     const Vec3 motion = faces.relativeMotion(last.point, hit.face, last.weight);
     double last_work = -last.first_force * -dot(last.normal, motion);
-    if (last.taper < 1) { // before its correction, as the other forces here
+    if (last.fade_weight < 1) { // before its correction, as the other forces here
       const FadingForce& fading = previous.fading(hit.previous);
       if (fading.factor > 0)
         last_work += workOf(fading, motion, last, hit.face) / fading.factor;
     }
     const double work = fading_work - now.first_force * now.closing;
     return 0.25 * stiffness *
-               (last.taper * last.depth * last.depth + now.taper * now.depth * now.depth) -
+               (last.fade_weight * last.depth * last.depth +
+                now.fade_weight * now.depth * now.depth) -
            0.25 * (last_work - work);
   }
 };

@@ -14,7 +14,7 @@ struct PairQuanta {
 };
 
 // Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
-// (returnToOwners) and sums over the ranks that share a node.
+// (reverseSum) and sums over the ranks that share a node.
 struct ContactForces {
   View<std::int64_t* [3]> nodes; // [surface node][xyz]
   View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
@@ -34,7 +34,7 @@ struct PairForces {
   bool has_friction = false;
   bool is_alone = false; // no other thread adds at the same time
 
-  // False if a force is not finite or too large. `friction` is not looked at without friction, `fading` not where taper is 1.
+  // False if a force is not finite or too large. `friction` is not looked at without friction, `fading` not where fade_weight is 1.
   KOKKOS_INLINE_FUNCTION bool round(const Interaction& pair, const FrictionSpring& friction,
                                     const FadingForce& fading, PairQuanta& quanta) const {
     Vec3 force = (pair.force + pair.damping) * pair.normal;
@@ -45,7 +45,7 @@ struct PairForces {
       largest += norm(friction.force);
       addCouple(friction, pair, face_corners, besides);
     }
-    if (pair.taper < 1) {
+    if (pair.fade_weight < 1) {
       force += fading.on_node;
       largest += norm(fading.on_node);
       besides.add(fading.normal);
@@ -79,7 +79,7 @@ struct PairForces {
                                     PairQuanta& quanta) const {
     const Interaction& pair = pairs.interactions(i);
     return round(pair, has_friction ? pairs.friction(i) : FrictionSpring(),
-                 pair.taper < 1 ? pairs.fading(i) : FadingForce(), quanta);
+                 pair.fade_weight < 1 ? pairs.fading(i) : FadingForce(), quanta);
   }
 
   // `sign` 1 adds, -1 takes back.

@@ -9,7 +9,7 @@ constexpr int least_share = 4; // of blocks asleep so many times fewer: else all
 void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_row,
                   const View<FaceRecord*>& records) {
   Kokkos::parallel_for(
-      "contact::enforce::ghostRecords", over(space, faces.ghosts.count),
+      "contact::enforce::ghostRecords", rangePolicy(space, faces.ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         const int face = faces.surface.num_faces + static_cast<int>(ghost);
         records(first_row + ghost) = {meanPlane(faces.quad(face)), faces.body(face),
@@ -23,7 +23,7 @@ void markWanted(const exec_space& space, const CandidatePairs& pairs, const Slee
                 const View<unsigned char*>& is_wanted) {
   const int num_faces = static_cast<int>(is_wanted.extent(0));
   Kokkos::parallel_for(
-      "contact::FaceRecords::markWanted", over(space, num_blocks),
+      "contact::FaceRecords::markWanted", rangePolicy(space, num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block) {
         if (sleep.sleeps(block))
           return;
@@ -54,7 +54,7 @@ FaceRecords::FaceRecords(const exec_space& space, const Surface& surface,
       _is_wanted("contact::FaceRecords::is_wanted", surface.num_faces) {}
 
 void FaceRecords::update(const exec_space& space, const FaceAccess& faces,
-                         const CandidatePairs& pairs, const StillFlags& still,
+                         const CandidatePairs& pairs, const StationaryFlags& still,
                          const SleepingBlocks& sleeping, NodeFaces& node_faces) {
   const int first_ghost = faces.surface.num_faces + node_faces.numRemote();
   const auto num_records = static_cast<std::int64_t>(first_ghost) + faces.ghosts.count;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/still_parts.hpp"
+#include "contact/enforcement/dormancy/stationary_nodes.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 
 namespace brickwall::contact {
@@ -15,7 +15,7 @@ public:
 
   // Collective. The records of this step, of faces that some row which is awake asks for.
   void update(const exec_space& space, const FaceAccess& faces, const CandidatePairs& pairs,
-              const StillFlags& still, const SleepingBlocks& sleeping, NodeFaces& node_faces);
+              const StationaryFlags& still, const SleepingBlocks& sleeping, NodeFaces& node_faces);
   // Instead, in a step that needs none in which faces have moved.
   void forget(const exec_space& space);
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/enforcement/dormancy/separation.hpp"
-#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "contact/enforcement/node_face/node_face_kinematics.hpp"
 
 namespace brickwall::contact {
 
@@ -13,7 +13,7 @@ struct NodeSurroundings {
   double flatness = 1; // |sum a n|/sum a over these faces: 1 amid a flat side, 0 for a needle's tip
   bool is_known = true; // false: some are other ranks', whose motion is not known here
 };
-KOKKOS_INLINE_FUNCTION NodeSurroundings surroundingsOf(const NodeFaceTouch& touch,
+KOKKOS_INLINE_FUNCTION NodeSurroundings surroundingsOf(const NodeFaceKinematics& touch,
                                                        const FaceAccess& faces, int node) {
   NodeSurroundings all;
   Vec3 outward;
@@ -37,13 +37,14 @@ KOKKOS_INLINE_FUNCTION NodeSurroundings surroundingsOf(const NodeFaceTouch& touc
 // sum a n . n_F >= -c sum a with the cosine c of opposed faces, so the mean normal is not within the cosine C of sharp corners as
 // long as the flatness is above c/C. When faces turn by t, their area vectors change by .45 t at most (separation.hpp).
 KOKKOS_INLINE_FUNCTION double turnToSharp(double flatness, double opposed_cosine) {
-  const double least = opposed_cosine / NodeFaceTouch::sharp_cosine;
+  const double least = opposed_cosine / NodeFaceKinematics::sharp_cosine;
   return (flatness - least) / (0.45 * (1 + least));
 }
 
-// Why NodeFaceTouch::test() fails at Stage::born. Bodies that lie side by side have faces that are in one plane and turned the same
+// Why NodeFaceKinematics::test() fails at ContactTest::activate. Bodies that lie side by side have faces that are in one plane and turned the same
 // way: no gap keeps these from touching, but their directions do, by far.
-KOKKOS_INLINE_FUNCTION Separation separationOf(const NodeFaceTouch& touch, const FaceAccess& faces,
+KOKKOS_INLINE_FUNCTION Separation separationOf(const NodeFaceKinematics& touch,
+                                               const FaceAccess& faces,
                                                const NodeSurroundings& around, int node, int face) {
   constexpr double least_cosine = 0.1; // directions that are closer to opposing are left to the gap
   const MeanPlane& plane = touch.records(touch.recordOf(face)).plane;
@@ -65,7 +66,7 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const NodeFaceTouch& touch, const
   }
   // v = n . (x - c) - stretch |n . twist|/4 + depth > 0
   const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-  const double lateral = maxOf(touch.lateral_tolerance, EdgeReach::farthest);
+  const double lateral = maxOf(touch.lateral_tolerance, FadeRegion::farthest);
   const double stretch = (1 + lateral) * (1 + lateral);
   const Vec3 sum = (quad.corner[0] + quad.corner[1]) + (quad.corner[2] + quad.corner[3]);
   const Vec3 twist = (quad.corner[0] - quad.corner[1]) + (quad.corner[2] - quad.corner[3]);

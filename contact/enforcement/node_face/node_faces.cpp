@@ -58,7 +58,7 @@ std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
   const auto known = exchangeByRank(comm, registered);
   const auto questions = exchangeByRank(comm, asked);
   std::vector<std::vector<int>> answers(size);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     std::vector<std::pair<global_id, int>> directory;
     for (int q = 0; q < size; ++q)
       for (const global_id id : known[q])
@@ -102,7 +102,7 @@ struct Adjacent {
 NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface)
     : _num_faces(surface.num_faces) {
   const HostSurface host(surface);
-  together(comm, [&] {
+  rethrowOnAllRanks(comm, [&] {
     if (surface.num_faces > 0 && surface.face_attributes.extent(1) <= surface_mass_column)
       throw Error(ExitCode::internal, "NodeFaces: face_attributes has " +
                                           std::to_string(surface.face_attributes.extent(1)) +
@@ -200,7 +200,7 @@ void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
                               const RecordsWanted& wanted, const View<FaceRecord*>& records) {
   const Surface s = surface;
   Kokkos::parallel_for(
-      "contact::NodeFaces::ownRecords", over(space, _num_faces),
+      "contact::NodeFaces::ownRecords", rangePolicy(space, _num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         if (!wanted.take(face))
           return;
@@ -211,7 +211,7 @@ void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
   const auto border_areas = _border_areas;
   Kokkos::parallel_for(
       "contact::NodeFaces::borderAreas",
-      over(space, static_cast<std::int64_t>(border_faces.extent(0))),
+      rangePolicy(space, static_cast<std::int64_t>(border_faces.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const Vec3 area = areaVector(ownQuad(s, border_faces(i)));
         for (int d = 0; d < 3; ++d)
@@ -221,7 +221,7 @@ void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
   const auto remote_areas = _remote_areas;
   const int first = _num_faces;
   Kokkos::parallel_for(
-      "contact::NodeFaces::remoteRecords", over(space, _num_remote),
+      "contact::NodeFaces::remoteRecords", rangePolicy(space, _num_remote),
       KOKKOS_LAMBDA(const std::int64_t i) {
         records(first + i) = {planeOfArea(rowOf(remote_areas, i)), -1, -1};
       });

@@ -20,7 +20,7 @@ struct HashInteraction {
     hash.take(pair.offset);
     hash.take(pair.depth);
     hash.take(pair.stiffness);
-    hash.take(pair.taper);
+    hash.take(pair.fade_weight);
     hash.take(pair.stored);
     hash.take(pair.force);
     hash.take(pair.damping);
@@ -39,7 +39,7 @@ struct HashInteraction {
       hash.take(spring.lever[0]);
       hash.take(spring.lever[1]);
     }
-    if (pair.taper < 1) {
+    if (pair.fade_weight < 1) {
       const FadingForce& fading = history.fading(i);
       hash.take(fading.on_node);
       hash.take(fading.normal.on_end);
@@ -57,7 +57,7 @@ struct HashInteraction {
 std::uint64_t historyChecksum(const exec_space& space, const View<const global_id*>& node_ids,
                               const ContactHistory& history) {
   std::uint64_t sum = 0;
-  Kokkos::parallel_reduce("contact::historyChecksum", over(space, history.count),
+  Kokkos::parallel_reduce("contact::historyChecksum", rangePolicy(space, history.count),
                           HashInteraction{node_ids, history, history.friction.extent(0) > 0},
                           Kokkos::Sum<std::uint64_t>(sum));
   space.fence();

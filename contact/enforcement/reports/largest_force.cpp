@@ -17,7 +17,7 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const Surface& su
   const auto node_body = surface.node_body;
   LeadingPair local;
   Kokkos::parallel_reduce(
-      "contact::largestForce", over(space, history.count),
+      "contact::largestForce", rangePolicy(space, history.count),
       KOKKOS_LAMBDA(const std::int64_t i, LeadingPair& all) {
         const Interaction& pair = interactions(i);
         LeadingPair one;
@@ -25,7 +25,7 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const Surface& su
         one.pair = {ids(pair.node - first_row), pair.face, node_body(pair.node), pair.body};
         all += one;
       },
-      Combine<LeadingPair>(local));
+      PlusReducer<LeadingPair>(local));
   space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   return {leader.pair, leader.value};

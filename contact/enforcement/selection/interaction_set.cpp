@@ -12,7 +12,7 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
               std::int64_t rows) {
   const auto width = static_cast<std::int64_t>(values.extent(1));
   Kokkos::parallel_for(
-      label, over(space, rows), KOKKOS_LAMBDA(const std::int64_t i) {
+      label, rangePolicy(space, rows), KOKKOS_LAMBDA(const std::int64_t i) {
         for (std::int64_t w = 0; w < width; ++w)
           values(i, w) = 0;
       });
@@ -134,7 +134,7 @@ Corrections InteractionSet::correctForces(const exec_space& space, const FaceAcc
   const auto is_unsettled = _is_unsettled;
   const bool knows_changes = has_changed.extent(0) > 0;
   Kokkos::parallel_reduce(
-      "contact::correctForces", over(space, numParts(pairs.count)),
+      "contact::correctForces", rangePolicy(space, numParts(pairs.count)),
       KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
@@ -163,7 +163,7 @@ Corrections InteractionSet::correctForces(const exec_space& space, const FaceAcc
         for (int w = 0; w < num_left; ++w)
           is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
       },
-      Combine<Corrections>(sums));
+      PlusReducer<Corrections>(sums));
   return sums;
 }
 

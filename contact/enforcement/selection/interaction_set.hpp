@@ -101,7 +101,7 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
     const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
     Kokkos::parallel_reduce("contact::selectInteractions", range_policy(space, begin, end), functor,
-                            Combine<ContactSums>(sums));
+                            PlusReducer<ContactSums>(sums));
     _next.count = sums.interactions;
     _are_nodes_zero = sums.interactions == 0;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))

@@ -1,32 +1,32 @@
 // The contacts of a step, row by row of the candidates: what there is to do is gathered for many rows at once, the faces are chosen
-// (find_hits.hpp) and their forces written (interaction_forces.hpp). Kernel functor.
+// (select_active_faces.hpp) and their forces written (interaction_forces.hpp). Kernel functor.
 //
-// `Touch` knows the geometry: NodeFaceTouch or EdgeTouch.
+// `Touch` knows the geometry: NodeFaceKinematics or EdgeEdgeKinematics.
 #pragma once
 
 #include "contact/enforcement/dormancy/sleep_state.hpp"
-#include "contact/enforcement/dormancy/still_parts.hpp"
-#include "contact/enforcement/selection/find_hits.hpp"
+#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/selection/select_active_faces.hpp"
 
 namespace brickwall::contact {
 
 // Rows of candidates, one per surface node, some at once: tests the node against its candidates, chooses one face of each opposing
 // body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
-// Rows without history where no contact can begin (Touch::mayTouch, mayBeBorn, or rowsThatBear) are left as they are: row_count must
+// Rows without history where no contact can begin (Touch::mayPenetrate, mayActivate, or rowsThatMayActivate) are left as they are: row_count must
 // be 0 before, and what Touch::record() writes that of no contact. Contacts that go on are looked at together.
-template <class Touch>
-struct SelectInteractions : FindHits<Touch> {
+template <class Kinematics>
+struct SelectInteractions : SelectActiveFaces<Kinematics> {
   using value_type = ContactSums;
-  using Base = FindHits<Touch>;
+  using Base = SelectActiveFaces<Kinematics>;
   using Base::add;
-  using Base::bearsLoad;
   using Base::countLost;
   using Base::faces;
-  using Base::findHits;
   using Base::interact;
+  using Base::isCompressive;
   using Base::next;
   using Base::pairs;
   using Base::previous;
+  using Base::selectActiveFaces;
   using Base::takePlaces;
   using Base::touch;
 
@@ -36,7 +36,7 @@ struct SelectInteractions : FindHits<Touch> {
   static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
   std::int64_t first_row = 0; // rows before it are empty
-  StillFlags still;
+  StationaryFlags still;
   SleepState sleep;
   bool has_asleep = false; // else `sleep` is not looked at
 
@@ -45,7 +45,7 @@ struct SelectInteractions : FindHits<Touch> {
     int num_rows = 0, num_known = 0;
     std::int64_t rows[rows_at_once];
     int first[rows_at_once + 1];
-    KnownContact known[max_known];
+    PersistentContact known[max_known];
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
@@ -67,7 +67,7 @@ struct SelectInteractions : FindHits<Touch> {
       prefetchHead(pairs.node(to_see[r]));
     for (int r = 0; r < num_to_see; ++r)
       prefetchRow(to_see[r]);
-    if constexpr (Touch::tests_rows_together) {
+    if constexpr (Kinematics::tests_rows_together) {
       num_to_see = keepRowsThatBear(to_see, num_to_see);
       if (num_to_see == 0)
         return;
@@ -80,13 +80,13 @@ struct SelectInteractions : FindHits<Touch> {
                                             ContactSums& sums) const {
     Batch batch;
     std::int64_t touching[rows_at_once]; // of rows without history: the first pair that may touch
-    if constexpr (!Touch::tests_rows_together)
+    if constexpr (!Kinematics::tests_rows_together)
       num_to_see = keepRowsThatTouch(to_see, num_to_see, touching);
     for (int r = 0; r < num_to_see; ++r) {
       const std::int64_t row = to_see[r];
       const int node = pairs.node(row), count = previous.row_count(node);
-      if constexpr (!Touch::tests_rows_together)
-        if (count == 0 && !mayBear(row, node, touching[r]))
+      if constexpr (!Kinematics::tests_rows_together)
+        if (count == 0 && !rowMayActivate(row, node, touching[r]))
           continue;
       if (batch.num_known + count > max_known)
         finish(batch, sums);
@@ -101,12 +101,12 @@ struct SelectInteractions : FindHits<Touch> {
   KOKKOS_INLINE_FUNCTION int writeSteadyRows(std::int64_t* rows, int count,
                                              ContactSums& sums) const {
     int num_left = 0;
-    if constexpr (Touch::knows_motion) {
+    if constexpr (Kinematics::knows_motion) {
       typename Base::SteadyRows steady;
       for (int r = 0; r < count; ++r) {
         const int node = pairs.node(rows[r]), history = previous.row_count(node);
         if (history > 0)
-          still.clear(node) = 0;
+          still.known_apart(node) = 0;
         if (history == 0 || !this->hasSteady() || !this->addSteady(rows[r], node, history, steady))
           rows[num_left++] = rows[r];
       }
@@ -116,7 +116,7 @@ struct SelectInteractions : FindHits<Touch> {
     } else {
       for (; num_left < count; ++num_left)
         if (previous.row_count(pairs.node(rows[num_left])) > 0)
-          still.clear(pairs.node(rows[num_left])) = 0;
+          still.known_apart(pairs.node(rows[num_left])) = 0;
     }
     return num_left;
   }
@@ -127,7 +127,7 @@ struct SelectInteractions : FindHits<Touch> {
     const int node = pairs.node(row);
     const bool is_empty = previous.row_count(node) == 0;
     if (is_empty)
-      still.clear(node) = 1;
+      still.known_apart(node) = 1;
     return is_empty;
   }
   // What is read of a row comes from many places: all of them are asked for before any is waited for.
@@ -160,9 +160,9 @@ struct SelectInteractions : FindHits<Touch> {
       const int node = pairs.node(row);
       std::int64_t p = pairs.begin(row);
       if (previous.row_count(node) == 0) {
-        while (p < end && !touch.mayTouch(faces, node, pairs.faces(p)))
+        while (p < end && !touch.mayPenetrate(faces, node, pairs.faces(p)))
           ++p;
-        still.clear(node) = p == end;
+        still.known_apart(node) = p == end;
         if (p == end)
           continue;
         touch.prefetchNode(node);
@@ -176,28 +176,29 @@ struct SelectInteractions : FindHits<Touch> {
     return num_kept;
   }
   // Whether a contact may begin with the pairs from `touching` on, which itself may touch.
-  KOKKOS_INLINE_FUNCTION bool mayBear(std::int64_t row, int node, std::int64_t touching) const {
+  KOKKOS_INLINE_FUNCTION bool rowMayActivate(std::int64_t row, int node,
+                                             std::int64_t touching) const {
     const std::int64_t end = pairs.end(row);
-    bool may_bear = touch.mayBeBorn(node, pairs.faces(touching));
+    bool may_bear = touch.mayActivate(node, pairs.faces(touching));
     for (std::int64_t p = touching + 1; p < end && !may_bear; ++p)
-      may_bear =
-          touch.mayTouch(faces, node, pairs.faces(p)) && touch.mayBeBorn(node, pairs.faces(p));
+      may_bear = touch.mayPenetrate(faces, node, pairs.faces(p)) &&
+                 touch.mayActivate(node, pairs.faces(p));
     return may_bear;
   }
-  // The same for rows at once, by Touch::rowsThatBear(), where nothing but the two of a pair matters. Keeps these rows and those with
+  // The same for rows at once, by Touch::rowsThatMayActivate(), where nothing but the two of a pair matters. Keeps these rows and those with
   // history; returns their number.
   KOKKOS_INLINE_FUNCTION int keepRowsThatBear(std::int64_t* rows, int count) const {
     static_assert(rows_at_once <= 32, "a bit for each row");
     unsigned without_history = 0;
     for (int r = 0; r < count; ++r)
       without_history |= static_cast<unsigned>(previous.row_count(pairs.node(rows[r])) == 0) << r;
-    const unsigned bearing = touch.rowsThatBear(faces, pairs, rows, count, without_history);
+    const unsigned bearing = touch.rowsThatMayActivate(faces, pairs, rows, count, without_history);
     int num_kept = 0;
     for (int r = 0; r < count; ++r) {
       const std::int64_t row = rows[r];
       const bool has_none = without_history >> r & 1u, may_bear = bearing >> r & 1u;
       if (has_none)
-        still.clear(pairs.node(row)) = !may_bear;
+        still.known_apart(pairs.node(row)) = !may_bear;
       rows[num_kept] = row;
       num_kept += !has_none || may_bear;
     }
@@ -216,7 +217,7 @@ struct SelectInteractions : FindHits<Touch> {
         --missing;
         if (!faces.isOfThisStep(pairs.step_test, node, face))
           continue;
-        KnownContact& contact = batch.known[batch.num_known++];
+        PersistentContact& contact = batch.known[batch.num_known++];
         contact.node = node;
         contact.slot = s;
         contact.previous = first + s;
@@ -234,20 +235,20 @@ struct SelectInteractions : FindHits<Touch> {
     batch.num_rows = batch.num_known = 0;
   }
 
-  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const KnownContact* known,
+  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const PersistentContact* known,
                                           int num_known, ContactSums& sums) const {
     const int node = pairs.node(row);
-    Hit hits[max_interactions];
+    FaceContact hits[max_interactions];
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
     for (int k = 0; k < num_known; ++k)
       seen |= 1 << known[k].slot;
-    const int num_hits = findHits(row, node, known, num_known, hits, sums);
+    const int num_hits = selectActiveFaces(row, node, known, num_known, hits, sums);
     countLost(node, seen, sums);
     double deepest = 0;
     int num_loaded = 0;
     for (int h = 0; h < num_hits; ++h) {
       deepest = maxOf(deepest, hits[h].depth);
-      hits[h].is_loaded = bearsLoad(node, hits[h]);
+      hits[h].is_loaded = isCompressive(node, hits[h]);
       num_loaded += hits[h].is_loaded;
     }
     touch.record(node, num_hits, deepest);

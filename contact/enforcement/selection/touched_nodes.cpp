@@ -21,7 +21,7 @@ void TouchedNodes::clear(const exec_space& space) {
   const auto count = _count;
   if (_num_listed > 0)
     Kokkos::parallel_for(
-        "contact::TouchedNodes::clear", over(space, _num_listed),
+        "contact::TouchedNodes::clear", rangePolicy(space, _num_listed),
         KOKKOS_LAMBDA(const std::int64_t i) {
           is_listed(nodes(i)) = 0;
           if (i == 0)
@@ -50,7 +50,8 @@ void TouchedNodes::add(const exec_space& space, const Surface& surface, const Co
   const auto interactions = pairs.interactions;
   const bool is_mapped = to_node.data() != nullptr;
   Kokkos::parallel_for(
-      "contact::TouchedNodes::add", over(space, pairs.count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::TouchedNodes::add", rangePolicy(space, pairs.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const Interaction& pair = interactions(i);
         const bool is_own = pair.face_index < surface.num_faces;
         for (int k = 0; k < nodes_of_pair; ++k) {

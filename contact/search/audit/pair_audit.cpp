@@ -18,7 +18,7 @@ AuditedFaces describeOwnFaces(const exec_space& space, const Surface& surface, d
       allocate<View<Box*>>(space, "contact::audit::boxes", surface.num_faces),
       allocate<View<global_id* [6]>>(space, "contact::audit::ids", surface.num_faces)};
   Kokkos::parallel_for(
-      "contact::audit::describe", over(space, surface.num_faces),
+      "contact::audit::describe", rangePolicy(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         own.boxes(face) = faceBox(surface.coordinates_old, surface.coordinates_new,
                                   surface.face_to_nodes, face, tolerance);
@@ -93,7 +93,7 @@ std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Surf
     broadcastRows(space, comm, root, all.boxes, count);
     broadcastRows(space, comm, root, all.ids, count);
     std::int64_t of_root = 0;
-    Kokkos::parallel_reduce("contact::audit::count", over(space, pairs.num_rows),
+    Kokkos::parallel_reduce("contact::audit::count", rangePolicy(space, pairs.num_rows),
                             CountMissed{FaceAccess{surface, ghosts}, pairs, all, count, config},
                             Kokkos::Sum<std::int64_t>(of_root));
     space.fence();

@@ -63,8 +63,8 @@ template <class Pair>
 PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of,
                      const CandidatePairs& pairs, double limit) {
   LeadingPair local;
-  Kokkos::parallel_reduce("contact::fastestPair", over(space, pairs.num_rows),
-                          FindFastest<Pair>{pair_of, pairs}, Combine<LeadingPair>(local));
+  Kokkos::parallel_reduce("contact::fastestPair", rangePolicy(space, pairs.num_rows),
+                          FindFastest<Pair>{pair_of, pairs}, PlusReducer<LeadingPair>(local));
   space.fence();
   const double square = allReduce(comm, local.value, MPI_MAX);
   PairMotion fastest;

@@ -22,7 +22,7 @@ void buildNodeTrees(const exec_space& space, const PartnerMessages& node_boxes, 
     const std::int64_t first = offsets[static_cast<std::size_t>(p)];
     const std::int64_t num_lanes = std::int64_t(tree.num_levels > 0 ? tree.numBlocks(0) : 0) * 8;
     Kokkos::parallel_for(
-        "contact::blockGhostSearch::leaves", over(space, num_lanes),
+        "contact::blockGhostSearch::leaves", rangePolicy(space, num_lanes),
         KOKKOS_LAMBDA(const std::int64_t i) {
           storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size),
                     i < tree.num_items ? FloatBounds::of(receivedNodeBox(words, first + i), origin)
@@ -74,8 +74,9 @@ struct BlockQuery {
   }
 };
 
-void findHits(const exec_space& space, const PartnerLists& blocks_to_test, const BlockQuery& query,
-              const View<const std::int64_t*>& node_offsets, BlockGhostSearch& search) {
+void selectActiveFaces(const exec_space& space, const PartnerLists& blocks_to_test,
+                       const BlockQuery& query, const View<const std::int64_t*>& node_offsets,
+                       BlockGhostSearch& search) {
   const std::int64_t num_entries = blocks_to_test.size();
   growTo(space, search.hits, num_entries);
   growTo(space, search.positions, num_entries + 1);
@@ -86,7 +87,7 @@ void findHits(const exec_space& space, const PartnerLists& blocks_to_test, const
   const auto hits = search.hits;
   const auto positions = search.positions;
   Kokkos::parallel_for(
-      "contact::blockGhostSearch::query", over(space, num_entries),
+      "contact::blockGhostSearch::query", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         const int partner = partnerOf(starts, num_partners, entry);
         const unsigned hit = query(blocks(entry), trees(partner), node_offsets(partner));
@@ -106,7 +107,7 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
   const View<const unsigned*> hits = search.hits;
   const auto rows = lists.rows;
   Kokkos::parallel_for(
-      "contact::blockGhostSearch::list", over(space, num_entries),
+      "contact::blockGhostSearch::list", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         std::int64_t next = positions(entry);
         for (unsigned left = hits(entry); left != 0; left &= left - 1)
@@ -139,7 +140,7 @@ void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& 
   const BlockQuery query{clusters.faceTree(),       order.face_order,      surface.coordinates_old,
                          surface.coordinates_new,   surface.face_to_nodes, face_tolerance,
                          node_boxes.buffers.receive};
-  findHits(space, blocks_to_test, query, search.node_offsets, search);
+  selectActiveFaces(space, blocks_to_test, query, search.node_offsets, search);
   listHits(space, blocks_to_test, order.face_order, search);
 }
 

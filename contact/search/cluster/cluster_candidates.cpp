@@ -88,7 +88,7 @@ void listByPartner(const exec_space& space, const std::string& label, const Emit
   growTo(space, candidates.starts, num_partners + 1);
   const auto offsets = candidates.offsets, starts = candidates.starts;
   Kokkos::parallel_for(
-      label + "::starts", over(space, num_partners + 1),
+      label + "::starts", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t p) { starts(p) = offsets(p * num_chunks); });
   const Region copies("search::host-device copies");
   copyToHost(space, candidates.starts, num_partners + 1, lists.offsets);

@@ -49,7 +49,7 @@ double medianOf(const exec_space& space, const View<double*>& values) {
 template <int Width>
 void sortWithin(const exec_space& space, const View<int*>& order, std::int64_t n) {
   Kokkos::parallel_for(
-      "contact::ClusterOrder::sortWithin", over(space, (n + Width - 1) / Width),
+      "contact::ClusterOrder::sortWithin", rangePolicy(space, (n + Width - 1) / Width),
       KOKKOS_LAMBDA(const std::int64_t run) {
         sortRow(&order(run * Width), minOf<std::int64_t>(Width, n - run * Width),
                 [](const int a, const int b) { return a < b; });
@@ -75,7 +75,8 @@ Curve layCurve(const exec_space& space, const Surface& surface, ClusterOrder& or
   View<Vec3*> sample("contact::ClusterOrder::sample", static_cast<std::size_t>(num_samples));
   View<double*> extents("contact::ClusterOrder::extents", static_cast<std::size_t>(num_samples));
   Kokkos::parallel_for(
-      "contact::layCurve::sample", over(space, num_samples), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::layCurve::sample", rangePolicy(space, num_samples),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const std::int64_t at = i * n / num_samples;
         sample(i) = by_faces ? centroidOf(face_to_nodes, x, at) : rowOf(x, at);
         if (by_faces)
@@ -101,7 +102,7 @@ void orderFaces(const exec_space& space, const Surface& surface, const Curve& cu
   const auto keys = sorted.keys;
   const auto values = sorted.values;
   Kokkos::parallel_for(
-      "contact::orderFaces::keys", over(space, n), KOKKOS_LAMBDA(const std::int64_t face) {
+      "contact::orderFaces::keys", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t face) {
         keys(face) = curve(centroidOf(face_to_nodes, x, face));
         values(face) = static_cast<int>(face);
       });
@@ -122,7 +123,7 @@ void placeLoneNodes(const exec_space& space, const Surface& surface, const Curve
   const auto values = sorted.values;
   const View<const double* [3]> x = surface.coordinates_new;
   Kokkos::parallel_scan(
-      "contact::placeNodes::lone", over(space, surface.num_nodes),
+      "contact::placeNodes::lone", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, int& sum, const bool final) {
         if (first(node) != INT64_MAX)
           return;
@@ -135,7 +136,7 @@ void placeLoneNodes(const exec_space& space, const Surface& surface, const Curve
   sortByKey(space, num_lone, 3 * curve.bits, sorted);
   const auto ordered = sorted.values;
   Kokkos::parallel_for(
-      "contact::placeNodes::place_lone", over(space, num_lone),
+      "contact::placeNodes::place_lone", rangePolicy(space, num_lone),
       KOKKOS_LAMBDA(const std::int64_t i) { places(ordered(i)) = used + static_cast<int>(i); });
   space.fence();
 }
@@ -150,7 +151,7 @@ View<int*> placeNodes(const exec_space& space, const Surface& surface, const Cur
   auto places = allocate<View<int*>>(space, "contact::ClusterOrder::node_position", num_nodes);
   Kokkos::deep_copy(space, first, INT64_MAX);
   Kokkos::parallel_for(
-      "contact::placeNodes::first", over(space, num_faces),
+      "contact::placeNodes::first", rangePolicy(space, num_faces),
       KOKKOS_LAMBDA(const std::int64_t position) {
         const int face = face_order(position);
         for (int corner = 0; corner < 4; ++corner) {
@@ -162,7 +163,7 @@ View<int*> placeNodes(const exec_space& space, const Surface& surface, const Cur
       });
   int used = 0;
   Kokkos::parallel_scan(
-      "contact::placeNodes::used", over(space, num_faces),
+      "contact::placeNodes::used", rangePolicy(space, num_faces),
       KOKKOS_LAMBDA(const std::int64_t position, int& sum, const bool final) {
         const int face = face_order(position);
         for (int corner = 0; corner < 4; ++corner) {
@@ -196,12 +197,12 @@ void orderNodes(const exec_space& space, const Surface& surface, const Curve& cu
   const auto is_owned = surface.node_is_owned;
   const auto face_to_nodes = surface.face_to_nodes;
   Kokkos::parallel_for(
-      "contact::orderNodes::invert", over(space, num_nodes),
+      "contact::orderNodes::invert", rangePolicy(space, num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         node_order(places(node)) = static_cast<int>(node);
       });
   Kokkos::parallel_for(
-      "contact::orderNodes::owned", over(space, order.num_clusters),
+      "contact::orderNodes::owned", rangePolicy(space, order.num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
         unsigned bits = 0;
         for (int i = 0; i < cluster_size; ++i) {
@@ -212,7 +213,7 @@ void orderNodes(const exec_space& space, const Surface& surface, const Curve& cu
         owned(cluster) = bits;
       });
   Kokkos::parallel_for(
-      "contact::orderNodes::corners", over(space, num_blocks * block_size),
+      "contact::orderNodes::corners", rangePolicy(space, num_blocks * block_size),
       KOKKOS_LAMBDA(const std::int64_t position) {
         int* const corner =
             &corners(position / block_size * 4 * block_size + position % block_size);
@@ -228,7 +229,7 @@ std::int64_t countDescents(const exec_space& space, const Surface& surface) {
   const auto bodies = surface.face_body, ids = surface.face_ids;
   std::int64_t descents = 0;
   Kokkos::parallel_reduce(
-      "contact::rankFaces::descents", over(space, maxOf(surface.num_faces - 1, 0)),
+      "contact::rankFaces::descents", rangePolicy(space, maxOf(surface.num_faces - 1, 0)),
       KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum) {
         const bool ordered =
             bodies(i) != bodies(i + 1) ? bodies(i) < bodies(i + 1) : ids(i) < ids(i + 1);
@@ -244,11 +245,11 @@ void sortById(const exec_space& space, const View<const global_id*>& ids, std::i
               SortedKeys& sorted) {
   global_id least = 0, most = 0;
   Kokkos::parallel_reduce(
-      "contact::rankFaces::least", over(space, n),
+      "contact::rankFaces::least", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = minOf(found, ids(i)); },
       Kokkos::Min<global_id>(least));
   Kokkos::parallel_reduce(
-      "contact::rankFaces::most", over(space, n),
+      "contact::rankFaces::most", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = maxOf(found, ids(i)); },
       Kokkos::Max<global_id>(most));
   space.fence();
@@ -256,7 +257,7 @@ void sortById(const exec_space& space, const View<const global_id*>& ids, std::i
   const auto values = sorted.values;
   const auto base = static_cast<std::uint64_t>(least);
   Kokkos::parallel_for(
-      "contact::rankFaces::keys", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::rankFaces::keys", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         keys(i) = static_cast<std::uint64_t>(ids(values(i))) - base;
       });
   const std::uint64_t range = static_cast<std::uint64_t>(most) - base;
@@ -271,7 +272,7 @@ void rankFaces(const exec_space& space, const Surface& surface, ClusterOrder& or
   SortedKeys sorted = scratchFor(space, n);
   const auto start = sorted.values;
   Kokkos::parallel_for(
-      "contact::rankFaces::start", over(space, n),
+      "contact::rankFaces::start", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i) { start(i) = static_cast<int>(i); });
   sortById(space, surface.face_ids, n, sorted);
   sortById(space, surface.face_body, n, sorted);
@@ -279,10 +280,10 @@ void rankFaces(const exec_space& space, const Surface& surface, ClusterOrder& or
   const auto by_rank = sorted.values, rank = sorted.other_values, at_position = order.face_rank;
   const auto face_order = order.face_order;
   Kokkos::parallel_for(
-      "contact::rankFaces::ranks", over(space, n),
+      "contact::rankFaces::ranks", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i) { rank(by_rank(i)) = static_cast<int>(i); });
   Kokkos::parallel_for(
-      "contact::rankFaces::by_position", over(space, n),
+      "contact::rankFaces::by_position", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i) { at_position(i) = rank(face_order(i)); });
   space.fence();
 }

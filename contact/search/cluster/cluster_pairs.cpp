@@ -17,7 +17,7 @@ void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& 
   const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
   const std::int64_t lanes = tree.num_levels > 0 ? std::int64_t(tree.numBlocks(0)) * block_size : 0;
   Kokkos::parallel_for(
-      "contact::ClusterPairs::ghost_boxes", over(space, lanes),
+      "contact::ClusterPairs::ghost_boxes", rangePolicy(space, lanes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         FloatBounds bounds;
         if (i < tree.num_items)
@@ -30,18 +30,18 @@ void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& 
 void giveFirstRoom(const exec_space& space, int num_clusters, const View<int*>& room,
                    const View<std::int64_t*>& block_begin) {
   Kokkos::parallel_for(
-      "contact::ClusterPairs::first_room", over(space, num_clusters),
+      "contact::ClusterPairs::initial_capacity", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
-        room(cluster) = first_room;
-        block_begin(cluster) = cluster * first_room;
+        room(cluster) = initial_capacity;
+        block_begin(cluster) = cluster * initial_capacity;
       });
 }
 
-// places [cluster + 1]: offsets of the room that crowded clusters, or all, need. Returns its sum.
+// places [cluster + 1]: offsets of the room that overflowed clusters, or all, need. Returns its sum.
 std::int64_t measureRoom(const exec_space& space, int num_clusters, const View<int*>& row_begin,
                          const View<int*>& room, bool all, const View<std::int64_t*>& places) {
   Kokkos::parallel_for(
-      "contact::ClusterPairs::needed", over(space, num_clusters),
+      "contact::ClusterPairs::needed", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
         const std::int64_t length = row_begin(cluster * row_width + cluster_size);
         places(cluster) = all || length > room(cluster) ? length + length / 8 + 2 : 0;
@@ -54,14 +54,14 @@ void giveRoom(const exec_space& space, int num_clusters, const View<std::int64_t
   const auto row_begin = pairs.row_begin;
   const auto block_begin = pairs.block_begin;
   Kokkos::parallel_for(
-      "contact::ClusterPairs::make_room", over(space, num_clusters),
+      "contact::ClusterPairs::make_room", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
         const std::int64_t size = places(cluster + 1) - places(cluster);
         if (size == 0)
           return;
         room(cluster) = static_cast<int>(size);
         block_begin(cluster) = begin + places(cluster);
-        row_begin(cluster * row_width) = to_be_repeated;
+        row_begin(cluster * row_width) = needs_retry;
       });
 }
 
@@ -85,7 +85,7 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   exactly(pairs.changed, num_clusters);
   ++pairs.version;
   pairs.row_nodes = order.node_order;
-  _used = std::int64_t(order.num_clusters) * first_room;
+  _used = std::int64_t(order.num_clusters) * initial_capacity;
   const std::int64_t size =
       _used + _used / 2 + 1024; // and for some that need more; untouched memory costs nothing
   if (static_cast<std::int64_t>(pairs.faces.extent(0)) < size) {
@@ -96,7 +96,7 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   _ordering = clusters.numOrderings();
 }
 
-// Gives crowded clusters a new place behind the used ones; if there is not room enough, all clusters get one.
+// Gives overflowed clusters a new place behind the used ones; if there is not room enough, all clusters get one.
 void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
   std::int64_t more = measureRoom(space, num_clusters, pairs.row_begin, _room, false, _places);
   if (_used + more > static_cast<std::int64_t>(pairs.faces.extent(0))) {
@@ -134,17 +134,17 @@ void ClusterPairs::find(const exec_space& space, const Surface& surface, const G
     PairCounts counts;
     Kokkos::parallel_reduce(
         "contact::ClusterPairs::find",
-        overInChunks(space, (order.num_clusters + group_size - 1) / group_size, 8),
+        dynamicPolicy(space, (order.num_clusters + group_size - 1) / group_size, 8),
         FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
                  _ghost_forest.tree(0), _room, pairs.block_begin, pairs.row_begin, pairs.faces,
                  pairs.changed, order.num_clusters, repeat},
-        Combine<PairCounts>(counts));
+        PlusReducer<PairCounts>(counts));
     space.fence();
     return counts;
   };
   ++pairs.version;
   _counts = search(false);
-  if (_counts.crowded > 0) {
+  if (_counts.overflowed > 0) {
     checkedInt(_counts.largest + _counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     makeRoom(space, order.num_clusters, pairs);
     const PairCounts repeated = search(true);

@@ -10,14 +10,14 @@ struct PairCounts {
   std::int64_t pairs = 0;
   std::int64_t blocks = 0; // blocks of eight faces looked at, for a cluster of nodes each
   std::int64_t faces = 0; // faces tested against a cluster of nodes
-  std::int64_t crowded = 0; // clusters whose rows did not fit the place they had
+  std::int64_t overflowed = 0; // clusters whose rows did not fit the place they had
   std::int64_t largest = 0; // pairs of one cluster, of those with long rows or ghosts
 
   KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
     pairs += b.pairs;
     blocks += b.blocks;
     faces += b.faces;
-    crowded += b.crowded;
+    overflowed += b.overflowed;
     largest = maxOf(largest, b.largest);
     return *this;
   }

@@ -13,31 +13,32 @@ namespace brickwall::contact {
 using DeviceRules = PairRules<memory_space>;
 
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
-constexpr int to_be_repeated = -1; // in the first of them, which else is 0
-constexpr int most_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
-constexpr int first_room = 4 * cluster_size; // of a cluster before its first search: like faces
-constexpr int most_together = 64; // hits of which rows are selected at once
+constexpr int needs_retry = -1; // in the first of them, which else is 0
+constexpr int max_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
+constexpr int initial_capacity =
+    4 * cluster_size; // of a cluster before its first search: like faces
+constexpr int max_sorted_hits = 64; // hits of which rows are selected at once
 // Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;
-constexpr int most_near = cluster_size > 1 ? 512 : block_size;
+constexpr int max_near_blocks = cluster_size > 1 ? 512 : block_size;
 
 // Faces whose boxes some nodes of a cluster reach. An item is an own face's position, or num_faces + the ghost's number.
 struct Hits {
-  int item[most_hits + block_size];
-  int key[most_hits]; // place in the order of rows, of own faces, once settled
-  unsigned lanes[most_hits + block_size]; // the nodes
+  int item[max_hits + block_size];
+  int key[max_hits]; // place in the order of rows, of own faces, once settled
+  unsigned lanes[max_hits + block_size]; // the nodes
   int count = 0;
   bool are_own = true; // no ghosts among them
 };
 
 // Blocks of faces near a group of clusters, with their boxes in blocks of eight again.
 struct BlockList {
-  float boxes[most_near / block_size * block_floats];
-  int block[most_near];
-  int count = 0; // more than most_near: the list is not complete
+  float boxes[max_near_blocks / block_size * block_floats];
+  int block[max_near_blocks];
+  int count = 0; // more than max_near_blocks: the list is not complete
 
   KOKKOS_INLINE_FUNCTION void add(const BoxTree& tree, std::int64_t near) {
-    if (count < most_near) {
+    if (count < max_near_blocks) {
       const float* const from = tree.block(1, near / block_size) + near % block_size;
       float* const to = boxes + count / block_size * block_floats + count % block_size;
       for (int s = 0; s < 6; ++s)
@@ -48,7 +49,7 @@ struct BlockList {
   }
   // Empties the lanes behind the last.
   KOKKOS_INLINE_FUNCTION void finish() {
-    for (int i = count; i < most_near && i % block_size != 0; ++i)
+    for (int i = count; i < max_near_blocks && i % block_size != 0; ++i)
       storeLane(boxes + i / block_size * block_floats, i % block_size, FloatBounds());
   }
 };
@@ -103,7 +104,7 @@ struct FindRows {
   }
 
   KOKKOS_INLINE_FUNCTION bool isWanted(int cluster) const {
-    return !repeat || row_begin(std::int64_t(cluster) * row_width) == to_be_repeated;
+    return !repeat || row_begin(std::int64_t(cluster) * row_width) == needs_retry;
   }
 
   KOKKOS_INLINE_FUNCTION static void collect(const BoxTree& tree, const FloatBounds& reach,
@@ -112,7 +113,7 @@ struct FindRows {
       return;
     walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
       list.add(tree, block);
-      return list.count <= most_near;
+      return list.count <= max_near_blocks;
     });
     list.finish();
   }
@@ -121,7 +122,7 @@ struct FindRows {
   template <class Visit>
   KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
                                                  const BlockList& list, const Visit& visit) {
-    if (group_size == 1 || tree.num_levels < 2 || list.count > most_near) {
+    if (group_size == 1 || tree.num_levels < 2 || list.count > max_near_blocks) {
       walkBlocks(tree, reach, visit);
       return;
     }
@@ -147,13 +148,13 @@ struct FindRows {
                owned);
     Hits hits;
     visitBlocks(face_tree, nodes.all, near_faces,
-                [&](const std::int64_t block) { meetOwnFaces(nodes, first, block, hits, sums); });
+                [&](const std::int64_t block) { testOwnFaces(nodes, first, block, hits, sums); });
     visitBlocks(ghost_tree, nodes.all, near_ghosts,
                 [&](const std::int64_t block) { meetGhosts(nodes, block, hits, sums); });
-    const bool is_long = hits.count > most_hits;
+    const bool is_long = hits.count > max_hits;
     if (!is_long)
-      settle(nodes, first, hits);
-    if (!is_long && hits.are_own && hits.count <= most_together && cluster_size > 1)
+      resolveFloatTies(nodes, first, hits);
+    if (!is_long && hits.are_own && hits.count <= max_sorted_hits && cluster_size > 1)
       selectRows(hits, cluster, begin, sums);
     else
       fillRows(nodes, first, hits, is_long, cluster, begin, sums);
@@ -162,7 +163,7 @@ struct FindRows {
   // Rows of few own faces: these are sorted once, and each node takes its own out of them.
   KOKKOS_INLINE_FUNCTION void selectRows(Hits& hits, int cluster, int* begin,
                                          PairCounts& sums) const {
-    int selected[most_together * cluster_size + 16]; // selectByBit writes beyond its result
+    int selected[max_sorted_hits * cluster_size + 16]; // selectByBit writes beyond its result
     int total = 0;
     int difference = repeat; // what is at a new place is of no use
     sortTogether(hits.key, hits.item, hits.lanes, hits.count);
@@ -175,7 +176,7 @@ struct FindRows {
     begin[cluster_size] = total;
     sums.pairs += total;
     if (total > room(cluster)) {
-      ++sums.crowded;
+      ++sums.overflowed;
       return;
     }
     int* const rows = faces.data() + block_begin(cluster);
@@ -211,7 +212,7 @@ struct FindRows {
     sums.pairs += total;
     sums.largest = maxOf(sums.largest, total);
     if (total > room(cluster)) {
-      ++sums.crowded;
+      ++sums.overflowed;
       return;
     }
     int* const rows = faces.data() + block_begin(cluster);
@@ -231,10 +232,10 @@ struct FindRows {
     hits.count += near != 0;
   }
 
-  KOKKOS_INLINE_FUNCTION void meetOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
+  KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
                                            Hits& hits, PairCounts& sums) const {
     ++sums.blocks;
-    if (hits.count > most_hits)
+    if (hits.count > max_hits)
       return;
     const float* const boxes = face_tree.block(0, block);
     unsigned own[block_size]; // nodes of the cluster that are corners of the faces
@@ -250,7 +251,7 @@ struct FindRows {
   KOKKOS_INLINE_FUNCTION void meetGhosts(const NodeCluster& nodes, std::int64_t block, Hits& hits,
                                          PairCounts& sums) const {
     ++sums.blocks;
-    if (hits.count > most_hits)
+    if (hits.count > max_hits)
       return;
     const float* const boxes = ghost_tree.block(0, block);
     for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
@@ -263,7 +264,8 @@ struct FindRows {
   }
 
   // What floats leave open: items become faces, lanes those of the nodes that may touch them.
-  KOKKOS_INLINE_FUNCTION void settle(const NodeCluster& nodes, int first, Hits& hits) const {
+  KOKKOS_INLINE_FUNCTION void resolveFloatTies(const NodeCluster& nodes, int first,
+                                               Hits& hits) const {
     const bool is_ranked = test.order.face_rank.extent(0) > 0;
     int kept = 0;
     for (int i = 0; i < hits.count; ++i) {
@@ -310,7 +312,7 @@ struct FindRows {
     Hits hits;
     walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
-      meetOwnFaces(nodes, first, block, hits, uncounted);
+      testOwnFaces(nodes, first, block, hits, uncounted);
       visitHits(nodes, first, hits, visit);
     });
     walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
@@ -322,7 +324,7 @@ struct FindRows {
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void visitHits(const NodeCluster& nodes, int first, Hits& hits,
                                         const Visit& visit) const {
-    settle(nodes, first, hits);
+    resolveFloatTies(nodes, first, hits);
     for (int i = 0; i < hits.count; ++i)
       visit(hits.item[i], hits.lanes[i]);
   }

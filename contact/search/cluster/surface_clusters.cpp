@@ -175,7 +175,7 @@ double refitFaces(const exec_space& space, const RefitBlock& refit, double most)
   const std::int64_t num_blocks = tree.numBlocks(0);
   if (tree.num_levels > 1) // lanes behind the last block
     Kokkos::parallel_for(
-        "contact::SurfaceClusters::empty_lanes", over(space, block_size),
+        "contact::SurfaceClusters::empty_lanes", rangePolicy(space, block_size),
         KOKKOS_LAMBDA(const std::int64_t lane) {
           const std::int64_t parent = tree.numBlocks(1) - 1;
           if (parent * block_size + lane >= num_blocks)
@@ -183,7 +183,7 @@ double refitFaces(const exec_space& space, const RefitBlock& refit, double most)
         });
   double extent = 0;
   Kokkos::parallel_reduce(
-      "contact::SurfaceClusters::faces", over(space, num_blocks),
+      "contact::SurfaceClusters::faces", rangePolicy(space, num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block, double& sum) { sum += minOf(refit(block), most); },
       extent);
   space.fence();
@@ -252,13 +252,13 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
   {
     const Region timer("search::node boxes");
     _sums = Sums();
-    Kokkos::parallel_reduce("contact::SurfaceClusters::nodes", over(space, _order.num_clusters),
-                            RefitCluster{surface.coordinates_old, surface.coordinates_new,
-                                         _order.node_order, _order.owned, surface.node_ids,
-                                         _corner_bounds, _node_bounds, _cluster_bounds,
-                                         _order.origin, config.node_tolerance,
-                                         config.face_tolerance, surface.num_nodes, _same_bounds},
-                            Combine<Sums>(_sums));
+    Kokkos::parallel_reduce(
+        "contact::SurfaceClusters::nodes", rangePolicy(space, _order.num_clusters),
+        RefitCluster{surface.coordinates_old, surface.coordinates_new, _order.node_order,
+                     _order.owned, surface.node_ids, _corner_bounds, _node_bounds, _cluster_bounds,
+                     _order.origin, config.node_tolerance, config.face_tolerance, surface.num_nodes,
+                     _same_bounds},
+        PlusReducer<Sums>(_sums));
     space.fence();
     _node_box = boxAround(_sums.owned_nodes, _order.origin);
   }

@@ -21,7 +21,7 @@ void packFaces(const exec_space& space, const Surface& surface, const PartnerLis
   const auto old_coordinates = surface.coordinates_old, new_coordinates = surface.coordinates_new;
   const auto values = surface.face_attributes;
   Kokkos::parallel_for(
-      "contact::migrateFaces::pack", over(space, lists.size()),
+      "contact::migrateFaces::pack", rangePolicy(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int face = faces(i);
         std::int64_t* const to = &words(i * width);
@@ -63,7 +63,7 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
   const auto old_coordinates = ghosts.coordinates_old, new_coordinates = ghosts.coordinates_new;
   const auto values = ghosts.attributes;
   Kokkos::parallel_for(
-      "contact::migrateFaces::unpack", over(space, ghosts.count),
+      "contact::migrateFaces::unpack", rangePolicy(space, ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         const std::int64_t* const from = &words(ghost * width);
         ids(ghost) = from[face_id];
@@ -101,26 +101,26 @@ void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface
   unpackFaces(space, num_attributes, messages.buffers, migration.ghosts);
 }
 
-void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                       const View<const int* [4]>& face_to_nodes,
-                       const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
-                       const View<std::int64_t* [3]>& node_values) {
-  const Region region("returnGhostValues");
+void reverseSumGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                           const View<const int* [4]>& face_to_nodes,
+                           const View<const std::int64_t* [12]>& ghost_values,
+                           FaceMigration& migration, const View<std::int64_t* [3]>& node_values) {
+  const Region region("reverseSumGhostValues");
   auto& buffers = migration.messages.buffers;
   const std::int64_t num_ghosts = migration.ghosts.count, num_sent = faces_sent.size();
   growTo(space, buffers.send, num_ghosts * 12);
   const auto to_owner = buffers.send;
   Kokkos::parallel_for(
-      "contact::returnGhostValues::pack", over(space, num_ghosts),
+      "contact::reverseSumGhostValues::pack", rangePolicy(space, num_ghosts),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         for (int i = 0; i < 12; ++i)
           to_owner(ghost * 12 + i) = ghost_values(ghost, i);
       });
-  migration.messages.exchangeBack(space, comm, tags::ghost_reactions, 12);
+  migration.messages.exchangeReverse(space, comm, tags::ghost_reactions, 12);
   const auto returned = buffers.receive;
   const View<const int*> faces = faces_sent.rows;
   Kokkos::parallel_for(
-      "contact::returnGhostValues::add", over(space, num_sent),
+      "contact::reverseSumGhostValues::add", rangePolicy(space, num_sent),
       KOKKOS_LAMBDA(const std::int64_t n) {
         const int face = faces(n);
         for (int j = 0; j < 4; ++j)

@@ -24,9 +24,9 @@ void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface
 
 // Collective among partners. node_values(corner j of the face, :) += ghost_values(ghost, 3 * j + :) of all ghosts of own faces.
 // `faces_sent` as of the last migration.
-void returnGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                       const View<const int* [4]>& face_to_nodes,
-                       const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
-                       const View<std::int64_t* [3]>& node_values);
+void reverseSumGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                           const View<const int* [4]>& face_to_nodes,
+                           const View<const std::int64_t* [12]>& ghost_values,
+                           FaceMigration& migration, const View<std::int64_t* [3]>& node_values);
 
 } // namespace brickwall::contact

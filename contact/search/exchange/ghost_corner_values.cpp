@@ -15,7 +15,8 @@ void packCorners(const exec_space& space, const PartnerLists& faces_sent,
                  const View<std::int64_t*>& words) {
   const View<const int*> faces = faces_sent.rows;
   Kokkos::parallel_for(
-      "contact::packCorners", over(space, faces_sent.size()), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::packCorners", rangePolicy(space, faces_sent.size()),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         for (int corner = 0; corner < 4; ++corner)
           for (int d = 0; d < 3; ++d)
             words(i * width + first + 3 * corner + d) =
@@ -26,7 +27,8 @@ void packCorners(const exec_space& space, const PartnerLists& faces_sent,
 void unpackCorners(const exec_space& space, const View<const std::int64_t*>& words, int first,
                    int width, int num_ghosts, const View<double* [12]>& ghost_values) {
   Kokkos::parallel_for(
-      "contact::unpackCorners", over(space, num_ghosts), KOKKOS_LAMBDA(const std::int64_t ghost) {
+      "contact::unpackCorners", rangePolicy(space, num_ghosts),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
         for (int i = 0; i < words_per_face; ++i)
           fromWord(words(ghost * width + first + i), ghost_values(ghost, i));
       });
@@ -34,11 +36,11 @@ void unpackCorners(const exec_space& space, const View<const std::int64_t*>& wor
 
 } // namespace
 
-void sendCornerValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                      const View<const int* [4]>& face_to_nodes,
-                      const View<const double* [3]>& node_values, FaceMigration& migration,
-                      const View<double* [12]>& ghost_values) {
-  const Region region("sendCornerValues");
+void forwardCornerValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                         const View<const int* [4]>& face_to_nodes,
+                         const View<const double* [3]>& node_values, FaceMigration& migration,
+                         const View<double* [12]>& ghost_values) {
+  const Region region("forwardCornerValues");
   auto& messages = migration.messages;
   constexpr int width = words_per_face;
   growTo(space, messages.buffers.send, faces_sent.size() * width);

@@ -9,10 +9,10 @@ namespace brickwall::contact {
 // Collective among partners, as is the next; one message per partner, `faces_sent` as of the last migration.
 // ghost_values(ghost, 3 * corner + xyz) = the owner's node_values(its surface node, xyz); ghost_values has a row for each
 // ghost or more.
-void sendCornerValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                      const View<const int* [4]>& face_to_nodes,
-                      const View<const double* [3]>& node_values, FaceMigration& migration,
-                      const View<double* [12]>& ghost_values);
+void forwardCornerValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                         const View<const int* [4]>& face_to_nodes,
+                         const View<const double* [3]>& node_values, FaceMigration& migration,
+                         const View<double* [12]>& ghost_values);
 
 // x^n and x^{n+1} of the owners' surfaces to migration.ghosts.
 void sendCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,

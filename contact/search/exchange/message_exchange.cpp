@@ -51,7 +51,7 @@ void PartnerMessages::exchange(const exec_space& space, MPI_Comm comm, int tag, 
   buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
 }
 
-void PartnerMessages::exchangeBack(const exec_space& space, MPI_Comm comm, int tag, int width) {
+void PartnerMessages::exchangeReverse(const exec_space& space, MPI_Comm comm, int tag, int width) {
   spread(_senders, _receive_offsets, width, _send_words);
   spread(_receivers, _send_offsets, width, _receive_words);
   buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);

@@ -31,7 +31,7 @@ public:
   void exchange(const exec_space& space, MPI_Comm comm, int tag, int width);
 
   // The way back: what was received is sent (buffers.send, received rows in order), and the other way round.
-  void exchangeBack(const exec_space& space, MPI_Comm comm, int tag, int width);
+  void exchangeReverse(const exec_space& space, MPI_Comm comm, int tag, int width);
 
   int numPartners() const { return static_cast<int>(_partners.size()); }
   const std::vector<std::int64_t>& receiveOffsets() const { return _receive_offsets; }

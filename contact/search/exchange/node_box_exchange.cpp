@@ -12,7 +12,7 @@ void packBoxes(const exec_space& space, const View<const Box*>& boxes, const Par
   const auto words = buffers.send;
   const View<const int*> rows = lists.rows;
   Kokkos::parallel_for(
-      "contact::exchangeNodeBoxes::pack", over(space, lists.size()),
+      "contact::exchangeNodeBoxes::pack", rangePolicy(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) { packBox(boxes(rows(i)), &words(i * box_words)); });
 }
 
@@ -23,7 +23,7 @@ void packBoxes(const exec_space& space, const Surface& surface, double tolerance
   const View<const int*> nodes = lists.rows;
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
-      "contact::exchangeNodeBoxes::packNodes", over(space, lists.size()),
+      "contact::exchangeNodeBoxes::packNodes", rangePolicy(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = nodes(i);
         packBox(nodeBox(rowOf(x_old, node), rowOf(x_new, node), tolerance), &words(i * box_words));
@@ -40,14 +40,14 @@ void unpackBoxes(const exec_space& space, RemoteNodeBoxes& remote) {
   const auto boxes = remote.boxes;
   const auto senders = remote.senders;
   Kokkos::parallel_reduce(
-      "contact::exchangeNodeBoxes::unpack", over(space, remote.size()),
+      "contact::exchangeNodeBoxes::unpack", rangePolicy(space, remote.size()),
       KOKKOS_LAMBDA(const std::int64_t i, Box& all) {
         const Box box = receivedNodeBox(words, i);
         boxes(i) = box;
         senders(i) = partnerOf(offsets, num_senders, i);
         all.include(box);
       },
-      Combine<Box>(remote.all));
+      PlusReducer<Box>(remote.all));
   space.fence();
 }
 

@@ -59,7 +59,7 @@ inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t
                           const View<std::int64_t*>& starts, PartnerLists& kept) {
   const auto num_partners = static_cast<std::int64_t>(kept.ranks.size());
   Kokkos::parallel_for(
-      "contact::offsetsOfKept", over(space, num_partners + 1),
+      "contact::offsetsOfKept", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
   const Region copies("search::host-device copies");
   copyToHost(space, starts, num_partners + 1, kept.offsets);

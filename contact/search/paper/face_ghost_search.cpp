@@ -26,7 +26,7 @@ void flagEntries(const exec_space& space, const PartnerLists& faces_to_test,
   const View<const std::int64_t*> starts = search.starts;
   const auto num_partners = static_cast<int>(faces_to_test.ranks.size());
   Kokkos::parallel_for(
-      "contact::faceGhostSearch::filter", over(space, faces_to_test.size()),
+      "contact::faceGhostSearch::filter", rangePolicy(space, faces_to_test.size()),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         const int partner = partnerOf(starts, num_partners, entry);
         std::int64_t flag = 0;
@@ -47,7 +47,7 @@ void compactEntries(const exec_space& space, const PartnerLists& faces_to_test,
   const View<const int*> faces = faces_to_test.rows;
   const auto kept = search.faces_to_send.rows;
   Kokkos::parallel_for(
-      "contact::faceGhostSearch::compact", over(space, num_entries),
+      "contact::faceGhostSearch::compact", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         if (positions(entry + 1) > positions(entry))
           kept(positions(entry)) = faces(entry);
@@ -65,7 +65,8 @@ std::int64_t countDescents(const exec_space& space, const View<const global_id*>
   const auto num_partners = static_cast<int>(lists.ranks.size());
   std::int64_t descents = 0;
   Kokkos::parallel_reduce(
-      "contact::faceGhostSearch::descents", over(space, maxOf(lists.size() - 1, std::int64_t(0))),
+      "contact::faceGhostSearch::descents",
+      rangePolicy(space, maxOf(lists.size() - 1, std::int64_t(0))),
       KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum) {
         if (ids(faces(i)) > ids(faces(i + 1)) &&
             partnerOf(starts, num_partners, i) == partnerOf(starts, num_partners, i + 1))
@@ -89,14 +90,15 @@ void orderByFaceId(const exec_space& space, const Surface& surface, FaceGhostSea
     const auto keys = search.by_id.keys;
     const auto values = search.by_id.values;
     Kokkos::parallel_for(
-        "contact::faceGhostSearch::ids", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+        "contact::faceGhostSearch::ids", rangePolicy(space, n),
+        KOKKOS_LAMBDA(const std::int64_t i) {
           keys(i) = static_cast<std::uint64_t>(ids(faces(first + i)));
           values(i) = faces(first + i);
         });
     sortByKey(space, n, 63, search.by_id);
     const auto sorted = search.by_id.values;
     Kokkos::parallel_for(
-        "contact::faceGhostSearch::ordered", over(space, n),
+        "contact::faceGhostSearch::ordered", rangePolicy(space, n),
         KOKKOS_LAMBDA(const std::int64_t i) { faces(first + i) = sorted(i); });
   }
 }

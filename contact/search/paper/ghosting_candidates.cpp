@@ -24,7 +24,7 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
   const auto begin = search.results.begin, count = search.results.count;
   const auto partners = search.results.items;
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::keys", over(space, num_rows),
+      "contact::ghostingCandidates::keys", rangePolicy(space, num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) {
         for (std::int64_t i = begin(row); i < begin(row) + count(row); ++i)
           keys(i) = static_cast<std::uint64_t>(partners(i) * num_rows + row);
@@ -38,12 +38,12 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
   const auto rows = lists.rows;
   const auto starts = search.starts;
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::rows", over(space, num_pairs),
+      "contact::ghostingCandidates::rows", rangePolicy(space, num_pairs),
       KOKKOS_LAMBDA(const std::int64_t i) {
         rows(i) = static_cast<int>(sorted(i) % static_cast<std::uint64_t>(num_rows));
       });
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::starts", over(space, num_partners + 1),
+      "contact::ghostingCandidates::starts", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t partner) {
         const auto first_key = static_cast<std::uint64_t>(partner * num_rows);
         std::int64_t low = 0, high = num_pairs; // first key not below first_key

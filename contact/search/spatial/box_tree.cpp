@@ -74,7 +74,7 @@ void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {
       widest = std::max<std::int64_t>(widest, tree.numBlocks(level));
     const std::int64_t lanes = widest * block_size;
     Kokkos::parallel_for(
-        "contact::BoxForest::refit", over(space, num_trees * lanes),
+        "contact::BoxForest::refit", rangePolicy(space, num_trees * lanes),
         KOKKOS_LAMBDA(const std::int64_t i) {
           const BoxTree& tree = trees(i / lanes);
           const std::int64_t block = i % lanes / block_size;

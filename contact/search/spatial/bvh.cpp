@@ -74,7 +74,7 @@ void sortItems(const exec_space& space, const View<const Box*>& items, const Box
   const auto codes = tree.order.keys;
   const auto values = tree.order.values;
   Kokkos::parallel_for(
-      "contact::buildTree::codes", over(space, tree.num_items),
+      "contact::buildTree::codes", rangePolicy(space, tree.num_items),
       KOKKOS_LAMBDA(const std::int64_t item) {
         codes(item) = mortonCode(grid, items(item).centroid());
         values(item) = static_cast<int>(item);
@@ -88,7 +88,7 @@ void connectNodes(const exec_space& space, const Bvh& tree) {
   const auto nodes = tree.nodes;
   const auto leaf_parent = tree.leaf_parent;
   Kokkos::parallel_for(
-      "contact::buildTree::connect", over(space, tree.num_items - 1),
+      "contact::buildTree::connect", rangePolicy(space, tree.num_items - 1),
       KOKKOS_LAMBDA(const std::int64_t n) {
         const int node = static_cast<int>(n);
         const Range range = rangeOfNode(keys, node);
@@ -115,7 +115,7 @@ void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bv
   const auto nodes = tree.nodes;
   const auto leaf_parent = tree.leaf_parent;
   Kokkos::parallel_for(
-      "contact::buildTree::boxes", over(space, tree.num_items),
+      "contact::buildTree::boxes", rangePolicy(space, tree.num_items),
       KOKKOS_LAMBDA(const std::int64_t leaf) {
         FloatBounds box = FloatBounds::of(items(values(leaf)));
         int parent = leaf_parent(leaf);
@@ -136,7 +136,7 @@ void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bv
 void makeSingleLeaf(const exec_space& space, const View<const Box*>& items, const Bvh& tree) {
   const auto nodes = tree.nodes;
   Kokkos::parallel_for(
-      "contact::buildTree::single", over(space, 1), KOKKOS_LAMBDA(const std::int64_t) {
+      "contact::buildTree::single", rangePolicy(space, 1), KOKKOS_LAMBDA(const std::int64_t) {
         nodes(0).setBox(0, FloatBounds::of(items(0)));
         nodes(0).setBox(1, FloatBounds());
         nodes(0).child[0] = nodes(0).child[1] = ~0;

@@ -67,7 +67,7 @@ void sortQueries(const exec_space& space, const BoxOf& box_of, int num_queries, 
   const auto codes = order.sorted.keys;
   const auto values = order.sorted.values;
   Kokkos::parallel_for(
-      "contact::sortQueries::codes", over(space, num_queries),
+      "contact::sortQueries::codes", rangePolicy(space, num_queries),
       KOKKOS_LAMBDA(const std::int64_t query) {
         codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid()) >>
                        (morton_bits - query_order_bits);
@@ -103,7 +103,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
     const auto buffer = results.items;
     const auto capacity = static_cast<std::int64_t>(buffer.extent(0));
     Kokkos::parallel_for(
-        label, over(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
+        label, rangePolicy(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
           const int query = ordered ? query_order(q) : static_cast<int>(q);
           const FloatQuery box(box_of(query));
           const auto accepts = accept(query);

@@ -36,7 +36,7 @@ Chunks cut(const exec_space& space, std::int64_t n, int num_bits) {
 void countDigits(const exec_space& space, const Chunks& chunks, int shift,
                  const View<std::uint64_t*>& keys, const View<int*>& counts) {
   Kokkos::parallel_for(
-      "contact::sortByKey::count", over(space, chunks.num_chunks),
+      "contact::sortByKey::count", rangePolicy(space, chunks.num_chunks),
       KOKKOS_LAMBDA(const std::int64_t chunk) {
         const std::int64_t digits = chunks.numDigits();
         int* const count = &counts(chunk * digits);
@@ -51,7 +51,7 @@ void countDigits(const exec_space& space, const Chunks& chunks, int shift,
 // Counts become the first position of each (digit, chunk), digit-major.
 void scanDigits(const exec_space& space, const Chunks& chunks, const View<int*>& counts) {
   Kokkos::parallel_scan(
-      "contact::sortByKey::scan", over(space, chunks.num_chunks * chunks.numDigits()),
+      "contact::sortByKey::scan", rangePolicy(space, chunks.num_chunks * chunks.numDigits()),
       KOKKOS_LAMBDA(const std::int64_t i, int& sum, const bool final) {
         const std::int64_t digit = i / chunks.num_chunks, chunk = i % chunks.num_chunks;
         int& entry = counts(chunk * chunks.numDigits() + digit);
@@ -67,7 +67,7 @@ void scatter(const exec_space& space, const Chunks& chunks, int shift, const Sor
   const auto values = sorted.values, to_values = sorted.other_values;
   const auto counts = sorted.counts;
   Kokkos::parallel_for(
-      "contact::sortByKey::scatter", over(space, chunks.num_chunks),
+      "contact::sortByKey::scatter", rangePolicy(space, chunks.num_chunks),
       KOKKOS_LAMBDA(const std::int64_t chunk) {
         const std::int64_t digits = chunks.numDigits();
         int* const next = &counts(chunk * digits);

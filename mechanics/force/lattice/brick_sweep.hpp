@@ -154,7 +154,7 @@ private:
     gatherModes(layer, p, u);
     TlpsForces<Real> forces;
     const auto& shape = _shapes.at(layer, p);
-    tlpsForces<model>(u, shape.geometry, shape.stiffness, with_energy, forces);
+    onePointForces<model>(u, shape.geometry, shape.stiffness, with_energy, forces);
     dropFailed(layer, p, is_counted, forces);
     if (with_energy)
       addEnergies(forces.material_energy, forces.hourglass_energy);
@@ -261,7 +261,7 @@ void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const Force
     else if (shape.is_brick)
       sweep(SharedShape<TlpsBrick>(shape.brick, material, a));
     else
-      sweep(SharedShape<TlpsBox>(shape.box, material, a));
+      sweep(SharedShape<OnePointBox>(shape.box, material, a));
   };
   switch (material.model) {
   case MaterialModel::neo_hookean:

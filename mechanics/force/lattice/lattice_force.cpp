@@ -57,9 +57,9 @@ ForceSums launch(const exec_space& space, const LatticeTables& tables,
   ForceSums sums;
   if constexpr (W > 1) {
     Kokkos::parallel_reduce("mechanics::internalForce::lattices",
-                            overInChunks(space, static_cast<std::int64_t>(slabs.extent(0)), 1),
+                            dynamicPolicy(space, static_cast<std::int64_t>(slabs.extent(0)), 1),
                             LatticeForceFunctor<W>{tables, slabs, arguments, {}},
-                            Combine<ForceSums>(sums));
+                            PlusReducer<ForceSums>(sums));
     space.fence();
   }
   return sums;

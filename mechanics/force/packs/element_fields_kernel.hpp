@@ -12,11 +12,11 @@ KOKKOS_INLINE_FUNCTION double storedEnergy(const double (&u)[3][num_modes],
   TlpsForces<double> forces;
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), 1.0);
   if (material.model == MaterialModel::neo_hookean)
-    tlpsForces<MaterialModel::neo_hookean>(u, geometry, stiffness, true, forces);
+    onePointForces<MaterialModel::neo_hookean>(u, geometry, stiffness, true, forces);
   else if (material.model == MaterialModel::svk)
-    tlpsForces<MaterialModel::svk>(u, geometry, stiffness, true, forces);
+    onePointForces<MaterialModel::svk>(u, geometry, stiffness, true, forces);
   else
-    tlpsForces<MaterialModel::linear>(u, geometry, stiffness, true, forces);
+    onePointForces<MaterialModel::linear>(u, geometry, stiffness, true, forces);
   return forces.material_energy + forces.hourglass_energy;
 }
 KOKKOS_INLINE_FUNCTION double storedEnergy(const double (&u)[3][num_modes],

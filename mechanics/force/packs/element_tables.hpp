@@ -37,7 +37,7 @@ KOKKOS_INLINE_FUNCTION void visitGeometry(FullGeometry<Real>& g, const Visit& vi
 }
 
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, TlpsGeometry<double>& g) {
-  g = tlpsGeometry(X);
+  g = onePointGeometry(X);
 }
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, FullGeometry<double>& g) {
   coordinateModes(X, g.X);
@@ -115,7 +115,7 @@ void storeGeometry(const exec_space& space, int num_rows, Tables& tables) {
       View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
                                   int(Geometry::size)); // zero where lattices have no element
   Kokkos::parallel_for("mechanics::InternalForce::storeGeometry",
-                       over(space, static_cast<std::int64_t>(tables.chunks.extent(0))),
+                       rangePolicy(space, static_cast<std::int64_t>(tables.chunks.extent(0))),
                        StoreGeometry<Geometry>{tables});
   space.fence();
 }

@@ -92,7 +92,7 @@ KOKKOS_INLINE_FUNCTION void packForces(const Real (&u)[3][num_modes], const Geom
                                        const Stiffness& stiffness, const ForceArguments& a,
                                        PackForces<Real, Integer>& out) {
   TlpsForces<Real> forces;
-  tlpsForces<model>(u, geometry, stiffness, a.with_energy, forces);
+  onePointForces<model>(u, geometry, stiffness, a.with_energy, forces);
   out.J = forces.J;
   out.largest = Real(0.0);
   roundToCorners(forces.force, out.largest, out.corners);
@@ -255,8 +255,9 @@ struct ForceFunctor {
 template <ElementKind kind, MaterialModel model, bool with_viscosity>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
   ForceSums sums;
-  Kokkos::parallel_reduce("mechanics::internalForce::elements", over(space, group.count),
-                          ForceFunctor<kind, model, with_viscosity>{a}, Combine<ForceSums>(sums));
+  Kokkos::parallel_reduce("mechanics::internalForce::elements", rangePolicy(space, group.count),
+                          ForceFunctor<kind, model, with_viscosity>{a},
+                          PlusReducer<ForceSums>(sums));
   space.fence();
   return sums;
 }

@@ -47,8 +47,8 @@ BrickSums launch(const exec_space& space, const BrickStepFunctor<W>& functor) {
   if constexpr (W > 1) {
     Kokkos::parallel_reduce(
         "mechanics::FreeBricks::step::slabs",
-        overInChunks(space, static_cast<std::int64_t>(functor.slabs.extent(0)), 1), functor,
-        Combine<BrickSums>(sums));
+        dynamicPolicy(space, static_cast<std::int64_t>(functor.slabs.extent(0)), 1), functor,
+        PlusReducer<BrickSums>(sums));
     space.fence();
   }
   return sums;

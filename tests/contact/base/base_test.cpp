@@ -105,12 +105,12 @@ KOKKOS_INLINE_FUNCTION double term(std::int64_t i) {
 LimbSums<1> sumOfOwnTerms(int n, int rank, int size, LimbScale scale) {
   LimbSums<1> mine;
   Kokkos::parallel_reduce(
-      "test::limbs", over(exec_space(), n),
+      "test::limbs", rangePolicy(exec_space(), n),
       KOKKOS_LAMBDA(const std::int64_t i, LimbSums<1>& sum) {
         if (i % size == rank)
           sum.add(0, term(i), scale);
       },
-      Combine<LimbSums<1>>(mine));
+      PlusReducer<LimbSums<1>>(mine));
   return mine;
 }
 
@@ -281,7 +281,7 @@ TEST(TogetherTest, AllRanksThrowWhatTheLowestFailingRankThrew) {
     std::string message;
     ExitCode code = ExitCode::success;
     try {
-      together(comm, [&] {
+      rethrowOnAllRanks(comm, [&] {
         if (rank >= failing && failing % 2 == 0)
           throw InputError("rank " + std::to_string(rank) + " read a bad file");
         if (rank >= failing)
@@ -295,7 +295,7 @@ TEST(TogetherTest, AllRanksThrowWhatTheLowestFailingRankThrew) {
     EXPECT_EQ(message, who + (failing % 2 == 0 ? " read a bad file" : " ran out of luck"));
     EXPECT_EQ(code, failing % 2 == 0 ? ExitCode::bad_input : ExitCode::internal);
   }
-  EXPECT_NO_THROW(together(comm, [] {}));
+  EXPECT_NO_THROW(rethrowOnAllRanks(comm, [] {}));
 }
 
 TEST(MpiTest, ReductionsAndBroadcastsReachAllRanks) {

@@ -117,8 +117,9 @@ TEST(HistoryChecksum, SeesTheLastBitOfEachValueAndNoOrder) {
   std::swap(all(0), all(2));
   EXPECT_EQ(sum(), before);
   for (double Interaction::*value :
-       {&Interaction::offset, &Interaction::depth, &Interaction::stiffness, &Interaction::taper,
-        &Interaction::stored, &Interaction::force, &Interaction::damping, &Interaction::closing}) {
+       {&Interaction::offset, &Interaction::depth, &Interaction::stiffness,
+        &Interaction::fade_weight, &Interaction::stored, &Interaction::force, &Interaction::damping,
+        &Interaction::closing}) {
     const double kept = all(1).*value;
     all(1).*value = std::nextafter(kept, 1e9);
     EXPECT_NE(sum(), before);
@@ -178,7 +179,7 @@ TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
     const auto& pairs = local.findCandidatePairs(space, surface, search);
     run.enforcement.enforce(space, surface, ghosts, pairs, dt);
     const ContactForces& forces = run.enforcement.forces();
-    search.returnToOwners(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
+    search.reverseSum(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
 
     const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
     std::vector<std::int64_t> sum(3 * scene.x_new.size(), 0);
@@ -209,7 +210,7 @@ TEST(Enforcement, GhostCornersGetTheValuesOfTheirOwnersNodes) {
       host(node, d) = 10.0 * run.part.nodes()[node] + d;
   Kokkos::deep_copy(values, host);
   const View<double* [12]> at_ghosts("test::at_ghosts", ghosts.count);
-  search.sendToGhosts(space, surface, values, at_ghosts);
+  search.forward(space, surface, values, at_ghosts);
   space.fence();
   const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), at_ghosts);
   const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), ghosts.corner_ids);

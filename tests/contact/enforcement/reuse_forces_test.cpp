@@ -63,7 +63,7 @@ struct SearchedRun {
     sums = enforcement.enforce(space, surface, search.ghosts(), pairs, dt).nodes;
     sumOverRanks(comm, sums);
     const ContactForces& forces = enforcement.forces();
-    search.returnToOwners(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
+    search.reverseSum(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
     const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
     std::vector<std::int64_t> total(3 * scene.x_new.size(), 0);
     for (std::size_t i = 0; i < part.nodes().size(); ++i)

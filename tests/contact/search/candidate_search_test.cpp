@@ -36,7 +36,8 @@ View<int*> stepTests(const Surface& surface, const GhostFaces& ghosts,
   const View<int*> passes("test::passes", pairs.faces.extent(0));
   const FaceAccess faces{surface, ghosts};
   Kokkos::parallel_for(
-      "test::stepTests", over(exec_space(), pairs.num_rows), KOKKOS_LAMBDA(const std::int64_t row) {
+      "test::stepTests", rangePolicy(exec_space(), pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) {
         const StepTest& test = pairs.step_test;
         for (std::int64_t i = pairs.begin(row); i < pairs.end(row); ++i)
           passes(i) =

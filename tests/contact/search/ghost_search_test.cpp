@@ -246,7 +246,7 @@ TEST(GhostSearchTest, ReactionsOnGhostsReturnToTheirOwnersExactly) {
         [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
     const auto returned = viewOf<View<std::int64_t* [3]>>(
         local.nodes.size(), 3, [](auto, auto d) { return static_cast<std::int64_t>(d); });
-    global.returnToOwners(space, local.surface.face_to_nodes, reactions, returned);
+    global.reverseSum(space, local.surface.face_to_nodes, reactions, returned);
     space.fence();
 
     const auto found = onHost(returned);
@@ -285,7 +285,7 @@ TEST(GhostSearchTest, ValuesAtNodesReachTheCornersOfGhosts) {
           return valueOf(c.nodes[local.nodes[n]].id, static_cast<int>(d));
         });
     const View<double* [12]> values("test", static_cast<std::size_t>(ghosts.count));
-    search.sendToGhosts(space, local.surface, node_values, values);
+    search.forward(space, local.surface, node_values, values);
     space.fence();
     const auto found = onHost(values);
     const auto corners = onHost(ghosts.corner_ids);

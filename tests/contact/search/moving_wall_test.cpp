@@ -167,7 +167,7 @@ void swing(const exec_space& space, int step, const View<const double* [3]>& res
   const View<double* [3]> x = other;
   constexpr double pi = 3.14159265358979;
   Kokkos::parallel_for(
-      "test::swing", over(space, surface.num_nodes), KOKKOS_LAMBDA(const std::int64_t node) {
+      "test::swing", rangePolicy(space, surface.num_nodes), KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           x(node, d) = rest(node, d) +
                        0.3 * std::sin(2 * pi * (step / 500.0 + 0.37 * body(node) + 0.21 * d));

@@ -1,7 +1,7 @@
 // Point-wise mathematics of materials and elements, without a launch: gradients against differences, objectivity,
 // box against general, numbering.
 #include "mechanics/element/hex8_full.hpp"
-#include "mechanics/element/hex8_tlps.hpp"
+#include "mechanics/element/hex8_one_point.hpp"
 #include "mechanics/element/material_tangent.hpp"
 #include "mechanics/element/symmetric_eigenvalue.hpp"
 #include "mechanics/stability/stable_time_step.hpp"
@@ -142,7 +142,7 @@ ElementForce tlpsOf(const Geometry& geometry, const CornerCoordinates& u, double
   coordinateModes(u, modes);
   TlpsForces<double> forces;
   const auto moduli = ElementModuli::of({model, 1, 1, poisson});
-  tlpsForces<model>(modes, geometry, stiffnessOf(geometry, moduli, 1.0), true, forces);
+  onePointForces<model>(modes, geometry, stiffnessOf(geometry, moduli, 1.0), true, forces);
   ElementForce result;
   result.energy = forces.material_energy + forces.hourglass_energy;
   for (int i = 0; i < 3; ++i) {
@@ -194,7 +194,7 @@ TEST(Tlps, ForceIsMinusTheGradientOfTheEnergyOnDistortedHexes) {
     CornerCoordinates X, u;
     distortedCorners(seed, 0.12, X);
     randomDisplacement(seed, 0.1, u);
-    const auto geometry = tlpsGeometry(X);
+    const auto geometry = onePointGeometry(X);
     expectForceIsMinusEnergyGradient(u, [&](const CornerCoordinates& d) {
       return tlpsOf<MaterialModel::neo_hookean>(geometry, d, 0.3);
     });
@@ -209,7 +209,7 @@ TEST(Tlps, ForceIsMinusTheGradientOfTheEnergyOnParallelepipeds) {
     jacobian(k / 3, k % 3) = (k % 4 == 0 ? 0.5 : 0.0) + 0.1 * randomOf(k);
   CornerCoordinates u;
   randomDisplacement(1, 0.1, u);
-  const TlpsBox box = tlpsBox(jacobian);
+  const OnePointBox box = onePointBox(jacobian);
   expectForceIsMinusEnergyGradient(u, [&](const CornerCoordinates& d) {
     return tlpsOf<MaterialModel::neo_hookean>(box, d, 0.3);
   });
@@ -233,8 +233,8 @@ TEST(Tlps, BoxAndGeneralPathsAgreeOnParallelepipeds) {
       X[c][j] = jacobian(j, 0) * cornerXi(c, 0) + jacobian(j, 1) * cornerXi(c, 1) +
                 jacobian(j, 2) * cornerXi(c, 2);
   randomDisplacement(2, 0.1, u);
-  const auto general = tlpsOf<MaterialModel::neo_hookean>(tlpsGeometry(X), u, 0.3);
-  const auto box = tlpsOf<MaterialModel::neo_hookean>(tlpsBox(jacobian), u, 0.3);
+  const auto general = tlpsOf<MaterialModel::neo_hookean>(onePointGeometry(X), u, 0.3);
+  const auto box = tlpsOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
   EXPECT_NEAR(general.energy, box.energy, 1e-14);
   for (int c = 0; c < 8; ++c)
     for (int j = 0; j < 3; ++j)
@@ -247,7 +247,7 @@ TEST(Tlps, BrickAndBoxPathsAgree) {
   ASSERT_TRUE(isTlpsBrick(jacobian));
   CornerCoordinates u;
   randomDisplacement(2, 0.1, u);
-  const auto box = tlpsOf<MaterialModel::neo_hookean>(tlpsBox(jacobian), u, 0.3);
+  const auto box = tlpsOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
   const auto brick = tlpsOf<MaterialModel::neo_hookean>(tlpsBrick(jacobian), u, 0.3);
   EXPECT_NEAR(brick.energy, box.energy, 1e-14);
   for (int c = 0; c < 8; ++c)
@@ -278,7 +278,7 @@ TEST(Tlps, ForcesTurnWithTheElement) {
     for (int j = 0; j < 3; ++j)
       turned[c][j] = x[j] - X[c][j];
   }
-  const auto geometry = tlpsGeometry(X);
+  const auto geometry = onePointGeometry(X);
   const auto before = tlpsOf<MaterialModel::neo_hookean>(geometry, u, 0.3);
   const auto after = tlpsOf<MaterialModel::neo_hookean>(geometry, turned, 0.3);
   EXPECT_NEAR(after.energy, before.energy, 1e-14);
@@ -302,8 +302,8 @@ TEST(Tlps, ForcesDoNotDependOnTheNumberingOfTheCorners) {
         u2[c][j] = u[order[c]][j];
       }
     ASSERT_GT(hexVolume(X2).min_determinant, 0);
-    const auto first = tlpsOf<MaterialModel::svk>(tlpsGeometry(X), u, 0.3);
-    const auto second = tlpsOf<MaterialModel::svk>(tlpsGeometry(X2), u2, 0.3);
+    const auto first = tlpsOf<MaterialModel::svk>(onePointGeometry(X), u, 0.3);
+    const auto second = tlpsOf<MaterialModel::svk>(onePointGeometry(X2), u2, 0.3);
     for (int c = 0; c < 8; ++c)
       for (int j = 0; j < 3; ++j)
         EXPECT_NEAR(second.force[c][j], first.force[order[c]][j], 1e-14);
@@ -367,7 +367,7 @@ TEST(StableTimeStep, IsExactOnABoxAndSafeOnDistortedHexes) {
       const double bound = boundOf(X, material);
       const double one_point =
           trueStep(X, 1, scaledDown([&](const CornerCoordinates& u) {
-                     return tlpsOf<MaterialModel::linear>(tlpsGeometry(X), u, poisson);
+                     return tlpsOf<MaterialModel::linear>(onePointGeometry(X), u, poisson);
                    }));
       const double full = trueStep(X, 1, [&](const CornerCoordinates& u) {
         return fullOf<MaterialModel::linear>(X, u, poisson);
@@ -409,16 +409,16 @@ TEST(StableTimeStep, OfACubeIsTheClosedFormAndDeformationChangesIt) {
 }
 
 TEST(ContactLoad, IsTheShareOfTheMassThatSpringsAndDampersTake) {
-  EXPECT_DOUBLE_EQ(contactLoad(0.5), 0.5 * 2.05 / 4);
-  EXPECT_DOUBLE_EQ(contactLoad(0.5, 0.1), 2.05 * (0.125 + 0.1 * std::sqrt(0.5)));
-  EXPECT_DOUBLE_EQ(contactLoad(0.75, 0, true), 2.55 * 0.1875);
+  EXPECT_DOUBLE_EQ(contactMassFraction(0.5), 0.5 * 2.05 / 4);
+  EXPECT_DOUBLE_EQ(contactMassFraction(0.5, 0.1), 2.05 * (0.125 + 0.1 * std::sqrt(0.5)));
+  EXPECT_DOUBLE_EQ(contactMassFraction(0.75, 0, true), 2.55 * 0.1875);
   for (const bool edges : {false, true})
-    EXPECT_DOUBLE_EQ(contactLoad(penaltyOfEqualLoad(0.9, 0.2), 0.2, edges),
-                     contactLoad(0.9, 0, edges));
-  EXPECT_THROW(contactLoad(-1), InputError);
-  EXPECT_THROW(contactLoad(2), InputError);
-  EXPECT_THROW(contactLoad(0.5, -1), InputError);
-  EXPECT_THROW(contactLoad(0.5, 1), InputError);
+    EXPECT_DOUBLE_EQ(contactMassFraction(penaltyForMassFraction(0.9, 0.2), 0.2, edges),
+                     contactMassFraction(0.9, 0, edges));
+  EXPECT_THROW(contactMassFraction(-1), InputError);
+  EXPECT_THROW(contactMassFraction(2), InputError);
+  EXPECT_THROW(contactMassFraction(0.5, -1), InputError);
+  EXPECT_THROW(contactMassFraction(0.5, 1), InputError);
 }
 
 } // namespace

@@ -9,13 +9,13 @@ namespace {
 
 using namespace testing;
 
-LeftOutStrain leftOut(MaterialModel model, const std::function<Vec3(const Vec3&)>& field) {
+NeglectedStrain leftOut(MaterialModel model, const std::function<Vec3(const Vec3&)>& field) {
   const exec_space space;
   const BlockMesh blocks = makeBlocks(space, world, {bar(3)}, {steelLike(model)}, asIs, slices);
-  return leftOutStrain(space, world, blocks.mesh, nodalField(space, blocks.mesh, field));
+  return neglectedStrain(space, world, blocks.mesh, nodalField(space, blocks.mesh, field));
 }
 
-TEST(LeftOutStrain, OfATurnIsHalfItsSquare) {
+TEST(NeglectedStrain, OfATurnIsHalfItsSquare) {
   const double w = 0.1, c = std::cos(w) - 1, s = std::sin(w);
   const auto turned = leftOut(MaterialModel::linear, [=](const Vec3& x) {
     return Vec3{c * x.x - s * x.y, s * x.x + c * x.y, 0};
@@ -29,7 +29,7 @@ TEST(LeftOutStrain, OfATurnIsHalfItsSquare) {
   EXPECT_GT(spun.strain, large_left_out_strain);
 }
 
-TEST(LeftOutStrain, IsThatOfTheElementWithTheLargest) {
+TEST(NeglectedStrain, IsThatOfTheElementWithTheLargest) {
   const auto bent = leftOut(MaterialModel::linear, [](const Vec3& x) {
     return Vec3{0, 0, x.x > 0.5 ? x.x : 0.};
   });
@@ -37,7 +37,7 @@ TEST(LeftOutStrain, IsThatOfTheElementWithTheLargest) {
   EXPECT_NEAR(bent.strain, 2, 1e-14);
 }
 
-TEST(LeftOutStrain, IsNothingOfMaterialsThatKnowIt) {
+TEST(NeglectedStrain, IsNothingOfMaterialsThatKnowIt) {
   for (const MaterialModel model : {MaterialModel::svk, MaterialModel::neo_hookean})
     EXPECT_EQ(leftOut(model, [](const Vec3& x) { return 0.3 * x; }).strain, 0);
 }

@@ -33,8 +33,8 @@ EnergyBalance run(const std::array<double, 2>& turn, double speed, bool allows,
       return Vec3{speed * x.x, -speed * x.y * x.z, 0};
     });
   if (allows)
-    allowForTurnedBodies(solver.space, world, solver.blocks.mesh, solver.state.displacement,
-                         solver.scales);
+    raiseNoiseFloorForRotation(solver.space, world, solver.blocks.mesh, solver.state.displacement,
+                               solver.scales);
   const double dt = 0.7 * solver.stableStep();
   solver.start(dt);
   for (int s = 0; s < 200; ++s)
@@ -72,10 +72,10 @@ TEST(TurnedBody, OfAnotherMaterialRaisesNoFloor) {
     LedgerScales scales = ledgerScales(space, MPI_COMM_SELF, blocks.mesh);
     const double noise = scales.noise, angular_noise = scales.angular_noise;
     View<double* [3]> u("test::u", blocks.mesh.num_nodes);
-    allowForTurnedBodies(space, MPI_COMM_SELF, blocks.mesh, u, scales);
+    raiseNoiseFloorForRotation(space, MPI_COMM_SELF, blocks.mesh, u, scales);
     EXPECT_EQ(scales.noise, noise); // not displaced
     u = nodalField(space, blocks.mesh, [](const Vec3& x) { return -2 * Vec3{x.x, x.y, 0}; });
-    allowForTurnedBodies(space, MPI_COMM_SELF, blocks.mesh, u, scales);
+    raiseNoiseFloorForRotation(space, MPI_COMM_SELF, blocks.mesh, u, scales);
     EXPECT_EQ(scales.noise > noise, model == MaterialModel::neo_hookean);
     EXPECT_EQ(scales.angular_noise > angular_noise, model == MaterialModel::neo_hookean);
   }

@@ -64,7 +64,7 @@ TEST(RestForces, AreTheSlopeOfTheElementForces) {
   const CornerCoordinates X = {{0, 0, 0},      {1.1, 0.1, -0.1}, {1, 0.9, 0.1}, {-0.1, 1, 0},
                                {0, 0.1, 1.05}, {1, 0, 0.9},      {1.1, 1, 1},   {0.1, 0.9, 1.1}};
   const Material material = steelLike();
-  const TlpsGeometry<double> geometry = tlpsGeometry(X);
+  const TlpsGeometry<double> geometry = onePointGeometry(X);
   double u[3][num_modes], plus[3][num_modes], minus[3][num_modes], forces[3][num_modes];
   constexpr double h = 1e-5;
   for (int k = 0; k < 3 * num_modes; ++k) {
@@ -74,8 +74,8 @@ TEST(RestForces, AreTheSlopeOfTheElementForces) {
   }
   TlpsForces<double> at_plus, at_minus;
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), 1.0);
-  tlpsForces<MaterialModel::neo_hookean>(plus, geometry, stiffness, false, at_plus);
-  tlpsForces<MaterialModel::neo_hookean>(minus, geometry, stiffness, false, at_minus);
+  onePointForces<MaterialModel::neo_hookean>(plus, geometry, stiffness, false, at_plus);
+  onePointForces<MaterialModel::neo_hookean>(minus, geometry, stiffness, false, at_minus);
   restForces(u, geometry, material, forces);
   for (int i = 0; i < 3; ++i)
     for (int m = 0; m < num_modes; ++m)
@@ -158,7 +158,7 @@ double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, doub
   const auto mass =
       massUnderContact(space, lumpedMass(space, MPI_COMM_SELF, blocks.mesh, blocks.sum),
                        toDevice(space, "surface", surface), a);
-  const StepLoad load = {{}, 0, a};
+  const StabilityTerms load = {{}, 0, a};
   const double bound = stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, load).dt;
   const RestFrequency rest = largestFrequency(space, MPI_COMM_SELF, blocks.mesh, blocks.shared,
                                               mass, ElementKind::one_point, bound)

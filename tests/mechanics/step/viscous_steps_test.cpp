@@ -107,7 +107,7 @@ TEST(ViscousStep, OfADeformedElementUsesWhatContactLeaves) {
   BlockMesh one = makeBlocks(space, MPI_COMM_SELF, {Block()}, {steelLike()}, asIs, alone);
   const auto displacement = nodalField(space, one.mesh, u);
   for (const double contact : {0.0, 0.36}) {
-    const auto step = [&](const StepLoad& load) {
+    const auto step = [&](const StabilityTerms& load) {
       return stableTimeStep(space, MPI_COMM_SELF, one.mesh, displacement, load).dt;
     };
     const double dt = step({{0.2, 0}, 0, contact});

@@ -95,7 +95,7 @@ struct Solver {
     blocks.sum.sum(space, forces.values);
     const ContactEnergySums in_contact = contact ? contact() : ContactEnergySums();
     if (contact)
-      ledger.expectChangedStep(
+      ledger.setContactPower(
           forcePower(space, comm, blocks.mesh, forces, state, contact_force, scales));
     const KickSums sums =
         kick(space, blocks.mesh, *boundary, {time, time + dt}, kick_dt, forces, state, scales);

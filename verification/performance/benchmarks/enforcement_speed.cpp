@@ -128,7 +128,7 @@ void balance(const exec_space& space, const ContactForces& forces, const Quantum
              const View<const double*>& mass, const View<double* [3]>& accelerations) {
   const auto nodes = forces.nodes;
   Kokkos::parallel_for(
-      "balance", over(space, mass.extent(0)), KOKKOS_LAMBDA(const std::int64_t i) {
+      "balance", rangePolicy(space, mass.extent(0)), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           accelerations(i, d) = -static_cast<double>(nodes(i, d)) * quantum.value / mass(i);
       });

@@ -158,7 +158,7 @@ void radixSort(benchmark::State& state) {
   const auto sort = [&] {
     const auto to = sorted.keys;
     Kokkos::parallel_for(
-        "benchmark::shuffledKeys", over(wall.space, n),
+        "benchmark::shuffledKeys", rangePolicy(wall.space, n),
         KOKKOS_LAMBDA(const std::int64_t i) { to(i) = keys(i); });
     sortByKey(wall.space, n, morton_bits, sorted);
   };

@@ -90,7 +90,7 @@ std::int64_t flopsOfElement(const Geometry& geometry) {
   for (int i = 0; i < 3; ++i)
     cornersToModes(corner[i], u[i]);
   TlpsForces<Counted> forces;
-  tlpsForces<model>(u, geometry, stiffness, true, forces);
+  onePointForces<model>(u, geometry, stiffness, true, forces);
   return Counted::count;
 }
 std::int64_t flopsOfNode() {
@@ -110,7 +110,8 @@ double triadBandwidth(const exec_space& space) { // bytes per second
   View<double*> a("a", n), b("b", n), c("c", n);
   const Seconds seconds = timeCalls(7, [&] {
     Kokkos::parallel_for(
-        "triad", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) { a(i) = b(i) + 3.0 * c(i); });
+        "triad", rangePolicy(space, n),
+        KOKKOS_LAMBDA(const std::int64_t i) { a(i) = b(i) + 3.0 * c(i); });
     space.fence();
   });
   return 24.0 * n / seconds.median;
@@ -143,7 +144,7 @@ double vectorPeak(const exec_space& space) { // flops per second
     const int threads = concurrency(space);
     const PeakLoop<simd_width> loop{View<double*>("out", threads)};
     const Seconds seconds = timeCalls(5, [&] {
-      Kokkos::parallel_for("peak", over(space, threads), loop);
+      Kokkos::parallel_for("peak", rangePolicy(space, threads), loop);
       space.fence();
     });
     return threads * loop.flops() / seconds.median;

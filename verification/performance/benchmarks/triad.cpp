@@ -12,7 +12,7 @@ double triadBandwidth(MPI_Comm comm, int mebibytes) {
   const auto b = allocate<View<double*>>(space, "triad::b", n);
   const auto c = allocate<View<double*>>(space, "triad::c", n);
   Kokkos::parallel_for( // also: each thread's pages are placed by the thread that uses them
-      "triad::fill", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+      "triad::fill", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         a(i) = 0;
         b(i) = static_cast<double>(i % 7);
         c(i) = 1;
@@ -23,14 +23,15 @@ double triadBandwidth(MPI_Comm comm, int mebibytes) {
     barrier(comm);
     const double start = MPI_Wtime();
     Kokkos::parallel_for(
-        "triad", over(space, n), KOKKOS_LAMBDA(const std::int64_t i) { a(i) = b(i) + 3.0 * c(i); });
+        "triad", rangePolicy(space, n),
+        KOKKOS_LAMBDA(const std::int64_t i) { a(i) = b(i) + 3.0 * c(i); });
     space.fence();
     const double seconds = allReduce(comm, MPI_Wtime() - start, MPI_MAX);
     best = std::max(best, 3.0 * sizeof(double) * static_cast<double>(n) * sizeOf(comm) / seconds);
   }
   double wrong = 0;
   Kokkos::parallel_reduce(
-      "triad::check", over(space, n),
+      "triad::check", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i, double& sum) {
         sum += a(i) == static_cast<double>(i % 7) + 3.0 ? 0.0 : 1.0;
       },

@@ -1,7 +1,7 @@
 // Tests that come before the exact ones never reject what those accept, and reject most of what is far; what is known of many
 // contacts together is what is known of each alone, bit by bit.
-#include "contact/enforcement/edge_edge/edge_touch.hpp"
-#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
+#include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ Vec3 turned(const Vec3& p, const Vec3& axis_angle) {
 
 // Whether EdgeBirths takes it that the edges of pair_of(pair) may touch, each asked for in a row of its own.
 template <class PairOf>
-std::vector<bool> mayTouch(const LoneFaces& edges, int num_pairs, const PairOf& pair_of) {
+std::vector<bool> mayPenetrate(const LoneFaces& edges, int num_pairs, const PairOf& pair_of) {
   const FaceAccess faces{edges.surface, GhostFaces()};
   const View<EdgeRecord*> own("own", edges.surface.num_faces);
   for (int e = 0; e < edges.surface.num_faces; ++e)
@@ -82,11 +82,12 @@ std::vector<bool> mayTouch(const LoneFaces& edges, int num_pairs, const PairOf& 
   for (int first = 0; first < num_pairs; first += rows) {
     EdgeBirths<Lanes> births{faces,
                              records,
-                             {EdgeTouch::least_sine, 0.5 * 0.05, EdgeTouch::deepest_birth,
-                              1 + EdgeTouch::beyond_side * 0.05},
-                             EdgeTouch::cosine_column,
-                             EdgeTouch::sine_column,
-                             EdgeTouch::width_column,
+                             {EdgeEdgeKinematics::least_sine, 0.5 * 0.05,
+                              EdgeEdgeKinematics::deepest_birth,
+                              1 + EdgeEdgeKinematics::beyond_side * 0.05},
+                             EdgeEdgeKinematics::cosine_column,
+                             EdgeEdgeKinematics::sine_column,
+                             EdgeEdgeKinematics::width_column,
                              0,
                              {},
                              {}};
@@ -104,7 +105,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
     GTEST_SKIP() << "on a host";
   Random random;
   constexpr int n = 40000; // pairs
-  LoneFaces edges(2 * n, 2 * n, EdgeTouch::num_columns);
+  LoneFaces edges(2 * n, 2 * n, EdgeEdgeKinematics::num_columns);
   const double c = std::sqrt(0.5);
   const Vec3 ridge[4] = {{-0.5, 0, 0}, {0.5, 0, 0}, {0.5, c, -c}, {-0.5, c, -c}};
   for (int pair = 0; pair < n; ++pair) {
@@ -118,35 +119,35 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
       edges.set(8 * pair + 4 + j, x, x + Vec3{0, 0, pair % 5 ? 0.7 : 0.0});
     }
     for (int e = 2 * pair; e < 2 * pair + 2; ++e) {
-      edges.attributes(e, EdgeTouch::cosine_column) = 0;
-      edges.attributes(e, EdgeTouch::sine_column) = 1;
-      edges.attributes(e, EdgeTouch::goes_on_column) = pair % 4;
+      edges.attributes(e, EdgeEdgeKinematics::cosine_column) = 0;
+      edges.attributes(e, EdgeEdgeKinematics::sine_column) = 1;
+      edges.attributes(e, EdgeEdgeKinematics::goes_on_column) = pair % 4;
       for (int side = 0; side < 2; ++side) // of one pair in four so narrow that it may be spanned
-        edges.attributes(e, EdgeTouch::width_column + side) =
+        edges.attributes(e, EdgeEdgeKinematics::width_column + side) =
             pair % 4 == 1 ? random(0.01, 0.5) : 10;
     }
   }
-  EdgeTouch touch;
+  EdgeEdgeKinematics touch;
   touch.lateral_tolerance = 0.05;
   touch.edge_tolerance = 0.2;
   touch.num_corners = 8 * n;
   const FaceAccess faces{edges.surface, GhostFaces()};
-  const std::vector<bool> may_touch = mayTouch(edges, n, [](int pair) {
+  const std::vector<bool> may_touch = mayPenetrate(edges, n, [](int pair) {
     return std::array<int, 2>{2 * pair, 2 * pair + 1};
   });
   int accepted = 0, spanning = 0, rejected = 0;
   for (int pair = 0; pair < n; ++pair) {
     const int node = touch.num_corners + 2 * pair, other = 2 * pair + 1;
-    Hit hit;
+    FaceContact hit;
     hit.previous = -1;
-    const bool touches = touch.test(faces, node, other, Stage::born, hit);
+    const bool touches = touch.test(faces, node, other, ContactTest::activate, hit);
     EXPECT_TRUE(!touches || may_touch[pair]) << pair;
     accepted += touches;
     if (touches && pair % 4 == 1) {
       for (int e = 2 * pair; e < 2 * pair + 2; ++e)
         for (int side = 0; side < 2; ++side)
-          edges.attributes(e, EdgeTouch::width_column + side) = 10;
-      spanning += !touch.test(faces, node, other, Stage::born, hit);
+          edges.attributes(e, EdgeEdgeKinematics::width_column + side) = 10;
+      spanning += !touch.test(faces, node, other, ContactTest::activate, hit);
     }
     rejected += !may_touch[pair];
   }
@@ -158,7 +159,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
 TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
   if (!host_accessible)
     GTEST_SKIP() << "on a host";
-  LoneFaces edges(3, 3, EdgeTouch::num_columns);
+  LoneFaces edges(3, 3, EdgeEdgeKinematics::num_columns);
   const Vec3 along_x[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, -1}, {0, 1, -1}};
   for (int j = 0; j < 4; ++j) {
     edges.set(j, along_x[j], along_x[j]);
@@ -167,12 +168,12 @@ TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
     edges.set(8 + j, across, across);
   }
   for (int e = 0; e < 3; ++e) {
-    edges.attributes(e, EdgeTouch::cosine_column) = 0;
-    edges.attributes(e, EdgeTouch::sine_column) = 1;
-    edges.attributes(e, EdgeTouch::width_column) = std::sqrt(2.0);
-    edges.attributes(e, EdgeTouch::width_column + 1) = 1;
+    edges.attributes(e, EdgeEdgeKinematics::cosine_column) = 0;
+    edges.attributes(e, EdgeEdgeKinematics::sine_column) = 1;
+    edges.attributes(e, EdgeEdgeKinematics::width_column) = std::sqrt(2.0);
+    edges.attributes(e, EdgeEdgeKinematics::width_column + 1) = 1;
   }
-  const std::vector<bool> may_touch = mayTouch(edges, 2, [](int pair) {
+  const std::vector<bool> may_touch = mayPenetrate(edges, 2, [](int pair) {
     return std::array<int, 2>{0, 1 + pair};
   });
   EXPECT_FALSE(may_touch[0]);
@@ -200,7 +201,7 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
   View<double*> mass("mass", quads.surface.num_nodes);
   ContactHistory history;
   history.interactions = View<Interaction*>("interactions", n);
-  std::vector<KnownContact> contacts(n);
+  std::vector<PersistentContact> contacts(n);
   for (int f = 0; f < n; ++f) {
     for (int j = 0; j < 4; ++j) {
       const Vec3 x = cornerOf(f % 5, j, random);
@@ -218,9 +219,9 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
     contacts[f].previous = contacts[f].face = f;
   }
   const FaceAccess faces{quads.surface, GhostFaces()};
-  lookAtContacts(faces, mass, history, n, contacts.data());
+  projectPersistentContacts(faces, mass, history, n, contacts.data());
   int on_quads = 0, on_others = 0;
-  for (const KnownContact& contact : contacts) {
+  for (const PersistentContact& contact : contacts) {
     const Vec3 x = rowOf(quads.surface.coordinates_new, contact.node);
     const FacePoint point = project(faces.quad(contact.face), x);
     ASSERT_EQ(contact.point.valid, point.valid) << contact.face;

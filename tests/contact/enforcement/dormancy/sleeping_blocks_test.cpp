@@ -105,7 +105,7 @@ constexpr bool rows_last = cluster_size > 1;
 Count compare(double speed, double margin, int num_steps) {
   EnforcementConfig with = config(), without = config();
   with.friction = without.friction = 0.3;
-  without.leaves_out_still = false;
+  without.skip_stationary = false;
   const auto cut = [](int element) { return (element / 24) % sizeOf(world); };
   SwingingBricks bricks(speed);
   SearchedRun a(bricks.scene, world, cut, margin, with);
@@ -152,7 +152,7 @@ TEST(SleepingBlocks, SoTheyDoWithListsThatAreKept) {
 // The upper body of two swings over the lower one, turns, rolls by up to `roll` and meets it now and then.
 void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
   EnforcementConfig with = config(), without = config();
-  without.leaves_out_still = false;
+  without.skip_stationary = false;
   EdgeRun a(scene, MPI_COMM_SELF, onOneRank, with), b(scene, MPI_COMM_SELF, onOneRank, without);
   std::int64_t touching = 0, asleep = 0, woken = 0;
   for (int step = 0; step < 600; ++step) {

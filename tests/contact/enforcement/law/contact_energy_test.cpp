@@ -1,6 +1,6 @@
 // Energy of impacts of elastic bricks, by the half-step gauge: what each scheme may make or lose. The bricks are of
 // springs, so that no other part of the program is needed. Momentum checks do not see these errors.
-#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/spring_bricks.hpp"
 
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
 Interaction springThatHolds(double work) {
   Interaction spring;
   spring.stiffness = 3;
-  spring.taper = 0.5;
+  spring.fade_weight = 0.5;
   spring.depth = 0.2;
   spring.offset = 0.1;
   spring.stored = work;
@@ -101,7 +101,7 @@ Interaction springThatHolds(double work) {
 }
 double offsetAfter(double work, double held) {
   Interaction spring = springThatHolds(work);
-  InteractionForces<NodeFaceTouch>::followWork(spring, held);
+  InteractionForces<NodeFaceKinematics>::followWork(spring, held);
   return spring.offset;
 }
 

@@ -112,7 +112,7 @@ Outcome inLanes(const RandomContacts& contacts, double relaxation) {
   const auto is_changed = outcome.is_changed;
   const auto num_changed = outcome.num_changed;
   Kokkos::parallel_reduce(
-      "inLanes", over(exec_space(), 1),
+      "inLanes", rangePolicy(exec_space(), 1),
       KOKKOS_LAMBDA(const std::int64_t, int& left) {
         std::int64_t numbers[num_pairs];
         for (int i = 0; i < num_pairs; ++i)
@@ -131,7 +131,7 @@ Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
   const auto pairs = outcome.pairs;
   const auto is_changed = outcome.is_changed;
   Kokkos::parallel_for(
-      "oneByOne", over(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
+      "oneByOne", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
         const CorrectPair::Correction corrected = correct.of(pairs, i);
         is_changed(i) = corrected.changes(pairs.interactions(i));
         PairQuanta quanta;

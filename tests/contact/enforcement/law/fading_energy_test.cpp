@@ -1,5 +1,5 @@
 // Energy in the spring of a contact at the half step, with and without fading.
-#include "contact/enforcement/node_face/node_face_touch.hpp"
+#include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "contact/surface/feature_edges.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
@@ -16,7 +16,8 @@ TEST(StoredBetween, WithoutFadingIsHalfTheProductOfStiffnessAndBothDepths) {
     for (const double next_depth : {0.2, 0.0, -0.1}) {
       last.depth = depth;
       now.depth = next_depth;
-      const double stored = SelectInteractions<NodeFaceTouch>().storedBetween(last, now, {}, 0);
+      const double stored =
+          SelectInteractions<NodeFaceKinematics>().storedBetween(last, now, {}, 0);
       EXPECT_EQ(stored, 0.5 * 0.3 * depth * next_depth);
     }
 }
@@ -104,15 +105,15 @@ TEST(StoredBetween, WhereTheFadingStandsStillIsThatOfASofterSpring) {
   CornerOnPlate run({0.9, 0.13, 0.01});
   run.move({0, 0, -0.03}, 1);
   run.move({0.2, 0, 0}, 1);
-  const double taper = run.contact().taper;
-  EXPECT_NEAR(taper, 0.625 * 0.625 * (3 - 2 * 0.625), 1e-12); // 1.1 is .06 of .16 beyond 1.04
+  const double fade_weight = run.contact().fade_weight;
+  EXPECT_NEAR(fade_weight, 0.625 * 0.625 * (3 - 2 * 0.625), 1e-12); // 1.1 is .06 of .16 beyond 1.04
   double depth = 0.02;
   EXPECT_NEAR(run.contact().depth, depth, 1e-15);
   for (const double rise : {-0.001, 0.0005, 0.0015, -0.002, 0.0004}) {
     const double next_depth = depth - rise;
     run.move({0, 0, rise}, 1);
-    EXPECT_EQ(run.contact().taper, taper);
-    EXPECT_NEAR(run.stored(), 0.5 * taper * depth * next_depth, 1e-15) << rise;
+    EXPECT_EQ(run.contact().fade_weight, fade_weight);
+    EXPECT_NEAR(run.stored(), 0.5 * fade_weight * depth * next_depth, 1e-15) << rise;
     depth = next_depth;
   }
 }
@@ -156,7 +157,7 @@ struct Slide {
       const double energy = 0.5 * dot(velocity, velocity) + run.stored();
       worst = std::max(worst, std::fabs(energy - start) / of_fall);
       if (run.sums.interactions > 0)
-        least_taper = std::min(least_taper, run.contact().taper);
+        least_taper = std::min(least_taper, run.contact().fade_weight);
       has_left = has_touched && run.sums.interactions == 0;
       has_touched = has_touched || run.sums.interactions > 0;
       velocity += step * run.force();

@@ -50,7 +50,7 @@ TEST(Friction, SticksAsASpringAndSlipsAtMuTimesTheNormalForce) {
   EXPECT_NEAR(drag(-0.006), 0, 1e-12); // back: no drift
   EXPECT_NEAR(drag(0.05), -mu, 1e-12);
   EXPECT_NEAR(drag(0.05), -mu, 1e-12);
-  EXPECT_NEAR(drag(-0.008), 0, 1e-12); // mu p: the spring unloads from where it slipped
+  EXPECT_NEAR(drag(-0.008), 0, 1e-12); // mu p: the spring unloads from where it returnMap
 }
 
 TEST(Friction, StiffnessRatioScalesTheStickingSpring) {
@@ -82,14 +82,14 @@ TEST(Friction, HoldsItsForceOverAFaceSwitchAndAddsUpToZero) {
 }
 
 TEST(Friction, TurnsWithTheContact) {
-  const Vec3 t = turnedInto({0.3, 0, 0}, {std::sqrt(0.5), 0, std::sqrt(0.5)});
+  const Vec3 t = rotateToPlane({0.3, 0, 0}, {std::sqrt(0.5), 0, std::sqrt(0.5)});
   EXPECT_NEAR(norm(t), 0.3, 1e-15);
   EXPECT_NEAR(t.x, -t.z, 1e-15);
   EXPECT_GT(t.x, 0);
-  EXPECT_EQ(norm(turnedInto({0, 0, 1}, {0, 0, 1})), 0);
-  EXPECT_EQ(norm(slipped({3, 4, 0}, 10)), 5);
-  EXPECT_DOUBLE_EQ(norm(slipped({3, 4, 0}, 1)), 1);
-  EXPECT_EQ(norm(slipped({3, 4, 0}, 0)), 0);
+  EXPECT_EQ(norm(rotateToPlane({0, 0, 1}, {0, 0, 1})), 0);
+  EXPECT_EQ(norm(returnMap({3, 4, 0}, 10)), 5);
+  EXPECT_DOUBLE_EQ(norm(returnMap({3, 4, 0}, 1)), 1);
+  EXPECT_EQ(norm(returnMap({3, 4, 0}, 0)), 0);
 }
 
 // Drags to and fro: what friction took is what it booked, and what is stored comes back.

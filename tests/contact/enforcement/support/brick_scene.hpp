@@ -2,7 +2,7 @@
 // can be made by brute force and compared with one rank's answer. Not a model of how the program does it.
 #pragma once
 
-#include "contact/enforcement/penalty.hpp"
+#include "contact/enforcement/enforcement.hpp"
 #include "contact/surface/candidate_rows.hpp"
 
 #include <algorithm>

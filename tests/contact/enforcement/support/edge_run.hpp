@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
-#include "contact/enforcement/edge_edge/edge_touch.hpp"
+#include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
 namespace brickwall::contact::testing {

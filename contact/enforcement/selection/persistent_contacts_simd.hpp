@@ -1,6 +1,6 @@
 // Contacts of nodes that go on as they were: under load, on the face that they had and not beyond its edges, without friction and
 // damping, in rows where nothing else happens. Most contacts of a body at rest under load are such. Worked out for as many at once
-// as there are lanes; the same bits as find_hits.hpp and interaction_forces.hpp give, which take all others. Kernel part of
+// as there are lanes; the same bits as select_active_faces.hpp and interaction_forces.hpp give, which take all others. Kernel part of
 // SelectInteractions.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include "contact/enforcement/law/node_quanta.hpp"
 
 namespace brickwall::contact {
-namespace steady_contacts {
+namespace persistent_contacts_simd {
 
 // What is asked of the interactions of the last step.
 template <class Real>
@@ -43,12 +43,12 @@ struct ThisStep {
   double is_steady[width]; // 1: all of this holds
   LaneQuanta<Real> quanta;
 
-  KOKKOS_FORCEINLINE_FUNCTION void write(int lane, const known_contact::Found<Real>& found,
+  KOKKOS_FORCEINLINE_FUNCTION void write(int lane, const persistent_contact::Found<Real>& found,
                                          Interaction& now) const {
     now.offset = offset[lane];
     now.depth = depth[lane];
     now.stiffness = stiffness[lane];
-    now.taper = 1;
+    now.fade_weight = 1;
     now.stored = stored[lane];
     now.force = now.first_force = first_force[lane];
     now.damping = now.first_damping = 0;
@@ -70,11 +70,11 @@ struct Rows {
   int node[max_contacts], previous[max_contacts], face[max_contacts];
 };
 
-} // namespace steady_contacts
+} // namespace persistent_contacts_simd
 
-template <class Touch>
-struct SteadyContacts : InteractionForces<Touch> {
-  using Base = InteractionForces<Touch>;
+template <class Kinematics>
+struct PersistentContactsSimd : InteractionForces<Kinematics> {
+  using Base = InteractionForces<Kinematics>;
   using Base::add;
   using Base::config;
   using Base::dt;
@@ -87,7 +87,7 @@ struct SteadyContacts : InteractionForces<Touch> {
 
   static constexpr int max_rows = simd_width > 1 ? 32 : 1;
   static constexpr int lanes = NumLanes<Lanes>::value;
-  using SteadyRows = steady_contacts::Rows<max_rows, lanes * max_rows>;
+  using SteadyRows = persistent_contacts_simd::Rows<max_rows, lanes * max_rows>;
 
   CandidatePairs pairs = CandidatePairs::none();
   View<std::int64_t> next_count;
@@ -117,7 +117,7 @@ struct SteadyContacts : InteractionForces<Touch> {
         ++slot;
       if (slot == count) {
         const bool is_wanted = record.body != own_body || config.self_contact;
-        if (is_wanted && touch.mayTouch(faces, node, face) && touch.mayBeBorn(node, face))
+        if (is_wanted && touch.mayPenetrate(faces, node, face) && touch.mayActivate(node, face))
           return false;
       } else if (previous.interactions(begin + slot).face == record.id) {
         if (!faces.isOfThisStep(pairs.step_test, node, face))
@@ -137,16 +137,16 @@ struct SteadyContacts : InteractionForces<Touch> {
     return true;
   }
   KOKKOS_FORCEINLINE_FUNCTION static bool isPlain(const Interaction& last) {
-    return last.depth > 0 && last.taper == 1 && !last.is_held && last.damping == 0;
+    return last.depth > 0 && last.fade_weight == 1 && !last.is_held && last.damping == 0;
   }
 
   // Writes the rows that are steady; the others are then the first ones. Returns how many they are.
   KOKKOS_INLINE_FUNCTION int writeSteady(SteadyRows& steady, ContactSums& sums) const {
-    using namespace steady_contacts;
+    using namespace persistent_contacts_simd;
     if (steady.num_contacts < lanes) // lanes that are mostly idle cost more than they save
       return steady.num_rows;
-    known_contact::Gathered<Lanes> gathered;
-    known_contact::Found<Lanes> found;
+    persistent_contact::Gathered<Lanes> gathered;
+    persistent_contact::Found<Lanes> found;
     LastStep<Lanes> last;
     ThisStep<Lanes> now;
     steady.first[steady.num_rows] = steady.num_contacts;
@@ -159,7 +159,7 @@ struct SteadyContacts : InteractionForces<Touch> {
       const int first = steady.first[begin], behind = steady.first[end];
       for (int lane = 0; lane < lanes; ++lane)
         gather(steady, minOf(first + lane, behind - 1), lane, gathered, last);
-      known_contact::evaluate(gathered, found);
+      persistent_contact::evaluate(gathered, found);
       evaluate(found, last, now);
       for (; begin < end; ++begin)
         if (!write(steady, begin, first, found, now, sums))
@@ -178,21 +178,21 @@ struct SteadyContacts : InteractionForces<Touch> {
     }
   }
   KOKKOS_FORCEINLINE_FUNCTION void gather(const SteadyRows& steady, int i, int lane,
-                                          known_contact::Gathered<Lanes>& gathered,
-                                          steady_contacts::LastStep<Lanes>& last) const {
+                                          persistent_contact::Gathered<Lanes>& gathered,
+                                          persistent_contacts_simd::LastStep<Lanes>& last) const {
     const int node = steady.node[i], face = steady.face[i];
     const Interaction& before = previous.interactions(steady.previous[i]);
     gathered.gather(lane, faces, touch.node_mass, before, node, face);
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     last.gather(lane, before, touch.recordOfFace(face).plane.area,
-                touch.isFacing(x, node, face, Stage::kept));
+                touch.isFacing(x, node, face, ContactTest::persist));
   }
 
-  // As NodeFaceTouch::testAgain(), bookWork(), continueContact(), storedBetween() and followWork() do, in that order.
+  // As NodeFaceKinematics::testAgain(), bookWork(), continueContact(), storedBetween() and followWork() do, in that order.
   template <class Real>
-  KOKKOS_INLINE_FUNCTION void evaluate(const known_contact::Found<Real>& found,
-                                       const steady_contacts::LastStep<Real>& last,
-                                       steady_contacts::ThisStep<Real>& now) const {
+  KOKKOS_INLINE_FUNCTION void evaluate(const persistent_contact::Found<Real>& found,
+                                       const persistent_contacts_simd::LastStep<Real>& last,
+                                       persistent_contacts_simd::ThisStep<Real>& now) const {
     using Mask = typename MaskOf<Real>::type;
     const Real one = 1.0, gap = loadLanes<Real>(found.gap), penetration = -gap;
     const Real last_offset = loadLanes<Real>(last.offset);
@@ -238,8 +238,8 @@ struct SteadyContacts : InteractionForces<Touch> {
 
   // A row whose contacts start at lane `first contact of the row` - `first`. Returns whether it is steady.
   KOKKOS_FORCEINLINE_FUNCTION bool write(const SteadyRows& steady, int r, int first,
-                                         const known_contact::Found<Lanes>& found,
-                                         const steady_contacts::ThisStep<Lanes>& now,
+                                         const persistent_contact::Found<Lanes>& found,
+                                         const persistent_contacts_simd::ThisStep<Lanes>& now,
                                          ContactSums& sums) const {
     const int begin = steady.first[r], count = steady.first[r + 1] - begin;
     bool is_steady = true;

@@ -5,9 +5,9 @@
 // its outward normals follow the body: n_1 is the face's, n_2 = cos n_1 + sin (t x n_1), t from corner 0 to corner 1.
 #pragma once
 
-#include "contact/enforcement/edge_edge/edge_births.hpp"
-#include "contact/enforcement/law/known_contact.hpp"
-#include "contact/enforcement/law/true_edges.hpp"
+#include "contact/enforcement/edge_edge/edge_activation.hpp"
+#include "contact/enforcement/law/edge_fading.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
 
 namespace brickwall::contact {
@@ -55,10 +55,10 @@ struct Crossing {
   }
 };
 
-struct EdgeTouch {
+struct EdgeEdgeKinematics {
   static constexpr bool books_spring_work = true;
   static constexpr bool knows_motion = false; // look() works out last_motion alone
-  static constexpr bool tests_rows_together = true; // by rowsThatBear()
+  static constexpr bool tests_rows_together = true; // by rowsThatMayActivate()
   // Of face attributes, behind the corner masses: FeatureEdge's.
   static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, width_column = 7,
                        num_columns = 9;
@@ -115,11 +115,12 @@ struct EdgeTouch {
     between = a - b;
   }
 
-  // Bit r: row rows[r] of edge e holds an edge that e may come to touch: 0 only if test() at Stage::born is false for all that it is
+  // Bit r: row rows[r] of edge e holds an edge that e may come to touch: 0 only if test() at ContactTest::activate is false for all that it is
   // to push. Of the rows of the bits in `wanted`. Rows are in the order of bodies, those that e does not push come first.
-  KOKKOS_INLINE_FUNCTION unsigned rowsThatBear(const FaceAccess& faces, const CandidatePairs& pairs,
-                                               const std::int64_t* rows, int count,
-                                               unsigned wanted) const {
+  KOKKOS_INLINE_FUNCTION unsigned rowsThatMayActivate(const FaceAccess& faces,
+                                                      const CandidatePairs& pairs,
+                                                      const std::int64_t* rows, int count,
+                                                      unsigned wanted) const {
     const EdgeBirthLimits limits{least_sine, 0.5 * lateral_tolerance, deepest_birth,
                                  1 + 2 * beyondSide()};
     EdgeBirths<Lanes> births{faces, records, limits, cosine_column, sine_column, width_column,
@@ -142,28 +143,28 @@ struct EdgeTouch {
   }
   // A loaded contact is looked at by test().
   KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& history,
-                                   int count, KnownContact* contacts) const {
+                                   int count, PersistentContact* contacts) const {
     for (int k = 0; k < count; ++k) {
       const Interaction& last = history.interactions(contacts[k].previous);
       contacts[k].last_motion = faces.relativeMotion(last.point, contacts[k].face, last.weight);
     }
   }
-  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const KnownContact& known,
-                                        Hit& hit) const {
-    return test(faces, known.node, known.face, Stage::kept, hit);
+  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const PersistentContact& known,
+                                        FaceContact& hit) const {
+    return test(faces, known.node, known.face, ContactTest::persist, hit);
   }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other, Stage stage,
-                                   Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other,
+                                   ContactTest test_kind, FaceContact& hit) const {
     const int own = edgeOf(node);
     Vec3 da, db, between;
     lines(faces, own, other, da, db, between);
     const Crossing crossing(da, db, between);
-    const bool is_held = stage == Stage::held;
+    const bool is_held = test_kind == ContactTest::retain;
     hit.is_held = is_held && (previous(hit.previous).is_held || !crossing.isAcross(parallel_sine));
     if (hit.is_held)
       return isHeld(da, db, between, previous(hit.previous), other, hit);
-    const bool is_kept = stage == Stage::kept || is_held;
+    const bool is_kept = test_kind == ContactTest::persist || is_held;
     const double aa = crossing.aa, bb = crossing.bb;
     // A contact that is held goes on where the edges cross when they are open again.
     if (is_kept && previous(hit.previous).is_held && !crossing.isAcross(parallel_sine))
@@ -223,7 +224,7 @@ struct EdgeTouch {
            maxOf(one_end, other_end) > (1 + beyondSide()) * width;
   }
   KOKKOS_INLINE_FUNCTION static void setHit(double s, double t, const Vec3& normal, double depth,
-                                            int other, Hit& hit) {
+                                            int other, FaceContact& hit) {
     hit.weight[0] = 1 - t, hit.weight[1] = t;
     hit.weight[2] = hit.weight[3] = 0;
     for (int d = 0; d < 3; ++d)
@@ -236,7 +237,7 @@ struct EdgeTouch {
   // it was last, along the way from one to the other (no couple, and the force of an energy), until that way has gone or
   // turned round.
   KOKKOS_INLINE_FUNCTION static bool isHeld(const Vec3& da, const Vec3& db, const Vec3& between,
-                                            const Interaction& last, int other, Hit& hit) {
+                                            const Interaction& last, int other, FaceContact& hit) {
     const double s = last.point.share, t = last.weight[1];
     const Vec3 way = (t * db - s * da) - between;
     const double square = dot(way, way);
@@ -252,7 +253,7 @@ struct EdgeTouch {
   // in shares of the edge's length.
   static constexpr double depths_to_end = 3;
   KOKKOS_INLINE_FUNCTION double start() const { return 0.1 * edge_tolerance; }
-  KOKKOS_INLINE_FUNCTION double way(double depth, double length) const {
+  KOKKOS_INLINE_FUNCTION double fadeLength(double depth, double length) const {
     return minOf(maxOf(0.4 * edge_tolerance, depths_to_end * depth / length), 0.5);
   }
   // Whether a point at share `s` of the edge is on it: exactly where another edge goes on, else with a tolerance. A contact that
@@ -260,27 +261,28 @@ struct EdgeTouch {
   // short slide does not end the contact.
   KOKKOS_INLINE_FUNCTION bool isOn(int goes_on, double s, double depth, double length,
                                    bool has_begun, double past_inner) const {
-    const double at_end = has_begun ? start() + way(depth, length) : 0.5 * lateral_tolerance;
+    const double at_end = has_begun ? start() + fadeLength(depth, length) : 0.5 * lateral_tolerance;
     const double over = has_begun ? past_inner : 0;
     return s >= -(goes_on & 1 ? over : at_end) && s <= 1 + (goes_on & 2 ? over : at_end);
   }
   KOKKOS_INLINE_FUNCTION static int goesOn(const FaceAccess& faces, int edge) {
     return static_cast<int>(faces.attribute(edge, goes_on_column));
   }
-  KOKKOS_INLINE_FUNCTION Taper endTaper(int goes_on, double s, double depth, double length) const {
-    Taper taper;
+  KOKKOS_INLINE_FUNCTION FadeWeight endTaper(int goes_on, double s, double depth,
+                                             double length) const {
+    FadeWeight fade_weight;
     const bool at_second = s > 0.5;
     const double beyond = (at_second ? s - 1 : -s) - start();
     if (beyond <= 0 || (goes_on & (at_second ? 2 : 1)))
-      return taper;
-    const double all = way(depth, length), t = maxOf(1 - beyond / all, 0.0);
+      return fade_weight;
+    const double all = fadeLength(depth, length), t = maxOf(1 - beyond / all, 0.0);
     const double steepness = 6 * t * (1 - t) / all;
-    taper.value = t * t * (3 - 2 * t);
-    taper.slope = at_second ? -steepness : steepness;
-    taper.left = t * all;
+    fade_weight.value = t * t * (3 - 2 * t);
+    fade_weight.slope = at_second ? -steepness : steepness;
+    fade_weight.remaining = t * all;
     if (all > 0.4 * edge_tolerance && all < 0.5)
-      taper.growth = steepness * beyond / all * depths_to_end / length;
-    return taper;
+      fade_weight.growth = steepness * beyond / all * depths_to_end / length;
+    return fade_weight;
   }
 
   // Contacts begin when edges come to cross, not when edges that have crossed come to lie side by side: whether they had not
@@ -309,7 +311,9 @@ struct EdgeTouch {
   }
 
   // Edges slide on over bends (isOn()), and end their contacts before they are apart again.
-  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess&, const Hit&) const { return false; }
+  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess&, const FaceContact&) const {
+    return false;
+  }
   KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess&, int, int) const { return false; }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
@@ -325,7 +329,7 @@ struct EdgeTouch {
   }
 
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess& faces, int node,
-                                              const Hit& hit) const {
+                                              const FaceContact& hit) const {
     ContactPoint point;
     point.node[0] = faces.surface.face_to_nodes(edgeOf(node), 0);
     point.node[1] = faces.surface.face_to_nodes(edgeOf(node), 1);
@@ -336,7 +340,8 @@ struct EdgeTouch {
     return (1 - point.share) * (1 - point.share) / node_mass(point.node[0]) +
            point.share * point.share / node_mass(point.node[1]);
   }
-  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess& faces, const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess& faces,
+                                              const FaceContact& hit) const {
     const Quad quad = faces.quad(hit.face);
     return hit.depth / norm(quad.corner[1] - quad.corner[0]);
   }
@@ -351,14 +356,16 @@ struct EdgeTouch {
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config, const FaceAccess&,
                                                  const Interaction& now,
-                                                 const Hit (&)[max_interactions], int, int) const {
+                                                 const FaceContact (&)[max_interactions], int,
+                                                 int) const {
     return stiffnessCap(config, now);
   }
 
   // U = k w(s) w(t) p^2/2, s and t where the two lines are closest: r = x_own(s) - x_other(t) is perpendicular to both, so that
   // a ds - b dt = -(D . d_own + r . delta d_own), b ds - c dt = -(D . d_other + r . delta d_other), with D the motion of the one
   // point from the other, a, b, c the products of d_own and d_other.
-  KOKKOS_INLINE_FUNCTION double taperOf(const FaceAccess& faces, int node, const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION double fadeWeightOf(const FaceAccess& faces, int node,
+                                             const FaceContact& hit) const {
     const int own = edgeOf(node);
     const Quad one = faces.quad(own), other = faces.quad(hit.face);
     return endTaper(goesOn(faces, own), hit.place[0], hit.depth,
@@ -369,34 +376,36 @@ struct EdgeTouch {
                .value;
   }
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
-                                   const Hit& hit, Interaction& now, FadingForce& fading) const {
+                                   const FaceContact& hit, Interaction& now,
+                                   FadingForce& fading) const {
     const int own = edgeOf(now.node);
     const double s = hit.place[0], t = hit.weight[1];
-    now.taper = 1;
+    now.fade_weight = 1;
     if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
       return;
     const Quad one = faces.quad(own), other = faces.quad(hit.face);
     const Vec3 da = one.corner[1] - one.corner[0], db = other.corner[1] - other.corner[0];
     const double a = dot(da, da), b = dot(da, db), c = dot(db, db);
     const double length_a = std::sqrt(a), length_b = std::sqrt(c);
-    const Taper at_s = endTaper(goesOn(faces, own), s, hit.depth, length_a);
-    const Taper at_t = endTaper(goesOn(faces, hit.face), t, hit.depth, length_b);
+    const FadeWeight at_s = endTaper(goesOn(faces, own), s, hit.depth, length_a);
+    const FadeWeight at_t = endTaper(goesOn(faces, hit.face), t, hit.depth, length_b);
     const double p = maxOf(now.depth, 0.0), energy = 0.5 * now.stiffness * p * p;
-    now.taper = at_s.value * at_t.value;
+    now.fade_weight = at_s.value * at_t.value;
     now.first_force +=
         now.stiffness * now.depth *
-        (now.taper - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
+        (now.fade_weight - 1 + 0.5 * p * (at_s.growth * at_t.value + at_s.value * at_t.growth));
     const double g_s = energy * at_s.slope * at_t.value, g_t = energy * at_s.value * at_t.slope;
     const double determinant = maxOf(a * c - b * b, least_sine * least_sine * a * c);
     const double q_own = (g_s * c + g_t * b) / determinant;
     const double q_other = -(g_s * b + g_t * a) / determinant;
     fading.on_node = q_own * da + q_other * db;
-    fading.work_to_end = energy * minOf(at_s.toEnd() * at_t.value, at_t.toEnd() * at_s.value);
+    fading.work_to_end =
+        energy * minOf(at_s.changeToZero() * at_t.value, at_t.changeToZero() * at_s.value);
     fading.normal.on_end = -q_own * hit.depth; // r = -P n
     fading.normal.on_corner[0] = q_other * hit.depth;
     fading.normal.on_corner[1] = -fading.normal.on_corner[0];
-    const double shorter =
-        minOf(way(hit.depth, length_a) * length_a, way(hit.depth, length_b) * length_b);
+    const double shorter = minOf(fadeLength(hit.depth, length_a) * length_a,
+                                 fadeLength(hit.depth, length_b) * length_b);
     keepWithin(shorter, config.reference_step, now.inverse_mass, fading);
   }
 };

@@ -1,22 +1,22 @@
 // Contact of surface nodes with faces: closest point, the opposed-normal rule, and the stiffness of a node's area.
 #pragma once
 
-#include "contact/enforcement/law/known_contact.hpp"
-#include "contact/enforcement/law/true_edges.hpp"
+#include "contact/enforcement/law/edge_fading.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
 
 namespace brickwall::contact {
 
-struct NodeFaceTouch {
+struct NodeFaceKinematics {
   static constexpr bool books_spring_work =
       false; // it is the ledger's contact work, less that of edges, friction, damping
 
-  static constexpr bool knows_motion = true; // look() works out all of a KnownContact
+  static constexpr bool knows_motion = true; // look() works out all of a PersistentContact
   static constexpr bool tests_rows_together = false;
 
   // In half-lengths of a face: bodies whose edges overlap by less pass each other.
-  static constexpr double highest_lip = 0.02;
+  static constexpr double edge_overlap_tolerance = 0.02;
 
   // A node whose faces are all steep against a face sticks out against it if its mean normal is within 44.8 degrees. Where it is
   // farther off, a face of the slimmest corner, its three faces 120 degrees apart, opposes: sin 44.8 cos 60 > opposed_cosine.
@@ -60,55 +60,57 @@ struct NodeFaceTouch {
     return records(recordOf(face)).id;
   }
 
-  // False only if test() at Stage::born is false. The first knows no more than where node and face are, the second also how the
+  // False only if test() at ContactTest::activate is false. The first knows no more than where node and face are, the second also how the
   // faces around the node stand.
-  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
+  KOKKOS_INLINE_FUNCTION bool mayPenetrate(const FaceAccess& faces, int node, int face) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
   }
-  KOKKOS_INLINE_FUNCTION bool mayBeBorn(int node, int face) const {
-    return isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(Stage::born));
+  KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
+    return isOpposed(node, records(recordOf(face)).plane.normal,
+                     opposedCosine(ContactTest::activate));
   }
   KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
     return records(recordOf(face))
-        .plane.surelyOutside(x, maxOf(lateral_tolerance, EdgeReach::farthest), least_depth);
+        .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::farthest), least_depth);
   }
   KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& previous,
-                                   int count, KnownContact* contacts) const {
+                                   int count, PersistentContact* contacts) const {
     for (int k = 0; k < count; ++k) {
       const int node = contacts[k].node, face = contacts[k].face;
       faces.prefetchCorners(face, faces.surface.coordinates_new);
       faces.prefetchCorners(face, faces.surface.coordinates_old);
       prefetchAround(node);
     }
-    lookAtContacts(faces, node_mass, previous, count, contacts);
+    projectPersistentContacts(faces, node_mass, previous, count, contacts);
   }
 
-  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face, Stage stage,
-                                   Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face,
+                                   ContactTest test_kind, FaceContact& hit) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    return isFacing(x, node, face, stage) &&
-           accept(faces, face, stage, project(faces.quad(face), x), hit) &&
-           !((stage == Stage::born || stage == Stage::switched) &&
-             passesBeside(faces, node, face, hit));
+    return isFacing(x, node, face, test_kind) &&
+           accept(faces, face, test_kind, project(faces.quad(face), x), hit) &&
+           !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
+             overlapsOnlyAtEdge(faces, node, face, hit));
   }
-  // test() at Stage::kept.
-  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const KnownContact& known,
-                                        Hit& hit) const {
+  // test() at ContactTest::persist.
+  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const PersistentContact& known,
+                                        FaceContact& hit) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, known.node);
-    return isFacing(x, known.node, known.face, Stage::kept) &&
-           accept(faces, known.face, Stage::kept, known.point, hit);
+    return isFacing(x, known.node, known.face, ContactTest::persist) &&
+           accept(faces, known.face, ContactTest::persist, known.point, hit);
   }
-  KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face, Stage stage) const {
+  KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face,
+                                       ContactTest test_kind) const {
     return !isSurelyOutside(x, face) &&
-           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(stage));
+           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
-  KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, Stage stage,
-                                     const FacePoint& point, Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
+                                     const FacePoint& point, FaceContact& hit) const {
     if (!(point.gap < -least_depth))
       return false;
     if (!point.activeWithin(lateral_tolerance) &&
-        (stage == Stage::born ||
-         !reachOf(faces, face, faces.quad(face)).covers(point, pastInner(stage))))
+        (test_kind == ContactTest::activate ||
+         !reachOf(faces, face, faces.quad(face)).covers(point, pastInner(test_kind))))
       return false;
     for (int j = 0; j < 4; ++j)
       hit.weight[j] = point.weight[j];
@@ -124,17 +126,17 @@ struct NodeFaceTouch {
 
   // Whether the node is at a true edge of the face, and its body lies beyond that: bodies that only touch along an edge, such as
   // one that slides over the joint of two others, would else catch on lips of any height. A_i and the face then share no area.
-  KOKKOS_INLINE_FUNCTION bool passesBeside(const FaceAccess& faces, int node, int face,
-                                           const Hit& hit) const {
-    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1 - highest_lip)
+  KOKKOS_INLINE_FUNCTION bool overlapsOnlyAtEdge(const FaceAccess& faces, int node, int face,
+                                                 const FaceContact& hit) const {
+    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1 - edge_overlap_tolerance)
       return false;
     const Quad quad = faces.quad(face);
-    const EdgeReach reach = reachOf(faces, face, quad);
+    const FadeRegion reach = reachOf(faces, face, quad);
     const Vec3* q = quad.corner;
     const Vec3 along[2] = {(q[1] - q[0]) + (q[2] - q[3]), (q[3] - q[0]) + (q[2] - q[1])};
     for (int d = 0; d < 2; ++d) {
       const double place = hit.place[d];
-      if (std::fabs(place) < 1 - highest_lip || !reach.isTrue(d, place))
+      if (std::fabs(place) < 1 - edge_overlap_tolerance || !reach.isTrue(d, place))
         continue;
       const double length = norm(along[d]);
       const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along[d];
@@ -148,17 +150,17 @@ struct NodeFaceTouch {
   static constexpr double past_edge = 1 + 1e-7;
   // Up to here a contact does not ask what there is beyond the edge, whichever it is: isPastInner() and fade() leave it as it is.
   KOKKOS_FORCEINLINE_FUNCTION double farthestSteady() const {
-    EdgeReach reach;
+    FadeRegion reach;
     reach.edge_tolerance = edge_tolerance;
     return minOf(past_edge, reach.start());
   }
   // Whether the node is beyond an edge where the body's surface goes on.
-  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const FaceContact& hit) const {
     const bool is_past[2] = {std::fabs(hit.place[0]) > past_edge,
                              std::fabs(hit.place[1]) > past_edge};
     if (!(is_past[0] || is_past[1]) || !faces.hasAttribute(NodeFaces::true_edges_column))
       return false;
-    EdgeReach reach;
+    FadeRegion reach;
     reach.mask = static_cast<int>(faces.attribute(hit.face, NodeFaces::true_edges_column));
     return (is_past[0] && !reach.isTrue(0, hit.place[0])) ||
            (is_past[1] && !reach.isTrue(1, hit.place[1]));
@@ -194,13 +196,14 @@ struct NodeFaceTouch {
     }
   }
 
-  KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node, const Hit&) const {
+  KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess&, int node,
+                                              const FaceContact&) const {
     return atNode(node);
   }
   KOKKOS_INLINE_FUNCTION double inverseMass(const ContactPoint& point) const {
     return 1.0 / node_mass(point.node[0]);
   }
-  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const Hit& hit) const {
+  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const FaceContact& hit) const {
     return hit.depth / std::sqrt(records(recordOf(hit.face)).plane.area);
   }
   // Of nodes that are never recorded, status is 0 and gap -0.
@@ -222,9 +225,9 @@ struct NodeFaceTouch {
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config,
                                                  const FaceAccess& faces, const Interaction& now,
-                                                 const Hit (&hits)[max_interactions], int num_hits,
-                                                 int h) const {
-    const Hit& hit = hits[h];
+                                                 const FaceContact (&hits)[max_interactions],
+                                                 int num_hits, int h) const {
+    const FaceContact& hit = hits[h];
     int sharing = 0;
     for (int other = 0; other < num_hits; ++other)
       if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
@@ -237,41 +240,43 @@ struct NodeFaceTouch {
     return by_area * now.inverse_mass < 1 ? scale * by_area : stiffnessCap(config, now);
   }
 
-  KOKKOS_INLINE_FUNCTION double taperOf(const FaceAccess& faces, int, const Hit& hit) const {
-    const EdgeReach reach = reachOf(faces, hit.face, faces.quad(hit.face));
-    return taperAt(reach, 0, hit.place[0], hit.depth).value *
-           taperAt(reach, 1, hit.place[1], hit.depth).value;
+  KOKKOS_INLINE_FUNCTION double fadeWeightOf(const FaceAccess& faces, int,
+                                             const FaceContact& hit) const {
+    const FadeRegion reach = reachOf(faces, hit.face, faces.quad(hit.face));
+    return fadeWeightAt(reach, 0, hit.place[0], hit.depth).value *
+           fadeWeightAt(reach, 1, hit.place[1], hit.depth).value;
   }
   // w of the force beyond true edges, and what comes with it.
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
-                                   const Hit& hit, Interaction& now, FadingForce& fading) const {
-    now.taper = 1;
+                                   const FaceContact& hit, Interaction& now,
+                                   FadingForce& fading) const {
+    now.fade_weight = 1;
     if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
       return;
     const Quad quad = faces.quad(hit.face);
-    const EdgeReach reach = reachOf(faces, hit.face, quad);
+    const FadeRegion reach = reachOf(faces, hit.face, quad);
     if (reach.mask == 0)
       return;
     const LateralForce lateral =
         lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
                      maxOf(now.depth, 0.0));
-    now.taper = lateral.taper;
-    now.first_force += now.stiffness * now.depth * (lateral.taper - 1 + lateral.along_normal);
+    now.fade_weight = lateral.fade_weight;
+    now.first_force += now.stiffness * now.depth * (lateral.fade_weight - 1 + lateral.along_normal);
     fading.on_node = lateral.on_node;
     fading.work_to_end = lateral.work_to_end;
     for (int j = 0; j < 4; ++j)
       fading.normal.on_corner[j] = lateral.on_corner[j];
-    const double way =
-        minOf(reach.way(0, hit.depth) * reach.half[0], reach.way(1, hit.depth) * reach.half[1]);
+    const double way = minOf(reach.fadeLength(0, hit.depth) * reach.half[0],
+                             reach.fadeLength(1, hit.depth) * reach.half[1]);
     keepWithin(way, config.reference_step, now.inverse_mass, fading);
   }
 
   KOKKOS_INLINE_FUNCTION int recordOf(int face) const {
     return face < num_faces ? face : face + num_remote;
   }
-  KOKKOS_INLINE_FUNCTION EdgeReach reachOf(const FaceAccess& faces, int face,
-                                           const Quad& quad) const {
-    EdgeReach reach;
+  KOKKOS_INLINE_FUNCTION FadeRegion reachOf(const FaceAccess& faces, int face,
+                                            const Quad& quad) const {
+    FadeRegion reach;
     reach.lateral_tolerance = lateral_tolerance;
     reach.edge_tolerance = edge_tolerance;
     if (faces.hasAttribute(NodeFaces::true_edges_column))
@@ -279,12 +284,14 @@ struct NodeFaceTouch {
     reach.measure(quad);
     return reach;
   }
-  KOKKOS_INLINE_FUNCTION double pastInner(Stage stage) const {
-    return stage == Stage::held ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
+  KOKKOS_INLINE_FUNCTION double pastInner(ContactTest test_kind) const {
+    return test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
   }
   // A contact goes on while a face of the node is turned towards the other at all.
-  KOKKOS_INLINE_FUNCTION double opposedCosine(Stage stage) const {
-    return stage == Stage::born ? opposed_cosine : stage == Stage::switched ? 0.1 : 0;
+  KOKKOS_INLINE_FUNCTION double opposedCosine(ContactTest test_kind) const {
+    return test_kind == ContactTest::activate   ? opposed_cosine
+           : test_kind == ContactTest::transfer ? 0.1
+                                                : 0;
   }
   KOKKOS_INLINE_FUNCTION static bool opposes(const MeanPlane& plane, const Vec3& normal,
                                              double cosine) {

@@ -1,4 +1,4 @@
-// Contacts that go on as they were, worked out in lanes (steady_contacts.hpp, correct_springs.hpp), against the same ones that go the
+// Contacts that go on as they were, worked out in lanes (persistent_contacts_simd.hpp, correct_springs.hpp), against the same ones that go the
 // long way, one by one: the same bits of all that is remembered, of forces and of sums. The long way is had by a friction too
 // small for a quantum: it changes no force, but contacts with friction are not taken together.
 #include "contact/base/mpi.hpp"
@@ -125,10 +125,10 @@ std::map<Key, Interaction> byNode(const std::vector<Interaction>& interactions) 
 }
 
 auto numbersOf(const Interaction& i) {
-  return std::make_tuple(i.offset, i.depth, i.stiffness, i.taper, i.stored, i.force, i.damping,
-                         i.closing, i.first_force, i.first_damping, i.inverse_mass, i.normal.x,
-                         i.normal.y, i.normal.z, i.weight[0], i.weight[1], i.weight[2], i.weight[3],
-                         i.point.share);
+  return std::make_tuple(i.offset, i.depth, i.stiffness, i.fade_weight, i.stored, i.force,
+                         i.damping, i.closing, i.first_force, i.first_damping, i.inverse_mass,
+                         i.normal.x, i.normal.y, i.normal.z, i.weight[0], i.weight[1], i.weight[2],
+                         i.weight[3], i.point.share);
 }
 auto namesOf(const Interaction& i) {
   return std::make_tuple(i.body, i.face, i.node, i.face_index, i.point.node[0], i.point.node[1],
@@ -176,7 +176,7 @@ struct Counts {
     const auto before = byNode(last);
     for (const Interaction& now : lanes.interactions) {
       births += now.is_new;
-      fading += now.taper < 1;
+      fading += now.fade_weight < 1;
       const auto found = before.find({now.node, now.body});
       if (now.is_new || found == before.end())
         continue;
@@ -251,11 +251,11 @@ void compareWays(Scheme scheme) {
   EXPECT_GT(counts.together, simd_width > 1 ? 50 : -1);
 }
 
-TEST(SteadyContacts, AreThoseOfOneByOneWithPenaltyForces) {
+TEST(PersistentContactsSimd, AreThoseOfOneByOneWithPenaltyForces) {
   compareWays(Scheme::penalty);
 }
 
-TEST(SteadyContacts, AreThoseOfOneByOneWithCorrectedForces) {
+TEST(PersistentContactsSimd, AreThoseOfOneByOneWithCorrectedForces) {
   compareWays(Scheme::energy_neutral);
 }
 

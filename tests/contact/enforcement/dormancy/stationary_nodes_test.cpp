@@ -32,9 +32,9 @@ std::vector<double> listOf(const ViewType& view) {
   return list;
 }
 
-TEST(StillParts, LeavingThemOutChangesNoBitOfNodesAndFaces) {
+TEST(StationaryNodes, LeavingThemOutChangesNoBitOfNodesAndFaces) {
   EnforcementConfig with = config(), without = config();
-  without.leaves_out_still = false;
+  without.skip_stationary = false;
   const auto cut = [](int element) { return (element / 16) % sizeOf(MPI_COMM_WORLD); };
   SceneRun a(bricks(), MPI_COMM_WORLD, cut, with), b(bricks(), MPI_COMM_WORLD, cut, without);
   std::int64_t active = 0, idle = 0;
@@ -56,9 +56,9 @@ TEST(StillParts, LeavingThemOutChangesNoBitOfNodesAndFaces) {
   EXPECT_GT(idle, 3);
 }
 
-TEST(StillParts, LeavingThemOutChangesNoBitOfEdges) {
+TEST(StationaryNodes, LeavingThemOutChangesNoBitOfEdges) {
   EnforcementConfig with = config(), without = config();
-  without.leaves_out_still = false;
+  without.skip_stationary = false;
   EdgeRun a(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, with);
   EdgeRun b(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, without);
   std::int64_t active = 0;
@@ -74,12 +74,12 @@ TEST(StillParts, LeavingThemOutChangesNoBitOfEdges) {
   EXPECT_GT(active, 3);
 }
 
-TEST(StillParts, FlagsTellWhatStands) {
+TEST(StationaryNodes, FlagsTellWhatStands) {
   const exec_space space;
   Scene scene = bricks();
   ScenePart part(scene, MPI_COMM_SELF, onOneRank, 0.3);
   SurfaceMotion motion(space, "test", part.surface());
-  StillParts still("test", part.surface());
+  StationaryNodes still("test", part.surface());
   const auto update = [&] {
     part.update(scene);
     motion.update(space, part.surface());

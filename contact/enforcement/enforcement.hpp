@@ -23,7 +23,7 @@ struct NeutralInput {
   // Accelerations by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz]; of the listed nodes,
   // others are not looked at. Asked for once in steps with contact forces on any rank, never in others.
   std::function<View<const double* [3]>(const NodeList&)> accelerations;
-  // Collective. Turns partial sums into totals at every copy of a node: returnToOwners, then the
+  // Collective. Turns partial sums into totals at every copy of a node: reverseSum, then the
   // shared-node sum.
   std::function<void(const ContactForces&)> sum_forces;
   // Collective. ghost_values(ghost, 3 * corner + xyz) = the owner's values(its surface node, xyz).
@@ -65,7 +65,7 @@ public:
   // made stiffer, so that no energy is made.
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
 
-  // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (returnToOwners) and sums over the
+  // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (reverseSum) and sums over the
   // ranks that share a node.
   const ContactForces& forces() const { return _forces; }
   // Whether any rank had contact forces in the last enforce(): if not, forces() are zero on all ranks and need no sums.
@@ -108,7 +108,7 @@ private:
   FaceRecords _records;
   InteractionSet _set;
   SurfaceMotion _motion;
-  StillParts _still;
+  StationaryNodes _still;
   SleepingBlocks _sleeping;
   TouchedNodes _touched;
   ContactForces _forces; // its nodes: _totals, or those of _set

@@ -231,7 +231,7 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheSmallestAngleOn) {
     EXPECT_DOUBLE_EQ(pair.stiffness,
                      0.5 * EnforcementConfig().penalty / (dt * dt) / pair.inverse_mass);
     EXPECT_DOUBLE_EQ(pair.force, pair.stiffness * pair.depth);
-    EXPECT_EQ(pair.taper, 1);
+    EXPECT_EQ(pair.fade_weight, 1);
   }
   EdgeRun parallel(ridgesAt(0.045, 0.001), MPI_COMM_SELF, onOneRank);
   parallel.step();

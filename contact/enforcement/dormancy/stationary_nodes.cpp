@@ -1,24 +1,24 @@
-// See still_parts.hpp.
-#include "contact/enforcement/dormancy/still_parts.hpp"
+// See stationary_nodes.hpp.
+#include "contact/enforcement/dormancy/stationary_nodes.hpp"
 
 namespace brickwall::contact {
 
-StillParts::StillParts(const std::string& label, const Surface& surface,
-                       const View<const int*>& point_to_node)
+StationaryNodes::StationaryNodes(const std::string& label, const Surface& surface,
+                                 const View<const int*>& point_to_node)
     : _point_to_node(point_to_node),
       _nodes(label + "::still_nodes", point_to_node.data() ? surface.num_nodes : 0),
       _faces(label + "::still_faces", surface.num_faces) {
   _flags.nodes = _nodes;
   _flags.faces = _faces;
-  _flags.clear = View<unsigned char*>(label + "::clear_rows", surface.num_nodes);
+  _flags.known_apart = View<unsigned char*>(label + "::clear_rows", surface.num_nodes);
 }
 
-void StillParts::update(const exec_space& space, const Surface& surface,
-                        const SurfaceMotion& motion, const StepTest& test) {
+void StationaryNodes::update(const exec_space& space, const Surface& surface,
+                             const SurfaceMotion& motion, const StepTest& test) {
   const bool has_grown = test.node_tolerance > _last_test.node_tolerance ||
                          test.face_tolerance > _last_test.face_tolerance;
   if (has_grown)
-    Kokkos::deep_copy(space, _flags.clear, static_cast<unsigned char>(0));
+    Kokkos::deep_copy(space, _flags.known_apart, static_cast<unsigned char>(0));
   _last_test = test;
   _flags.is_any = !motion.isNoneStill();
   _is_unchanged = _is_all_still && motion.isAllStill() && !has_grown;
@@ -27,8 +27,8 @@ void StillParts::update(const exec_space& space, const Surface& surface,
     setFlags(space, surface, motion);
 }
 
-void StillParts::setFlags(const exec_space& space, const Surface& surface,
-                          const SurfaceMotion& motion) {
+void StationaryNodes::setFlags(const exec_space& space, const Surface& surface,
+                               const SurfaceMotion& motion) {
   const auto still = motion.stillNodes();
   const auto to_node = _point_to_node;
   const auto nodes = _nodes, faces = _faces;
@@ -36,13 +36,13 @@ void StillParts::setFlags(const exec_space& space, const Surface& surface,
   const bool has_list = num_points > 0;
   if (has_list)
     Kokkos::parallel_for(
-        "contact::StillParts::points", over(space, num_points),
+        "contact::StationaryNodes::points", rangePolicy(space, num_points),
         KOKKOS_LAMBDA(const std::int64_t i) { nodes(i) = still(to_node(i)); });
   else
     _flags.nodes = still;
   const auto of_points = _flags.nodes;
   Kokkos::parallel_for(
-      "contact::StillParts::faces", over(space, surface.num_faces),
+      "contact::StationaryNodes::faces", rangePolicy(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         unsigned all = 1;
         for (int j = 0; j < 4; ++j)

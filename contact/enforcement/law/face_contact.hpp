@@ -1,13 +1,13 @@
-// A face that is touched, and what faces are tested for: between SelectInteractions and what knows the geometry, NodeFaceTouch or
-// EdgeTouch.
+// A face that is touched, and what faces are tested for: between SelectInteractions and what knows the geometry, NodeFaceKinematics or
+// EdgeEdgeKinematics.
 #pragma once
 
-#include "contact/enforcement/law/known_contact.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
 
 namespace brickwall::contact {
 
 // A face that a node or an edge penetrates. No default values: arrays of it are not initialised.
-struct Hit {
+struct FaceContact {
   double weight[4];
   double normal[3];
   double place[2]; // of a node: xi, eta on the face; of an edge: share of its second node
@@ -19,9 +19,9 @@ struct Hit {
   int face; // candidate index
   int previous; // interaction with the same body at the last step, or -1
   int previous_face; // candidate index of that interaction's face, or -1
-  const KnownContact*
+  const PersistentContact*
       known; // what is known of the contact with that face; null where the hit is another
-  bool is_held; // Stage::held: until it has no load, or its edges cross again
+  bool is_held; // ContactTest::retain: until it has no load, or its edges cross again
   bool is_loaded;
   bool has_ended; // that interaction: its node is outside the face again
 
@@ -32,6 +32,6 @@ struct Hit {
 // fit for that, to go on with a contact under load where the surfaces are turned towards each other no more than a little; or, if
 // there is none, to hold on to the last one: between faces or edges that are bent away from each other is a wedge that neither
 // covers.
-enum class Stage { kept, born, switched, held };
+enum class ContactTest { persist, activate, transfer, retain };
 
 } // namespace brickwall::contact

@@ -10,7 +10,7 @@
 
 namespace brickwall::miniapp {
 
-// Collective. Before the first step what is known of the scene, later what the steps so far have spared. `counts` are those of
+// Collective. Before the first step what is known of the scene, later what the steps so far have skipped. `counts` are those of
 // the simulation.
 std::vector<SparedReport> sparedParts(const Config& config, const Simulation& simulation,
                                       const ContactCounts& counts, std::int64_t num_elems);

@@ -9,7 +9,7 @@
 namespace brickwall::contact {
 
 // An interaction of the last step whose face is still a candidate.
-struct KnownContact {
+struct PersistentContact {
   int node; // (or edge) whose row this is
   int slot; // of its interactions at the last step
   int previous; // index of that interaction
@@ -22,7 +22,7 @@ struct KnownContact {
   double inverse_mass; // 1/m_s + sum N_j^2/m_j, likewise
 };
 
-namespace known_contact {
+namespace persistent_contact {
 
 // Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
 template <class Real>
@@ -86,7 +86,7 @@ struct Found {
   double motion[3][width], last_motion[3][width], inverse_mass[width];
   double is_found[width]; // 1: else project() is to be asked
 
-  KOKKOS_INLINE_FUNCTION void scatter(int lane, KnownContact& contact) const {
+  KOKKOS_INLINE_FUNCTION void scatter(int lane, PersistentContact& contact) const {
     FacePoint& point = contact.point;
     for (int j = 0; j < 4; ++j)
       point.weight[j] = weight[j][lane];
@@ -130,11 +130,12 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, Found<Real>
   storeLanes(where(point.found, Real(1.0), Real(0.0)), found.is_found);
 }
 
-} // namespace known_contact
+} // namespace persistent_contact
 
 // The same for one contact: where Newton's method finds no point of the quad, and on triangles.
-KOKKOS_INLINE_FUNCTION void
-projectOne(const FaceAccess& faces, const View<const double*>& node_mass, KnownContact& contact) {
+KOKKOS_INLINE_FUNCTION void projectOne(const FaceAccess& faces,
+                                       const View<const double*>& node_mass,
+                                       PersistentContact& contact) {
   contact.point =
       project(faces.quad(contact.face), rowOf(faces.surface.coordinates_new, contact.node));
   contact.motion = faces.relativeMotion(atNode(contact.node), contact.face, contact.point.weight);
@@ -147,11 +148,11 @@ projectOne(const FaceAccess& faces, const View<const double*>& node_mass, KnownC
 }
 
 // Fills in what is known of contacts of nodes with faces; the same bits for each as project() and relativeMotion() give.
-KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
-                                           const View<const double*>& node_mass,
-                                           const ContactHistory& previous, int count,
-                                           KnownContact* contacts) {
-  using namespace known_contact;
+KOKKOS_INLINE_FUNCTION void projectPersistentContacts(const FaceAccess& faces,
+                                                      const View<const double*>& node_mass,
+                                                      const ContactHistory& previous, int count,
+                                                      PersistentContact* contacts) {
+  using namespace persistent_contact;
   using Real = Lanes;
   constexpr int width = Gathered<Real>::width;
   Gathered<Real> gathered;
@@ -159,13 +160,13 @@ KOKKOS_INLINE_FUNCTION void lookAtContacts(const FaceAccess& faces,
   for (int first = 0; first < count; first += width) {
     const int last = minOf(first + width, count) - 1;
     for (int lane = 0; lane < width; ++lane) {
-      const KnownContact& contact = contacts[minOf(first + lane, last)];
+      const PersistentContact& contact = contacts[minOf(first + lane, last)];
       gathered.gather(lane, faces, node_mass, previous.interactions(contact.previous), contact.node,
                       contact.face);
     }
     evaluate(gathered, found);
     for (int lane = 0; first + lane <= last; ++lane) {
-      KnownContact& contact = contacts[first + lane];
+      PersistentContact& contact = contacts[first + lane];
       contact.last_motion = {found.last_motion[0][lane], found.last_motion[1][lane],
                              found.last_motion[2][lane]};
       found.scatter(lane, contact);

@@ -1,4 +1,4 @@
-#include "miniapp/output/spared.hpp"
+#include "miniapp/output/skipped_work.hpp"
 
 #include <iterator>
 
@@ -33,7 +33,7 @@ std::vector<SparedReport> sparedParts(const Config& config, const Simulation& si
                                       const ContactCounts& counts, std::int64_t num_elems) {
   const double elems = static_cast<double>(num_elems);
   const std::int64_t steps = simulation.clock().step + 1; // the start evaluates forces too
-  const std::int64_t spared = simulation.sparedElementSteps();
+  const std::int64_t skipped = simulation.skippedElementSteps();
   std::vector<SparedReport> parts = {
       {"element geometry", shareOf(simulation.numCongruentElems(), elems),
        "of the elements are copies within their brick and store none (370 B each if one-point)",
@@ -52,10 +52,10 @@ std::vector<SparedReport> sparedParts(const Config& config, const Simulation& si
     return parts;
   }
   parts.push_back({"elements at rest",
-                   spared > 0 ? shareOf(spared, elems * static_cast<double>(steps))
-                              : shareOf(simulation.numRestingElems(), elems),
-                   spared > 0 ? "of the element-steps were of bodies that nothing had moved yet"
-                              : "of the elements rest at the start, until something moves them",
+                   skipped > 0 ? shareOf(skipped, elems * static_cast<double>(steps))
+                               : shareOf(simulation.numRestingElems(), elems),
+                   skipped > 0 ? "of the element-steps were of bodies that nothing had moved yet"
+                               : "of the elements rest at the start, until something moves them",
                    "spare.resting_bodies"});
   parts.push_back({"contact of a body with itself", simulation.dropsSameBody() ? 1.0 : 0.0,
                    "of the bodies cannot touch themselves", "contact.self"});

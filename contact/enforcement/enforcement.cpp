@@ -1,5 +1,5 @@
-// See penalty.hpp.
-#include "contact/enforcement/penalty.hpp"
+// See enforcement.hpp.
+#include "contact/enforcement/enforcement.hpp"
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
@@ -17,7 +17,7 @@ void accelerate(const exec_space& space, const NodeList& list,
                 const View<const double*>& node_mass, const View<double* [3]>& accelerations,
                 const View<unsigned char*>& has_changed) {
   Kokkos::parallel_for(
-      "contact::accelerate", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::accelerate", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = list(i);
         const double per_quantum = quantum.value / node_mass(node);
         bool is_same = true;
@@ -69,7 +69,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     throw Error(ExitCode::internal,
                 "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
   const FaceAccess faces{surface, ghosts};
-  if (_config.leaves_out_still) {
+  if (_config.skip_stationary) {
     _motion.update(space, surface);
     _still.update(space, surface, _motion, pairs.step_test);
     _sleeping.wake(space, pairs, _motion, _still.isUnchanged());
@@ -123,7 +123,7 @@ bool Enforcement::leavesOutAll() const {
 
 ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
                                             const CandidatePairs& pairs, double dt) {
-  SelectInteractions<NodeFaceTouch> select;
+  SelectInteractions<NodeFaceKinematics> select;
   select.energy_scale = _energy_scale;
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
@@ -131,7 +131,7 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   select.still = _still.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
-  NodeFaceTouch& touch = select.touch;
+  NodeFaceKinematics& touch = select.touch;
   touch.lateral_tolerance = _config.lateral_tolerance;
   touch.edge_tolerance = _config.edge_tolerance;
   touch.opposed_cosine = _config.opposed_cosine;
@@ -148,9 +148,9 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
     forgetStatus(space);
   const ContactSums sums = _set.select(space, pairs, select);
   _has_status = sums.touching > 0;
-  if (_config.leaves_out_still)
-    _sleeping.lull(space, touch, faces, pairs, _motion, _set.next().row_count,
-                   _still.flags().clear);
+  if (_config.skip_stationary)
+    _sleeping.putToSleep(space, touch, faces, pairs, _motion, _set.next().row_count,
+                         _still.flags().known_apart);
   return sums;
 }
 
@@ -179,7 +179,8 @@ void Enforcement::forgetTotals(const exec_space& space) {
   const NodeList list = _touched.list();
   if (list.count > 0)
     Kokkos::parallel_for(
-        "contact::forgetTotals", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        "contact::forgetTotals", rangePolicy(space, list.count),
+        KOKKOS_LAMBDA(const std::int64_t i) {
           for (int d = 0; d < 3; ++d)
             totals(list(i), d) = 0;
         });
@@ -196,7 +197,8 @@ void Enforcement::collectForces(const exec_space& space, EdgeContact* edges) {
   const auto nodes = _totals;
   const NodeList list = _touched.list();
   Kokkos::parallel_for(
-      "contact::collectForces", over(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::collectForces", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = list(i);
         for (int d = 0; d < 3; ++d)
           nodes(node, d) = of_set(node, d);

@@ -13,7 +13,7 @@ namespace brickwall::contact {
 // Beyond a true edge the force fades out over the way max(.8 edge_tolerance, 4 P) (in half-lengths, at most 1): a light node that
 // is pressed in deep would else cross a narrow way in a few steps, and be thrown back by it. At 4 P the lateral stiffness
 // 6 (k p^2/2)/way^2 is a fifth of k; at 2 P, where it is three quarters, the energy on the way errs ten times as much.
-struct EdgeReach {
+struct FadeRegion {
   int mask = 0;
   double lateral_tolerance =
       0.05; // beyond other edges, in half-lengths: the neighbour takes over within it
@@ -28,7 +28,7 @@ struct EdgeReach {
   static constexpr double farthest = 1.1; // no contact farther beyond an edge, in half-lengths
 
   KOKKOS_INLINE_FUNCTION double start() const { return 1 + 0.2 * edge_tolerance; }
-  KOKKOS_INLINE_FUNCTION double way(int direction, double depth) const {
+  KOKKOS_INLINE_FUNCTION double fadeLength(int direction, double depth) const {
     return minOf(maxOf(0.8 * edge_tolerance, depths_to_end * depth / half[direction]), 1.0);
   }
   KOKKOS_INLINE_FUNCTION bool isTrue(int direction, double parameter) const {
@@ -43,37 +43,39 @@ struct EdgeReach {
   }
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter, const FacePoint& point,
                                           double past_inner) const {
-    return std::fabs(parameter) <
-           (isTrue(direction, parameter) ? start() + way(direction, -point.gap) : 1 + past_inner);
+    return std::fabs(parameter) < (isTrue(direction, parameter)
+                                       ? start() + fadeLength(direction, -point.gap)
+                                       : 1 + past_inner);
   }
 };
 
 // w along one parameter, 1 up to the start, then t^2 (3 - 2 t) down to 0, and its derivatives.
-struct Taper {
+struct FadeWeight {
   double value = 1;
   double slope = 0; // by the parameter
   double growth = 0; // by the depth, 1/length
-  double left = 0; // of the parameter, until w = 0
+  double remaining = 0; // of the parameter, until w = 0
 
   // The change of w, by its present slope, that ends it.
-  KOKKOS_INLINE_FUNCTION double toEnd() const {
-    return value < 1 ? std::fabs(slope) * left : HUGE_VAL;
+  KOKKOS_INLINE_FUNCTION double changeToZero() const {
+    return value < 1 ? std::fabs(slope) * remaining : HUGE_VAL;
   }
 };
-KOKKOS_INLINE_FUNCTION Taper taperAt(const EdgeReach& reach, int direction, double parameter,
-                                     double depth) {
-  Taper taper;
+KOKKOS_INLINE_FUNCTION FadeWeight fadeWeightAt(const FadeRegion& reach, int direction,
+                                               double parameter, double depth) {
+  FadeWeight fade_weight;
   const double beyond = std::fabs(parameter) - reach.start();
   if (beyond <= 0 || !reach.isTrue(direction, parameter))
-    return taper;
-  const double way = reach.way(direction, depth), t = maxOf(1 - beyond / way, 0.0);
+    return fade_weight;
+  const double way = reach.fadeLength(direction, depth), t = maxOf(1 - beyond / way, 0.0);
   const double steepness = 6 * t * (1 - t) / way;
-  taper.value = t * t * (3 - 2 * t);
-  taper.slope = parameter > 0 ? -steepness : steepness;
-  taper.left = t * way;
+  fade_weight.value = t * t * (3 - 2 * t);
+  fade_weight.slope = parameter > 0 ? -steepness : steepness;
+  fade_weight.remaining = t * way;
   if (way > 0.8 * reach.edge_tolerance && way < 1)
-    taper.growth = steepness * beyond / way * EdgeReach::depths_to_end / reach.half[direction];
-  return taper;
+    fade_weight.growth =
+        steepness * beyond / way * FadeRegion::depths_to_end / reach.half[direction];
+  return fade_weight;
 }
 
 // What would move the pair by more than a fifth of the way in one step takes more energy than there is: no more than that.
@@ -87,7 +89,7 @@ KOKKOS_INLINE_FUNCTION void keepWithin(double way, double reference_step, double
 
 // The force that a changing w brings, beside the normal force k w p.
 struct LateralForce {
-  double taper = 1; // w
+  double fade_weight = 1; // w
   double along_normal = 0; // of the normal force, over k p: (p/2) dw/dP
   Vec3 on_node; // on the node; each face corner takes -N_j of it
   double on_corner[4] = {0, 0, 0, 0}; // along the normal, on the corners besides; sum 0
@@ -97,16 +99,17 @@ struct LateralForce {
 // At the point (xi, eta) of the face, which the node stands at with gap -depth; `k` stiffness, `p` what the spring feels.
 KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, double eta,
                                                  const Vec3& normal, double depth,
-                                                 const EdgeReach& reach, double k, double p) {
+                                                 const FadeRegion& reach, double k, double p) {
   LateralForce force;
-  const Taper along_xi = taperAt(reach, 0, xi, depth), along_eta = taperAt(reach, 1, eta, depth);
-  force.taper = along_xi.value * along_eta.value;
+  const FadeWeight along_xi = fadeWeightAt(reach, 0, xi, depth),
+                   along_eta = fadeWeightAt(reach, 1, eta, depth);
+  force.fade_weight = along_xi.value * along_eta.value;
   force.along_normal =
       0.5 * p * (along_xi.growth * along_eta.value + along_xi.value * along_eta.growth);
   // G = (k p^2/2) dw/d(xi, eta); q = H^-1 G with the Hessian of |node - x(xi, eta)|^2/2
   const double energy = 0.5 * k * p * p;
-  force.work_to_end =
-      energy * minOf(along_xi.toEnd() * along_eta.value, along_eta.toEnd() * along_xi.value);
+  force.work_to_end = energy * minOf(along_xi.changeToZero() * along_eta.value,
+                                     along_eta.changeToZero() * along_xi.value);
   const double g_xi = energy * along_xi.slope * along_eta.value;
   const double g_eta = energy * along_xi.value * along_eta.slope;
   if (g_xi == 0 && g_eta == 0)

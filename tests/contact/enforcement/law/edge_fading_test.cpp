@@ -1,5 +1,5 @@
 // Contact beyond true edges: the fading force is the gradient of the energy it stands for, and where edges are true.
-#include "contact/enforcement/law/true_edges.hpp"
+#include "contact/enforcement/law/edge_fading.hpp"
 #include "contact/surface/feature_edges.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
@@ -12,8 +12,8 @@ namespace {
 
 constexpr double stiffness = 3, offset = 0.02;
 
-EdgeReach allEdges(const Quad& face) {
-  EdgeReach reach;
+FadeRegion allEdges(const Quad& face) {
+  FadeRegion reach;
   reach.mask = 15;
   reach.edge_tolerance = 0.2;
   reach.measure(face);
@@ -21,11 +21,11 @@ EdgeReach allEdges(const Quad& face) {
 }
 
 // U = k w p^2/2 of a node at `node` on the face, p = P - offset.
-double energyOf(const Quad& face, const Vec3& node, const EdgeReach& reach) {
+double energyOf(const Quad& face, const Vec3& node, const FadeRegion& reach) {
   const FacePoint point = project(face, node);
   EXPECT_TRUE(reach.covers(point, reach.lateral_tolerance));
-  const double w = taperAt(reach, 0, point.xi, -point.gap).value *
-                   taperAt(reach, 1, point.eta, -point.gap).value;
+  const double w = fadeWeightAt(reach, 0, point.xi, -point.gap).value *
+                   fadeWeightAt(reach, 1, point.eta, -point.gap).value;
   const double p = -point.gap - offset;
   return 0.5 * stiffness * w * p * p;
 }
@@ -51,11 +51,12 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
     ASSERT_TRUE(point.has_parameters);
     const double p = -point.gap - offset;
     // Half-lengths of the face enter as constants: they change by strains.
-    const EdgeReach reach = allEdges(face);
+    const FadeRegion reach = allEdges(face);
     const LateralForce lateral =
         lateralForce(face, point.xi, point.eta, point.normal, -point.gap, reach, stiffness, p);
     const Vec3 on_node =
-        stiffness * p * (lateral.taper + lateral.along_normal) * point.normal + lateral.on_node;
+        stiffness * p * (lateral.fade_weight + lateral.along_normal) * point.normal +
+        lateral.on_node;
     constexpr double step = 1e-5; // central differences: 1e-10 of third derivatives of order 1e3
     const auto slope = [&](Vec3& x, int d) {
       const double kept = x[d];
@@ -76,15 +77,15 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
   }
 }
 
-TEST(Taper, IsOneOnTheFaceAndZeroAtTheReach) {
-  EdgeReach reach;
+TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheReach) {
+  FadeRegion reach;
   reach.mask = 2 + 8; // xi = 1 and xi = -1
-  EXPECT_EQ(taperAt(reach, 0, 1.02, 0).value, 1);
-  EXPECT_EQ(taperAt(reach, 0, -1.02, 0).slope, 0);
-  EXPECT_NEAR(taperAt(reach, 0, -1.06, 0).value, 0.5, 1e-12);
-  EXPECT_NEAR(taperAt(reach, 0, 1.1, 0).value, 0, 1e-12);
-  EXPECT_EQ(taperAt(reach, 1, 1.1, 0).value, 1);
-  EXPECT_NEAR(taperAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
+  EXPECT_EQ(fadeWeightAt(reach, 0, 1.02, 0).value, 1);
+  EXPECT_EQ(fadeWeightAt(reach, 0, -1.02, 0).slope, 0);
+  EXPECT_NEAR(fadeWeightAt(reach, 0, -1.06, 0).value, 0.5, 1e-12);
+  EXPECT_NEAR(fadeWeightAt(reach, 0, 1.1, 0).value, 0, 1e-12);
+  EXPECT_EQ(fadeWeightAt(reach, 1, 1.1, 0).value, 1);
+  EXPECT_NEAR(fadeWeightAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
 }
 
 // The edges of boxes, however cut: 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1) segments.

@@ -8,15 +8,16 @@
 namespace brickwall::contact {
 
 // For kernels. Ghosts are never still.
-struct StillFlags {
+struct StationaryFlags {
   bool is_any = false; // else nodes and faces tell nothing
   View<const unsigned char*> nodes, faces; // [node], [own face] 1: still
-  View<unsigned char*> clear; // [node] 1: in the last step no pair of its row could be touched
+  View<unsigned char*>
+      known_apart; // [node] 1: in the last step no pair of its row could be touched
 
   // Whether nothing has changed for a row of candidates.
   KOKKOS_INLINE_FUNCTION bool isClear(const CandidatePairs& pairs, std::int64_t row) const {
     const int node = pairs.node(row);
-    if (!is_any || !clear(node) || !nodes(node))
+    if (!is_any || !known_apart(node) || !nodes(node))
       return false;
     const std::int64_t end = pairs.end(row);
     unsigned all = 1;
@@ -29,20 +30,20 @@ struct StillFlags {
   }
 };
 
-class StillParts {
+class StationaryNodes {
 public:
-  StillParts() = default;
+  StationaryNodes() = default;
   // Flags of the nodes and faces of `surface`. With a list `point_to_node` its first nodes are those of another surface, whose
   // motion update() is told, and node point_to_node.extent(0) + f stands for face f.
-  StillParts(const std::string& label, const Surface& surface,
-             const View<const int*>& point_to_node = {});
+  StationaryNodes(const std::string& label, const Surface& surface,
+                  const View<const int*>& point_to_node = {});
 
   // `motion` has seen this step. `test`: tolerances of the search that found this step's pairs; if they have grown, nothing is
   // clear.
   void update(const exec_space& space, const Surface& surface, const SurfaceMotion& motion,
               const StepTest& test);
 
-  const StillFlags& flags() const { return _flags; }
+  const StationaryFlags& flags() const { return _flags; }
   // Whether all points stood still, in this call and in the last one, and the tolerances have not grown: without ghosts all
   // contacts are then what they were, if they are none.
   bool isUnchanged() const { return _is_unchanged; }
@@ -56,7 +57,7 @@ private:
   StepTest _last_test;
   View<unsigned char*> _nodes; // of a surface with a list
   View<unsigned char*> _faces;
-  StillFlags _flags;
+  StationaryFlags _flags;
 };
 
 } // namespace brickwall::contact

@@ -43,18 +43,18 @@ GaugeValues Simulation::gauges() {
   return values;
 }
 
-mechanics::LeftOutStrain Simulation::leftOutStrain() const {
+mechanics::NeglectedStrain Simulation::neglectedStrain() const {
   const bool is_looked_at = checksStableStep(_clock.step) || done();
   return _is_objective || !is_looked_at
-             ? mechanics::LeftOutStrain()
-             : mechanics::leftOutStrain(_space, _comm, _scene.mesh, _state.displacement);
+             ? mechanics::NeglectedStrain()
+             : mechanics::neglectedStrain(_space, _comm, _scene.mesh, _state.displacement);
 }
 
 std::int64_t Simulation::numRestingElems() const {
   return allReduce(_comm, _resting.numElems(), MPI_SUM);
 }
-std::int64_t Simulation::sparedElementSteps() const {
-  return allReduce(_comm, _spared_element_steps, MPI_SUM);
+std::int64_t Simulation::skippedElementSteps() const {
+  return allReduce(_comm, _skipped_element_steps, MPI_SUM);
 }
 std::int64_t Simulation::numFreeElems() const {
   return allReduce(_comm, _free_bricks.numElems(), MPI_SUM);

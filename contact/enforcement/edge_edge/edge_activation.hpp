@@ -1,5 +1,5 @@
-// Which pairs of edges without history may come to be in contact, many pairs at once: all that EdgeTouch::test() asks for at
-// Stage::born but what few pairs fail, with a little room for other rounding. First where the lines of two edges come closest
+// Which pairs of edges without history may come to be in contact, many pairs at once: all that EdgeEdgeKinematics::test() asks for at
+// ContactTest::activate but what few pairs fail, with a little room for other rounding. First where the lines of two edges come closest
 // (most pairs are near parallel, or cross beyond their ends), then, for what is left, whether that is in a depth and between the
 // faces of both edges.
 //
@@ -10,7 +10,7 @@
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_records.hpp"
-#include "contact/enforcement/law/known_contact.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
 
 namespace brickwall::contact {
 

@@ -33,7 +33,7 @@ struct TlpsGeometry {
 };
 
 // Parallelepiped: b has linear modes only and h_a . X = 0 (gamma = h/8).
-struct TlpsBox {
+struct OnePointBox {
   static constexpr int gradient_modes = 3;
   double B[3][3];
   double Q[3][3];
@@ -42,7 +42,7 @@ struct TlpsBox {
 };
 
 // Parallelepiped whose edges are along the axes of space, in their order: B is diagonal and the local axes are those of
-// space. Its forces are those of TlpsBox but for rounding.
+// space. Its forces are those of OnePointBox but for rounding.
 struct TlpsBrick {
   static constexpr int gradient_modes = 3;
   double b[3]; // diagonal of B
@@ -65,7 +65,7 @@ KOKKOS_INLINE_FUNCTION void setFrame(const Mat3& jacobian, Geometry& geometry) {
   for (int i = 0; i < 3; ++i)
     geometry.thinness[i] = (square[(i + 1) % 3] + square[(i + 2) % 3]) / square[i];
 }
-KOKKOS_INLINE_FUNCTION TlpsGeometry<double> tlpsGeometry(const CornerCoordinates& X) {
+KOKKOS_INLINE_FUNCTION TlpsGeometry<double> onePointGeometry(const CornerCoordinates& X) {
   TlpsGeometry<double> geometry;
   double modes[3][num_modes];
   coordinateModes(X, modes);
@@ -80,8 +80,8 @@ KOKKOS_INLINE_FUNCTION TlpsGeometry<double> tlpsGeometry(const CornerCoordinates
   setFrame(centreJacobian(modes), geometry);
   return geometry;
 }
-KOKKOS_INLINE_FUNCTION TlpsBox tlpsBox(const Mat3& jacobian) {
-  TlpsBox box;
+KOKKOS_INLINE_FUNCTION OnePointBox onePointBox(const Mat3& jacobian) {
+  OnePointBox box;
   const double det = determinant(jacobian);
   const Mat3 b = inverse(jacobian, det);
   for (int k = 0; k < 3; ++k)
@@ -173,7 +173,7 @@ struct StiffnessOf<TlpsGeometry<Real>> {
   using type = TlpsStiffness<Real>;
 };
 template <>
-struct StiffnessOf<TlpsBox> {
+struct StiffnessOf<OnePointBox> {
   using type = TlpsStiffness<double>;
 };
 template <>
@@ -264,7 +264,7 @@ modeForces(const Real (&P)[3], const Real (&T)[3], const Real (&r)[num_hourglass
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void modeForces(const Real (&P)[3], const Real (&T)[3],
                                             const Real (&r)[num_hourglass_modes],
-                                            const TlpsBox& box, Real (&force)[num_modes]) {
+                                            const OnePointBox& box, Real (&force)[num_modes]) {
   Real D[3];
   for (int j = 0; j < 3; ++j)
     D[j] = P[j] + (T[0] * box.Q[0][j] + T[1] * box.Q[1][j] + T[2] * box.Q[2][j]);
@@ -412,9 +412,9 @@ struct StoreForces {
 // All at once.
 template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Geometry,
           class Stiffness>
-KOKKOS_FORCEINLINE_FUNCTION void tlpsForces(const Real (&u)[3][num_modes], const Geometry& geometry,
-                                            const Stiffness& stiffness, bool with_energy,
-                                            TlpsForces<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void
+onePointForces(const Real (&u)[3][num_modes], const Geometry& geometry, const Stiffness& stiffness,
+               bool with_energy, TlpsForces<Real>& out) {
   tlpsForcesByAxis<model, volume>(u, geometry, stiffness, with_energy, StoreForces<Real>{out}, out);
 }
 
