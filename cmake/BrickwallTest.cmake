@@ -1,20 +1,36 @@
-# brickwall_add_test(NAME SOURCES... LIBRARIES ... RANKS 1 2 ... THREADS n): one GoogleTest executable, and
-# one ctest entry for each rank count. RANKS defaults to 1; the tests are named NAME.npN.
+# brickwall_add_test(NAME SOURCES... LIBRARIES ... RANKS 1 2 ... THREADS n TIMEOUT s LABELS ...): one GoogleTest executable and
+# its ctest entries (brickwall_run_test).
 function(brickwall_add_test name)
   cmake_parse_arguments(arg "" "THREADS;TIMEOUT" "SOURCES;LIBRARIES;RANKS;LABELS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} brickwall_test_main)
+  target_precompile_headers(${name} REUSE_FROM brickwall_test_main)
+  brickwall_run_test(
+    ${name}
+    RANKS ${arg_RANKS}
+    THREADS ${arg_THREADS}
+    TIMEOUT ${arg_TIMEOUT}
+    LABELS ${arg_LABELS})
+endfunction()
+
+# brickwall_run_test(NAME RANKS 1 2 ... THREADS n ...): a ctest entry NAME.npN for each rank count of an existing test
+# executable, NAME.npN.tM with M > 1 threads. RANKS and THREADS default to 1.
+function(brickwall_run_test name)
+  cmake_parse_arguments(arg "" "THREADS;TIMEOUT" "RANKS;LABELS" ${ARGN})
   if(NOT arg_RANKS)
     set(arg_RANKS 1)
-  endif()
-  if(NOT arg_THREADS)
-    set(arg_THREADS 1)
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} brickwall_test_main brickwall_flags)
+  set(suffix "")
+  if(arg_THREADS GREATER 1)
+    set(suffix .t${arg_THREADS})
+  else()
+    set(arg_THREADS 1)
+  endif()
   foreach(ranks IN LISTS arg_RANKS)
-    set(test ${name}.np${ranks})
+    set(test ${name}.np${ranks}${suffix})
     add_test(NAME ${test} COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe
                                   $<TARGET_FILE:${name}>)
     set_tests_properties(

@@ -74,13 +74,13 @@ KOKKOS_INLINE_FUNCTION Real lengthByFrame(const Real (&Q)[3][3]) {
   return 2.0 / squareRoot(maxMagnitude(square[0], maxMagnitude(square[1], square[2])));
 }
 template <class Real>
-KOKKOS_INLINE_FUNCTION Real elementLength(const TlpsGeometry<Real>& geometry) {
+KOKKOS_INLINE_FUNCTION Real elementLength(const OnePointGeometry<Real>& geometry) {
   return lengthByFrame(geometry.Q);
 }
 KOKKOS_INLINE_FUNCTION double elementLength(const OnePointBox& box) {
   return lengthByFrame(box.Q);
 }
-KOKKOS_INLINE_FUNCTION double elementLength(const TlpsBrick& brick) {
+KOKKOS_INLINE_FUNCTION double elementLength(const OnePointBrick& brick) {
   const auto& l = brick.inverse_length;
   return 2.0 / maxMagnitude(l[0], maxMagnitude(l[1], l[2]));
 }
@@ -106,7 +106,7 @@ KOKKOS_INLINE_FUNCTION Real gradientForce(const Real (&P)[3], const Geometry& ge
   return P[0] * geometry.B[m][0] + P[1] * geometry.B[m][1] + P[2] * geometry.B[m][2];
 }
 template <class Real>
-KOKKOS_INLINE_FUNCTION Real gradientForce(const Real (&P)[3], const TlpsBrick& brick, int m) {
+KOKKOS_INLINE_FUNCTION Real gradientForce(const Real (&P)[3], const OnePointBrick& brick, int m) {
   return P[m] * brick.b[m];
 }
 

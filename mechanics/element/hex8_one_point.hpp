@@ -21,7 +21,7 @@ struct ElementModuli {
 
 // General hexahedron.
 template <class Real>
-struct TlpsGeometry {
+struct OnePointGeometry {
   static constexpr int gradient_modes = num_modes;
   static constexpr int size = 46; // numbers stored
   Real B[num_modes][3]; // b_m / 8: H_ij = sum_m u_mi B_mj
@@ -43,7 +43,7 @@ struct OnePointBox {
 
 // Parallelepiped whose edges are along the axes of space, in their order: B is diagonal and the local axes are those of
 // space. Its forces are those of OnePointBox but for rounding.
-struct TlpsBrick {
+struct OnePointBrick {
   static constexpr int gradient_modes = 3;
   double b[3]; // diagonal of B
   double inverse_length[3]; // of the half-edges
@@ -65,8 +65,8 @@ KOKKOS_INLINE_FUNCTION void setFrame(const Mat3& jacobian, Geometry& geometry) {
   for (int i = 0; i < 3; ++i)
     geometry.thinness[i] = (square[(i + 1) % 3] + square[(i + 2) % 3]) / square[i];
 }
-KOKKOS_INLINE_FUNCTION TlpsGeometry<double> onePointGeometry(const CornerCoordinates& X) {
-  TlpsGeometry<double> geometry;
+KOKKOS_INLINE_FUNCTION OnePointGeometry<double> onePointGeometry(const CornerCoordinates& X) {
+  OnePointGeometry<double> geometry;
   double modes[3][num_modes];
   coordinateModes(X, modes);
   geometry.volume = hexVolume(X).volume;
@@ -91,16 +91,16 @@ KOKKOS_INLINE_FUNCTION OnePointBox onePointBox(const Mat3& jacobian) {
   setFrame(jacobian, box);
   return box;
 }
-KOKKOS_INLINE_FUNCTION bool isTlpsBrick(const Mat3& jacobian) {
+KOKKOS_INLINE_FUNCTION bool isOnePointBrick(const Mat3& jacobian) {
   bool is_brick = true;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       is_brick = is_brick && (i == j ? jacobian(i, j) > 0 : jacobian(i, j) == 0);
   return is_brick;
 }
-// Needs isTlpsBrick(jacobian).
-KOKKOS_INLINE_FUNCTION TlpsBrick tlpsBrick(const Mat3& jacobian) {
-  TlpsBrick brick;
+// Needs isOnePointBrick(jacobian).
+KOKKOS_INLINE_FUNCTION OnePointBrick onePointBrick(const Mat3& jacobian) {
+  OnePointBrick brick;
   brick.volume = 8 * (jacobian(0, 0) * jacobian(1, 1) * jacobian(2, 2));
   for (int k = 0; k < 3; ++k) {
     brick.inverse_length[k] = 1 / jacobian(k, k);
@@ -122,7 +122,7 @@ KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const Ge
     }
 }
 template <class Real>
-KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const TlpsBrick& brick,
+KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const OnePointBrick& brick,
                                          Real (&H)[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -132,7 +132,7 @@ KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const Tl
 // 8 g_a = 8 sum_I gamma_aI u_I = u_a - H M_a, [a][xyz].
 template <class Real>
 KOKKOS_INLINE_FUNCTION void
-hourglassStrains(const Real (&u)[3][num_modes], const TlpsGeometry<Real>& geometry,
+hourglassStrains(const Real (&u)[3][num_modes], const OnePointGeometry<Real>& geometry,
                  const Real (&H)[3][3], Real (&g)[num_hourglass_modes][3]) {
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int i = 0; i < 3; ++i)
@@ -151,7 +151,7 @@ KOKKOS_INLINE_FUNCTION void hourglassStrains(const Real (&u)[3][num_modes], cons
 // What an element's stiffness adds to its geometry: moduli times -volume/quantum, so that forces come in quanta; those of
 // the hourglass part also over 64, since strains are 8 g. Modulus is double where all lanes share it.
 template <class Modulus>
-struct TlpsStiffness {
+struct OnePointStiffness {
   Modulus lambda, mu;
   Modulus bend, bend_cross; // of a pair of bending modes: E/(1 - nu^2)/3, and nu times that
   Modulus twist, twist_own[3]; // mu/3; what each mode has besides the sum of the three
@@ -169,15 +169,15 @@ struct BrickStiffness {
 template <class Geometry>
 struct StiffnessOf;
 template <class Real>
-struct StiffnessOf<TlpsGeometry<Real>> {
-  using type = TlpsStiffness<Real>;
+struct StiffnessOf<OnePointGeometry<Real>> {
+  using type = OnePointStiffness<Real>;
 };
 template <>
 struct StiffnessOf<OnePointBox> {
-  using type = TlpsStiffness<double>;
+  using type = OnePointStiffness<double>;
 };
 template <>
-struct StiffnessOf<TlpsBrick> {
+struct StiffnessOf<OnePointBrick> {
   using type = BrickStiffness;
 };
 
@@ -198,7 +198,7 @@ stiffnessOf(const Geometry& geometry, const ElementModuli& moduli, double scale)
   result.inverse_factor = -1 / scale;
   return result;
 }
-KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const TlpsBrick& brick,
+KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const OnePointBrick& brick,
                                                   const ElementModuli& moduli, double scale) {
   BrickStiffness result;
   const double(&l)[3] = brick.inverse_length;
@@ -225,7 +225,7 @@ KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const TlpsBrick& brick,
 //   fourth   E/18 [(q4x/a)^2 + (q4y/b)^2 + (q4z/c)^2]
 template <class Real, class Modulus>
 KOKKOS_INLINE_FUNCTION void hourglassStress(const Real (&q)[num_hourglass_modes][3],
-                                            const TlpsStiffness<Modulus>& k,
+                                            const OnePointStiffness<Modulus>& k,
                                             Real (&s)[num_hourglass_modes][3]) {
   const Real sum = k.twist * (q[0][0] + q[1][1] + q[2][2]);
   for (int a = 0; a < 3; ++a)
@@ -249,7 +249,7 @@ KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& 
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void
 modeForces(const Real (&P)[3], const Real (&T)[3], const Real (&r)[num_hourglass_modes],
-           const TlpsGeometry<Real>& geometry, Real (&force)[num_modes]) {
+           const OnePointGeometry<Real>& geometry, Real (&force)[num_modes]) {
   Real D[3];
   for (int j = 0; j < 3; ++j)
     D[j] = P[j] + (T[0] * geometry.Q[0][j] + T[1] * geometry.Q[1][j] + T[2] * geometry.Q[2][j]);
@@ -276,14 +276,14 @@ KOKKOS_FORCEINLINE_FUNCTION void modeForces(const Real (&P)[3], const Real (&T)[
 
 // What an element tells besides its forces.
 template <class Real>
-struct TlpsPoint {
+struct OnePointPoint {
   Real J;
   Real material_energy, hourglass_energy; // only when asked for
 };
 
 // What the forces on one axis of space are made of.
 template <class Real, class Geometry>
-struct TlpsParts {
+struct OnePointParts {
   const Geometry& geometry;
   Real P[3][3], A[3][3];
   Real g[num_hourglass_modes][3], s[num_hourglass_modes][3];
@@ -313,17 +313,17 @@ KOKKOS_FORCEINLINE_FUNCTION void takeForces(const Parts& parts, const Take& take
 // quanta. What takes them at once leaves registers to the other axes.
 template <MaterialModel model, VolumeChange volume, class Real, class Geometry, class Stiffness,
           class Take>
-KOKKOS_FORCEINLINE_FUNCTION void tlpsForcesByAxis(const Real (&u)[3][num_modes],
-                                                  const Geometry& geometry,
-                                                  const Stiffness& stiffness, bool with_energy,
-                                                  const Take& take, TlpsPoint<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void onePointForcesByAxis(const Real (&u)[3][num_modes],
+                                                      const Geometry& geometry,
+                                                      const Stiffness& stiffness, bool with_energy,
+                                                      const Take& take, OnePointPoint<Real>& out) {
   Real H[3][3], q[num_hourglass_modes][3];
   meanGradient(u, geometry, H);
   StressPoint<Real> point;
   evaluateMaterial<model, volume>(H, stiffness.lambda, stiffness.mu, with_energy, point);
   out.J = point.J;
 
-  TlpsParts<Real, Geometry> parts{geometry, {}, {}, {}, {}};
+  OnePointParts<Real, Geometry> parts{geometry, {}, {}, {}, {}};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       parts.P[i][j] = point.P[i][j];
@@ -346,7 +346,7 @@ KOKKOS_FORCEINLINE_FUNCTION void tlpsForcesByAxis(const Real (&u)[3][num_modes],
 
 template <class Real>
 struct BrickParts {
-  const TlpsBrick& brick;
+  const OnePointBrick& brick;
   const Real (&u)[3][num_modes];
   Real P[3][3], F[3][3];
   Real s[num_hourglass_modes][3];
@@ -360,9 +360,10 @@ struct BrickParts {
   }
 };
 template <MaterialModel model, VolumeChange volume, class Real, class Take>
-KOKKOS_FORCEINLINE_FUNCTION void
-tlpsForcesByAxis(const Real (&u)[3][num_modes], const TlpsBrick& brick, const BrickStiffness& k,
-                 bool with_energy, const Take& take, TlpsPoint<Real>& out) {
+KOKKOS_FORCEINLINE_FUNCTION void onePointForcesByAxis(const Real (&u)[3][num_modes],
+                                                      const OnePointBrick& brick,
+                                                      const BrickStiffness& k, bool with_energy,
+                                                      const Take& take, OnePointPoint<Real>& out) {
   Real H[3][3];
   meanGradient(u, brick, H);
   StressPoint<Real> point;
@@ -398,12 +399,12 @@ tlpsForcesByAxis(const Real (&u)[3][num_modes], const TlpsBrick& brick, const Br
 }
 
 template <class Real>
-struct TlpsForces : TlpsPoint<Real> {
+struct OnePointForces : OnePointPoint<Real> {
   Real force[3][num_modes]; // [xyz][mode]
 };
 template <class Real>
 struct StoreForces {
-  TlpsForces<Real>& forces;
+  OnePointForces<Real>& forces;
   KOKKOS_FORCEINLINE_FUNCTION void operator()(int axis, const Real (&force)[num_modes]) const {
     for (int m = 0; m < num_modes; ++m)
       forces.force[axis][m] = force[m];
@@ -414,8 +415,9 @@ template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Re
           class Stiffness>
 KOKKOS_FORCEINLINE_FUNCTION void
 onePointForces(const Real (&u)[3][num_modes], const Geometry& geometry, const Stiffness& stiffness,
-               bool with_energy, TlpsForces<Real>& out) {
-  tlpsForcesByAxis<model, volume>(u, geometry, stiffness, with_energy, StoreForces<Real>{out}, out);
+               bool with_energy, OnePointForces<Real>& out) {
+  onePointForcesByAxis<model, volume>(u, geometry, stiffness, with_energy, StoreForces<Real>{out},
+                                      out);
 }
 
 } // namespace brickwall::mechanics

@@ -9,7 +9,7 @@ namespace brickwall::mechanics {
 
 // dU/du_m of the one-point element, linear in u: onePointForces at F = I.
 KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
-                                       const TlpsGeometry<double>& geometry,
+                                       const OnePointGeometry<double>& geometry,
                                        const Material& material, double (&forces)[3][num_modes]) {
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), -1.0); // times volume
   double H[3][3];

@@ -68,7 +68,7 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
       if (shapes[b].congruent)
         boxes[b] = CongruentShape::of(shapes[b].jacobian);
     _tables.boxes = toDevice(space, "mechanics::InternalForce::boxes", boxes);
-    storeGeometry<TlpsGeometry<double>>(space, cut.num_geometry_rows, _tables);
+    storeGeometry<OnePointGeometry<double>>(space, cut.num_geometry_rows, _tables);
   } else {
     std::vector<FullGeometry<double>> full(shapes.size());
     for (std::size_t b = 0; b < shapes.size(); ++b)

@@ -45,14 +45,14 @@ struct ElementFields {
 // The shape of a congruent body's elements.
 struct CongruentShape {
   bool is_brick = false;
-  TlpsBrick brick;
+  OnePointBrick brick;
   OnePointBox box;
   static CongruentShape of(const Mat3& jacobian) {
     CongruentShape shape;
-    shape.is_brick = isTlpsBrick(jacobian);
+    shape.is_brick = isOnePointBrick(jacobian);
     shape.box = onePointBox(jacobian);
     if (shape.is_brick)
-      shape.brick = tlpsBrick(jacobian);
+      shape.brick = onePointBrick(jacobian);
     return shape;
   }
 };
@@ -106,7 +106,8 @@ public:
     View<ElementPack*> packs;
     View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
     View<FullGeometry<double>*> full_shapes; // [body], full integration; "
-    View<double** [simd_width]> geometry; // [pack][component][lane] of TlpsGeometry or FullGeometry
+    View<double** [simd_width]>
+        geometry; // [pack][component][lane] of OnePointGeometry or FullGeometry
     View<BrickLattice*> lattices;
   };
   const Tables& tables() const { return _tables; }

@@ -106,7 +106,7 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
 }
 
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
-                                         TlpsGeometry<double>& geometry) {
+                                         OnePointGeometry<double>& geometry) {
   geometry = onePointGeometry(X);
 }
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
@@ -340,9 +340,10 @@ LargestFrequency largestFrequency(const exec_space& space, MPI_Comm comm, const 
   const BodyTypes types = findBodyTypes(space, comm, mesh);
   Representatives bodies = representativesOf(space, comm, mesh, shared, mass, types);
   const double omega_square = 4 / (element_step * element_step);
-  LargestFrequency result = kind == ElementKind::one_point
-                                ? converge<TlpsGeometry<double>>(space, comm, bodies, omega_square)
-                                : converge<FullGeometry<double>>(space, comm, bodies, omega_square);
+  LargestFrequency result =
+      kind == ElementKind::one_point
+          ? converge<OnePointGeometry<double>>(space, comm, bodies, omega_square)
+          : converge<FullGeometry<double>>(space, comm, bodies, omega_square);
   result.body_types = types.count;
   return result;
 }

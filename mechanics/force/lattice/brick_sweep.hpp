@@ -108,12 +108,12 @@ private:
   KOKKOS_FORCEINLINE_FUNCTION void addPack(int layer, int p, Integer (&force)[3]) {
     Real u[3][num_modes];
     gatherModes(layer, p, u);
-    TlpsPoint<Real> point;
+    OnePointPoint<Real> point;
     Rounding<W> rounded;
     const auto& shape = _shapes.at(layer, p);
-    tlpsForcesByAxis<model, VolumeChange::small>(u, shape.geometry, shape.stiffness, with_energy,
-                                                 TakeForces{*this, layer, p, rounded, force},
-                                                 point);
+    onePointForcesByAxis<model, VolumeChange::small>(
+        u, shape.geometry, shape.stiffness, with_energy,
+        TakeForces{*this, layer, p, rounded, force}, point);
     rounded.need(isWithin(point.J - 1.0, small_volume_change<model>));
     if (__builtin_expect(!rounded.isGood(), 0)) {
       addUnusualPack<is_counted, with_energy>(layer, p, force);
@@ -152,7 +152,7 @@ private:
   __attribute__((noinline)) void addUnusualPack(int layer, int p, Integer (&force)[3]) {
     Real u[3][num_modes];
     gatherModes(layer, p, u);
-    TlpsForces<Real> forces;
+    OnePointForces<Real> forces;
     const auto& shape = _shapes.at(layer, p);
     onePointForces<model>(u, shape.geometry, shape.stiffness, with_energy, forces);
     dropFailed(layer, p, is_counted, forces);
@@ -166,7 +166,7 @@ private:
     }
   }
 
-  void dropFailed(int layer, int p, bool is_counted, TlpsForces<Real>& forces) {
+  void dropFailed(int layer, int p, bool is_counted, OnePointForces<Real>& forces) {
     for (int lane = 0; lane < W; ++lane) {
       double largest = 0;
       for (int axis = 0; axis < 3; ++axis)
@@ -259,7 +259,7 @@ void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const Force
     if (lattice.geometry_row >= 0)
       sweep(StoredShapes<W>(lattice, material, a));
     else if (shape.is_brick)
-      sweep(SharedShape<TlpsBrick>(shape.brick, material, a));
+      sweep(SharedShape<OnePointBrick>(shape.brick, material, a));
     else
       sweep(SharedShape<OnePointBox>(shape.box, material, a));
   };

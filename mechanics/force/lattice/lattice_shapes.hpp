@@ -27,7 +27,7 @@ private:
 template <int W>
 class StoredShapes {
 public:
-  using Geometry = TlpsGeometry<PackOf<W>>;
+  using Geometry = OnePointGeometry<PackOf<W>>;
   struct Elements {
     Geometry geometry;
     typename StiffnessOf<Geometry>::type stiffness;

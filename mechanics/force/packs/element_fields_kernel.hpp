@@ -9,7 +9,7 @@ namespace brickwall::mechanics {
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION double storedEnergy(const double (&u)[3][num_modes],
                                            const Geometry& geometry, const Material& material) {
-  TlpsForces<double> forces;
+  OnePointForces<double> forces;
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), 1.0);
   if (material.model == MaterialModel::neo_hookean)
     onePointForces<MaterialModel::neo_hookean>(u, geometry, stiffness, true, forces);
@@ -83,7 +83,7 @@ struct FieldFunctor {
                                        int elem, const Material& material) const {
     if constexpr (kind == ElementKind::one_point) {
       if (chunk.shape < 0)
-        ownGeometry<TlpsGeometry<double>>(place, elem, material);
+        ownGeometry<OnePointGeometry<double>>(place, elem, material);
       else if (tables.boxes(chunk.shape).is_brick)
         oneElement(elem, tables.boxes(chunk.shape).brick, material);
       else

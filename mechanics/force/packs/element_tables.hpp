@@ -13,7 +13,7 @@ using Tables = InternalForce::Tables;
 
 // Visits the numbers of a geometry in storage order.
 template <class Real, class Visit>
-KOKKOS_INLINE_FUNCTION void visitGeometry(TlpsGeometry<Real>& g, const Visit& visit) {
+KOKKOS_INLINE_FUNCTION void visitGeometry(OnePointGeometry<Real>& g, const Visit& visit) {
   int next = 0;
   for (int m = 0; m < num_modes; ++m)
     for (int j = 0; j < 3; ++j)
@@ -36,7 +36,7 @@ KOKKOS_INLINE_FUNCTION void visitGeometry(FullGeometry<Real>& g, const Visit& vi
       visit(next++, g.X[j][m]);
 }
 
-KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, TlpsGeometry<double>& g) {
+KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, OnePointGeometry<double>& g) {
   g = onePointGeometry(X);
 }
 KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, FullGeometry<double>& g) {

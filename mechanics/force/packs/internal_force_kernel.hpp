@@ -91,7 +91,7 @@ template <MaterialModel model, class Real, class Integer, class Geometry, class 
 KOKKOS_INLINE_FUNCTION void packForces(const Real (&u)[3][num_modes], const Geometry& geometry,
                                        const Stiffness& stiffness, const ForceArguments& a,
                                        PackForces<Real, Integer>& out) {
-  TlpsForces<Real> forces;
+  OnePointForces<Real> forces;
   onePointForces<model>(u, geometry, stiffness, a.with_energy, forces);
   out.J = forces.J;
   out.largest = Real(0.0);
@@ -238,7 +238,7 @@ struct ForceFunctor {
     const Material material = a.tables.mesh.materials(chunk.block);
     if constexpr (kind == ElementKind::one_point) {
       if (chunk.shape < 0)
-        general<TlpsGeometry<Lanes>>(chunk, material, sums);
+        general<OnePointGeometry<Lanes>>(chunk, material, sums);
       else if (a.tables.boxes(chunk.shape).is_brick)
         congruent(chunk, a.tables.boxes(chunk.shape).brick, material, sums);
       else

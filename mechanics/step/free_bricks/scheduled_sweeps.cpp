@@ -16,7 +16,7 @@ void runInLanes(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
 
 } // namespace
 
-void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<TlpsBrick>, 8>& sweep,
+void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
               const LatticeSlab& slab, SteppedPlanes<8>& planes) {
   runInLanes<simd_width>(sweep, slab, planes);
 }

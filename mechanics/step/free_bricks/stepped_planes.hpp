@@ -90,7 +90,7 @@ struct SteppedPlanes {
 };
 
 // This sweep is compiled by itself, in scheduled_sweeps.cpp.
-void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<TlpsBrick>, 8>& sweep,
+void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
               const LatticeSlab& slab, SteppedPlanes<8>& planes);
 
 } // namespace brickwall::mechanics

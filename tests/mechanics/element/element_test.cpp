@@ -137,10 +137,10 @@ struct ElementForce {
 };
 
 template <MaterialModel model, class Geometry>
-ElementForce tlpsOf(const Geometry& geometry, const CornerCoordinates& u, double poisson) {
+ElementForce onePointOf(const Geometry& geometry, const CornerCoordinates& u, double poisson) {
   double modes[3][num_modes];
   coordinateModes(u, modes);
-  TlpsForces<double> forces;
+  OnePointForces<double> forces;
   const auto moduli = ElementModuli::of({model, 1, 1, poisson});
   onePointForces<model>(modes, geometry, stiffnessOf(geometry, moduli, 1.0), true, forces);
   ElementForce result;
@@ -189,21 +189,21 @@ void expectForceIsMinusEnergyGradient(const CornerCoordinates& u, const Evaluate
     }
 }
 
-TEST(Tlps, ForceIsMinusTheGradientOfTheEnergyOnDistortedHexes) {
+TEST(OnePoint, ForceIsMinusTheGradientOfTheEnergyOnDistortedHexes) {
   for (int seed = 0; seed < 4; ++seed) {
     CornerCoordinates X, u;
     distortedCorners(seed, 0.12, X);
     randomDisplacement(seed, 0.1, u);
     const auto geometry = onePointGeometry(X);
     expectForceIsMinusEnergyGradient(u, [&](const CornerCoordinates& d) {
-      return tlpsOf<MaterialModel::neo_hookean>(geometry, d, 0.3);
+      return onePointOf<MaterialModel::neo_hookean>(geometry, d, 0.3);
     });
     expectForceIsMinusEnergyGradient(u, [&](const CornerCoordinates& d) {
-      return tlpsOf<MaterialModel::svk>(geometry, d, 0.3);
+      return onePointOf<MaterialModel::svk>(geometry, d, 0.3);
     });
   }
 }
-TEST(Tlps, ForceIsMinusTheGradientOfTheEnergyOnParallelepipeds) {
+TEST(OnePoint, ForceIsMinusTheGradientOfTheEnergyOnParallelepipeds) {
   Mat3 jacobian;
   for (int k = 0; k < 9; ++k)
     jacobian(k / 3, k % 3) = (k % 4 == 0 ? 0.5 : 0.0) + 0.1 * randomOf(k);
@@ -211,7 +211,7 @@ TEST(Tlps, ForceIsMinusTheGradientOfTheEnergyOnParallelepipeds) {
   randomDisplacement(1, 0.1, u);
   const OnePointBox box = onePointBox(jacobian);
   expectForceIsMinusEnergyGradient(u, [&](const CornerCoordinates& d) {
-    return tlpsOf<MaterialModel::neo_hookean>(box, d, 0.3);
+    return onePointOf<MaterialModel::neo_hookean>(box, d, 0.3);
   });
 }
 TEST(FullHex, ForceIsMinusTheGradientOfTheEnergy) {
@@ -223,7 +223,7 @@ TEST(FullHex, ForceIsMinusTheGradientOfTheEnergy) {
 }
 
 // Both evaluate the same formula; a few hundred operations of size one differ by rounding.
-TEST(Tlps, BoxAndGeneralPathsAgreeOnParallelepipeds) {
+TEST(OnePoint, BoxAndGeneralPathsAgreeOnParallelepipeds) {
   Mat3 jacobian;
   for (int k = 0; k < 9; ++k)
     jacobian(k / 3, k % 3) = (k % 4 == 0 ? 0.5 : 0.0) + 0.1 * randomOf(k);
@@ -233,22 +233,22 @@ TEST(Tlps, BoxAndGeneralPathsAgreeOnParallelepipeds) {
       X[c][j] = jacobian(j, 0) * cornerXi(c, 0) + jacobian(j, 1) * cornerXi(c, 1) +
                 jacobian(j, 2) * cornerXi(c, 2);
   randomDisplacement(2, 0.1, u);
-  const auto general = tlpsOf<MaterialModel::neo_hookean>(onePointGeometry(X), u, 0.3);
-  const auto box = tlpsOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
+  const auto general = onePointOf<MaterialModel::neo_hookean>(onePointGeometry(X), u, 0.3);
+  const auto box = onePointOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
   EXPECT_NEAR(general.energy, box.energy, 1e-14);
   for (int c = 0; c < 8; ++c)
     for (int j = 0; j < 3; ++j)
       EXPECT_NEAR(general.force[c][j], box.force[c][j], 1e-14);
 }
-TEST(Tlps, BrickAndBoxPathsAgree) {
+TEST(OnePoint, BrickAndBoxPathsAgree) {
   Mat3 jacobian;
   for (int k = 0; k < 3; ++k)
     jacobian(k, k) = 0.5 + 0.2 * k;
-  ASSERT_TRUE(isTlpsBrick(jacobian));
+  ASSERT_TRUE(isOnePointBrick(jacobian));
   CornerCoordinates u;
   randomDisplacement(2, 0.1, u);
-  const auto box = tlpsOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
-  const auto brick = tlpsOf<MaterialModel::neo_hookean>(tlpsBrick(jacobian), u, 0.3);
+  const auto box = onePointOf<MaterialModel::neo_hookean>(onePointBox(jacobian), u, 0.3);
+  const auto brick = onePointOf<MaterialModel::neo_hookean>(onePointBrick(jacobian), u, 0.3);
   EXPECT_NEAR(brick.energy, box.energy, 1e-14);
   for (int c = 0; c < 8; ++c)
     for (int j = 0; j < 3; ++j)
@@ -268,7 +268,7 @@ Mat3 rotation(double angle) { // about (1, 2, 3)
   return r;
 }
 
-TEST(Tlps, ForcesTurnWithTheElement) {
+TEST(OnePoint, ForcesTurnWithTheElement) {
   CornerCoordinates X, u, turned;
   distortedCorners(8, 0.12, X);
   randomDisplacement(8, 0.1, u);
@@ -279,8 +279,8 @@ TEST(Tlps, ForcesTurnWithTheElement) {
       turned[c][j] = x[j] - X[c][j];
   }
   const auto geometry = onePointGeometry(X);
-  const auto before = tlpsOf<MaterialModel::neo_hookean>(geometry, u, 0.3);
-  const auto after = tlpsOf<MaterialModel::neo_hookean>(geometry, turned, 0.3);
+  const auto before = onePointOf<MaterialModel::neo_hookean>(geometry, u, 0.3);
+  const auto after = onePointOf<MaterialModel::neo_hookean>(geometry, turned, 0.3);
   EXPECT_NEAR(after.energy, before.energy, 1e-14);
   for (int c = 0; c < 8; ++c) {
     const Vec3 f = r * Vec3{before.force[c][0], before.force[c][1], before.force[c][2]};
@@ -290,7 +290,7 @@ TEST(Tlps, ForcesTurnWithTheElement) {
 }
 
 // Renumbering: corners turned about zeta by a quarter (new corner c is old corner turn[c]).
-TEST(Tlps, ForcesDoNotDependOnTheNumberingOfTheCorners) {
+TEST(OnePoint, ForcesDoNotDependOnTheNumberingOfTheCorners) {
   const int turn[8] = {1, 2, 3, 0, 5, 6, 7, 4}, roll[8] = {0, 4, 5, 1, 3, 7, 6, 2};
   for (const auto& order : {turn, roll}) {
     CornerCoordinates X, u, X2, u2;
@@ -302,8 +302,8 @@ TEST(Tlps, ForcesDoNotDependOnTheNumberingOfTheCorners) {
         u2[c][j] = u[order[c]][j];
       }
     ASSERT_GT(hexVolume(X2).min_determinant, 0);
-    const auto first = tlpsOf<MaterialModel::svk>(onePointGeometry(X), u, 0.3);
-    const auto second = tlpsOf<MaterialModel::svk>(onePointGeometry(X2), u2, 0.3);
+    const auto first = onePointOf<MaterialModel::svk>(onePointGeometry(X), u, 0.3);
+    const auto second = onePointOf<MaterialModel::svk>(onePointGeometry(X2), u2, 0.3);
     for (int c = 0; c < 8; ++c)
       for (int j = 0; j < 3; ++j)
         EXPECT_NEAR(second.force[c][j], first.force[order[c]][j], 1e-14);
@@ -367,7 +367,7 @@ TEST(StableTimeStep, IsExactOnABoxAndSafeOnDistortedHexes) {
       const double bound = boundOf(X, material);
       const double one_point =
           trueStep(X, 1, scaledDown([&](const CornerCoordinates& u) {
-                     return tlpsOf<MaterialModel::linear>(onePointGeometry(X), u, poisson);
+                     return onePointOf<MaterialModel::linear>(onePointGeometry(X), u, poisson);
                    }));
       const double full = trueStep(X, 1, [&](const CornerCoordinates& u) {
         return fullOf<MaterialModel::linear>(X, u, poisson);

@@ -64,7 +64,7 @@ TEST(RestForces, AreTheSlopeOfTheElementForces) {
   const CornerCoordinates X = {{0, 0, 0},      {1.1, 0.1, -0.1}, {1, 0.9, 0.1}, {-0.1, 1, 0},
                                {0, 0.1, 1.05}, {1, 0, 0.9},      {1.1, 1, 1},   {0.1, 0.9, 1.1}};
   const Material material = steelLike();
-  const TlpsGeometry<double> geometry = onePointGeometry(X);
+  const OnePointGeometry<double> geometry = onePointGeometry(X);
   double u[3][num_modes], plus[3][num_modes], minus[3][num_modes], forces[3][num_modes];
   constexpr double h = 1e-5;
   for (int k = 0; k < 3 * num_modes; ++k) {
@@ -72,7 +72,7 @@ TEST(RestForces, AreTheSlopeOfTheElementForces) {
     plus[k / num_modes][k % num_modes] = h * u[k / num_modes][k % num_modes];
     minus[k / num_modes][k % num_modes] = -h * u[k / num_modes][k % num_modes];
   }
-  TlpsForces<double> at_plus, at_minus;
+  OnePointForces<double> at_plus, at_minus;
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), 1.0);
   onePointForces<MaterialModel::neo_hookean>(plus, geometry, stiffness, false, at_plus);
   onePointForces<MaterialModel::neo_hookean>(minus, geometry, stiffness, false, at_minus);

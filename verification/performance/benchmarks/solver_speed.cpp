@@ -89,7 +89,7 @@ std::int64_t flopsOfElement(const Geometry& geometry) {
   Counted u[3][num_modes], corner[3][8];
   for (int i = 0; i < 3; ++i)
     cornersToModes(corner[i], u[i]);
-  TlpsForces<Counted> forces;
+  OnePointForces<Counted> forces;
   onePointForces<model>(u, geometry, stiffness, true, forces);
   return Counted::count;
 }
@@ -274,8 +274,8 @@ TEST(SolverSpeed, IsPrinted) {
   measure("distorted, linear", true, MaterialModel::linear, true);
   measure("distorted, drift/forces/kick apart, neo-Hookean", true, MaterialModel::neo_hookean,
           false);
-  TlpsBrick brick = {};
-  TlpsGeometry<Counted> hex = {};
+  OnePointBrick brick = {};
+  OnePointGeometry<Counted> hex = {};
   const double brick_flops =
       flopsOfElement<MaterialModel::neo_hookean>(brick) + nodes_per_elem * flopsOfNode();
   const double hex_flops =
