@@ -1,19 +1,27 @@
-// Boundary conditions of a deck that contradict each other.
+// Boundary conditions of a deck that prescribe different motions of the same nodes.
 #pragma once
 
 #include "io/deck/deck.hpp"
-#include "io/mesh/mesh_part.hpp"
 #include "miniapp/deck/config.hpp"
 
-#include <mpi.h>
+#include <string>
+#include <vector>
 
 namespace brickwall::miniapp {
 
-// Adds a fault for each [[boundary.fixed]] and [[boundary.velocity]] of `config` that moves a component of a node set otherwise than one
-// before it, naming both places.
-void complainOfConflicts(const Config& config, io::Deck& deck);
+// A [[boundary.fixed]] or [[boundary.velocity]] entry. The velocity of a fixed set is 0.
+struct Boundary {
+  std::string block; // of the deck, for messages
+  PrescribedVelocityConfig motion;
+};
+std::vector<Boundary> boundariesOf(const Config& config);
 
-// The same of node sets of different names that share nodes of this mesh. Collective; throws InputError on all ranks.
-void refuseConflictsOfSets(MPI_Comm comm, const Config& config, const io::MeshPart& part);
+// The components that both motions prescribe, but differently, such as "x, z"; "" if there are none.
+std::string differingComponents(const PrescribedVelocityConfig& a,
+                                const PrescribedVelocityConfig& b);
+
+// Adds a fault to `deck` for each boundary condition that prescribes a motion of a component of a node set other than that
+// of an earlier entry. The fault names both places.
+void complainOfConflicts(const Config& config, io::Deck& deck);
 
 } // namespace brickwall::miniapp

@@ -5,8 +5,7 @@
 #include "contact/overlap/box_pairs.hpp"
 #include "contact/overlap/initial_overlap.hpp"
 #include "miniapp/deck/search_choice.hpp"
-#include "miniapp/scene/body_name.hpp"
-#include "miniapp/scene/face_name.hpp"
+#include "miniapp/scene/entity_names.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -32,13 +31,10 @@ std::string describe(const Config& config, const contact::InitialOverlap& overla
 }
 
 std::string describe(const Config& config, const contact::ElementOverlap& overlap) {
-  const auto element = [](global_id id) {
-    return "element " + std::to_string(id) + " (1-based id " + std::to_string(id + 1) + ")";
-  };
   std::ostringstream message;
-  message << "bodies overlap at the start: " << element(overlap.element) << " of "
+  message << "bodies overlap at the start: " << elementName(overlap.element) << " of "
           << bodyName(config, overlap.body) << ", centre (" << overlap.centre.x << ", "
-          << overlap.centre.y << ", " << overlap.centre.z << "), and " << element(overlap.other)
+          << overlap.centre.y << ", " << overlap.centre.z << "), and " << elementName(overlap.other)
           << " of " << bodyName(config, overlap.other_body) << " stand " << overlap.depth
           << " deep in each other";
   return message.str();

@@ -6,8 +6,8 @@
 #include "io/exodus/mesh_reader.hpp"
 #include "io/wall/wall_generator.hpp"
 #include "mechanics/mesh/lumped_mass.hpp"
-#include "miniapp/deck/boundary_conflicts.hpp"
-#include "miniapp/scene/face_name.hpp"
+#include "miniapp/scene/conflicting_sets.hpp"
+#include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/force_range.hpp"
 
 #include <utility>
@@ -233,7 +233,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   scene.part = makeMeshPart(comm, config);
   checkNames(config, scene.part);
   refuseUnknownBodies(config, scene.part.num_global_bodies);
-  refuseConflictsOfSets(comm, config, scene.part);
+  refuseConflictingSets(comm, config, scene.part);
   scene.warnings = emptySets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
   for (const std::string& warning : checkForceRange(comm, scene.part, materials))

@@ -1,8 +1,7 @@
 // What a simulation tells, and the state that it goes back to, when a step fails.
 #include "contact/base/mpi.hpp"
 #include "mechanics/step/undo_step.hpp"
-#include "miniapp/scene/body_name.hpp"
-#include "miniapp/scene/face_name.hpp"
+#include "miniapp/scene/entity_names.hpp"
 #include "miniapp/simulation/simulation.hpp"
 
 #include <sstream>
@@ -55,14 +54,13 @@ std::string Simulation::describeLargestForce() {
   }
   if (!(largest.force > 0))
     return "";
-  const auto edge = [](global_id id) { return "an edge of " + faceName(id / 4); };
   const auto body = [&](global_id id) { return bodyName(_comm, _config, _scene.part, id); };
   const double range = contact::largestPairForce(_forces.quantum);
   std::ostringstream message;
   message << "; the largest, " << largest.force << ", is that of "
-          << (largest.is_of_edges ? edge(largest.node) : nodeName(largest.node)) << " of "
+          << (largest.is_of_edges ? edgeName(largest.node) : nodeName(largest.node)) << " of "
           << body(largest.node_body) << " and "
-          << (largest.is_of_edges ? edge(largest.face) : faceName(largest.face)) << " of "
+          << (largest.is_of_edges ? edgeName(largest.face) : faceName(largest.face)) << " of "
           << body(largest.face_body) << ". The range ends at " << range
           << ", by (lambda + 2 mu) h^2 of the strongest element";
   if (largest.force < HUGE_VAL)

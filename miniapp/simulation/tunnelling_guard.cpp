@@ -1,7 +1,7 @@
 #include "miniapp/simulation/tunnelling_guard.hpp"
 
 #include "contact/base/error.hpp"
-#include "miniapp/scene/face_name.hpp"
+#include "miniapp/scene/entity_names.hpp"
 
 #include <sstream>
 
@@ -12,14 +12,13 @@ namespace {
 constexpr double least_share_of_stable_step = 1e-3;
 
 std::string describe(const contact::PairMotion& pair) {
-  const auto edge = [](global_id id) { return "an edge of " + faceName(id / 4); };
   std::ostringstream text;
   if (pair.is_of_edges)
-    text << edge(pair.node);
+    text << edgeName(pair.node);
   else
     text << nodeName(pair.node);
   text << " of body " << pair.node_body << " moves by " << pair.motion << " against "
-       << (pair.is_of_edges ? edge(pair.face) : faceName(pair.face)) << " of body "
+       << (pair.is_of_edges ? edgeName(pair.face) : faceName(pair.face)) << " of body "
        << pair.face_body << " in one step";
   return text.str();
 }

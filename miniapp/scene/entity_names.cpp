@@ -1,4 +1,4 @@
-#include "miniapp/scene/body_name.hpp"
+#include "miniapp/scene/entity_names.hpp"
 
 #include "contact/base/mpi.hpp"
 #include "miniapp/scene/scene.hpp"
@@ -7,6 +7,23 @@
 #include <sstream>
 
 namespace brickwall::miniapp {
+
+std::string nodeName(global_id node) {
+  return "node " + std::to_string(node) + " (1-based id " + std::to_string(node + 1) + ")";
+}
+
+std::string elementName(global_id element) {
+  return "element " + std::to_string(element) + " (1-based id " + std::to_string(element + 1) + ")";
+}
+
+std::string faceName(global_id face) {
+  return "face " + std::to_string(face) + " (side " + std::to_string(face % 6 + 1) +
+         " of the element with 1-based id " + std::to_string(face / 6 + 1) + ")";
+}
+
+std::string edgeName(global_id edge) {
+  return "an edge of " + faceName(edge / 4);
+}
 
 std::string bodyName(const Config& config, global_id body) {
   std::ostringstream name;
@@ -23,7 +40,7 @@ std::string bodyName(MPI_Comm comm, const Config& config, const io::MeshPart& pa
                      global_id body) {
   if (config.wall)
     return bodyName(config, body);
-  int block = INT_MAX; // every rank lists all blocks, in one order
+  int block = INT_MAX; // all ranks list all blocks in the same order
   for (int elem = part.numElems() - 1; elem >= 0; --elem)
     if (part.elem_body[elem] == body)
       block = part.elem_block[elem];
