@@ -2,6 +2,7 @@
 // which the last takes the remainder, so that the sum is zero exactly. Kernel part.
 #pragma once
 
+#include "contact/base/fixed_point.hpp"
 #include "contact/enforcement/law/coulomb_friction.hpp"
 #include "contact/surface/face_access.hpp"
 
