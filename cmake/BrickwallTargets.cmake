@@ -2,6 +2,10 @@
 # brickwall::NAME, our flags, headers included from the source root, installed under include/brickwall.
 include(GNUInstallDirs)
 
+# Include path of the installed targets: the public headers, and those that they are made of.
+set(BRICKWALL_INSTALL_INCLUDES $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/brickwall>
+                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/brickwall/detail>)
+
 # brickwall_precompile(TARGET headers...): Kokkos and MPI, which almost every unit includes, are compiled once for a target.
 function(brickwall_precompile target)
   target_precompile_headers(${target} PRIVATE <Kokkos_Core.hpp> <mpi.h> <functional> <string> <vector> ${ARGN})
@@ -20,7 +24,7 @@ function(brickwall_add_library name)
   add_library(brickwall::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(
-    ${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/brickwall>)
+    ${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> ${BRICKWALL_INSTALL_INCLUDES})
   target_link_libraries(
     ${target}
     PUBLIC brickwall::base ${arg_PUBLIC}

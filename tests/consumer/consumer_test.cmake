@@ -33,4 +33,6 @@ add_test(
     -DCMAKE_EXE_LINKER_FLAGS=${sanitize} #
     --test-command ${CMAKE_CTEST_COMMAND} --output-on-failure)
 set_tests_properties(consumer.install_base consumer.install_contact PROPERTIES FIXTURES_SETUP consumer_install)
-set_tests_properties(consumer.build_and_run PROPERTIES FIXTURES_REQUIRED consumer_install ENVIRONMENT "${environment}")
+set_tests_properties(
+  consumer.build_and_run
+  PROPERTIES FIXTURES_REQUIRED consumer_install ENVIRONMENT "${environment}" FAIL_REGULAR_EXPRESSION "CMake Warning (at|\\(dev)")
