@@ -1,52 +1,58 @@
 #!/usr/bin/env bash
-# Sets up and builds Brickwall, runs it on a deck, joins the rank files and draws the picture.
+# Sets up and builds Brickwall, runs it on a deck, joins the rank files and draws a picture.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
 usage() {
   cat <<'TEXT'
-./run.sh [run|check|mesh|search] [DECK] [-n RANKS] [-t THREADS] [-o DIR] [further options]
-./run.sh --study NAME [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
+Usage:
+  ./run.sh [run|check|mesh|search] [DECK] [-n RANKS] [-t THREADS] [-o DIR] [options]
+  ./run.sh --study NAME [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
 
-  run       (default) runs the deck: Exodus results joined to one file, picture, history.csv, report.json
-  check     reads the deck and says what the scene will model; runs nothing
+Commands:
+  run       runs the deck (default); joins the Exodus results to one file, draws a picture,
+            writes history.csv and report.json
+  check     reads the deck and prints the model of the scene; runs nothing
   mesh      writes the Exodus mesh only
-  search    runs the contact search alone on the wall's surface: search.json
+  search    runs only the contact search on the surface of the wall; writes search.json
 
+Options:
   DECK                default inputs/brick_wall.toml
   -n, --ranks N       MPI ranks (default 1)
-  -t, --threads N     threads of each rank (default: the physical cores, divided by the ranks)
+  -t, --threads N     threads of each rank (default: physical cores divided by ranks)
   -o, --output DIR    output folder (default out/<deck name>/)
-  -h, --help          this text (behind --study NAME: that of the study)
-  --preset NAME       preset of CMakePresets.json to build and run (default "default")
-  --program FILE      run this program as it is; no set-up, no build
-  --no-picture        draw nothing
-  --                  everything behind it goes to the program as it is
-
-Studies are many runs; they leave tables and plots in their folder (default out/study_NAME/):
-  --study paper       the search over sizes, methods, ranks and threads: the paper's Figs. 8 to 11
-                      (--sizes 2,8 --repetitions 5 --methods paper,cluster and more; verification/performance/README.md)
-  --study verification  cases with exact or published answers: a line a case, PASS or FAIL (--only V7,V8 --quick;
-                      verification/README.md)
-  --study stability   the hard cases, likewise
-  --study accuracy    speed against error: a wall and exact cases over meshes and settings (--quick;
-                      verification/accuracy/README.md)
-  --study same-bits   the default wall on many ranks and threads, with kept lists and without: the same bits (--quick)
-  --study savings     what scenes do not need, put back part by part: the same bits, and what leaving it out saves (--quick)
+  -h, --help          print this text; with --study NAME, the help of that study
+  --preset NAME       build and run this preset of CMakePresets.json (default "default")
+  --program FILE      run this program; skip set-up and build
+  --no-picture        draw no picture
+  --oversubscribe     allow more than 8 ranks for each physical core
+  --                  pass everything after it to the program
 
 Further options go to the program, among them:
-  --set BLOCK.KEY=VALUE   overrides a value of the deck (may be repeated)
-  --steps N               stops after N steps
-  --no-output             writes no file
-  --timing paper          parts waits from work in the phases of the search
-  --kokkos-...            go to Kokkos
-The program's own help: build/miniapp/brickwall -h
+  --set BLOCK.KEY=VALUE   override a value of the deck (may be repeated)
+  --steps N               stop after N steps
+  --no-output             write no file
+  --timing paper          separate waits from work in the phases of the search
+  --kokkos-...            pass an option to Kokkos
+The help of the program itself: build/miniapp/brickwall -h
+
+Studies consist of many runs and write tables and plots to their folder (default out/study_NAME/):
+  paper         the search over sizes, methods, ranks and threads: the paper's Figs. 8 to 11
+  verification  cases with exact or published answers, PASS or FAIL for each
+  stability     hard cases, in the same way
+  accuracy      speed against error: walls and exact cases over meshes and settings
+  same-bits     the default wall on many ranks and threads, with and without kept lists
+  savings       skipped work restored part by part: the same bits, and the time that skipping saves
+verification/README.md describes them.
 
 Exit codes: 0 pass; 1 error; 2 bad deck or command line; 3 physical failure; 4 output failed.
 
-Environment: BRICKWALL_CACHE (folder of the built dependencies, default ~/.cache/brickwall), Kokkos_ROOT, Kokkos_DIR,
-CMAKE_PREFIX_PATH (dependencies of your own; nothing is then downloaded), BRICKWALL_MPIEXEC (launcher with its
-options, "-n RANKS" is appended; default: the mpiexec of the build).
+Environment:
+  BRICKWALL_CACHE     folder of the built dependencies (default ~/.cache/brickwall)
+  Kokkos_ROOT, Kokkos_DIR, CMAKE_PREFIX_PATH
+                      existing dependencies; nothing is downloaded if they provide Kokkos
+  BRICKWALL_MPIEXEC   launcher with its options, to which "-n RANKS" is appended
+                      (default: the mpiexec of the build)
 TEXT
 }
 die() {
@@ -62,12 +68,13 @@ output=
 preset=default
 program=
 picture=yes
+oversubscribe=no
 writes=yes
 program_options=()
 study=
 wants_help=no
 
-# The driver of a study and what it is told first. More studies: more lines here.
+# The driver of a study with its first arguments. A new study needs one line here.
 choose_study() {
   study=$1
   case $1 in
@@ -76,13 +83,13 @@ choose_study() {
     accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
     same-bits) driver=("$root/verification/same_bits.py") ;;
     savings) driver=("$root/verification/savings.py") ;;
-    *) die "no study \"$1\"; there are: paper, verification, stability, accuracy, same-bits, savings" ;;
+    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
 value_of() {
   [[ $# -ge 2 && -n $2 ]] || die "$1 needs a value"
-  [[ ! $2 =~ ^-[^0-9] ]] || die "$1 needs a value; behind it stands the option $2"
+  [[ ! $2 =~ ^-[^0-9] ]] || die "$1 needs a value, but the option $2 follows"
 }
 
 case ${1:-} in run | check | mesh | search) command=$1; shift ;; esac
@@ -94,24 +101,25 @@ while [[ $# -gt 0 ]]; do
     -n | --ranks) value_of "$@"; ranks=$2; shift 2 ;;
     -t | --threads) value_of "$@"; threads=$2; shift 2 ;;
     -o | --output) value_of "$@"; output=$2; shift 2 ;;
-    --ranks=* | --threads=* | --output=*) # as in two words
+    --ranks=* | --threads=* | --output=*) # the same as two words
       value_of "${1%%=*}" "${1#*=}"
       set -- "${1%%=*}" "${1#*=}" "${@:2}"
       ;;
     --preset) value_of "$@"; preset=$2; shift 2 ;;
     --program) value_of "$@"; program=$2; shift 2 ;;
     --no-picture) picture=no; shift ;;
+    --oversubscribe) oversubscribe=yes; shift ;;
     --no-output) writes=no; program_options+=("$1"); shift ;;
     --) shift; program_options+=("$@"); break ;;
     --set | --steps | --timing) value_of "$@"; program_options+=("$1" "$2"); shift 2 ;;
     -*) program_options+=("$1"); shift ;;
     *.toml)
-      [[ -z $deck ]] || die "two decks: $deck and $1"
+      [[ -z $deck ]] || die "expected one deck, found $deck and $1"
       deck=$1
       shift
       ;;
-    run | check | mesh | search) die "the subcommand stands first" ;;
-    *) # the value of a program's option that is not listed here, or a deck of another suffix
+    run | check | mesh | search) die "the command $1 must be the first argument" ;;
+    *) # the value of an option of the program, or a deck without the suffix .toml
       if [[ -z $deck && -f $1 && ${#program_options[@]} -eq 0 ]]; then deck=$1; else program_options+=("$1"); fi
       shift
       ;;
@@ -123,7 +131,7 @@ if [[ $wants_help == yes ]]; then
   exit 0
 fi
 if [[ -n $study ]]; then
-  [[ -z $deck ]] || die "a study has decks of its own, found $deck"
+  [[ -z $deck ]] || die "a study takes no deck, found $deck"
 else
   positive -n "${ranks:=1}"
 fi
@@ -149,7 +157,7 @@ name=${name%.*}
 output=${output:-out/$name}
 cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true; }
 
-# Threads: this process' share of the physical cores.
+# Each rank gets its share of the physical cores.
 cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l || true)
 usable=$(nproc)
 [[ $cores -ge 1 && $cores -le $usable ]] || cores=$usable
@@ -158,9 +166,14 @@ if [[ -z $threads ]]; then
   [[ $threads -ge 1 ]] || threads=1
 fi
 positive -t "$threads"
+if [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $((8 * cores)) && $oversubscribe == no ]]; then
+  die "$ranks ranks are more than 8 for each of the $cores cores; --oversubscribe runs them all the same"
+elif [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $cores ]]; then
+  echo "run.sh: warning: $ranks ranks share $cores cores; times are not representative" >&2
+fi
 export OMP_NUM_THREADS=$threads
 
-# Open MPI: allowed as root and with more ranks than cores, and quiet when the program ends with an exit code.
+# Open MPI may run as root and with more ranks than cores, and prints nothing if the program ends with an exit code.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
 export OMPI_MCA_orte_execute_quiet=1
@@ -168,7 +181,7 @@ export OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_hwloc_default_binding_po
 if [[ $ranks -eq 1 && $threads -le $cores ]]; then
   export OMP_PROC_BIND=${OMP_PROC_BIND:-close} OMP_PLACES=${OMP_PLACES:-cores}
 else
-  # Ranks that bind by themselves would all take the same first cores.
+  # Ranks that bind their threads themselves would all take the same first cores.
   export OMP_PROC_BIND=${OMP_PROC_BIND:-false} OMP_PLACES=${OMP_PLACES:-cores}
 fi
 if [[ $((ranks * threads)) -gt $cores ]]; then
@@ -181,7 +194,7 @@ else
   [[ -n ${launcher[0]} ]] || launcher=(mpiexec)
 fi
 
-# The program's output passes through; its FOM and PASS or FAIL lines are held back, so that they stand last.
+# Prints the program's output, and keeps its FOM and PASS or FAIL lines to print them last.
 summary=()
 hold_summary() {
   local line
@@ -192,10 +205,10 @@ hold_summary() {
     esac
   done
 }
-# One file from the rank files, named as rank 0 of this run names its own.
+# The joined file, and the rank file that rank 0 of this run writes.
 joined=$output/$name.exo
 first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
-# A run that is cut short may leave rank files of different lengths: they are not joined, but told of.
+# An interrupted run may leave rank files of different lengths, which are not joined.
 interrupted() {
   trap - INT TERM
   kill -TERM "$!" 2>/dev/null || true
@@ -203,7 +216,7 @@ interrupted() {
   if [[ $ranks -gt 1 && $first -nt $started ]]; then
     local epu
     epu=$(find_epu)
-    echo "run.sh: interrupted; the rank files are not joined. To join what they hold:" >&2
+    echo "run.sh: interrupted; the rank files are not joined. To join what they contain:" >&2
     echo "  cd '$output' && '${epu:-epu}' -auto '$(basename "$first")'" >&2
   fi
   exit "$1"
@@ -214,9 +227,9 @@ find_epu() {
   [[ -x $epu ]] || epu=$(command -v epu || true)
   echo "$epu"
 }
-started=$(mktemp) # what is older is not of this run
+started=$(mktemp) # older files belong to earlier runs
 trap 'rm -f "$started"' EXIT
-# A kill of this script ends the launcher too, and the launcher its ranks.
+# A signal to this script ends the launcher too, and the launcher its ranks.
 trap 'interrupted 143' TERM
 trap 'interrupted 130' INT
 code=0
@@ -225,10 +238,10 @@ hold_summary < <(
 )
 wait "$!" || code=$?
 trap - INT TERM
-# mpiexec was told to be quiet, so this is the only word about a crash.
-[[ $code -lt 128 ]] || echo "run.sh: $program ended by signal $((code - 128))" >&2
+# The launcher is quiet, so this is the only message about a crash.
+[[ $code -lt 128 ]] || echo "run.sh: signal $((code - 128)) ended $program" >&2
 
-# Rank files of an earlier run with another number of ranks go away.
+# Removes rank files of earlier runs with another number of ranks, and joins those of this run.
 join_rank_files() {
   local epu other
   for other in "$joined".[0-9]*.0*; do
@@ -237,7 +250,7 @@ join_rank_files() {
   [[ $ranks -gt 1 ]] || return 0
   epu=$(find_epu)
   if [[ -z $epu ]]; then
-    echo "run.sh: no epu found; the rank files $joined.$ranks.* are not joined"
+    echo "run.sh: epu was not found; the rank files $joined.$ranks.* are not joined"
     return 1
   fi
   rm -f "$joined"
@@ -250,7 +263,7 @@ join_rank_files() {
 draw() {
   local python=/usr/bin/python3 text
   if ! "$python" -c 'import netCDF4, matplotlib' 2>/dev/null; then
-    echo "run.sh: no picture: $python lacks the modules netCDF4 and matplotlib"
+    echo "run.sh: no picture: $python needs the modules netCDF4 and matplotlib"
   elif text=$("$python" "$root/miniapp/render_wall.py" "$joined" --output "$output/$name.png" 2>&1); then
     echo "picture  $output/$name.png"
   else

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that Brickwall builds with. Says what it installs; asks for nothing
-# when everything is there. Needs apt-get (and sudo when not root) only if something is missing.
+# Installs the Debian packages that Brickwall needs, and prints their names. Does nothing if all are installed; otherwise it needs
+# apt-get, and sudo if not run as root.
 #
 #   cmake/install_packages.sh [--check] [--with-format]
 #
-# --check installs nothing and only names what Debian's package list lacks: with dependencies of the user's own
-# (modules, Spack) that may be right.
+# --check installs nothing and only prints the packages that are not installed. That may be right if the user provides the
+# dependencies (modules, Spack).
 set -euo pipefail
 
 packages=(
@@ -30,7 +30,7 @@ done
 
 missing=()
 for package in "${packages[@]}"; do
-  # A virtual or pre-release state is not "installed": ask dpkg for the exact status.
+  # dpkg also knows packages that were removed or half installed: only the exact status counts.
   status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
   [[ "$status" == installed ]] || missing+=("$package")
 done
@@ -38,18 +38,18 @@ done
 
 if [[ $check_only == yes ]]; then
   if command -v dpkg-query >/dev/null; then
-    echo "setup: not installed as Debian packages, to be found elsewhere: ${missing[*]}"
+    echo "setup: not installed as Debian packages, expected from elsewhere: ${missing[*]}"
   fi
   exit 0
 fi
 if ! command -v apt-get >/dev/null; then
-  echo "setup: these packages are missing and there is no apt-get to install them: ${missing[*]}" >&2
+  echo "setup: packages are missing and there is no apt-get to install them: ${missing[*]}" >&2
   exit 1
 fi
 as_root=()
 if [[ $(id -u) -ne 0 ]]; then
   if ! command -v sudo >/dev/null; then
-    echo "setup: not root and no sudo; ask an administrator for: apt-get install ${missing[*]}" >&2
+    echo "setup: neither root nor sudo; ask an administrator to run: apt-get install ${missing[*]}" >&2
     exit 1
   fi
   as_root=(sudo)

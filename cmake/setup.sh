@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Makes everything ready to run: packages, the cached Trilinos, configuration and build of one preset. Does only what
-# is not done yet, and prints one line for each thing that it does; the rest goes to setup.log in the build folder.
+# Installs packages, builds the cached Trilinos, configures and builds one preset. Skips the parts that are done, and prints one
+# line for each part that it does; all other output goes to setup.log in the build folder.
 #
 #   cmake/setup.sh [--preset NAME] [--target TARGET] [--with-format]
 #
-# Preset "default" is built in build/, any other in build-NAME/. TARGET defaults to everything.
+# The preset "default" is built in build/, any other in build-NAME/. TARGET defaults to all.
 #
-# A Kokkos of the user's own is taken from Kokkos_ROOT, Kokkos_DIR or CMAKE_PREFIX_PATH in the environment, or from a
-# build folder that was configured by hand. Then nothing is downloaded, and packages are only checked for.
+# The user may provide a Kokkos by Kokkos_ROOT, Kokkos_DIR or CMAKE_PREFIX_PATH in the environment, or by a build folder that
+# was configured without this script. Nothing is downloaded then, and packages are checked but not installed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -33,12 +33,12 @@ fail() {
   exit 1
 }
 
-cached() { # the value of a variable in the build folder's CMake cache
+cached() { # the value of a variable in the CMake cache of the build folder
   sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true
 }
 cache_folder=${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}
 
-# Where the user keeps a Kokkos of his own; fails if there is none.
+# Prints the location of a Kokkos that the user provides; fails if there is none.
 users_kokkos() {
   if [[ -n ${Kokkos_ROOT:-} || -n ${Kokkos_DIR:-} ]]; then
     echo "${Kokkos_ROOT:-$Kokkos_DIR}"
@@ -53,7 +53,7 @@ users_kokkos() {
       return
     fi
   done
-  # Configured by hand: no note of ours beside the CMake cache.
+  # Configured without this script, which leaves setup.dependencies beside the CMake cache.
   folder=$(cached Kokkos_DIR)
   if [[ -n $folder && ! -e $build/setup.dependencies && $folder != "$cache_folder"/* ]]; then
     echo "$folder"
@@ -70,7 +70,7 @@ else
   export CMAKE_PREFIX_PATH=$dependencies${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}
 fi
 
-# CMake remembers where it found a package, so other dependencies need a fresh start.
+# CMake caches the location of each package, so other dependencies need a new cache.
 mkdir -p "$build"
 if [[ -e $build/setup.dependencies && $(<"$build/setup.dependencies") != "$dependencies" ]]; then
   rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"
@@ -82,8 +82,8 @@ if [[ ! -e $build/build.ninja || ! -e $build/CMakeCache.txt || CMakePresets.json
   [[ -n $(cached Kokkos_DIR) ]] && echo "$dependencies" >"$build/setup.dependencies"
 fi
 
-# Lines of a build go to the log; now and then one is told: on a terminal in place, else as a line every ten seconds or so.
-tell_progress() {
+# Writes the lines of a build to the log and shows its progress: in place on a terminal, otherwise as a line every ten seconds.
+show_progress() {
   local line steps last=$SECONDS
   while IFS= read -r line; do
     printf '%s\n' "$line" >>"$log"
@@ -99,16 +99,16 @@ tell_progress() {
   [[ ! -t 1 ]] || printf '\r\033[K'
 }
 
-# One compiler takes up to 1.5 GB.
+# One compiler needs up to 1.5 GB of memory.
 cores=$(nproc)
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
 jobs=$((fitting < cores ? fitting : cores))
 jobs=$((jobs < 1 ? 1 : jobs))
-# A few steps only note the commit and link anew; they are not worth a line.
+# A few steps only record the commit and link; they need no message.
 plan=$(ninja -C "$build" -n "$target" 2>&1 || true)
 if [[ $plan != *"no work to do"* ]]; then
   steps=$(sed -n 's#^\[[0-9]*/\([0-9]*\)\].*#\1#p' <<<"$plan" | tail -n 1)
   [[ ${steps:-99} -le 5 && $plan != *"Re-running CMake"* ]] || say "building $build/ ($jobs at a time)"
   : >"$log"
-  cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | tell_progress || fail "the build failed"
+  cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | show_progress || fail "the build failed"
 fi

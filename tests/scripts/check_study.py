@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""check_study.py FOLDER: are the files right that study_test.sh has a study write? W(2), 2 repetitions, methods paper and
+"""check_study.py FOLDER: checks the files that the study of study_test.sh writes: W(2), 2 repetitions, methods paper and
 reference, 1 and 2 ranks."""
 import csv
 import json
@@ -39,7 +39,7 @@ for row in rows:
     check((int(row["ghost_faces"]) > 0) == (row["ranks"] == "2"), f"ghosts of {who}")
     check(float(row["timer_node_boxes_mean_ms"]) > 0, f"node boxes of {who}")
     check(bool(row["timer_search_2_cpu_mean_ms"]) == (row["timing"] == "paper"), f"CPU time of timers of {who}")
-    # The reference tests all pairs of 37,000 nodes and 17,400 faces, a tree a few dozen a node.
+# The reference tests all pairs of 37,000 nodes and 17,400 faces; a tree tests a few dozen faces a node.
 slowest = {method: min(float(row["search_median_ms"]) for row in rows if row["method"] == method)
            for method in ("paper", "reference")}
 check(slowest["reference"] > 5 * slowest["paper"], f"all pairs are no slower than a tree: {slowest}")
@@ -54,14 +54,14 @@ for run in study["runs"]:
     timers = run["report"]["timers"]
     check(len(timers) == 13, f"timers of {run['name']}")
     parts = {part: run["report"]["seconds"][part]["mean"] for part in ("search", "local_search")}
-    told = sum(timer["mean"] for timer in timers) + parts["local_search"]
-    check(abs(told - parts["search"]) <= 1e-6 + 1e-3 * parts["search"], f"timers of {run['name']} add up to {told}")
+    total = sum(timer["mean"] for timer in timers) + parts["local_search"]
+    check(abs(total - parts["search"]) <= 1e-6 + 1e-3 * parts["search"], f"timers of {run['name']} add up to {total}")
 
 text = (folder / "study.md").read_text()
 for part in ("## Times", "## First search", "## Counts", "## The 13 timers", "| 2 | 17,400 | paper | 1 x 1 |"):
     check(part in text, f"study.md lacks {part!r}")
-check("## Failed" not in text, "study.md tells of failures")
-# One size on one thread count: no thread scaling to draw.
+check("## Failed" not in text, "study.md lists failures")
+# One thread count gives no plot of thread scaling.
 for name in ("fig08_search_time.png", "fig09_migration.png", "fig11_timers.png"):
     check(f"]({name})" in text, f"study.md does not show {name}")
     data = (folder / name).read_bytes()

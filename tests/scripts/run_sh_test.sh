@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run_sh_test.sh RUN_SH PROGRAM INPUTS: what run.sh promises about its arguments, files, last lines and exit codes.
+# run_sh_test.sh RUN_SH PROGRAM INPUTS: tests the arguments, files, last lines and exit codes of run.sh.
 set -euo pipefail
 run_sh=$1 program=$2 inputs=$3
 work=$(mktemp -d)
@@ -29,28 +29,35 @@ if /usr/bin/python3 -c 'import netCDF4, matplotlib' 2>/dev/null; then
   [[ -s out/one_brick/one_brick.png ]] || fail "no picture"
 fi
 
-# One rank in the same folder: the rank files of the run before go away, the folder may be named.
+# One rank in the same folder removes the rank files of the earlier run; -o names another folder.
 expect 0 "$inputs/one_brick.toml" --steps 20 --no-picture
 [[ ! -e out/one_brick/one_brick.exo.2.0 ]] || fail "rank files of an earlier run are still there"
 expect 0 mesh "$inputs/one_brick.toml" -n 2 -o elsewhere
 [[ -s elsewhere/one_brick.exo ]] || fail "no mesh in the folder of -o"
 
-# Nothing is written when nothing is to be; exit codes come through.
+# check writes nothing; exit codes are those of the program.
 expect 0 check "$inputs/one_brick.toml" -o checked
 [[ ! -e checked ]] || fail "check writes files"
 expect 2 run "$inputs/one_brick.toml" --set wall.brics=1
 expect 2 run no_such_deck.toml
 expect 2 run -n none
 
-# An option without its value is told, not taken for what stands behind it.
+# Many more ranks than cores are refused unless the user insists; a few more give a warning.
+too_many=$((8 * $(nproc) + 1))
+expect 2 check "$inputs/one_brick.toml" -n $too_many
+grep -q -- "$too_many ranks are more than 8 for each of the .* cores; --oversubscribe" log || fail "too many ranks are not refused"
+expect 0 mesh "$inputs/one_brick.toml" -n $(($(nproc) + 1)) -o oversubscribed
+grep -q 'warning: .* ranks share .* cores' log || fail "more ranks than cores give no warning"
+
+# An option without its value is an error; the next option is not taken for the value.
 for options in "-n -o x" "-o -n 2" "-t --steps 5" "--set --no-picture" "--preset -n 2" "--ranks=" "--output= -n 1"; do
   # shellcheck disable=SC2086
   expect 2 run "$inputs/one_brick.toml" $options
-  grep -q -- "^run.sh: ${options%%[ =]*} needs a value" log || fail "run.sh $options: the option without a value is not told"
+  grep -q -- "^run.sh: ${options%%[ =]*} needs a value" log || fail "run.sh $options: the error does not name the option without a value"
 done
 [[ ! -e x ]] || fail "an option without its value leaves files"
 
-# A run that is killed says how to join what its ranks have written.
+# A run that is killed prints the command that joins its rank files.
 "$run_sh" run "$inputs/one_brick.toml" --program "$program" -n 2 -t 1 -o killed --steps 100000000 --set time.end=1e3 >log 2>&1 &
 running=$!
 for _ in $(seq 100); do [[ -s killed/one_brick.exo.2.1 && -s killed/history.csv ]] && break; sleep 0.1; done
@@ -58,17 +65,17 @@ code=0
 kill -TERM "$running"
 wait "$running" || code=$?
 [[ $code -eq 143 ]] || fail "a run that is killed ends with $code"
-grep -q 'run.sh: interrupted; the rank files are not joined' log || fail "a killed run does not tell of its rank files"
+grep -q 'run.sh: interrupted; the rank files are not joined' log || fail "a killed run prints nothing about its rank files"
 join=$(tail -n 1 log)
-[[ ! $join =~ ^\ \ cd\ \'killed\'\ .*\ -auto\ \'one_brick.exo.2.0\'$ ]] && fail "how to join is not told"
+[[ ! $join =~ ^\ \ cd\ \'killed\'\ .*\ -auto\ \'one_brick.exo.2.0\'$ ]] && fail "the command that joins is not printed"
 if [[ $join != *"'epu'"* ]]; then
-  (eval "$join") >join.log 2>&1 || { cat join.log; fail "what is told does not join"; }
-  [[ -s killed/one_brick.exo ]] || fail "what is told makes no joined file"
+  (eval "$join") >join.log 2>&1 || { cat join.log; fail "the printed command does not join"; }
+  [[ -s killed/one_brick.exo ]] || fail "the printed command makes no joined file"
 fi
 
-# Studies: an unknown one is refused with those that there are, decks are not for them, each has a help of its own.
+# Studies: an unknown name is refused with the list of names, decks are refused, each study has its own help.
 expect 2 --study papers
-grep -q 'no study "papers"; there are: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
+grep -q 'unknown study "papers"; known studies: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
 expect 2 --study
 expect 2 --study paper "$inputs/one_brick.toml"
 expect 2 --study paper --sizes none -o study
@@ -76,4 +83,4 @@ expect 0 --study paper -h
 grep -q -- '--sizes' log || fail "a study has no help"
 expect 0 search "$inputs/wall_17k.toml" -o search_only --set search.repetitions=1
 [[ -s search_only/search.json && ! -e search_only/report.json ]] || fail "a search does not write its own report"
-echo "run.sh keeps its promises"
+echo "run.sh works as documented"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# study_test.sh RUN_SH PROGRAM CHECK: a tiny study of the paper's figures; its files are checked by content, a second call
-# takes the runs over, and a program that fails is survived and told.
+# study_test.sh RUN_SH PROGRAM CHECK: runs a tiny study of the paper's figures. Checks the contents of its files, that a second
+# call reuses finished runs, and that a failing program is reported while the study continues.
 set -euo pipefail
 run_sh=$1 program=$2 check=$3
 work=$(mktemp -d)
@@ -20,19 +20,19 @@ study() { "$run_sh" --study paper --sizes 2 --repetitions 2 "$@" >log 2>&1; }
 
 study --program "$program" --methods paper,reference -n 1,2 -t 1 -o tiny || fail "the study ends with an error"
 /usr/bin/python3 "$check" tiny || fail "the files of the study are wrong"
-grep -q 'taken over' log && fail "a first study takes runs over"
+grep -q 'reused' log && fail "a first study reuses runs"
 
-# Again: nothing is run but what changed; other repetitions are other runs.
+# A second call runs only cases that changed; another number of repetitions makes other cases.
 study --program "$program" --methods paper -n 1 -t 1 -o tiny || fail "the second call ends with an error"
-[[ $(grep -c 'taken over' log) -eq 3 ]] || fail "finished runs are not taken over"
+[[ $(grep -c 'reused' log) -eq 3 ]] || fail "finished runs are not reused"
 study --program "$program" --methods paper -n 1 -t 1 -o tiny --repetitions 1 || fail "the third call ends with an error"
-grep -q 'taken over' log && fail "runs with other options are taken over"
+grep -q 'reused' log && fail "runs with other options are reused"
 
-# Memory: what does not fit is left out and told.
+# Cases that need too much memory are left out, with the reason.
 study --program "$program" --methods paper -n 1 -t 1 -o small --memory 0.03 && fail "a study without a run passes"
-grep -q 'left out paper, W(2), 1 rank: needs about' log || fail "what does not fit is not told"
+grep -q 'left out paper, W(2), 1 rank: needs about' log || fail "a case that needs too much memory is not reported"
 
-# A program that knows one method and dies in some runs: the study goes on, tells, and fails.
+# A program that knows one method and fails in some runs: the study continues, reports the failures, and fails.
 mkdir -p fake/miniapp
 cat >fake/miniapp/brickwall <<SCRIPT
 #!/bin/bash
@@ -47,9 +47,9 @@ chmod +x fake/miniapp/brickwall
 code=0
 study --program fake/miniapp/brickwall --methods paper,cluster -n 1 -t 1 -o broken || code=$?
 [[ $code -eq 1 ]] || fail "a study with a failed run ends with $code instead of 1"
-grep -q 'left out method cluster: the program does not take it' log || fail "an unknown method is not told"
-grep -q 'FAILED   W2_paper_n1_t1_paper: failed: exit code 1: brickwall: error: it broke' log || fail "why it failed is not told"
-grep -q ',ok,' broken/study.csv || fail "the runs that went well are not in the table"
+grep -q 'left out method cluster: the program refuses it' log || fail "an unknown method is not reported"
+grep -q 'FAILED   W2_paper_n1_t1_paper: failed: exit code 1: brickwall: error: it broke' log || fail "the reason of the failure is not reported"
+grep -q ',ok,' broken/study.csv || fail "the finished runs are not in the table"
 grep -q ',failed,' broken/study.csv || fail "the run that failed is not in the table"
-grep -q '## Failed' broken/study.md || fail "study.md does not tell failed runs"
-echo "the study keeps its promises"
+grep -q '## Failed' broken/study.md || fail "study.md lacks the failed runs"
+echo "the study works as documented"

@@ -9,7 +9,7 @@ def execute(command, log, limit, environment=None):
     """Runs `command`, with more variables in its `environment`, and returns ("ok" | "failed" | "out of time", message, exit
     code or None)."""
     with open(log, "w") as file:
-        # A group of its own, so that what run.sh started ends with it.
+        # A process group, so that the children of run.sh end with it.
         process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True,
                                    env={**os.environ, **(environment or {})})
         try:
@@ -24,9 +24,9 @@ def execute(command, log, limit, environment=None):
 
 
 def last_words(log):
-    """The last error that the program or run.sh told, else the last line."""
+    """The last error message of the program or of run.sh, otherwise the last line."""
     lines = [line for line in Path(log).read_text(errors="replace").splitlines() if line.strip()]
-    errors = [line for line in lines if line.startswith(("brickwall:", "run.sh:"))]
+    errors = [line for line in lines if line.startswith(("brickwall:", "run.sh:")) and "run.sh: warning" not in line]
     return (errors or lines or ["no output"])[-1]
 
 

@@ -1,5 +1,5 @@
-// The wall W(n) of the search benchmarks (shared figures, inputs/wall_*.toml): 15 bricks x 29 courses in running bond,
-// each brick 2 x 1 x 1 with 2n x n x n elements, 4350 n^2 faces, jittered and drifting as the decks say.
+// The wall W(n) of the search benchmarks (inputs/wall_*.toml): 15 bricks x 29 courses in running bond, each brick 2 x 1 x 1
+// with 2n x n x n elements, 4350 n^2 faces, jittered and drifting as in the decks.
 #pragma once
 
 #include "contact/surface/search_config.hpp"
@@ -21,13 +21,13 @@ io::SurfacePart wallSurface(MPI_Comm comm, int n);
 miniapp::SearchSurface movingWall(const exec_space& space, MPI_Comm comm, int n,
                                   const io::SurfacePart& part);
 
-// Our methods by the names that command lines take.
+// Brickwall's methods by their names on command lines.
 const std::map<std::string, contact::SearchMethod>& searchMethods();
 
 // Both tolerances are 5 % of an element's edge.
 contact::SearchConfig wallSearch(int n, contact::SearchMethod method);
 
-// The boxes that the search makes of the surface, on the host: of owned nodes and of all faces.
+// The boxes that the search builds for owned nodes and for all faces of the surface, on the host.
 SearchBoxes searchBoxes(const exec_space& space, const contact::Surface& surface,
                         const contact::SearchConfig& config);
 

@@ -1,14 +1,13 @@
-// Prints the speed of contact enforcement (candidate pairs per second, rejected ones included; without search and solver) on
-// a wall of bricks of 16x8x8 elements in running bond, of rigid bodies that come to be in contact all over, stand flush, or fly
-// apart. Bodies in contact move at constant speed: other forces balance those of the contacts, as the elements' do; or nothing
-// does, so that the energy-neutral scheme takes each step for the contacts' last one and corrects all forces in every round.
-// Not a pass or fail: machines differ. BRICKWALL_COURSES: how many courses of as many bricks, about (29 are W(8)).
+// Prints the speed of contact enforcement, without search and solver, in candidate pairs per second, rejected pairs included.
+// The scene is a wall of rigid bricks of 16x8x8 elements in running bond that are pressed together, stand flush, or fly apart.
+// Bodies in contact move at constant speed: other forces balance those of the contacts, as the elements' forces do; or nothing
+// balances them, so that the energy-neutral scheme takes each step for the last one of every contact and corrects all forces in
+// every round. BRICKWALL_COURSES is the number of courses, each of about half as many bricks (29 courses are W(8)).
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
 #include "verification/performance/benchmarks/benchmark_clock.hpp"
-
-#include <gtest/gtest.h>
+#include "verification/performance/benchmarks/benchmark_main.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -97,7 +96,7 @@ public:
     edges = features;
   }
 
-  // x^n := x^{n+1}; then every brick stands this share of its way to the middle from where it was first.
+  // Advances x^n to x^{n+1}, then moves every brick from its first place by this share of its distance to the middle.
   void contract(double share) {
     std::swap(_old, _new);
     _surface.coordinates_old = _old;
@@ -189,18 +188,15 @@ void printSpeed(const char* name, double share_a_step, bool is_balanced = true) 
       1e-6 * pairs / median, 1e9 * median / pairs, concurrency(space));
 }
 
-TEST(EnforcementSpeed, FullContact) {
-  printSpeed("full contact", 2e-4);
-}
-TEST(EnforcementSpeed, FullContactCorrectedInEveryRound) {
-  printSpeed("all corrected", 2e-4, false);
-}
-TEST(EnforcementSpeed, AtRest) {
-  printSpeed("at rest", 0);
-}
-TEST(EnforcementSpeed, FlyingApart) {
-  printSpeed("flying apart", -2e-4);
-}
-
 } // namespace
 } // namespace brickwall::contact
+
+int main(int argc, char** argv) {
+  return brickwall::benchmarkMain(argc, argv, [] {
+    using brickwall::contact::printSpeed;
+    printSpeed("full contact", 2e-4);
+    printSpeed("all corrected", 2e-4, false);
+    printSpeed("at rest", 0);
+    printSpeed("flying apart", -2e-4);
+  });
+}

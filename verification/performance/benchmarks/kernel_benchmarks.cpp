@@ -1,5 +1,5 @@
-// The search's kernels one by one on the walls W(2) and W(8), under Google Benchmark. One rank; threads by OMP_NUM_THREADS.
-// Items are faces, nodes, keys or pairs, as the name says. Results are checked: a wrong one fails the run.
+// Times the kernels of the search one by one on the walls W(2) and W(8) with Google Benchmark, on one rank and OMP_NUM_THREADS
+// threads. Items are faces, nodes, keys or pairs, according to the name. Results are checked: a wrong one fails the run.
 #include "contact/base/mpi.hpp"
 #include "contact/search/cluster/cluster_pairs.hpp"
 #include "contact/search/exchange/face_migration.hpp"
@@ -45,7 +45,7 @@ struct Wall {
   GhostFaces no_ghosts;
 };
 
-std::map<int, std::unique_ptr<Wall>> walls; // made once, emptied before Kokkos ends
+std::map<int, std::unique_ptr<Wall>> walls; // built once, cleared before Kokkos ends
 
 Wall& wallOf(const benchmark::State& state) {
   auto& wall = walls[static_cast<int>(state.range(0))];
@@ -61,7 +61,7 @@ void expect(benchmark::State& state, bool right, const char* what) {
   state.SkipWithError(what);
 }
 
-// Runs `work` in every iteration after once for its buffers; fences.
+// Runs `work` once for its buffers, then in every iteration; fences.
 template <class Work>
 void repeat(benchmark::State& state, const exec_space& space, std::int64_t items,
             const Work& work) {
@@ -74,7 +74,7 @@ void repeat(benchmark::State& state, const exec_space& space, std::int64_t items
   state.SetItemsProcessed(state.iterations() * items);
 }
 
-// Every node's overlapping faces, its own among them: what the walk in the tree alone costs.
+// Accepts every overlapping face of a node, its own among them: the cost of the traversal alone.
 struct OverlapsFace {
   View<const Box*> node_boxes, face_boxes;
   KOKKOS_INLINE_FUNCTION OverlapsRow operator()(int node) const {
@@ -140,7 +140,8 @@ void clusterPairs(benchmark::State& state) {
   repeat(state, wall.space, pairs.count, find);
   QueryOrder order;
   QueryResults results;
-  const std::int64_t own = 4 * std::int64_t(wall.surface.num_faces); // it leaves those out
+  const std::int64_t own =
+      4 * std::int64_t(wall.surface.num_faces); // the search excludes the faces of a node
   expect(state, pairs.count + own == queryAllNodes(wall, order, results), "other pairs");
 }
 

@@ -13,7 +13,7 @@ auto onHost(const View<T>& view) {
   return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
 }
 
-// Appends (node, face) for each of the face's corners, a repeated corner of a triangle once, that is_owned accepts.
+// Appends (node, face) for each corner of the face that is_owned accepts; the repeated corner of a triangle counts once.
 template <class IsOwned>
 void addCorners(const global_id (&corners)[4], global_id face, const IsOwned& is_owned,
                 std::vector<IdPair>& pairs) {
@@ -55,7 +55,7 @@ std::vector<IdPair> OwnSearch::pairsWithOwnFaces(const contact::Surface& surface
                                                        : ghost_ids(faces(i) - surface.num_faces));
   }
 
-  std::unordered_set<global_id> owned_ids; // only ghosts need the look-up
+  std::unordered_set<global_id> owned_ids; // read for ghosts only
   if (ghosts.count > 0)
     for (int node = 0; node < surface.num_nodes; ++node)
       if (owned(node))
@@ -81,25 +81,25 @@ std::vector<IdPair> OwnSearch::pairsWithOwnFaces(const contact::Surface& surface
   return pairs;
 }
 
-PairDifference comparePairs(MPI_Comm comm, std::vector<IdPair>& wanted,
+PairDifference comparePairs(MPI_Comm comm, std::vector<IdPair>& expected,
                             std::vector<IdPair>& found) {
-  std::sort(wanted.begin(), wanted.end());
+  std::sort(expected.begin(), expected.end());
   std::sort(found.begin(), found.end());
   std::int64_t counts[3] = {0, 0, 0}; // missing, extra, repeated
-  auto want = wanted.begin();
+  auto want = expected.begin();
   for (auto it = found.begin(); it != found.end(); ++it) {
     if (it != found.begin() && *it == *(it - 1)) {
       ++counts[2];
       continue;
     }
-    for (; want != wanted.end() && *want < *it; ++want)
+    for (; want != expected.end() && *want < *it; ++want)
       ++counts[0];
-    if (want != wanted.end() && *want == *it)
+    if (want != expected.end() && *want == *it)
       ++want;
     else
       ++counts[1];
   }
-  counts[0] += wanted.end() - want;
+  counts[0] += expected.end() - want;
   allReduce(comm, counts, 3, MPI_SUM);
   return {counts[0], counts[1], counts[2]};
 }

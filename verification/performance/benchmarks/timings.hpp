@@ -1,4 +1,4 @@
-// Repeated timings of one thing: what is printed of them.
+// Repeated timings of one piece of work: their median, least and largest.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -10,7 +10,7 @@ namespace brickwall::peers {
 
 class Timings {
 public:
-  // Collective. Runs `work` from a barrier on; keeps the wall time of the slowest rank, seconds.
+  // Collective. Runs `work` after a barrier; keeps the wall-clock time of the slowest rank, in seconds.
   template <class Work>
   void measure(MPI_Comm comm, const Work& work) {
     barrier(comm);

@@ -11,7 +11,7 @@ double triadBandwidth(MPI_Comm comm, int mebibytes) {
   const auto a = allocate<View<double*>>(space, "triad::a", n);
   const auto b = allocate<View<double*>>(space, "triad::b", n);
   const auto c = allocate<View<double*>>(space, "triad::c", n);
-  Kokkos::parallel_for( // also: each thread's pages are placed by the thread that uses them
+  Kokkos::parallel_for( // each thread touches its own pages first
       "triad::fill", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
         a(i) = 0;
         b(i) = static_cast<double>(i % 7);

@@ -2,8 +2,8 @@
 """The study of the paper's Figs. 8 to 11: `./run.sh --study paper`.
 
 Runs `brickwall search` over sizes, methods, ranks and threads and writes study.csv, study.json, study.md and plots. A run
-that fails is recorded and the rest goes on; the exit code is then 1. Called again in the same folder, finished runs of the
-same program with the same options are taken over.
+that fails is reported, the others continue, and the exit code is 1. A second call in the same folder reuses the finished runs
+of the same program with the same options.
 """
 import datetime
 import signal
@@ -25,7 +25,7 @@ def counting_numbers(text):
     return numbers
 
 
-counting_numbers.__name__ = "list such as 1,2,4"  # argparse tells it
+counting_numbers.__name__ = "list such as 1,2,4"  # argparse prints it
 
 
 def parse_arguments():
@@ -35,12 +35,12 @@ def parse_arguments():
     parser.add_argument("--sizes", type=counting_numbers, default=list(PAPER_SIZES),
                         help="n of the walls W(n) with 4350 n^2 faces (default %(default)s)")
     parser.add_argument("--methods", default=",".join(METHODS), help="default %(default)s")
-    parser.add_argument("--repetitions", type=int, default=5, help="searches counted in each run (default 5)")
+    parser.add_argument("--repetitions", type=int, default=5, help="counted searches of each run (default 5)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/study_paper"), help="folder (default %(default)s)")
-    parser.add_argument("--memory", type=float, help="GB that a run may take (default: 90 %% of what is free)")
+    parser.add_argument("--memory", type=float, help="memory limit of a run in GB (default: 90 %% of the available memory)")
     parser.add_argument("--reference-seconds", type=float, default=60,
-                        help="estimated seconds of all-pairs tests that a run of `reference` may take (default 60)")
-    parser.add_argument("--limit", type=float, default=900, help="seconds after which a run is stopped (default 900)")
+                        help="limit of the estimated time of all-pairs tests in a run of `reference`, seconds (default 60)")
+    parser.add_argument("--limit", type=float, default=900, help="time limit of a run, seconds (default 900)")
     arguments = parser.parse_args()
     arguments.methods = list(dict.fromkeys(arguments.methods.split(",")))
     unknown = [method for method in arguments.methods if method not in METHODS]
@@ -58,15 +58,15 @@ def run_all(plan, runner):
         try:
             result = runner.run(case)
         except KeyboardInterrupt:
-            print("interrupted; what has finished is written")
+            print("interrupted; the finished runs are written")
             return results + [Result(case, "failed", "interrupted")]
         results.append(result)
-        plan.told(result)
+        plan.record(result)
         if result.state != "ok":
             print(f"{result.state}: {result.message}")
         else:
             times = result.report["seconds"]["search"]
-            print(f"{1e3 * times['median']:10.2f} ms" + (" (taken over)" if result.taken_over else ""), flush=True)
+            print(f"{1e3 * times['median']:10.2f} ms" + (" (reused)" if result.reused else ""), flush=True)
     return results
 
 
@@ -92,10 +92,10 @@ def write_markdown(path, study, rows, figures):
     if good:
         text += [
             f"## Times\n\nMin / median / max over {searches} steady searches of the slowest rank, in one run without "
-            "synchronisation. CPU time is that of all threads of a rank, mean over ranks, without what waiting for others "
-            "burnt, from a second run with `--timing paper`; imbalance is that of the largest rank over the mean. Memory is "
-            "what the searches of all ranks took above their inputs.\n", tables.times_table(good),
-            "## First search, shuffled input\n\nLocal nodes and faces in random order; the first search sorts and "
+            "synchronisation. CPU time is that of all threads of a rank, mean over ranks, without waits for other ranks, from a "
+            "second run with `--timing paper`; imbalance is the largest CPU time of a rank over the mean. Memory is that of "
+            "the searches of all ranks, without their inputs.\n", tables.times_table(good),
+            "## First search, shuffled input\n\nLocal nodes and faces are in random order; the first search also sorts and "
             "allocates.\n", tables.first_table(good),
             "## Counts, last search, all ranks\n", tables.counts_table(good),
             "## The 13 timers\n\nMean over ranks and searches, `--timing paper`; without the local search.\n",
@@ -137,7 +137,7 @@ def main():
     for method in arguments.methods:
         known, reason = runner.knows_method(method)
         methods += [method] if known else []
-        left_out += [] if known else [f"method {method}: the program does not take it: {reason}"]
+        left_out += [] if known else [f"method {method}: the program refuses it: {reason}"]
     layouts, more_left_out = default_layouts(arguments.ranks, arguments.threads, place["physical_cores"])
     memory = 1e9 * arguments.memory if arguments.memory else 0.9 * machine.memory_bytes("MemAvailable")
     plan = PaperPlan(arguments.sizes, layouts, methods, arguments.repetitions, place["physical_cores"], memory,

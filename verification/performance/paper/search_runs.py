@@ -1,7 +1,7 @@
-"""Runs of `brickwall search`: one case of a study, its folder, and what came of it.
+"""Runs of `brickwall search`: one case of a study, its folder and its result.
 
 A run leaves search.json (the program's report), log.txt and run.json in a folder of its own. run.json names the program
-and the options, so that a study that is called again takes over what is finished and unchanged.
+and the options, so that a later call of the study reuses the finished runs that have not changed.
 """
 import hashlib
 import json
@@ -13,9 +13,9 @@ from pathlib import Path
 from framework.process import execute
 
 INPUTS = Path(__file__).resolve().parents[3] / "inputs"
-# The walls W(n) of the paper's sizes have decks of their own; any other is one of these with other elements.
+# The walls W(n) of the paper's sizes have their own decks; any other wall is one of these with other elements.
 DECKS = {2: "wall_17k", 8: "wall_278k", 16: "wall_1113k", 32: "wall_4454k", 42: "wall_7673k", 64: "wall_17818k"}
-WARMUP = 2  # searches before those that count; the same for all, so that all end on the same surface
+WARMUP = 2  # searches that are not counted; the same for all runs, so that all end on the same surface
 
 
 def faces_of(n):
@@ -24,15 +24,15 @@ def faces_of(n):
 
 @dataclass(frozen=True)
 class Case:
-    """One run: the wall W(n), the method, the layout, and how it is timed."""
+    """One run: the wall W(n), the method, the layout and the kind of timing."""
 
     n: int
     method: str
     ranks: int
     threads: int
     timing: str = "normal"  # or "paper": ranks meet before each phase
-    shuffled: bool = False  # local order permuted, for the first search
-    local: bool = True  # the local search too
+    shuffled: bool = False  # nodes and faces in random order, for the first search
+    local: bool = True  # with the local search
     repetitions: int = 5
 
     def name(self):
@@ -40,7 +40,7 @@ class Case:
         return f"W{self.n}_{self.method}_n{self.ranks}_t{self.threads}_{self.timing}{extras}"
 
     def options(self):
-        """What run.sh is told beside the program and the folder."""
+        """The options of run.sh, except those for program and folder."""
         settings = [f"search.method={self.method}", f"search.repetitions={self.repetitions}", f"search.warmup={WARMUP}"]
         if self.n not in DECKS:
             settings += [f"wall.elements=[{2 * self.n},{self.n},{self.n}]",
@@ -58,14 +58,14 @@ class Case:
 
 @dataclass
 class Result:
-    """What came of a case."""
+    """The result of a case."""
 
     case: Case
     state: str  # "ok", "failed", "out of time"
     message: str = ""
     report: dict = None  # search.json, of state "ok"
     seconds: float = 0.0  # of the whole run, set-up included
-    taken_over: bool = False  # from an earlier call of the study
+    reused: bool = False  # from an earlier call of the study
 
 
 class Runner:
@@ -76,7 +76,7 @@ class Runner:
         self.fingerprint = hashlib.sha256(Path(program).read_bytes()).hexdigest()
 
     def knows_method(self, method):
-        """(True, "") or (False, what the program says)."""
+        """(True, "") or (False, the last line that the program prints)."""
         done = subprocess.run(
             [self.run_sh, "check", str(INPUTS / "wall_17k.toml"), "-t", "1", "--set", f"search.method={method}",
              "--program", self.program], capture_output=True, text=True)
@@ -88,7 +88,7 @@ class Runner:
         record = {"program": self.fingerprint, "options": case.options()}
         earlier = self._finished(place, record)
         if earlier:
-            return Result(case, "ok", report=earlier["report"], seconds=earlier["seconds"], taken_over=True)
+            return Result(case, "ok", report=earlier["report"], seconds=earlier["seconds"], reused=True)
         place.mkdir(parents=True, exist_ok=True)
         for name in ("run.json", "search.json"):
             (place / name).unlink(missing_ok=True)

@@ -1,7 +1,7 @@
 """Plots of the paper's Figs. 8 to 11 from the rows of a study (study_tables.row_of).
 
-Where the ranks share cores, wall clock says how the system shared them: then CPU time per rank without waits (mean over
-ranks, --timing paper) is drawn in its place, and the axis says so.
+Where the ranks share cores, wall-clock time depends on how the system shared them: the plots then show CPU time per rank without
+waits (mean over ranks, --timing paper), and the axis says so.
 """
 import textwrap
 
@@ -19,13 +19,13 @@ LARGE_SEARCHES = ("searches 0 and 1", "search 2")
 
 class Figures:
     def __init__(self, rows, cores, folder, subtitle):
-        # Sizes along an axis of faces: "278K".
+        # The sizes are the ticks of the axis of faces, such as "278K".
         self.faces = sorted({row["faces"] for row in rows if row["state"] == "ok"})
         self.rows = [row for row in rows if row["state"] == "ok" and not row["shuffled"]]
         self.cores, self.folder, self.subtitle = cores, folder, subtitle
 
     def draw_all(self):
-        """Names of the files written; what there is no run for is not drawn."""
+        """Draws all figures for which there are runs; returns the names of the files."""
         plt.rcParams.update({"axes.grid": True, "grid.color": "#dddddd", "axes.spines.top": False,
                              "axes.spines.right": False, "legend.frameon": False, "legend.fontsize": 7,
                              "legend.handlelength": 3.5,
@@ -44,7 +44,7 @@ class Figures:
                 written.append(name)
         return written
 
-    # The paper's 4 ranks if there are any such runs, else the most.
+    # The paper's 4 ranks if there are such runs, otherwise the largest number.
     def _ranks_for_sizes(self):
         ranks = {row["ranks"] for row in self.rows}
         return 4 if 4 in ranks else max(ranks, default=1)
@@ -55,8 +55,8 @@ class Figures:
             return "cpu", f"CPU ms per rank ({ranks} ranks share {self.cores} cores)"
         return "wall", "wall clock, ms"
 
-    def _pick(self, **wanted):
-        return [row for row in self.rows if all(row[key] == value for key, value in wanted.items())]
+    def _pick(self, **values):
+        return [row for row in self.rows if all(row[key] == value for key, value in values.items())]
 
     def _part(self, row, part, clock):
         return row.get(f"{part}_cpu_mean_ms" if clock == "cpu" else f"{part}_median_ms")
@@ -65,7 +65,7 @@ class Figures:
         return sum(row[column(timer, "cpu_mean" if clock == "cpu" else "mean")] for timer in timers)
 
     def _by_faces(self, axis, ranks, timing, value, style, label):
-        """A line for each method against the faces, with the fewest threads."""
+        """A line for each method against the number of faces, with the smallest number of threads."""
         threads = min(row["threads"] for row in self._pick(ranks=ranks))
         for method in COLOURS:
             points = sorted((row["faces"], value(row)) for row in self._pick(ranks=ranks, threads=threads, method=method,
@@ -104,12 +104,12 @@ class Figures:
         self._by_faces(axis, ranks, "paper", lambda r: self._timers_sum(r, whole, clock), "-", ", phases 1 to 6")
         self._by_faces(axis, ranks, "paper", lambda r: self._timers_sum(r, ("migration",), clock) or None, "--",
                        ", migration")
-        axis.set(title=f"Ghosting function and migration, {counted(ranks, 'rank')}, waits apart", ylabel=unit)
+        axis.set(title=f"Ghosting function and migration, {counted(ranks, 'rank')}, without waits", ylabel=unit)
         axis.legend()
         return figure
 
     def _threads(self):
-        """The largest wall that ran with the most threads, on the fewest ranks that have several thread counts."""
+        """The largest wall among the runs on the smallest number of ranks that have several thread counts."""
         counts = {}
         for row in self._pick(timing="normal"):
             counts.setdefault((row["ranks"], row["n"]), set()).add(row["threads"])
@@ -140,7 +140,7 @@ class Figures:
         return figure
 
     def _timers(self, ranks):
-        """The paper's 4458K case, W(32), if it ran with all methods that have several sizes, else the largest."""
+        """The paper's 4458K case, W(32), if it ran, otherwise the largest wall."""
         rows = self._pick(ranks=ranks, timing="paper")
         if not rows:
             return None

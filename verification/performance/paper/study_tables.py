@@ -1,4 +1,4 @@
-"""The tables of a study of searches: study.csv with one row a run, study.json with everything, study.md to be read."""
+"""The tables of a study of searches: study.csv with one row a run, study.json with all data, the tables of study.md."""
 import csv
 import json
 
@@ -21,7 +21,8 @@ def column(timer, what):
 
 
 def row_of(result):
-    """A flat row; times in ms of the slowest rank unless the column says mean. What was not measured is empty."""
+    """A flat row; times in ms of the slowest rank, or the mean over ranks where the column says so. Columns that were not measured
+    are empty."""
     case, report = result.case, result.report
     row = {"n": case.n, "faces": None, "nodes": None, "method": case.method, "ranks": case.ranks, "threads": case.threads,
            "timing": case.timing, "shuffled": int(case.shuffled), "state": result.state, "message": result.message,
@@ -31,10 +32,10 @@ def row_of(result):
     row.update(faces=report["faces"], nodes=report["nodes"], first_search_ms=1e3 * report["first_search_seconds"])
     for part in PARTS:
         if part != "global_search" and not case.local:
-            continue  # without the local search there is no whole one
+            continue  # the whole search includes the local one
         wall, cpu = report["seconds"][part], report["cpu_seconds"][part]
-        for what in ("min", "median", "max"):
-            row[f"{part}_{what}_ms"] = 1e3 * wall[what]
+        for figure in ("min", "median", "max"):
+            row[f"{part}_{figure}_ms"] = 1e3 * wall[figure]
         row[f"{part}_imbalance"] = wall["imbalance"]
         row[f"{part}_cpu_median_ms"] = 1e3 * cpu["median"]
         row[f"{part}_cpu_mean_ms"] = 1e3 * cpu["mean"]
@@ -52,18 +53,18 @@ def row_of(result):
 
 
 def disagreements(rows):
-    """Runs of one wall must count the same, whatever the method and the threads; pairs on any ranks too."""
+    """Runs of one wall must have the same counts for all methods and threads; the pairs also for all numbers of ranks."""
     faults = []
-    for count, same in (("ghost_faces", ("n", "ranks", "repetitions")), ("candidate_pairs", ("n", "repetitions"))):
+    for count, equal in (("ghost_faces", ("n", "ranks", "repetitions")), ("candidate_pairs", ("n", "repetitions"))):
         found = {}
         for row in rows:
             if row.get(count) is not None:
-                found.setdefault(tuple(row[key] for key in same), {}).setdefault(row[count], []).append(
+                found.setdefault(tuple(row[key] for key in equal), {}).setdefault(row[count], []).append(
                     f"{row['method']} {row['ranks']}x{row['threads']}")
         for key, values in found.items():
             if len(values) > 1:
-                told = "; ".join(f"{value}: {', '.join(sorted(set(who)))}" for value, who in values.items())
-                faults.append(f"W({key[0]}): {count} differ: {told}")
+                found_text = "; ".join(f"{value}: {', '.join(sorted(set(who)))}" for value, who in values.items())
+                faults.append(f"W({key[0]}): {count} differ: {found_text}")
     return faults
 
 
@@ -76,7 +77,7 @@ def write_csv(path, rows):
 
 
 def write_json(path, study, results):
-    runs = [{"name": r.case.name(), **vars(r.case), "state": r.state, "message": r.message, "taken_over": r.taken_over,
+    runs = [{"name": r.case.name(), **vars(r.case), "state": r.state, "message": r.message, "reused": r.reused,
              "run_seconds": r.seconds, "report": r.report} for r in results]
     with open(path, "w") as file:
         json.dump({**study, "runs": runs}, file, indent=1)
@@ -134,7 +135,7 @@ def counts_table(rows):
 
 
 def timers_table(rows):
-    """Of the runs with --timing paper: wall clock and CPU time, mean over ranks and searches."""
+    """Wall-clock and CPU time of the runs with --timing paper, mean over ranks and searches."""
     lines = [[f"W({r['n']}) {r['method']} {r['ranks']} x {r['threads']}",
               *(f"{number(r[column(timer, 'mean')])} ({number(r[column(timer, 'cpu_mean')])})" for timer in TIMERS)]
              for r in rows if r["timing"] == "paper"]

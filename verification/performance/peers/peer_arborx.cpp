@@ -1,5 +1,7 @@
-// ArborX 2: its bounding volume hierarchy built over the face boxes, then the list of faces for every node box (two passes,
-// offsets and indices). In float, as it is fastest, and in double; queries in Morton order or as they come.
+// ArborX 2 builds its bounding volume hierarchy over the face boxes and lists the faces of every node box as offsets and
+// indices. Without a result buffer that takes two traversals: one counts, one writes. With a buffer of `buffer_size` results a
+// node, one traversal does unless a node has more. It runs in float, its faster type, and in double, with queries in Morton
+// order or in the order given.
 #include "verification/performance/peers/peers.hpp"
 
 #include <ArborX.hpp>
@@ -7,7 +9,7 @@
 namespace brickwall::peers {
 namespace {
 
-// Lists indices alone: half the bytes of ArborX' own callback, which lists the boxes beside.
+// Lists indices only, half the bytes of ArborX' own callback, which lists boxes too.
 struct KeepIndex {
   template <class Query, class Value, class Insert>
   KOKKOS_FUNCTION void operator()(const Query&, const Value& value, const Insert& insert) const {
@@ -15,11 +17,12 @@ struct KeepIndex {
   }
 };
 
-// Rounding to nearest is monotone, so boxes that overlap in double do in float; some that do not may.
+// Rounding to nearest is monotone, so boxes that overlap in double also overlap in float. The converse does not hold.
 template <class Real>
 class ArborXSearch : public Peer {
 public:
-  explicit ArborXSearch(bool sorts_queries) : _sorts_queries(sorts_queries) {}
+  ArborXSearch(bool sorts_queries, int buffer_size)
+      : _sorts_queries(sorts_queries), _buffer_size(buffer_size) {}
 
   void prepare(const exec_space& space, MPI_Comm, const SearchBoxes& boxes) override {
     take(space, boxes.node_boxes, _node_boxes);
@@ -35,7 +38,9 @@ public:
                                                ArborX::Experimental::attach_indices(_face_boxes));
     tree.query(space, ArborX::Experimental::make_intersects(_node_boxes), KeepIndex(), _faces,
                _offsets,
-               ArborX::Experimental::TraversalPolicy().setPredicateSorting(_sorts_queries));
+               ArborX::Experimental::TraversalPolicy()
+                   .setPredicateSorting(_sorts_queries)
+                   .setBufferSize(_buffer_size));
     space.fence();
   }
 
@@ -69,18 +74,22 @@ private:
   }
 
   bool _sorts_queries;
+  int _buffer_size; // 0: none
   Boxes _node_boxes, _face_boxes;
   std::vector<global_id> _node_ids, _face_ids;
   View<int*> _faces, _offsets; // results
 };
 
 template <class Real>
-PeerKind kind(const std::string& name, bool sorts_queries) {
-  return {name, false,
-          [sorts_queries] { return std::make_unique<ArborXSearch<Real>>(sorts_queries); }};
+PeerKind kind(const std::string& name, bool sorts_queries, int buffer_size = 0) {
+  return {name, false, [sorts_queries, buffer_size] {
+            return std::make_unique<ArborXSearch<Real>>(sorts_queries, buffer_size);
+          }};
 }
 
 const PeerEntry entries[] = {
+    PeerEntry(kind<float>("ArborX float, queries sorted, buffer", true, 16)),
+    PeerEntry(kind<float>("ArborX float, buffer", false, 16)),
     PeerEntry(kind<float>("ArborX float, queries sorted", true)),
     PeerEntry(kind<float>("ArborX float", false)),
     PeerEntry(kind<double>("ArborX double, queries sorted", true)),

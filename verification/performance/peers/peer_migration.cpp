@@ -1,5 +1,6 @@
-// Our migration of ghost faces beside Zoltan's (the paper's Fig. 9): the same faces of the wall W(n) to the same ranks, the
-// same bytes a face, turn by turn in one process; the ghosts must be equal bit by bit. Needs at least two ranks.
+// Times Brickwall's migration of ghost faces beside Zoltan's (the paper's Fig. 9): both send the same faces of the wall W(n) to
+// the same ranks, the same number of bytes a face, in turns in one process. The ghosts must be equal bit by bit. Needs at least
+// two ranks.
 #include "contact/search/exchange/face_migration.hpp"
 #include "verification/performance/benchmarks/bench_wall.hpp"
 #include "verification/performance/benchmarks/own_search.hpp"
@@ -20,7 +21,7 @@ using namespace brickwall::peers;
 
 struct Exports {
   std::vector<int> faces, destinations; // local face and rank, by rank
-  contact::PartnerLists lists; // the same for our migration
+  contact::PartnerLists lists; // the same for Brickwall's migration
   std::vector<int> senders;
 };
 
@@ -37,11 +38,11 @@ Exports findExports(const exec_space& space, MPI_Comm comm, const contact::Surfa
   for (int face = 0; face < surface.num_faces; ++face)
     face_of[ids(face)] = face;
   Exports exports;
-  std::vector<std::vector<char>> tells(sizeOf(comm)); // who gets anything from this rank
+  std::vector<std::vector<char>> notices(sizeOf(comm)); // not empty for ranks that receive faces
   for (const contact::SentFace& sent : search.sentFaces(space, surface)) {
     exports.faces.push_back(face_of.at(sent.face));
     exports.destinations.push_back(sent.destination);
-    tells[sent.destination] = {1};
+    notices[sent.destination] = {1};
     auto& lists = exports.lists;
     if (lists.ranks.empty() || lists.ranks.back() != sent.destination) {
       lists.ranks.push_back(sent.destination);
@@ -50,9 +51,9 @@ Exports findExports(const exec_space& space, MPI_Comm comm, const contact::Surfa
     ++lists.offsets.back();
   }
   contact::copyToDevice(space, exports.faces, exports.lists.rows);
-  const auto told = exchangeByRank(comm, tells);
+  const auto received = exchangeByRank(comm, notices);
   for (int rank = 0; rank < sizeOf(comm); ++rank)
-    if (!told[rank].empty())
+    if (!received[rank].empty())
       exports.senders.push_back(rank);
   return exports;
 }
@@ -115,7 +116,7 @@ bool compareMigrations(MPI_Comm comm, int n, contact::SearchMethod method, int r
       space.fence();
     };
     const auto migrateZoltans = [&] { received = &zoltan.migrate(); };
-    if (step % 2 == 0) // who runs first after the set-up above is at a disadvantage
+    if (step % 2 == 0) // the first to run after the set-up above is at a disadvantage
       ours.measure(comm, migrateOurs);
     zoltans.measure(comm, migrateZoltans);
     if (step % 2 == 1)
@@ -131,14 +132,14 @@ bool compareMigrations(MPI_Comm comm, int n, contact::SearchMethod method, int r
                 n, static_cast<long long>(part.num_global_faces),
                 static_cast<long long>(num_ghosts), sizeof(FaceRecord), sizeOf(comm),
                 concurrency(space), repetitions);
-    std::printf("%-36s %10s %10s %10s %8s\n", "", "median ms", "min", "max", "x ours");
+    std::printf("%-36s %10s %10s %10s %8s\n", "", "median ms", "min", "max", "ratio");
     const auto print = [&](const char* name, const Timings& times) {
       std::printf("%-36s %10.3f %10.3f %10.3f %8.2f\n", name, 1e3 * times.median(),
                   1e3 * times.shortest(), 1e3 * times.longest(), times.median() / ours.median());
     };
-    print("our migration", ours);
+    print("Brickwall's migration", ours);
     print("Zoltan_Migrate", zoltans);
-    print("our whole global search", whole);
+    print("Brickwall's whole global search", whole);
     std::printf("%s\n", same ? "same ghosts, bit by bit" : "NOT THE SAME GHOSTS");
   }
   return same && num_ghosts > 0;
@@ -151,7 +152,7 @@ int main(int argc, char** argv) {
   contact::SearchMethod method = contact::SearchMethod::cluster;
   CLI::App app("Times the migration of ghost faces beside Zoltan's on the wall W(n)");
   app.add_option("-n,--size", n, "n of W(n), 4350 n^2 faces")->check(CLI::PositiveNumber);
-  app.add_option("--method", method, "our method")
+  app.add_option("--method", method, "Brickwall's method")
       ->transform(CLI::CheckedTransformer(searchMethods()));
   app.add_option("--repetitions", repetitions)->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);

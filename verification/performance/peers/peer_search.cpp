@@ -1,6 +1,6 @@
-// Our contact search and its peers on the same boxes of the wall W(n), in one process, turn by turn, pair sets compared.
-// Prints medians, ratios and, of our steady step, the distance to the memory bandwidth of the same run. PEERS.md says
-// what is counted.
+// Times Brickwall's contact search and its peers on the same boxes of the wall W(n), in turns in one process, and compares their
+// sets of pairs. Prints medians, ratios and, for Brickwall's steady step, the distance to the memory bandwidth of the same run.
+// PEERS.md defines the figures.
 #include "io/wall/shuffle_surface.hpp"
 #include "verification/performance/benchmarks/bench_wall.hpp"
 #include "verification/performance/benchmarks/own_search.hpp"
@@ -19,7 +19,7 @@ namespace {
 using namespace brickwall;
 using namespace brickwall::peers;
 
-// What a sweep over the surface must move at least: the unit that the distance to the bandwidth is told in.
+// An estimate of the least that a search must move, the unit of the distance to the bandwidth.
 constexpr double bytes_per_face = 165;
 
 struct Options {
@@ -50,7 +50,7 @@ struct Line {
 struct Contest {
   std::string title;
   std::int64_t pairs = 0; // of all ranks, own faces included
-  std::vector<Line> lines; // ours first
+  std::vector<Line> lines; // Brickwall's first
 };
 
 struct Runner {
@@ -65,7 +65,8 @@ std::vector<Runner> runners(MPI_Comm comm, const Options& options) {
         kind.name.find(options.only) != std::string::npos)
       all.push_back({kind.name, kind.make()});
   if (all.empty())
-    throw InputError("no peer of that name runs on " + std::to_string(sizeOf(comm)) + " rank(s)");
+    throw InputError("no peer with a name that contains \"" + options.only + "\" runs on " +
+                     std::to_string(sizeOf(comm)) + " rank(s)");
   return all;
 }
 
@@ -81,15 +82,15 @@ Contest startContest(const std::string& title, const Options& options,
   return contest;
 }
 
-// One turn of all peers on the boxes of `surface`; ours has just searched it.
+// One turn of all peers on the boxes of `surface`, which `ours` has just searched.
 void runPeers(const exec_space& space, MPI_Comm comm, const contact::Surface& surface,
               const OwnSearch& ours, bool compares, const std::vector<Runner>& peers,
               Contest& contest) {
   const SearchBoxes boxes = searchBoxes(space, surface, ours.global().config());
-  std::vector<IdPair> wanted;
+  std::vector<IdPair> reference;
   if (compares) {
-    wanted = ours.pairsWithOwnFaces(surface);
-    contest.pairs = allReduce(comm, static_cast<std::int64_t>(wanted.size()), MPI_SUM);
+    reference = ours.pairsWithOwnFaces(surface);
+    contest.pairs = allReduce(comm, static_cast<std::int64_t>(reference.size()), MPI_SUM);
   }
   for (std::size_t p = 0; p < peers.size(); ++p) {
     Line& line = contest.lines[p + 1];
@@ -98,13 +99,13 @@ void runPeers(const exec_space& space, MPI_Comm comm, const contact::Surface& su
     line.times.measure(comm, [&] { peer.search(space, comm); });
     if (compares) {
       std::vector<IdPair> found = peer.pairs();
-      line.difference = comparePairs(comm, wanted, found);
+      line.difference = comparePairs(comm, reference, found);
       line.compared = true;
     }
   }
 }
 
-// Every step searched, after some that are not counted: what a time step of a run pays.
+// A search in every step, after some steps that are not counted: the cost of the search in a time step of a run.
 Contest runSteadySteps(MPI_Comm comm, const Options& options, const io::SurfacePart& part) {
   const exec_space space;
   auto wall = movingWall(space, comm, options.n, part);
@@ -126,7 +127,7 @@ Contest runSteadySteps(MPI_Comm comm, const Options& options, const io::SurfaceP
   return contest;
 }
 
-// The first search of objects just made, on nodes and faces in random order.
+// The first search of new objects, with nodes and faces in random order.
 Contest runFirstSteps(MPI_Comm comm, const Options& options, io::SurfacePart part) {
   const exec_space space;
   io::shuffleSurface(2, part);
@@ -160,7 +161,7 @@ std::string verdict(const Line& line) {
 void print(const Contest& contest) {
   std::printf("\n%s%s\n%-36s %10s %10s %10s %8s\n", contest.title.c_str(),
               contest.pairs > 0 ? (", " + std::to_string(contest.pairs) + " pairs").c_str() : "",
-              "", "median ms", "min", "max", "x ours");
+              "", "median ms", "min", "max", "ratio");
   for (const Line& line : contest.lines)
     std::printf("%-36s %10.2f %10.2f %10.2f %8.2f  %s\n", line.name.c_str(),
                 1e3 * line.times.median(), 1e3 * line.times.shortest(), 1e3 * line.times.longest(),
@@ -218,7 +219,7 @@ bool runAll(MPI_Comm comm, const Options& options) {
     std::printf("\ntriad %.2f GB/s; %.0f bytes per face take %.3f ms at that rate\n",
                 1e-9 * bandwidth, bytes_per_face, 1e3 * floor);
     if (options.steady)
-      std::printf("our steady step takes %.2f times as long\n",
+      std::printf("Brickwall's steady step takes %.2f times as long\n",
                   contests[0].lines[0].times.median() / floor);
     if (!options.json.empty() && !(std::ofstream(options.json) << report.dump(2) << '\n'))
       throw OutputError("cannot write " + options.json);
@@ -241,19 +242,20 @@ int runInsideKokkos(MPI_Comm comm, const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   std::string contests = "both";
-  CLI::App app("Times the contact search beside its peers on the wall W(n)");
+  CLI::App app("Times Brickwall's contact search and its peers on the wall W(n)");
   app.add_option("-n,--size", options.n, "n of W(n), 4350 n^2 faces")->check(CLI::PositiveNumber);
-  app.add_option("--method", options.method, "our method")
+  app.add_option("--method", options.method, "Brickwall's method")
       ->transform(CLI::CheckedTransformer(searchMethods()));
   app.add_option("--repetitions", options.repetitions)->check(CLI::PositiveNumber);
-  app.add_option("--warmup", options.warmup, "steady steps not counted")
+  app.add_option("--warmup", options.warmup, "steady steps that are not counted")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--contest", contests)->check(CLI::IsMember({"steady", "first", "both"}));
-  app.add_option("--peers", options.only, "only peers whose name has this in it");
-  app.add_option("--triad-mib", options.triad_mebibytes, "size of each triad array; many caches")
+  app.add_option("--peers", options.only, "run only peers whose names contain this");
+  app.add_option("--triad-mib", options.triad_mebibytes,
+                 "size of each triad array, many times the caches")
       ->check(CLI::PositiveNumber);
-  app.add_flag("!--no-compare", options.compares, "leave out the comparison of the pair sets");
-  app.add_option("--json", options.json, "file for the figures");
+  app.add_flag("!--no-compare", options.compares, "do not compare the sets of pairs");
+  app.add_option("--json", options.json, "write the figures to this file");
   CLI11_PARSE(app, argc, argv);
   options.steady = contests != "first";
   options.first = contests != "steady";

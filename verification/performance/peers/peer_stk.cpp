@@ -1,6 +1,6 @@
 // STKSearch of Trilinos: coarse_search with its k-d tree on boxes of doubles. Its OpenMP loops run on OMP_NUM_THREADS
-// threads, as ours. By default it tells a pair to the face's rank too and sorts the list; asked for pairs on the node's
-// rank only, as ours gives them, it does neither.
+// threads, as those of Brickwall. By default it sends a pair to the face's rank too and sorts the list; asked for pairs on the
+// node's rank only, as Brickwall's search returns them, it does neither.
 #include "contact/base/mpi.hpp"
 #include "verification/performance/peers/peers.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 class StkSearch : public Peer {
 public:
-  explicit StkSearch(bool tells_both_ranks) : _tells_both_ranks(tells_both_ranks) {}
+  explicit StkSearch(bool on_both_ranks) : _on_both_ranks(on_both_ranks) {}
 
   void prepare(const exec_space&, MPI_Comm comm, const SearchBoxes& boxes) override {
     _rank = rankOf(comm);
@@ -21,8 +21,7 @@ public:
 
   void search(const exec_space&, MPI_Comm comm) override {
     _results.clear();
-    stk::search::coarse_search(_nodes, _faces, stk::search::KDTREE, comm, _results,
-                               _tells_both_ranks);
+    stk::search::coarse_search(_nodes, _faces, stk::search::KDTREE, comm, _results, _on_both_ranks);
   }
 
   std::vector<IdPair> pairs() const override {
@@ -48,14 +47,14 @@ private:
     }
   }
 
-  bool _tells_both_ranks;
+  bool _on_both_ranks;
   int _rank = 0;
   Boxes _nodes, _faces;
   std::vector<std::pair<Ident, Ident>> _results;
 };
 
-PeerKind kind(const std::string& name, bool tells_both_ranks) {
-  return {name, true, [=] { return std::make_unique<StkSearch>(tells_both_ranks); }};
+PeerKind kind(const std::string& name, bool on_both_ranks) {
+  return {name, true, [=] { return std::make_unique<StkSearch>(on_both_ranks); }};
 }
 
 const PeerEntry entries[] = {

@@ -1,5 +1,5 @@
-// What the peer benchmark asks of a search library: pairs of overlapping node and face boxes. Each library stands in a
-// file of its own, built where its CMake option is on, and enters itself into the list of peers.
+// The interface between the peer benchmark and a search library: pairs of overlapping node and face boxes. Each library has a
+// file of its own, built if its CMake option is on, and registers itself in the list of peers.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -14,7 +14,7 @@
 
 namespace brickwall::peers {
 
-// This rank's boxes over the step: of its owned nodes, and of its faces. Doubles, tolerances included.
+// The boxes of this rank's owned nodes and of its faces over the step, in double, tolerances included.
 struct SearchBoxes {
   std::vector<Box> node_boxes, face_boxes;
   std::vector<global_id> node_ids, face_ids;
@@ -25,13 +25,13 @@ using IdPair = std::pair<global_id, global_id>; // node, face
 class Peer {
 public:
   virtual ~Peer() = default;
-  // Takes the boxes over in the library's own types. Not timed. Calls of one object get equal numbers of boxes.
+  // Copies the boxes into the library's own types. Not timed. All calls of one object have the same numbers of boxes.
   virtual void prepare(const exec_space& space, MPI_Comm comm, const SearchBoxes& boxes) = 0;
-  // Collective. One search, from boxes to the complete list of pairs; timed, fences.
+  // Collective, timed. One search from boxes to the complete list of pairs; fences.
   virtual void search(const exec_space& space, MPI_Comm comm) = 0;
-  // Pairs of the last search whose node is this rank's, in any order. Not timed.
+  // The pairs of the last search whose node this rank owns, in any order. Not timed.
   virtual std::vector<IdPair> pairs() const = 0;
-  // Whether the search is in double: else it may list pairs that only touch in float, but must miss none.
+  // Whether the search is in double. A search in float may list extra pairs, whose boxes touch in float only, but misses none.
   virtual bool isExact() const { return true; }
 };
 
@@ -42,7 +42,7 @@ struct PeerKind {
   std::function<std::unique_ptr<Peer>()> make;
 };
 
-// All that were built in. Filled before main, by one `const PeerEntry` of namespace scope for each kind.
+// All peers of this build. Each kind registers itself before main by a `const PeerEntry` of namespace scope.
 inline std::vector<PeerKind>& peerKinds() {
   static std::vector<PeerKind> kinds;
   return kinds;

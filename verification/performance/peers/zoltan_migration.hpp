@@ -1,4 +1,4 @@
-// Migration of ghost faces by Zoltan_Migrate, as host codes do it: callbacks that size, pack and unpack objects.
+// Migration of ghost faces by Zoltan_Migrate as in host codes: callbacks size, pack and unpack objects.
 #pragma once
 
 #include "contact/surface/surface.hpp"
@@ -10,7 +10,7 @@
 
 namespace brickwall::peers {
 
-// What a ghost carries, in the bytes of our own message: 30 words.
+// The contents of a ghost, as many bytes as in Brickwall's own message: 30 words.
 struct FaceRecord {
   global_id face = 0, body = 0;
   global_id corners[4] = {0, 0, 0, 0};
@@ -20,7 +20,7 @@ static_assert(sizeof(FaceRecord) == 240);
 
 class ZoltanMigration {
 public:
-  // Collective. Copies the surface to the host; `faces` (local) go to the ranks `destinations`.
+  // Collective. Copies the surface to the host; the local `faces` go to the ranks `destinations`.
   ZoltanMigration(MPI_Comm comm, const contact::Surface& surface, const std::vector<int>& faces,
                   const std::vector<int>& destinations);
   ~ZoltanMigration();
