@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 """The same bits on any layout: `./run.sh --study same-bits`.
 
-Runs the default wall on all numbers of ranks and threads, searching in every step and with lists that are kept, each twice,
-and compares every run with the first: all bits of mesh, times and variables of the joined Exodus file (by exodiff at tolerance 0
-besides, where it is there), history.csv byte for byte, and the checksums of report.json of all nodes and of all that
-contacts remember. Only how often was searched may differ where lists are kept. A line a run, a report; the exit code is 1 if
-any run differs.
+Runs the default wall on all numbers of ranks and threads, with a search in every step and with kept lists, each twice, and
+compares every run with the first: all bits of mesh, times and variables of the joined Exodus file (also by exodiff at tolerance 0
+if it is installed), history.csv byte by byte, and the checksums in report.json of all nodes and of the contact history. Only the
+number of searches may differ where lists are kept. Prints a line for each run and writes a report; the exit code is 1 if any run
+differs.
 """
 import datetime
 import shutil
@@ -23,11 +23,11 @@ from framework.needed import need
 need("netCDF4")
 from framework import machine, report
 from framework.bits import different_bits, history_text
-from framework.options import study_parser
+from framework.options import add_run_options, positive_list, study_parser
 from framework.program import Program, ProgramError
 
 DECK = ROOT.parent / "inputs" / "brick_wall.toml"
-SEARCHES = ("searches",)  # what kept lists change
+SEARCHES = ("searches",)  # the global variables that kept lists change
 EXODIFF_RULES = """DEFAULT TOLERANCE relative 0.0 floor 0.0
 COORDINATES absolute 0.0
 TIME STEPS relative 0.0
@@ -58,30 +58,21 @@ class Layout:
         return f"{self.ranks}x{self.threads}_{'kept' if self.keeps_lists else 'every'}_{self.turn}"
 
 
-def numbers(text):
-    values = [int(item) for item in text.split(",")]
-    if min(values) < 1:
-        raise ValueError
-    return values
-
-
 def parse_arguments():
     parser = study_parser("same-bits", __doc__)
-    parser.add_argument("--quick", action="store_true", help="60 steps, 1 and 3 ranks, each once, as in ctest")
-    parser.add_argument("--steps", type=int, help="of each run (default 2000)")
-    parser.add_argument("-n", "--ranks", type=numbers, help="default 1,2,3,4,7")
-    parser.add_argument("-t", "--threads", type=numbers, help="of each rank (default 1,2)")
-    parser.add_argument("--margin", type=float, help="of lists that are kept (default 0.1)")
-    parser.add_argument("--turns", type=int, help="how often each run is made (default 2)")
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/study_same-bits"), help="folder (default %(default)s)")
-    parser.add_argument("--keep", action="store_true", help="copy the report to verification/same_bits.md")
+    add_run_options(parser, "same-bits", "60 steps, 1 and 3 ranks, once each, as in ctest",
+                    "copy the report to verification/same_bits.md", counts=False)
+    parser.add_argument("-n", "--ranks", type=positive_list, help="list of MPI ranks (default 1,2,3,4,7)")
+    parser.add_argument("-t", "--threads", type=positive_list, help="list of threads of each rank (default 1,2)")
+    parser.add_argument("--steps", type=int, help="steps of each run (default 2000)")
+    parser.add_argument("--margin", type=float, help="search.reuse.margin of the runs with kept lists (default 0.1)")
+    parser.add_argument("--turns", type=int, help="number of times that each run is made (default 2)")
     arguments = parser.parse_args()
     usual = {"steps": 60, "ranks": [1, 3], "threads": [1, 2], "margin": 5e-4, "turns": 1} if arguments.quick else \
             {"steps": 2000, "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "margin": 0.1, "turns": 2}
     for name, value in usual.items():
         if getattr(arguments, name) is None:
             setattr(arguments, name, value)
-    arguments.output = arguments.output.absolute()
     return arguments
 
 
@@ -94,7 +85,8 @@ def find_exodiff(program):
 
 
 def run(program, arguments, layout):
-    """Steps are about 6 us long, so none is the last by time. 80 outputs, a row of history.csv every other step or so."""
+    """The end time lies beyond the last step, whose length is about 6 us. There are 80 outputs, and a row of history.csv about every
+    other step."""
     settings = {"time.end": 2e-5 * arguments.steps, "time.steps": arguments.steps,
                 "output.interval": 2.5e-7 * arguments.steps, "output.history_interval": 1e-5,
                 "search.reuse.margin": layout.margin, "limits.energy_error": 10.0}
@@ -102,7 +94,7 @@ def run(program, arguments, layout):
 
 
 def differences(first, other, layout, exodiff):
-    """(values compared, what differs, in words)."""
+    """(values compared, list of differences in words)."""
     without = SEARCHES if layout.keeps_lists else ()
     count, differing = different_bits(first.results, other.results, without)
     found = [f"{differing} values of the Exodus file"] if differing else []
@@ -120,12 +112,12 @@ def differences(first, other, layout, exodiff):
         if other.report["checksums"][name] != value:
             found.append(f"checksum of {name}")
     if layout.keeps_lists and not 1 < other.report["search"]["searches"] < other.report["steps"] / 2:
-        found.append(f"lists are not kept: {other.report['search']['searches']} searches")
+        found.append(f"lists were not kept: {other.report['search']['searches']} searches")
     return count, found
 
 
 def compare_all(program, arguments, exodiff):
-    """Rows of the report and how many runs differ."""
+    """(first run, rows of the report, number of runs that differ)."""
     layouts = [Layout(ranks, threads, margin, turn) for turn in range(1, arguments.turns + 1) for margin in (0.0, arguments.margin)
                for ranks in arguments.ranks for threads in arguments.threads]
     first, rows, failed = None, [], 0
@@ -146,7 +138,7 @@ def compare_all(program, arguments, exodiff):
         rows.append([layout.ranks, layout.threads, layout.margin, layout.turn, done.report["search"]["searches"] if done else "",
                      count, sums["nodes"], sums["contacts"], sums["interactions"], verdict])
         if done and done is not first and not found:
-            shutil.rmtree(done.folder)  # as large as the first, and the same
+            shutil.rmtree(done.folder)  # equal to the first run
         if first is None:
             break
     return first, rows, failed
@@ -161,7 +153,7 @@ def write_report(path, arguments, first, rows, failed, seconds, exodiff):
         f"`inputs/{DECK.name}`, {steps} steps each, have the same bits as the first, in {seconds:.0f} s. "
         f"{report.headline(study).rsplit('; ', 1)[0]}.\n\nCompared: all bits of mesh, times and variables of the joined Exodus files"
         f"{', exodiff at tolerance 0' if exodiff else ''}, history.csv, checksums of the displacements and velocities of all nodes "
-        f"and of all that contacts remember at the end. With a margin the column `searches` is left out, which must differ.\n\n"
+        f"and of the contact history at the end. Runs with a margin are compared without the column `searches`.\n\n"
         + report.table(["ranks", "threads", "margin", "run", "searches", "values compared", "nodes", "contacts", "interactions",
                         ""], rows))
 

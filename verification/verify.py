@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Cases with exact or published answers: `./run.sh --study verification` and `--study stability`.
 
-A case is a module in the folder cases/ of its study: a docstring that says what is compared, NAME, TITLE, DECK (in
-decks/) and evaluate(lab), see framework/lab.py. Each prints one line, `V7 PASS computed=... exact=... error=...
-threshold=...`, and its further checks below it. The folder of -o gets report.md, plots/, and all runs.
+A case is a module in the folder cases/ of its study: a docstring that describes the comparison, NAME, TITLE, DECK (in decks/)
+and evaluate(lab), see framework/lab.py. Each case prints one line, `V7 PASS computed=... exact=... error=... threshold=...`, and
+its further checks below. The folder of -o contains report.md, plots/ and all runs.
 """
 import argparse
 import concurrent.futures
@@ -24,34 +24,23 @@ need("matplotlib", "netCDF4")
 from framework import machine, report
 from framework.checks import Outcome
 from framework.lab import Lab
-from framework.options import study_parser
+from framework.options import add_run_options, positive, study_parser
 from framework.program import Program
 
 # Folder and title of each study.
 STUDIES = {"verification": (ROOT, "Cases with exact or published answers"),
-           "stability": (ROOT / "stability", "Hard cases: is it stable, and does it fail cleanly?")}
-
-
-def positive(text):
-    number = int(text)
-    if number < 1:
-        raise ValueError
-    return number
+           "stability": (ROOT / "stability", "Hard cases: stability and clean failure")}
 
 
 def parse_arguments():
-    parser = study_parser("NAME", __doc__)
+    name = sys.argv[1] if len(sys.argv) > 1 and sys.argv[1] in STUDIES else "NAME"
+    parser = study_parser(name, __doc__)
     parser.add_argument("study", choices=STUDIES, help=argparse.SUPPRESS)
-    parser.add_argument("--only", type=lambda text: text.split(","), metavar="V7,V8", help="these cases alone")
-    parser.add_argument("--quick", action="store_true", help="the short form of each case, as in ctest")
-    parser.add_argument("-n", "--ranks", type=positive, default=1, help="MPI ranks of each run (default 1)")
-    parser.add_argument("-t", "--threads", type=positive, default=1, help="threads of each rank (default 1)")
-    parser.add_argument("-j", "--jobs", type=positive, help="cases at a time (default: cores / (ranks x threads))")
-    parser.add_argument("-o", "--output", type=Path, help="folder (default out/study_NAME)")
-    parser.add_argument("--keep", action="store_true", help="copy report.md and plots into the source folder of the study")
-    arguments = parser.parse_args()
-    arguments.output = (arguments.output or Path(f"out/study_{arguments.study}")).absolute()
-    return parser, arguments
+    parser.add_argument("--only", type=lambda text: text.split(","), metavar="V7,V8", help="evaluate these cases only")
+    parser.add_argument("-j", "--jobs", type=positive, help="number of concurrent cases (default: cores / (ranks x threads))")
+    add_run_options(parser, name, "the short form of each case, as in ctest",
+                    "copy report.md and plots/ into the source folder of the study")
+    return parser, parser.parse_args()
 
 
 def load_case(path):
@@ -62,14 +51,14 @@ def load_case(path):
 
 
 def find_cases(folder):
-    """{name: file}, in the order of the files' names. Files that begin with an underscore are helpers of others."""
+    """{name: file}, in the order of the file names. Files that begin with an underscore are helpers of several cases."""
     sys.path.insert(0, str(folder / "cases"))
     files = sorted(path for path in (folder / "cases").glob("*.py") if not path.name.startswith("_"))
     return {load_case(path).NAME: path for path in files}
 
 
 def evaluate(path, folder, arguments):
-    """The Outcome of one case; whatever goes wrong is its failure."""
+    """The Outcome of one case; any exception is its failure."""
     case = load_case(path)
     outcome = Outcome(case.NAME, case.TITLE, case.__doc__.split(": ", 1)[-1].strip())
     runs = arguments.output / "runs" / path.stem
@@ -87,11 +76,11 @@ def evaluate(path, folder, arguments):
 
 
 def evaluate_all(cases, folder, arguments):
-    """Outcomes in the order of `cases`; lines are printed as cases end."""
+    """Outcomes in the order of `cases`. Prints the lines of each case when it ends."""
     jobs = arguments.jobs or max(1, machine.physical_cores() // (arguments.ranks * arguments.threads))
     outcomes = {}
     with concurrent.futures.ProcessPoolExecutor(max_workers=jobs) as pool:
-        # Long cases first, where the module tells: the last one to end should not begin last.
+        # Long cases start first, so that none of them delays the end.
         order = sorted(cases, key=lambda name: -getattr(load_case(cases[name]), "SECONDS", 0))
         futures = {pool.submit(evaluate, cases[name], folder, arguments): name for name in order}
         for future in concurrent.futures.as_completed(futures):
@@ -106,7 +95,7 @@ def main():
     cases = find_cases(folder)
     unknown = [name for name in arguments.only or () if name not in cases]
     if unknown:
-        parser.error(f"no case {unknown[0]}; there are {', '.join(cases)}")
+        parser.error(f"unknown case {unknown[0]}; known cases: {', '.join(cases)}")
     cases = {name: path for name, path in cases.items() if not arguments.only or name in arguments.only}
     begin = time.monotonic()
     outcomes = evaluate_all(cases, folder, arguments)

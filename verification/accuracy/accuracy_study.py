@@ -2,8 +2,8 @@
 """Speed against error: `./run.sh --study accuracy`.
 
 Runs a wall under smooth pulses and cases with exact answers over mesh size, time step, penalty, element, contact scheme,
-edges and margin of the search, and writes report.md and plots. Called again in the same folder, it takes over the finished
-runs of the same program. The exit code is 1 if a run fails, or if kept lists change a bit or miss a pair.
+edges and margin of the search, and writes report.md and plots. A second call in the same folder reuses the finished runs of the
+same program. The exit code is 1 if a run fails, or if kept lists change a bit or miss a pair.
 """
 import datetime
 import shutil
@@ -26,7 +26,7 @@ import study_report
 from exact_scenes import Cantilever, SmoothWave, SpinningBlock, TwoBars
 from framework import machine
 from framework.checks import Check
-from framework.options import study_parser
+from framework.options import add_run_options, positive, study_parser
 from framework.program import Program
 from measure import Bench
 from walls import PushedWall, StruckWall, audit, predictability
@@ -38,7 +38,7 @@ QUICK_SCENES = (StruckWall, TwoBars, SmoothWave)
 
 @dataclass
 class Result:
-    """A scene, its points, and those that came to no end."""
+    """A scene, its points, and those whose runs failed."""
 
     scene: object
     points: list
@@ -51,15 +51,10 @@ class Result:
 
 def parse_arguments():
     parser = study_parser("accuracy", __doc__)
-    parser.add_argument("--quick", action="store_true", help="few meshes and settings, as in ctest")
-    parser.add_argument("--repetitions", type=int, help="timed runs of each point, the median counts (default 3, quick 1)")
-    parser.add_argument("-n", "--ranks", type=int, default=1, help="MPI ranks of each run (default 1)")
-    parser.add_argument("-t", "--threads", type=int, default=1, help="threads of each rank (default 1)")
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/study_accuracy"), help="folder (default %(default)s)")
-    parser.add_argument("--keep", action="store_true", help="copy report.md and plots to verification/accuracy")
+    add_run_options(parser, "accuracy", "few meshes and settings, as in ctest", "copy report.md and plots/ to verification/accuracy")
+    parser.add_argument("--repetitions", type=positive, help="timed runs of each point; the median counts (default 3, quick 1)")
     arguments = parser.parse_args()
     arguments.repetitions = arguments.repetitions or (1 if arguments.quick else 3)
-    arguments.output = arguments.output.absolute()
     return arguments
 
 
@@ -69,7 +64,7 @@ def study_scene(scene, bench):
 
 
 def interrupt(*_):
-    raise KeyboardInterrupt  # ends the run that is under way, too
+    raise KeyboardInterrupt  # also ends the current run
 
 
 def checks_of(bench, results, audits):
@@ -95,7 +90,7 @@ def main():
     place, begin = machine.describe(), time.monotonic()
     program = Program(arguments.run_sh, arguments.program, arguments.ranks, arguments.threads)
     if arguments.quick:
-        shutil.rmtree(arguments.output / "runs", ignore_errors=True)  # a test takes nothing over
+        shutil.rmtree(arguments.output / "runs", ignore_errors=True)  # a test reuses nothing
     bench = Bench(program, arguments.output / "runs", arguments.repetitions)
     scenes = [scene(arguments.quick) for scene in (QUICK_SCENES if arguments.quick else SCENES)]
     results = [study_scene(scene, bench) for scene in scenes]

@@ -1,4 +1,4 @@
-"""What the cases of colliding bars share: contact force and mean velocity of each bar by time."""
+"""Common to the cases of colliding bars: contact force and mean velocity of each bar by time."""
 from types import SimpleNamespace
 
 import numpy as np
@@ -6,8 +6,8 @@ from framework.meshes import bodies, nodal_masses
 
 
 def histories(results, density=1.0):
-    """times [step]; force [bar][step], what its neighbours push it with along x; velocity [bar][step], of its centre of
-    mass; mass [bar]. `density` is a number or one an element."""
+    """times [step]; force [bar][step] of its neighbours along x; velocity [bar][step] of its centre of mass; mass [bar].
+    `density` is one number or one per element."""
     bars = bodies(len(results.nodes), results.hexes)
     masses = nodal_masses(results.nodes, results.hexes, density)
     steps = range(len(results.times))
@@ -26,14 +26,14 @@ def last_time(times, pressed):
 
 
 def mean_between(times, values, begin, end):
-    """Of steps of equal length with begin < t < end, under a Hann window: contact rings from step to step, and an even mean of
-    whole steps would keep a part of the last swing."""
+    """The mean over steps of equal length with begin < t < end, under a Hann window: contact oscillates from step to step, and a
+    plain mean would keep a part of the last oscillation."""
     inside = values[(times > begin) & (times < end)]
     return np.average(inside, weights=np.hanning(len(inside) + 2)[1:-1])
 
 
 def crossings(times, values, level):
-    """Times at which `values` go through `level`, between steps by a straight line."""
+    """Times at which `values` cross `level`, interpolated linearly between steps."""
     steps = np.flatnonzero(np.diff(np.sign(values - level)))
     share = (level - values[steps]) / (values[steps + 1] - values[steps])
     return times[steps] + share * (times[steps + 1] - times[steps])

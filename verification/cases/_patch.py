@@ -1,4 +1,4 @@
-"""What the patch tests share: a distorted block, closed forms of stress, nodal forces from the first step's motion."""
+"""Common to the patch tests: a distorted block, closed forms of stress, nodal forces from the motion of the first step."""
 import numpy as np
 from framework.meshes import box, nodal_masses
 
@@ -12,7 +12,7 @@ def settings_of(element, model, gradient):
 
 
 def distorted_block(edges):
-    """The unit cube with `edges` elements along each edge; every node is moved by up to a fifth of an element."""
+    """The unit cube with `edges` elements along each edge; every node is displaced by up to a fifth of an element."""
     shift = np.random.default_rng(7).uniform(-0.2, 0.2, ((edges + 1)**3, 3)) / edges
     return box((1, 1, 1), (edges,) * 3).mapped(lambda nodes: nodes + shift)
 
@@ -33,7 +33,7 @@ def cauchy_stress(gradient, model, youngs=1.0, poisson=0.3):
 
 
 def start_forces(run):
-    """Nodal forces at the start, from the first step: u^1 - u^0 = (dt^2/2) f/m, from rest. Rounds to 1e-16 |u| m/dt^2."""
+    """Nodal forces at the start, from the first step: u^1 - u^0 = (dt^2/2) f/m, from rest. The rounding is 1e-16 |u| m/dt^2."""
     results = run.results
     masses = nodal_masses(results.nodes, results.hexes)
     step = run.history["timestep"][0]

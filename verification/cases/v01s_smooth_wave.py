@@ -1,6 +1,6 @@
-"""V1s: A smooth pressure pulse p sin^2(pi t/0.3) on the end of a bar (nu = 0, linear material, c = 1) runs into it
-unchanged: sigma_xx(x, t) = -p sin^2(pi (t - x)/0.3) where 0 < t - x < 0.3, else 0. Elements and central differences
-are of second order, so is the error, told as root of the mean square over that of the exact stress."""
+"""V1s: A smooth pressure pulse p sin^2(pi t/0.3) on the end of a bar (nu = 0, linear material, c = 1) travels through it
+unchanged: sigma_xx(x, t) = -p sin^2(pi (t - x)/0.3) where 0 < t - x < 0.3, otherwise 0. Elements and central differences are of
+second order. The error is the root mean square over that of the exact stress."""
 import numpy as np
 from framework.figures import EXACT, draw_slope
 
@@ -10,7 +10,7 @@ DECK = "v01s_smooth_wave.toml"
 
 
 def exact_stress(x, t, duration):
-    """Over p."""
+    """The stress over p."""
     phase = (t - x) / duration
     return np.where((phase > 0) & (phase < 1), -np.sin(np.pi * phase)**2, 0.0)
 
@@ -27,7 +27,7 @@ def evaluate(lab):
         waves[n] = x, sigma
         errors.append(np.linalg.norm(sigma - exact) / np.linalg.norm(exact))
 
-    # Two independent codes had 2.0e-2, 4.9e-3, 1.3e-3, 3.7e-4; a margin of a tenth.
+    # Two independent codes have 2.0e-2, 4.9e-3, 1.3e-3, 3.7e-4; a margin of a tenth.
     lab.check(errors[-1], 0, 1.1 * 3.7e-4)
     for n, error, threshold in zip(meshes, errors, (2.0e-2, 4.9e-3, 1.3e-3)):
         lab.check(error, 0, 1.1 * threshold, f"n{n}")

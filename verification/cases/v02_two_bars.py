@@ -1,6 +1,6 @@
-"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c v0 A until the
-waves return from the free ends, T = 2 L/c; then the bars leave with swapped velocities and no vibration. The penalty
-is a spring between them whose compliance is that of a part of an element, so T is too long by O(h)."""
+"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c v0 A until the waves return
+from the free ends at T = 2 L/c; then the bars separate with exchanged velocities and without vibration. The penalty acts as a
+spring between the bars with the compliance of a part of an element, so T is too long by O(h)."""
 import numpy as np
 from _bars import histories, last_time, mean_between
 from framework.figures import EXACT, draw_slope
@@ -8,8 +8,8 @@ from framework.figures import EXACT, draw_slope
 NAME = "V2"
 TITLE = "impact of two equal bars"
 DECK = "v02_two_bars.toml"
-# Relative errors of T that another code had at the same settings, with a margin of a tenth; half a step comes on top, for T is
-# the time of a step.
+# Relative errors of T of another code at the same settings, with a margin of a tenth; half a step is added, since T is the time
+# of a step.
 DURATION_ERRORS = {20: 0.064, 40: 0.039, 80: 0.02, 160: 0.011}
 
 
@@ -29,7 +29,7 @@ def evaluate(lab):
     lab.check(durations[finest], exact_time, allowed[finest])
     for n in meshes[:-1]:
         lab.check(durations[n], exact_time, allowed[n], f"duration_n{n}")
-    # 1 for the penalty's spring, 2/3 for the smeared front that ends the contact; T is known to one step.
+    # The order is 1 for the spring of the penalty and 2/3 for the smeared front that ends the contact; T is known to one step.
     lab.check_order([1 / n for n in meshes], list(errors.values()), least=0.6, exact=1, name="duration_order")
     for n in (n for n in meshes if n >= 80):
         lab.check(plateaus[n], exact_force, 1e-3, f"force_n{n}")
@@ -37,21 +37,21 @@ def evaluate(lab):
         lab.check(impacts[n].velocity[0, -1], -v0, 0.02, f"swap_n{n}")
     last_rows = {n: {name: column[-1] for name, column in run.history.items()} for n, run in runs.items()}
     lab.check(last_rows[meshes[0]]["energy_error"], 0, 0.013, f"energy_n{meshes[0]}")
-    # Integers of equal size and opposite sign push the bars: momentum errs by the rounding of the kicks.
+    # Contact forces are integers of equal size and opposite sign: the momentum has the rounding error of the kicks only.
     momentum = max(abs(run.history["momentum_x"]).max() for run in runs.values())
     lab.check(momentum, 0, 1e-13 * v0 * area, "momentum")
     lab.check(max(row["ledger_residual"] for row in last_rows.values()), 0, 1e-12, "ledger")
 
-    lab.table("Relative errors; energy: largest over time, of the kinetic energy at the start.",
+    lab.table("Relative errors; the energy error is the largest over time, relative to the initial kinetic energy.",
               ["elements a bar", "T c/L", "error of T", "force / exact", "energy error"],
               [[n, durations[n], errors[n], plateaus[n] / exact_force, last_rows[n]["energy_error"]] for n in meshes])
     lab.weak_spot(f"the penalty makes the impact of two bars longer by {100 * errors[meshes[0]]:.1f} % with {meshes[0]} "
                   f"elements a bar and {100 * errors[finest]:.1f} % with {finest}: the interface is compliant to first order "
                   "in the element size")
     times, force = impacts[finest].times, impacts[finest].force[1]
-    ringing = np.ptp(force[(times > 0.5) & (times < 1.5)]) / 2 / exact_force
-    lab.weak_spot(f"the contact force rings from step to step by {100 * ringing:.0f} % about its plateau, as undamped springs "
-                  "do; contact.damping calms it")
+    oscillation = np.ptp(force[(times > 0.5) & (times < 1.5)]) / 2 / exact_force
+    lab.weak_spot(f"the contact force oscillates from step to step by {100 * oscillation:.0f} % about its plateau, as undamped "
+                  "springs do; contact.damping reduces it")
     with lab.figure("Contact force by time; error of the contact time by element length", panels=2) as (force, error):
         force.step([0, 0, 2, 2, 3], [0, 1, 1, 0, 0], label="exact", **EXACT)
         for n in (meshes[0], finest):

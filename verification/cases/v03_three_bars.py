@@ -1,6 +1,6 @@
-"""V3: A bar with velocity v0 runs into two bars like it (L = c = rho = 1, nu = 0) that rest end to end. The front of
-compression, v0/2 strong, passes the middle bar; relief follows from the free end of the first. So the first bar stops
-at 2 L/c, and the last leaves at 3 L/c, when its own relief is back, with v0 and without vibration."""
+"""V3: A bar with velocity v0 hits the first of two equal bars (L = c = rho = 1, nu = 0) that rest end to end. The compression
+front of velocity v0/2 passes the middle bar, followed by the relief wave from the free end of the first. So the first bar stops at
+2 L/c, and the last leaves with v0 and without vibration at 3 L/c, when its own relief wave returns."""
 import numpy as np
 from _bars import crossings, histories
 from framework.figures import EXACT
@@ -19,18 +19,18 @@ def evaluate(lab):
     lab.check(last[80][2], 1, 0.02)
     for bar, name in ((0, "first"), (1, "middle")):
         lab.check(last[80][bar], 0, 0.02, f"{name}_at_rest", error=abs(last[80][bar]))
-    # The force on the last bar falls to half its plateau v0/2 when the relief is back.
+    # The force on the last bar falls to half its plateau v0/2 when the relief wave returns.
     leaving = [crossings(b.times, b.force[2], 0.25 * v0 * b.mass[2])[-1] for b in bars.values()]
     stopping = [crossings(b.times, -b.force[0], 0.25 * v0 * b.mass[0])[-1] for b in bars.values()]
-    lab.check(stopping[-1], 2, 0.02, "first_parts")
-    lab.check(leaving[-1], 3, 0.02, "last_parts")
-    lab.check_order([1 / n for n in meshes], np.array(leaving) - 3, 0.6, "order_of_last_parts", 1)
-    # The rounding of kicks alone: contact forces are integers of equal size and opposite sign.
+    lab.check(stopping[-1], 2, 0.02, "first_separates")
+    lab.check(leaving[-1], 3, 0.02, "last_separates")
+    lab.check_order([1 / n for n in meshes], np.array(leaving) - 3, 0.6, "order_of_last_separation", 1)
+    # The rounding of kicks only: contact forces are integers of equal size and opposite sign.
     momentum = max(abs(run.history["momentum_x"] / (v0 * b.mass[0]) - 1).max() for run, b in zip(runs.values(), bars.values()))
     lab.check(momentum, 0, 1e-12, "momentum")
 
-    lab.table("Velocities in the end over v0, times at which the outer bars part:",
-              ["elements a bar", "v1", "v2", "v3", "first parts, exact 2", "last parts, exact 3"],
+    lab.table("Final velocities over v0, times at which the outer bars separate:",
+              ["elements a bar", "v1", "v2", "v3", "first separates, exact 2", "last separates, exact 3"],
               [[n, *last[n], stop, leave] for n, stop, leave in zip(meshes, stopping, leaving)])
     with lab.figure("Mean velocity of the bars by time") as axes:
         exact = {0: ([0, 2, 4], [1, 0, 0]), 1: ([0, 1, 2, 3, 4], [0, 0.5, 0.5, 0, 0]), 2: ([0, 1, 3, 4], [0, 0, 1, 1])}

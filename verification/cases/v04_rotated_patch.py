@@ -1,6 +1,5 @@
-"""V4: A block of distorted hexahedra is turned by 2.1 rad as a rigid body: no force, no stress. Stretched and sheared
-evenly by F and then turned, it has the stress R sigma(F) R^T and the forces R f(F). The linear material is not
-objective and left out."""
+"""V4: A rigid rotation of a block of distorted hexahedra by 2.1 rad gives no force and no stress. After a uniform deformation F and
+a rotation R, the stress is R sigma(F) R^T and the forces are R f(F). The linear material is not objective and is left out."""
 import numpy as np
 from _patch import VARIANTS, cauchy_stress, distorted_block, start_forces, settings_of
 from framework.meshes import rotation
@@ -31,15 +30,15 @@ def evaluate(lab):
                      np.abs(start_forces(runs["both"]) - start_forces(runs["stretched"]) @ turn.T).max() / force_unit])
     columns = np.array([row[2:] for row in rows])
     # A few hundred operations on numbers of size E or E h^2, each rounded to 1.1e-16 of them.
-    for name, error in zip(("", "stress_of_a_turn", "stress_turned", "forces_turned"), columns.max(axis=0)):
+    for name, error in zip(("", "stress_of_a_rotation", "stress_rotated", "forces_rotated"), columns.max(axis=0)):
         lab.check(error, 0, 1e-13, name)
     lab.table("Largest forces over E h^2, stresses over E:",
-              ["element", "material", "force of a turn", "stress of a turn", "R sigma R^T", "R f"], rows)
+              ["element", "material", "force of a rotation", "stress of a rotation", "R sigma R^T", "R f"], rows)
     draw(lab, distorted_block(edges), turn)
 
 
 def draw(lab, mesh, turn):
-    with lab.figure("The block as it is meshed, and turned, seen along z") as axes:
+    with lab.figure("The reference mesh and the rotated block, seen along z") as axes:
         for nodes, label in ((mesh.nodes, "reference"), (mesh.nodes @ turn.T, "turned")):
             lines = nodes[mesh.hexes][:, [0, 1, 2, 3, 0, 4, 5, 6, 7, 4]]
             axes.plot(*lines.transpose(1, 0, 2)[..., :2].transpose(2, 0, 1), linewidth=0.6,

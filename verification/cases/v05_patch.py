@@ -1,5 +1,5 @@
-"""V5: The patch test: a block of distorted hexahedra under an even deformation gradient. Every element has the closed
-form's stress; nodes inside the block feel no force."""
+"""V5: The patch test: a block of distorted hexahedra under a uniform deformation gradient. Every element has the stress of the
+closed form; interior nodes have no force."""
 import numpy as np
 from _patch import VARIANTS, cauchy_stress, distorted_block, start_forces, settings_of
 from framework.exodus import HEX_SIDES
@@ -10,7 +10,7 @@ DECK = "v05_patch.toml"
 
 
 def interior_nodes(mesh):
-    """Nodes on no side that one hexahedron alone has."""
+    """Nodes that lie on no outer side, a side of one hexahedron only."""
     sides = np.sort(mesh.hexes[:, HEX_SIDES].reshape(-1, 4), axis=1)
     kinds, count = np.unique(sides, axis=0, return_counts=True)
     return np.setdiff1d(np.arange(len(mesh.nodes)), kinds[count == 1])
@@ -29,10 +29,10 @@ def evaluate(lab):
         rows.append([element, model, forces[inside].max(), stress, forces.max()])
     lab.check(max(row[2] for row in rows), 0, 1e-13)
     lab.check(max(row[3] for row in rows), 0, 1e-13, "stress")
-    lab.require(min(row[4] for row in rows) > 1e-2, "outer_nodes_are_pushed")
+    lab.require(min(row[4] for row in rows) > 1e-2, "outer_nodes_have_forces")
     lab.table("Largest forces over E h^2, stresses over E:",
               ["element", "material", "force inside", "error of the stress", "force on the outer nodes"], rows)
-    with lab.figure("Force on each node of the last variant, over E h^2, by distance from the block's middle") as axes:
+    with lab.figure("Force on each node of the last variant over E h^2, by distance from the centre of the block") as axes:
         distance = np.linalg.norm(mesh.nodes - 0.5, axis=1)
         axes.semilogy(distance, np.maximum(np.linalg.norm(forces, axis=1), 1e-18), ".", label="outer nodes")
         axes.semilogy(distance[inside], np.maximum(np.linalg.norm(forces[inside], axis=1), 1e-18), "o", label="nodes inside")

@@ -1,7 +1,6 @@
-"""V6: The contact patch test. Two unit cubes, the lower one on rollers, the upper one under an even pressure p, at
-rest by damping. Exact is sigma_zz = -p everywhere, which matching meshes give. With meshes of 3:4 (6:8, 9:12)
-elements at the joint, node-face contact hands the pressure over at nodes, so the stress next to the joint is uneven;
-refinement does not help."""
+"""V6: The contact patch test: two unit cubes at rest, the lower one on rollers, the upper one under a uniform pressure p. The exact
+stress is sigma_zz = -p everywhere, which matching meshes reproduce. With 3:4 (6:8, 9:12) elements at the joint, node-to-face
+contact transfers the pressure at nodes, so the stress next to the joint is not uniform; refinement does not help."""
 import numpy as np
 from framework.meshes import box, together
 
@@ -15,7 +14,7 @@ def two_cubes(lower, upper):
 
 
 def press(lab, lower, upper, settings=None):
-    """(heights of the elements, errors of their stress over p, largest speed left over p/(rho c))."""
+    """(heights of the elements, errors of their stress over p, largest final speed over p/(rho c))."""
     results = lab.run(f"{lower}to{upper}{'_nu0' if settings else ''}", settings, mesh=two_cubes(lower, upper)).results
     pressure = lab.deck["load"]["pressure"][0]["peak"]
     return (results.centroids()[:, 2], results.element("stress_zz") / pressure + 1,
@@ -30,15 +29,15 @@ def evaluate(lab):
     root_mean_square = {pair: np.sqrt(np.mean(error**2)) for pair, (_, error, _) in pressed.items()}
     worst = max(largest[pair] for pair in pairs[1:])
     lab.check(worst, 0, 0.06)
-    lab.check(np.abs(straight[1]).max(), 0, 1e-9, "matching_nu_0")  # what the damping has left
-    # While the blocks swing and bulge, nodes switch between faces that differ by the strain p/E; offsets of that order stay.
+    lab.check(np.abs(straight[1]).max(), 0, 1e-9, "matching_nu_0")  # the motion that remains after damping
+    # While the blocks oscillate, contacts transfer between faces that differ by the strain p/E; offsets of that order remain.
     lab.check(largest[pairs[0]], 0, lab.deck["load"]["pressure"][0]["peak"], "matching")
     lab.check(max(speed for _, _, speed in pressed.values()), 0, 1e-4, "at_rest")
-    lab.table("Error of sigma_zz over p:", ["elements, lower : upper", "largest", "root mean square", "speed left"],
+    lab.table("Error of sigma_zz over p:", ["elements, lower : upper", "largest", "root mean square", "final speed"],
               [[f"{lower}:{upper}", largest[lower, upper], root_mean_square[lower, upper], speed]
                for (lower, upper), (_, _, speed) in pressed.items()])
-    lab.weak_spot("node-face contact fails the contact patch test on meshes that do not match (Zavarise and De Lorenzis "
-                  f"2009): stresses next to the joint err by up to {100 * worst:.1f} %, at any element size")
+    lab.weak_spot("node-to-face contact fails the contact patch test on non-matching meshes (Zavarise and De Lorenzis 2009): with "
+                  f"3:4 elements the error of the stress next to the joint is up to {100 * worst:.1f} %, at any element size")
     with lab.figure("Error of sigma_zz in each element by height; the joint is at z = 1") as axes:
         for (lower, upper), (z, error, _) in pressed.items():
             axes.plot(z, error, ".", label=f"{lower}:{upper}", markersize=4)

@@ -1,10 +1,10 @@
-"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. Pressed
-so far that the contact has the radius a, Hertz' half-space gives the approach delta = a^2/R and the force F = 4/3 E*
-sqrt(R delta^3); flung with the velocity v that leads to this a, the contact lasts T = 2.868 (m^2/(R E*^2 v))^(1/5).
-The half-space is the limit a/B -> 0; elements are graded towards the contact and have the length a/8 there. A quarter
-is computed. The penalty is one more spring between the block and the plane. A pressure p presses it in by 2 p
-(dt/h)^2 h/(rho s), so with .8 of the stable step and penalty .5 it is as soft as a tenth of a contact of eight
-elements: here the step is shorter and the penalty larger, and a softer contact is told beside."""
+"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. For a contact of
+radius a, Hertz' half-space has the approach delta = a^2/R and the force F = 4/3 E* sqrt(R delta^3); an impact with the velocity v
+that leads to this a lasts T = 2.868 (m^2/(R E*^2 v))^(1/5). The half-space is the limit a/B -> 0; elements are graded towards the
+contact and have the length a/8 there. A quarter is computed. The penalty is one more spring between block and plane: under a
+pressure p the penetration is 2 p (dt/h)^2 h/(rho s), so at 0.8 of the stable step and penalty 0.5 it is a tenth of the compliance
+of a contact of eight elements. The case therefore takes a shorter step and a larger penalty, and reports the effect of a softer
+contact."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,13 +21,13 @@ SOFTER = {"time.safety": 0.8, "contact.penalty": 0.5}
 
 
 def graded(step, even, end):
-    """0 to `end`: steps of one length as far as `even`, then each 1.4 times the last."""
+    """Points from 0 to `end`: steps of equal length up to `even`, then each 1.4 times the previous one."""
     points = list(np.arange(0, even + step / 2, step))
     while points[-1] < end:
         step *= 1.4
         points.append(points[-1] + step)
     points = np.array(points)
-    last = np.searchsorted(points, even) + 1  # what lies beyond is stretched to meet the end
+    last = np.searchsorted(points, even) + 1  # the points beyond are stretched to meet the end
     points[last:] = even + (points[last:] - even) * (end - even) / (points[-1] - even)
     return points
 
@@ -52,16 +52,16 @@ def hertz_force(approach):
 
 @dataclass
 class Impact:
-    duration: float  # over that of Hertz
+    duration: float  # over Hertz' duration
     times: np.ndarray
-    force: np.ndarray  # over the largest of Hertz, mean over 101 steps
+    force: np.ndarray  # over Hertz' largest force, mean over 101 steps
     energy_error: float
 
 
 def impact(lab, a, per_radius, settings=None):
     """An impact that leads to the contact radius `a`."""
     mesh = quarter_ball(a / per_radius, a)
-    mass = 4 * volumes(mesh.nodes, mesh.hexes)[:-1].sum()  # all but the plane's
+    mass = 4 * volumes(mesh.nodes, mesh.hexes)[:-1].sum()  # all elements except that of the plane
     largest = hertz_force(a**2 / RADIUS)
     velocity = np.sqrt(2 * 0.4 * largest * a**2 / RADIUS / mass)  # m v^2/2 = 2/5 F delta
     exact = 2.868 * (mass**2 / (RADIUS * E_STAR**2 * velocity))**0.2
@@ -75,10 +75,10 @@ def impact(lab, a, per_radius, settings=None):
 
 
 def pressed(lab, a, per_radius, settings=None):
-    """Force over that of Hertz, at rest with the approach that has the contact radius `a`."""
+    """The force at rest over Hertz' force, at the approach that gives the contact radius `a`."""
     approach = a**2 / RADIUS
     run = lab.run(f"static_{a:g}_{per_radius}{'_softer' if settings else ''}",
-                  {"boundary.velocity[0].velocity": [0, 0, -approach / 2], **(settings or {})},  # for a time 4, sin^2
+                  {"boundary.velocity[0].velocity": [0, 0, -approach / 2], **(settings or {})},  # for a time of 4, sin^2
                   mesh=quarter_ball(a / per_radius, a), deck=lab.deck_path.with_name("v10_hertz_static.toml"))
     results = run.results
     return 4 * results.nodal("force_contact_z")[results.nodes_of_block(0)].sum() / hertz_force(approach)
@@ -94,22 +94,22 @@ def evaluate(lab):
     limits = {name: np.polyval(np.polyfit(ratios[-2:], values[-2:], 1), 0) for name, values in columns.items()}
     for name, values in columns.items():
         label = name.replace(" ", "_")
-        if name == "contact time" or not lab.quick:  # with four elements and a/B = .1 forces are too rough
+        if name == "contact time" or not lab.quick:  # four elements at a/B = 0.1 resolve the forces too coarsely
             lab.check(values[-1], 1, 0.03, "" if name == "contact time" else label)
             lab.check(limits[name], 1, 0.03, label + "_of_small_contacts")
     lab.check(max(one.energy_error for one in impacts), 0, 1e-3, "energy")
-    lab.table(f"Over Hertz' values, {per_radius} elements in a:", ["a/B", *columns],
+    lab.table(f"Relative to Hertz' values, {per_radius} elements in a:", ["a/B", *columns],
               [*zip(ratios, *columns.values()), ["0 (by a line through the last two)", *limits.values()]])
     if not lab.quick:
-        tell_compliance(lab, ratios[1], columns["contact time"][1], forces[1])
+        report_compliance(lab, ratios[1], columns["contact time"][1], forces[1])
     with lab.figure("Force by time of the impact with the smallest contact, mean over 101 steps") as axes:
         axes.plot(impacts[-1].times, impacts[-1].force, label="computed", linewidth=1)
         axes.axhline(1, label="largest force by Hertz", **EXACT)
         axes.set(xlabel="t c/B", ylabel="F / F_Hertz")
 
 
-def tell_compliance(lab, a, stiff_time, stiff_force):
-    """What softer contact adds, by elements in the radius of contact."""
+def report_compliance(lab, a, stiff_time, stiff_force):
+    """The added duration of softer contact, by elements in the contact radius."""
     meshes = (4, 6, 8, 12)
     added = [impact(lab, a, n, SOFTER).duration - stiff_time for n in meshes]
     force = pressed(lab, a, 8, SOFTER)
@@ -117,6 +117,6 @@ def tell_compliance(lab, a, stiff_time, stiff_force):
     lab.table(f"Added to the contact time by time.safety = 0.8 and contact.penalty = 0.5, softer than the defaults, a/B = {a}:",
               ["elements in a", "added"], zip(meshes, added))
     softer = 100 * (1 - force / stiff_force)
-    lab.weak_spot(f"penalty .5 at .8 of the stable step makes a Hertz contact of 8 elements in its radius {softer:.0f} % softer and an "
+    lab.weak_spot(f"penalty 0.5 at 0.8 of the stable step makes a Hertz contact of 8 elements in its radius {softer:.0f} % softer and an "
                   f"impact {100 * added[2]:.1f} % longer, of first order in the element size; a shorter step and a larger "
-                  "contact.penalty cure it, at the price of steps")
+                  "contact.penalty reduce it, at the cost of more steps")

@@ -1,6 +1,6 @@
-"""V11: Newton's cradle of five equal blocks (L = c = 1, nu = 0), V3 chained. One block with v0 comes in: a block's
-length of compression runs through the row, block 1 stops at 2 L/c and block 5 leaves with v0 at 5 L/c, free of
-vibration. Two come in: two leave, the last at 5 L/c and the one before at 6 L/c. The blocks between rest."""
+"""V11: Newton's cradle of five equal blocks (L = c = 1, nu = 0), an extension of V3. If one block arrives with v0, a compression of
+a block's length runs through the row, block 1 stops at 2 L/c, and block 5 leaves with v0 at 5 L/c, without vibration. If two
+arrive, two leave, the last at 5 L/c and the one before at 6 L/c. The blocks between rest."""
 import numpy as np
 from _bars import histories
 
@@ -26,9 +26,9 @@ def evaluate(lab):
             lab.check(after[4], 1, 0.02)
         lab.check(errors[incoming, meshes[-1]], 0, 0.02, f"{incoming}_in_largest_error")
         lab.check_order([1 / n for n in meshes], [errors[incoming, n] for n in meshes], 0.6, f"{incoming}_in_order", 1)
-    lab.table("Velocities over v0 in the end:",
-              ["come in", "elements a block", *(f"v{b}" for b in range(1, 6)), "energy error"], rows)
-    with lab.figure("Mean velocities of the blocks by time: one comes in, two come in", panels=2) as panels:
+    lab.table("Final velocities over v0:",
+              ["arrive", "elements a block", *(f"v{b}" for b in range(1, 6)), "energy error"], rows)
+    with lab.figure("Mean velocities of the blocks by time: one arrives, two arrive", panels=2) as panels:
         for axes, blocks in zip(panels, blocks_by_time.values()):
             for bar, velocity in enumerate(blocks.velocity):
                 axes.plot(blocks.times, velocity / v0, label=f"block {bar + 1}", linewidth=1)

@@ -1,7 +1,6 @@
-"""V14: A wall under a pressure pulse. The impulse of all external forces, load and reactions of the fixed course, is
-the change of momentum: contact and internal forces sum to exactly zero, as integers. The load's impulse is that of a
-half sine on the front face, A p (2 T/pi): each kick has the mean pressure over its time, so that the impulse of a pulse
-of a tenth of a step is as exact."""
+"""V14: A wall under a pressure pulse. The impulse of all external forces, load and reactions of the fixed course, is the change of
+momentum: contact and internal forces sum to exactly zero, as integers. The impulse of the load is that of a half sine on the front
+face, A p (2 T/pi): each kick has the mean pressure over its time, so the impulse of a pulse of a tenth of a step is as exact."""
 import numpy as np
 
 NAME = "V14"
@@ -21,20 +20,19 @@ def evaluate(lab):
     pulse, wall = lab.deck["load"]["pressure"][0], lab.deck["wall"]
     bricks = settings.get("wall.bricks", wall["bricks"])
     area = bricks[0] * wall["brick"][0] * bricks[2] * wall["brick"][2]
-    exact = 2 / np.pi * area * pulse["peak"] * pulse["duration"]
-    # Means err by roundings, steps by those of the clock: 2^-53 of some hundred steps.
+    # Means have rounding errors, and steps those of the clock: 2^-53 of some hundred steps.
     exact = 2 / np.pi * area * pulse["peak"] * pulse["duration"]
     lab.check(abs(load[-1]).max(), exact, 1e-12, "impulse_of_the_load")
     step, share = history["timestep"][0], 0.1
     short = lab.run("short_pulse", {**settings, "load.pressure[0].start": 2.3 * step, "time.end": 4 * step,
                                     "load.pressure[0].duration": share * step}).vector("impulse_load")
-    # All corner loads of that one kick, 2/pi share p h^2/4 each, are off by half a quantum, 2^-55 E h^2, at most.
+    # Each corner load of that one kick, 2/pi share p h^2/4, errs by at most half a quantum, 2^-55 E h^2.
     rounding = 2**-55 * lab.deck["material"]["brick"]["youngs_modulus"] / (share / np.pi / 2 * pulse["peak"])
     lab.check(abs(short[-1]).max() / (share * step), exact / pulse["duration"], rounding,
               "impulse_of_a_tenth_of_a_step")
     lab.check(history["ledger_residual"].max(), 0, 1e-12, "ledger")
     lab.require(history["contacts"].max() > 0, "there_are_contacts")
-    # Before the pulse nothing may stir among the flush faces: not one bit.
+    # Before the pulse the flush faces must rest, bit by bit.
     waiting = lab.run("before_the_pulse", {**settings, "load.pressure[0].start": 1.0, "time.end": 5e-4}).results
     lab.check(abs(waiting.nodal("displacement")).max(), 0, 0, "rest_without_load")
     with lab.figure("Impulses and momentum across the wall by time") as axes:

@@ -1,7 +1,6 @@
-"""V15: A wall that is its own mirror image, under a uniform pulse, stays so: u_x changes its sign under x -> L - x,
-u_y and u_z do not. Sums of floating-point numbers at mirrored places round differently (1e-16 m here), so this holds
-to rounding until a contact is so marginal that rounding decides it on one side only. From that step on, the contact
-status of mirrored nodes differs."""
+"""V15: A wall that is its own mirror image stays so under a uniform pulse: u_x changes its sign under x -> L - x, u_y and u_z do
+not. Sums of floating-point numbers at mirrored places round differently (1e-16 m here), so the symmetry holds to rounding until a
+contact is so marginal that rounding decides it on one side only. From that step on, the contact status of mirrored nodes differs."""
 import numpy as np
 
 NAME = "V15"
@@ -11,7 +10,7 @@ MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 class Mirror:
-    """Sums over the nodes at one place (touching bricks have several), and those of the mirrored place."""
+    """Sums over the nodes at one place, of which touching bricks have several, and over those at the mirrored place."""
 
     def __init__(self, nodes, length):
         places = np.round(nodes / 1e-6).astype(np.int64)
@@ -42,10 +41,10 @@ def evaluate(lab):
     largest = np.abs(results.nodal("displacement", last_same)).max()
     lab.check(gaps[:last_same + 1].max(), 0, 1e-10)
     lab.check(results.times[last_same], 1.25e-3, 0, "symmetric_until", error=max(0, 1.25e-3 - results.times[last_same]))
-    lab.require(largest > 1e-3, "it_has_moved")
+    lab.require(largest > 1e-3, "the_wall_has_moved")
     lab.note(f"The contacts of mirrored nodes are the same up to t = {results.times[last_same]:.3g} s of "
              f"{results.times[-1]:.3g} s; displacements are then {largest:.2g} m.")
-    with lab.figure("Difference of mirrored displacements, over a brick's length, by time") as axes:
+    with lab.figure("Difference of mirrored displacements over a brick's length, by time") as axes:
         axes.semilogy(results.times, np.maximum(gaps, 1e-17))
-        axes.axvline(results.times[last_same], color="#8a8a8a", linestyle=":", label="contacts are the same until here")
+        axes.axvline(results.times[last_same], color="#8a8a8a", linestyle=":", label="contacts are the same up to here")
         axes.set(xlabel="t (s)", ylabel="difference / brick length")

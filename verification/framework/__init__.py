@@ -1,1 +1,1 @@
-"""What the studies share: runs of the program, Exodus files, cases with exact answers, plots and reports."""
+"""Common parts of the studies: runs of the program, Exodus files, checks against exact answers, plots and reports."""

@@ -1,12 +1,13 @@
-"""Whether two results files, or two histories, hold the same bits."""
+"""Comparison of two results files, or of two histories, bit by bit."""
 import numpy as np
 
-# Of the mesh. Left out: side sets, of which those that ranks cut are joined in another order, and maps that only count up.
+# Variables of the mesh that are compared. Side sets are not: epu joins those that ranks cut in another order. Nor are maps,
+# which only count up.
 MESH = ("coord", "connect")
 
 
 def different_bits(one, other, without=()):
-    """(values compared, values whose bits differ) over mesh, times and all result variables of two `Results`, but for the
+    """(values compared, values whose bits differ) over mesh, times and all result variables of two `Results`, except for the
     global variables named in `without`."""
     count = differing = 0
     for name in one.variables:
@@ -24,7 +25,7 @@ def different_bits(one, other, without=()):
 
 
 def history_text(path, without=()):
-    """The bytes of a history.csv but for some columns."""
+    """The text of a history.csv without some of its columns."""
     lines = path.read_text().splitlines()
     names = lines[0].split(",")
     kept = [column for column, name in enumerate(names) if name not in without]

@@ -1,4 +1,4 @@
-"""What a case found: values held against exact ones, tables, notes, comparisons with published figures."""
+"""The results of a case: values compared with exact ones, tables, notes, comparisons with published figures."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -6,9 +6,9 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Check:
-    """One computed value against an exact one. It passes if error <= threshold (a NaN does not)."""
+    """One computed value and the exact one. The check passes if error <= threshold; a NaN fails."""
 
-    name: str  # "" of the case's own line
+    name: str  # "" for the case's own line
     computed: float
     exact: float
     error: float
@@ -26,18 +26,18 @@ class Check:
 
 @dataclass
 class Outcome:
-    """All that a case leaves for the report."""
+    """All results of a case for the report."""
 
     name: str  # such as "V7"
     title: str
-    text: str  # what the case is, from its module
+    text: str  # the description of the case, from its module
     checks: list = field(default_factory=list)
     tables: list = field(default_factory=list)  # (caption, header, rows)
     notes: list = field(default_factory=list)
     weak_spots: list = field(default_factory=list)
-    published: list = field(default_factory=list)  # (what, computed, published, source)
+    published: list = field(default_factory=list)  # (quantity, computed, published, source)
     figures: list = field(default_factory=list)  # file names
-    failure: str = ""  # why it came to no result
+    failure: str = ""  # the reason why there is no result
     seconds: float = 0.0
     program: dict = field(default_factory=dict)  # versions, from a run's report
 
@@ -46,11 +46,11 @@ class Outcome:
         return not self.failure and bool(self.checks) and all(check.passed for check in self.checks)
 
     def lines(self):
-        """The case's own line, of its first check, and one for each further check."""
+        """The case's own line, with its first check, and a line for each further check."""
         if self.failure:
             return [f"{self.name} FAIL {self.failure}"]
         if not self.checks:
-            return [f"{self.name} FAIL it has checked nothing"]
+            return [f"{self.name} FAIL it has no check"]
         missed = [check.name for check in self.checks[1:] if not check.passed]
         lines = [f"{self.name} {'PASS' if self.passed else 'FAIL'} {self.checks[0].text()}"
                  + (f" missed={','.join(missed)}" if missed else "")]

@@ -1,12 +1,12 @@
-"""Exodus files by netCDF4: writes meshes of hexahedra, reads the program's results."""
+"""Exodus files by netCDF4: writes meshes of hexahedra and reads the program's results."""
 import netCDF4
 import numpy as np
 
-# Of a hex8 in Exodus' order, counted from 0: steps from the first corner to each; corners of the sides, outward by the right
-# hand.
+# A hex8 in the order of Exodus, counted from 0: offsets of the corners from the first one, and the corners of the sides, whose
+# normals point outward by the right-hand rule.
 HEX_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 HEX_SIDES = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]])
-NAME_LENGTH = 33  # with the closing zero
+NAME_LENGTH = 33  # with the terminating zero
 
 
 def write_mesh(path, mesh):
@@ -37,7 +37,7 @@ def write_mesh(path, mesh):
 def _write_ids(file, kind, dimension, names):
     file.createVariable(f"{kind}_status", "i4", (dimension,))[:] = 1
     ids = file.createVariable(f"{kind}_prop1", "i4", (dimension,))
-    ids.setncattr("name", "ID")  # plain assignment is taken by netCDF4
+    ids.setncattr("name", "ID")  # netCDF4 reserves plain assignment of `name`
     ids[:] = np.arange(1, len(names) + 1)
     _write_names(file, f"{kind}_names", dimension, names)
 
@@ -63,7 +63,7 @@ def _write_sets(file, kind, word, sets):
 
 
 class Results:
-    """Mesh and fields of a results file (of one rank, or joined). Steps count from 0, -1 is the last."""
+    """Mesh and fields of a results file of one rank, or of a joined one. Steps count from 0; -1 is the last."""
 
     def __init__(self, path):
         self.file = netCDF4.Dataset(path)
@@ -80,7 +80,7 @@ class Results:
         self.names = {kind: self._names(f"name_{kind}_var") for kind in ("nod", "elem", "glo")}
 
     def nodal(self, name, step=-1):
-        """[node] of a scalar, [node][xyz] of a vector's name."""
+        """[node] for the name of a scalar, [node][xyz] for that of a vector."""
         if name + "_x" in self.names["nod"]:
             return np.stack([self.nodal(f"{name}_{axis}", step) for axis in "xyz"], axis=1)
         return np.array(self.variables[f"vals_nod_var{self.names['nod'].index(name) + 1}"][step])
@@ -102,7 +102,7 @@ class Results:
         return self.nodes[self.hexes].mean(axis=1)
 
     def nodes_of_block(self, block):
-        """Of the block's number, from 0; ascending."""
+        """The nodes of a block, ascending; blocks count from 0."""
         return np.unique(self.hexes_of_block[block])
 
     def _names(self, variable):

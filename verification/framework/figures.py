@@ -1,4 +1,4 @@
-"""The look of all plots. No pyplot: cases run side by side."""
+"""The style of all plots. No pyplot, whose state is global: cases run concurrently."""
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -25,7 +25,7 @@ def save(figure, path):
             axes.legend(frameon=False, fontsize=8)
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Without the version of matplotlib: the same plot is the same file.
+    # Without the version of matplotlib, equal plots are equal files.
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 

@@ -1,11 +1,11 @@
-"""The machine that a study runs on: cores, memory, system and load, as Linux tells them."""
+"""The machine of a study: cores, memory, system and load, read from Linux."""
 import os
 import platform
 import subprocess
 
 
 def physical_cores():
-    """Cores that this process may use, hardware threads of one core counted once."""
+    """The number of cores that this process may use; the hardware threads of a core count once."""
     usable = os.sched_getaffinity(0)
     try:
         text = subprocess.run(["lscpu", "-p=CPU,CORE,SOCKET"], capture_output=True, text=True, check=True).stdout

@@ -1,11 +1,11 @@
-"""Meshes of hexahedra: boxes, their images under maps, and several in one file."""
+"""Meshes of hexahedra: boxes, their images under maps, and unions of several."""
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from .exodus import HEX_CORNERS, HEX_SIDES
 
-# The sides of `box`, in the order of HEX_SIDES: at the least and the largest x, y, z.
+# The indices in HEX_SIDES of the sides of `box` at the least and the largest x, y, z.
 BOX_SIDES = {"y0": 0, "x1": 1, "y1": 2, "x0": 3, "z0": 4, "z1": 5}
 
 
@@ -28,7 +28,7 @@ class Mesh:
 
 
 def volumes(nodes, hexes):
-    """Of hexahedra, by 2x2x2 Gauss points: exact for trilinear ones."""
+    """Volumes of hexahedra by 2x2x2 Gauss points, exact for trilinear ones."""
     corner = 2.0 * HEX_CORNERS - 1
     total = 0
     for point in corner / np.sqrt(3):
@@ -39,14 +39,14 @@ def volumes(nodes, hexes):
 
 
 def nodal_masses(nodes, hexes, density=1.0):
-    """An eighth of each element's mass at each of its corners; `density` is a number or one an element."""
+    """Lumped masses: an eighth of each element's mass at each of its corners. `density` is one number or one per element."""
     masses = np.zeros(len(nodes))
     np.add.at(masses, hexes, (density * volumes(nodes, hexes) / 8)[:, None])
     return masses
 
 
 def bodies(num_nodes, hexes):
-    """Nodes of each connected part of a mesh, in the order of their lowest nodes."""
+    """The nodes of each connected part of a mesh; the parts are in the order of their lowest nodes."""
     label, before = np.arange(num_nodes), None
     while not np.array_equal(label, before):
         before = label.copy()
@@ -55,13 +55,13 @@ def bodies(num_nodes, hexes):
 
 
 def box(size, elements, origin=(0, 0, 0), name="block", sets=None):
-    """A block of equal elements in the element block `name`. Its node sets and side sets are x0, x1, y0, y1, z0, z1 behind
-    `sets` (by default the name) and a dot."""
+    """A block of equal elements in the element block `name`. Its node sets and side sets are `sets`.x0, .x1, .y0, .y1, .z0 and
+    .z1; `sets` is the name by default."""
     return graded_box([np.linspace(o, o + s, n + 1) for o, s, n in zip(origin, size, elements)], name, sets)
 
 
 def graded_box(coordinates, name="block", sets=None):
-    """A block with nodes at all triples of the three rising lists of coordinates."""
+    """A block with nodes at all triples of three ascending lists of coordinates."""
     nx, ny, nz = (len(values) for values in coordinates)
     z, y, x = np.meshgrid(*coordinates[::-1], indexing="ij")
     nodes = np.stack([x, y, z], axis=-1).reshape(-1, 3)
@@ -79,24 +79,24 @@ def graded_box(coordinates, name="block", sets=None):
 
 
 def together(*meshes):
-    """One mesh of several that share no node. Blocks of one name must follow each other; sets must have different names."""
-    all_of_them = Mesh(np.concatenate([mesh.nodes for mesh in meshes]), np.empty((0, 8), dtype=np.int64), {})
+    """One mesh of several that share no node. Blocks of the same name must be adjacent; sets must have different names."""
+    union = Mesh(np.concatenate([mesh.nodes for mesh in meshes]), np.empty((0, 8), dtype=np.int64), {})
     first_node = 0
     for mesh in meshes:
-        first_elem = len(all_of_them.hexes)
-        all_of_them.hexes = np.concatenate([all_of_them.hexes, mesh.hexes + first_node])
+        first_elem = len(union.hexes)
+        union.hexes = np.concatenate([union.hexes, mesh.hexes + first_node])
         for name, count in mesh.blocks.items():
-            all_of_them.blocks[name] = all_of_them.blocks.get(name, 0) + count
+            union.blocks[name] = union.blocks.get(name, 0) + count
         for name, nodes in mesh.node_sets.items():
-            all_of_them.node_sets[name] = nodes + first_node
+            union.node_sets[name] = nodes + first_node
         for name, sides in mesh.side_sets.items():
-            all_of_them.side_sets[name] = sides + [first_elem, 0]
+            union.side_sets[name] = sides + [first_elem, 0]
         first_node += len(mesh.nodes)
-    return all_of_them
+    return union
 
 
 def rotation(axis, angle):
-    """The matrix that turns by `angle` about `axis` (Rodrigues)."""
+    """The matrix of a rotation by `angle` about `axis` (Rodrigues)."""
     n = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
     cross = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross

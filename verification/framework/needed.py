@@ -1,10 +1,10 @@
-"""Modules that Python itself does not bring."""
+"""Modules beyond the standard library of Python."""
 import importlib
 import sys
 
 
 def need(*modules):
-    """Ends the program with exit code 77, which ctest tells as skipped, where one is missing."""
+    """Ends the program with exit code 77, which ctest reports as skipped, if a module is missing."""
     try:
         for module in modules:
             importlib.import_module(module)

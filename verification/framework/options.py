@@ -1,11 +1,37 @@
-"""The command line that all studies share."""
+"""The command line common to all studies."""
 import argparse
+from pathlib import Path
+
+
+def positive(text):
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
+
+
+def positive_list(text):
+    return sorted({positive(word) for word in text.split(",")})
+
+
+positive_list.__name__ = "list such as 1,2,4"  # argparse prints it
 
 
 def study_parser(name, doc):
-    """A parser for the options of `./run.sh --study NAME`. What run.sh tells every study is there already: `run_sh`, to make runs
-    by, and `program`, the binary that they are of."""
+    """A parser for the options of `./run.sh --study NAME`. It has the two options that run.sh passes to every study: `run_sh`,
+    the script that starts runs, and `program`, the binary."""
     parser = argparse.ArgumentParser(prog=f"./run.sh --study {name}", description=doc.splitlines()[0])
     parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     return parser
+
+
+def add_run_options(parser, name, quick, keep, counts=True):
+    """Adds --quick and --keep with these help texts, the folder -o, and, if `counts`, the ranks -n and threads -t of each run."""
+    parser.add_argument("--quick", action="store_true", help=quick)
+    if counts:
+        parser.add_argument("-n", "--ranks", type=positive, default=1, help="MPI ranks of each run (default %(default)s)")
+        parser.add_argument("-t", "--threads", type=positive, default=1, help="threads of each rank (default %(default)s)")
+    parser.add_argument("-o", "--output", type=lambda path: Path(path).absolute(), default=Path(f"out/study_{name}").absolute(),
+                        help=f"output folder (default out/study_{name})")
+    parser.add_argument("--keep", action="store_true", help=keep)

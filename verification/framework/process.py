@@ -1,4 +1,4 @@
-"""One child process: its output in a log, a time limit, and no process left behind."""
+"""A child process with its output in a log and a time limit; none of its processes survives the call."""
 import os
 import signal
 import subprocess
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def execute(command, log, limit, environment=None):
-    """Runs `command`, with more variables in its `environment`, and returns ("ok" | "failed" | "out of time", message, exit
+    """Runs `command` with additional variables in its `environment`. Returns ("ok" | "failed" | "out of time", message, exit
     code or None)."""
     with open(log, "w") as file:
         # A process group, so that the children of run.sh end with it.

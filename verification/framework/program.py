@@ -1,4 +1,4 @@
-"""Runs of the program as a user starts them: run.sh, a deck, `--set` overrides, perhaps a mesh."""
+"""Runs of the program through run.sh, as a user starts them: a deck, `--set` overrides, possibly a mesh."""
 import json
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,15 +11,15 @@ from .process import execute
 
 
 class ProgramError(RuntimeError):
-    """A run that did not end as it should."""
+    """A run with an unexpected exit code."""
 
 
 @dataclass
 class Run:
-    """What a run left in its folder."""
+    """The results of a run in its folder."""
 
     folder: Path
-    name: str  # of the deck
+    name: str  # the name of the deck
     code: int  # exit code
     message: str
 
@@ -44,7 +44,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Program:
-    """How to run it: of all runs of a study, unless a run says otherwise."""
+    """The program with the defaults for all runs of a study."""
 
     run_sh: Path
     binary: Path
@@ -53,8 +53,8 @@ class Program:
     limit: float = 1800  # seconds
 
     def run(self, deck, folder, settings=None, mesh=None, ranks=None, threads=None, expect=0):
-        """Runs `deck` with `settings` {key: value} into `folder`. `mesh` is written there and stands in for mesh.file.
-        Raises ProgramError if the exit code is not `expect` (None: any)."""
+        """Runs `deck` with `settings` {key: value} into `folder`. `mesh` is written there and replaces mesh.file. Raises
+        ProgramError if the exit code is not `expect` (None: any)."""
         deck, folder = Path(deck), Path(folder).absolute()
         folder.mkdir(parents=True, exist_ok=True)
         settings = dict(settings or {})
@@ -65,15 +65,15 @@ class Program:
                    "-n", str(ranks or self.ranks), "-t", str(threads or self.threads)]
         for key, value in settings.items():
             command += ["--set", f"{key}={spell(value)}"]
-        # Unbound: runs side by side would all bind to the same first cores.
+        # Unbound, since concurrent runs would all bind to the same first cores.
         _, message, code = execute(command, folder / "log.txt", self.limit, {"OMP_PROC_BIND": "false"})
         if expect is not None and code != expect:
-            raise ProgramError(f"{folder.name}: {message or 'it passed'}, expected exit code {expect} ({folder}/log.txt)")
+            raise ProgramError(f"{folder.name}: {message or 'the run passed'}, expected exit code {expect} ({folder}/log.txt)")
         return Run(folder, deck.stem, code, message)
 
 
 def spell(value):
-    """A value as TOML writes it. Numbers keep all their bits."""
+    """A value in TOML. Numbers keep all their bits."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

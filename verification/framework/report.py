@@ -1,4 +1,4 @@
-"""The report of a study: one table of all cases, then each case with its tables, plots and notes."""
+"""The report of a study: one table of all cases, then a section for each case with its tables, plots and notes."""
 
 
 def table(header, rows):
@@ -15,7 +15,7 @@ def headline(study):
     return (f"{built.get('cpu', 'unknown processor')}, {place['physical_cores']} cores, {place['system']}; brickwall "
             f"{built.get('version', '?')}, commit {built.get('commit', '?')}, {built.get('compiler', '?')}, Kokkos "
             f"{built.get('kokkos', '?')} {built.get('execution_space', '')}, {built.get('mpi', '?')}; {study['date']}; "
-            f"{study['ranks']} rank(s) of {study['threads']} thread(s) a run where a case does not say otherwise")
+            f"{study['ranks']} rank(s) with {study['threads']} thread(s) each, unless a case says otherwise")
 
 
 def case_row(outcome):
@@ -52,8 +52,8 @@ def write(path, study, outcomes):
              table(["case", "", "computed", "exact", "error", "threshold", "checks", ""], map(case_row, outcomes))]
     published = [line for outcome in outcomes for line in outcome.published]
     if published:
-        parts.append("## Published figures\n\n" + table(["what", "computed", "published", "source"], published))
+        parts.append("## Published figures\n\n" + table(["quantity", "computed", "published", "source"], published))
     weak_spots = [f"- {outcome.name}: {text}" for outcome in outcomes for text in outcome.weak_spots]
     if weak_spots:
-        parts.append("## Where the method is weak\n\n" + "\n".join(weak_spots) + "\n")
+        parts.append("## Weak spots of the method\n\n" + "\n".join(weak_spots) + "\n")
     path.write_text("\n".join(parts + [section(outcome) for outcome in outcomes]))

@@ -4,7 +4,7 @@ import numpy as np
 
 def fit_frequency(times, values, guess, width=0.2):
     """Angular frequency of the oscillation nearest to `guess`: least squares of A cos + B sin + C under a Hann window, which
-    keeps other modes out; by golden section within guess (1 -+ width)."""
+    suppresses other modes, by golden section within guess (1 -+ width)."""
     weight = np.hanning(len(times) + 2)[1:-1]
 
     def misfit(omega):
@@ -16,7 +16,7 @@ def fit_frequency(times, values, guess, width=0.2):
 
 
 def golden_section(function, low, high, tolerance=1e-10):
-    """The least point of a function with one minimum between low and high."""
+    """The minimum point of a function with one minimum between low and high."""
     ratio = (np.sqrt(5) - 1) / 2
     left, right = high - ratio * (high - low), low + ratio * (high - low)
     f_left, f_right = function(left), function(right)

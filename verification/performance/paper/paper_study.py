@@ -13,29 +13,19 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # of framework
 import study_tables as tables
 from framework import machine
-from framework.options import study_parser
+from framework.options import positive, positive_list, study_parser
 from paper_plan import METHODS, PAPER_SIZES, PaperPlan, default_layouts
 from search_runs import Result, Runner
 
 
-def counting_numbers(text):
-    numbers = sorted({int(word) for word in text.split(",")})
-    if numbers[0] < 1:
-        raise ValueError
-    return numbers
-
-
-counting_numbers.__name__ = "list such as 1,2,4"  # argparse prints it
-
-
 def parse_arguments():
     parser = study_parser("paper", __doc__)
-    parser.add_argument("-n", "--ranks", type=counting_numbers, help="MPI ranks, such as 1,2,4 (default 1,4)")
-    parser.add_argument("-t", "--threads", type=counting_numbers, help="threads per rank (default 1 to the cores, doubling)")
-    parser.add_argument("--sizes", type=counting_numbers, default=list(PAPER_SIZES),
+    parser.add_argument("-n", "--ranks", type=positive_list, help="MPI ranks, such as 1,2,4 (default 1,4)")
+    parser.add_argument("-t", "--threads", type=positive_list, help="threads per rank (default 1 to the cores, doubling)")
+    parser.add_argument("--sizes", type=positive_list, default=list(PAPER_SIZES),
                         help="n of the walls W(n) with 4350 n^2 faces (default %(default)s)")
-    parser.add_argument("--methods", default=",".join(METHODS), help="default %(default)s")
-    parser.add_argument("--repetitions", type=int, default=5, help="counted searches of each run (default 5)")
+    parser.add_argument("--methods", default=",".join(METHODS), help="search methods (default %(default)s)")
+    parser.add_argument("--repetitions", type=positive, default=5, help="counted searches of each run (default 5)")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/study_paper"), help="folder (default %(default)s)")
     parser.add_argument("--memory", type=float, help="memory limit of a run in GB (default: 90 %% of the available memory)")
     parser.add_argument("--reference-seconds", type=float, default=60,
@@ -46,8 +36,6 @@ def parse_arguments():
     unknown = [method for method in arguments.methods if method not in METHODS]
     if unknown:
         parser.error(f"unknown method {unknown[0]}; known are {', '.join(METHODS)}")
-    if arguments.repetitions < 1:
-        parser.error("--repetitions needs a positive number")
     return arguments
 
 
