@@ -7,7 +7,7 @@
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/scene/memory_estimate.hpp"
 #include "miniapp/scene/scene.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -75,11 +75,11 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
     faces = layout.numFaces();
     bodies = layout.numBricks();
   }
-  const std::int64_t congruent = simulation.numCongruentElems();
+  const std::int64_t congruent = specialElements(simulation).congruent;
   const bool all_congruent = congruent == scene.part.num_global_elems;
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
   const auto skipped =
-      sparedParts(small, simulation, simulation.contactCounts(), scene.part.num_global_elems);
+      sparedParts(small, simulation, contactCounts(simulation), scene.part.num_global_elems);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
     return 0;
@@ -114,13 +114,13 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
     std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
                 boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge),
                 config.contact.penalty,
-                simulation.dropsSameBody() ? "no contact of a body with itself"
-                                           : "bodies may touch themselves");
+                dropsSameBody(small) ? "no contact of a body with itself"
+                                     : "bodies may touch themselves");
   else
     std::printf("  contact           off: nothing is searched\n");
-  if (config.contact.enabled && simulation.sureSpeed() < HUGE_VAL)
+  if (config.contact.enabled && sureSpeed(simulation) < HUGE_VAL)
     std::printf("  guard             bodies that meet at more than %.4g %s\n",
-                simulation.sureSpeed(),
+                sureSpeed(simulation),
                 config.contact.guard == GuardAction::cut ? "cut the step" : "stop the run");
   if (config.contact.enabled && config.search.margin > 0)
     std::printf("  search            %s, kept until a node has moved %g along an axis\n",
@@ -130,15 +130,15 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   if (config.time.bound == StepBound::lanczos)
     std::printf(
         "  time step         %g, %.1f %% longer than by elements (Lanczos, body types: %lld)\n",
-        simulation.clock().dt, 100 * (simulation.stepGain().step - 1),
-        count(simulation.stepGain().body_types));
+        simulation.clock().dt, 100 * (simulation.steps().gain().step - 1),
+        count(simulation.steps().gain().body_types));
   else
     std::printf("  time step         %g, by elements\n", simulation.clock().dt);
   for (const SparedReport& part : skipped)
     if (part.share > 0 && !(part.key == "spare.resting_bodies" && startsUnlike(config)))
       std::printf("  skipped            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                   part.of.c_str());
-  std::printf("  steps             %lld to time %g\n", count(simulation.plannedSteps()),
+  std::printf("  steps             %lld to time %g\n", count(simulation.steps().plannedSteps()),
               config.time.end);
   std::printf(
       "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",

@@ -7,7 +7,7 @@
 #include "miniapp/output/results.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/scene/load_warnings.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <chrono>
@@ -70,7 +70,7 @@ public:
   }
 
   int execute() {
-    _recorder.watch("search", _simulation.plannedSteps());
+    _recorder.watch("search", _simulation.steps().plannedSteps());
     try {
       loop();
     } catch (const PhysicsError& error) {
@@ -94,14 +94,14 @@ private:
     _simulation.start();
     writeState();
     bool first = true;
-    while (!_simulation.done()) {
+    while (!_simulation.isDone()) {
       {
         const Region region("step");
         _simulation.step();
       }
       if (first) {
         _recorder.reset();
-        _searches_before = _simulation.searches();
+        _searches_before = numSearches(_simulation);
       } else {
         _recorder.endStep();
       }
@@ -161,7 +161,7 @@ private:
 
   void checkLimits() {
     const Clock& clock = _simulation.clock();
-    const GaugeValues values = _simulation.gauges();
+    const GaugeValues values = gauges(_simulation);
     for (const std::string& warning : _limits.newWarnings(values, clock.step, clock.time))
       if (rankOf(_comm) == 0)
         std::cout << "warning: " << warning << std::endl;
@@ -173,7 +173,7 @@ private:
   void warnOfLargeStrain() {
     if (_has_large_strain)
       return;
-    const mechanics::NeglectedStrain left_out = _simulation.neglectedStrain();
+    const mechanics::NeglectedStrain left_out = neglectedStrain(_simulation);
     _has_large_strain = left_out.strain > mechanics::large_left_out_strain;
     if (!_has_large_strain)
       return;
@@ -208,7 +208,7 @@ private:
     const auto& clock = _simulation.clock();
     std::printf("step %lld of %lld  time %.4g  energy error %.2e  %.0f s\n",
                 static_cast<long long>(clock.step),
-                static_cast<long long>(_simulation.plannedSteps()), clock.time,
+                static_cast<long long>(_simulation.steps().plannedSteps()), clock.time,
                 _simulation.balance().energy_error, _last_progress);
     std::fflush(stdout);
   }
@@ -216,7 +216,7 @@ private:
   RunReport makeReport() {
     RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
     report.case_name = _options.caseName();
-    report.counted_searches = _simulation.searches() - _searches_before;
+    report.counted_searches = numSearches(_simulation) - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
     report.warnings.insert(report.warnings.begin(), _scene.warnings.begin(), _scene.warnings.end());

@@ -19,6 +19,13 @@ inline double deepestBirth(const ContactConfig& contact, double shortest_edge) {
   return 2 * contact.tolerance * shortest_edge;
 }
 
+// Whether pairs within one body are left out of the search.
+inline bool dropsSameBody(const Config& config) {
+  const SelfContact self = config.contact.self;
+  return !config.contact.enabled || self == SelfContact::never ||
+         (self == SelfContact::automatic && config.wall.has_value());
+}
+
 inline contact::SearchConfig searchConfig(const Config& config, double tolerance,
                                           bool drop_same_body) {
   contact::SearchConfig search;

@@ -1,7 +1,7 @@
 // A new column is one line of the table here and one of the table in miniapp/README.md.
 #include "miniapp/output/history_columns.hpp"
 
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 
 namespace brickwall::miniapp {
 
@@ -149,7 +149,7 @@ std::vector<std::string> globalNames(const Config& config) {
 }
 
 std::vector<double> globalValues(const Simulation& simulation) {
-  const Snapshot moment{simulation.clock(), simulation.balance(), simulation.contactCounts()};
+  const Snapshot moment{simulation.clock(), simulation.balance(), contactCounts(simulation)};
   std::vector<double> values;
   for (const Column& column : columns()) {
     if (!column.is_asked_for(simulation.config()))

@@ -95,9 +95,9 @@ void Results::fillNodal(Simulation& simulation) {
 }
 
 void Results::fillContact(const Simulation& simulation) {
-  if (!simulation.enforcement())
+  if (!simulation.contact())
     return;
-  packContact(_space, _scene, *simulation.enforcement(), _contact_words);
+  packContact(_space, _scene, simulation.contact()->enforcement(), _contact_words);
   _shared.sum(_space, _contact_words);
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _contact_words);
   for (int node = 0; node < _scene.mesh.num_nodes; ++node) {

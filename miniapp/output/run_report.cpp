@@ -4,12 +4,13 @@
 #include "miniapp/deck/search_choice.hpp"
 #include "miniapp/output/skipped_work.hpp"
 
+#include <map>
+
 namespace brickwall::miniapp {
 
 namespace {
 
-SearchReport searchReport(const Config& config, const Simulation& simulation,
-                          const ContactCounts& counts) {
+SearchReport searchReport(const Config& config, const ContactCounts& counts) {
   SearchReport search;
   search.method = nameOf(config.search.method);
   search.margin = config.search.margin;
@@ -23,17 +24,17 @@ SearchReport searchReport(const Config& config, const Simulation& simulation,
   search.lost_contacts = counts.lost;
   search.audit = config.contact.enabled ? config.search.audit : 0;
   search.missed_pairs = counts.missed_pairs;
-  search.drops_same_body = simulation.dropsSameBody();
+  search.drops_same_body = dropsSameBody(config);
   return search;
 }
 
 StepReport stepReport(const Config& config, const Simulation& simulation) {
   StepReport steps;
   steps.bound = config.time.bound == StepBound::lanczos ? "lanczos" : "element";
-  steps.gain = simulation.stepGain().step;
-  steps.products = simulation.stepGain().products;
-  steps.body_types = simulation.stepGain().body_types;
-  const auto& cuts = simulation.stepCuts();
+  steps.gain = simulation.steps().gain().step;
+  steps.products = simulation.steps().gain().products;
+  steps.body_types = simulation.steps().gain().body_types;
+  const auto& cuts = simulation.steps().cuts();
   steps.last = simulation.clock().dt;
   steps.first = cuts.empty() ? steps.last : cuts.front().from;
   steps.guarded_steps = simulation.guardedSteps();
@@ -64,6 +65,23 @@ BalanceReport balanceReport(const Config& config, const mechanics::EnergyBalance
   return report;
 }
 
+// report.json and the printed table keep these names of phases, whatever the regions are called.
+const std::map<std::string, std::string>& phaseNames() {
+  static const std::map<std::string, std::string> names = {
+      {"step::moveNodes", "step::drift"},
+      {"step::guardAgainstTunnelling", "step::tunnelling guard"},
+      {"step::auditCandidates", "step::audit of pairs"},
+      {"step::shortenIfUnstable", "step::stable step"},
+      {"step::computeInternalForces", "step::internal force"},
+      {"step::addLoads", "step::loads"},
+      {"step::sumSharedNodes", "step::shared-node sum"},
+      {"step::enforceContact", "step::contact enforcement"},
+      {"step::kickVelocities", "step::kick"},
+      {"step::stepFreeBricks", "step::free bricks"},
+      {"step::bookEnergies", "step::ledger"}};
+  return names;
+}
+
 } // namespace
 
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
@@ -81,16 +99,21 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.loop_seconds = slowest(recorder.seconds("step"));
   report.search_seconds = slowest(recorder.seconds("search"));
   report.solver_seconds = slowest(recorder.seconds("step") - recorder.seconds("search") -
-                                  recorder.seconds("step::contact enforcement"));
+                                  recorder.seconds("step::enforceContact"));
   report.phases = recorder.phases();
+  for (PhaseTime& phase : report.phases) {
+    const auto name = phaseNames().find(phase.name);
+    if (name != phaseNames().end())
+      phase.name = name->second;
+  }
   report.search_timers = recorder.searchTimers();
-  const ContactCounts counts = simulation.contactCounts();
-  report.search = searchReport(config, simulation, counts);
+  const ContactCounts counts = contactCounts(simulation);
+  report.search = searchReport(config, counts);
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
   report.skipped = sparedParts(config, simulation, counts, report.elements);
-  const Checksums sums = simulation.checksums();
+  const Checksums sums = checksums(simulation);
   report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);
   judgeFigures(report);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "miniapp/output/report.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 namespace brickwall::miniapp {

@@ -1,5 +1,7 @@
 #include "miniapp/output/skipped_work.hpp"
 
+#include "miniapp/deck/search_choice.hpp"
+
 #include <iterator>
 
 namespace brickwall::miniapp {
@@ -33,31 +35,33 @@ std::vector<SparedReport> sparedParts(const Config& config, const Simulation& si
                                       const ContactCounts& counts, std::int64_t num_elems) {
   const double elems = static_cast<double>(num_elems);
   const std::int64_t steps = simulation.clock().step + 1; // the start evaluates forces too
-  const std::int64_t skipped = simulation.skippedElementSteps();
+  const SpecialElements special = specialElements(simulation);
   std::vector<SparedReport> parts = {
-      {"element geometry", shareOf(simulation.numCongruentElems(), elems),
+      {"element geometry", shareOf(special.congruent, elems),
        "of the elements are copies within their brick and store none (370 B each if one-point)",
        ""},
-      {"connectivity", shareOf(simulation.numLatticeElems(), elems),
+      {"connectivity", shareOf(special.in_lattices, elems),
        "of the elements are swept plane by plane without it", "spare.lattices"},
       {"ledger terms", shareOfAbsentTerms(config), "of the kinds of energy and work are absent",
        ""},
-      {"steps", 1 - 1 / simulation.stepGain().step,
+      {"steps", 1 - 1 / simulation.steps().gain().step,
        "of the steps of the worst element's bound are not taken (Lanczos)", "time.bound"},
   };
   if (!config.contact.enabled) {
-    parts.push_back({"forces kept", shareOf(simulation.numFreeElems(), elems),
+    parts.push_back({"forces kept", shareOf(special.free, elems),
                      "of the elements are of bricks that drift, deform and are kicked in one sweep",
                      "spare.free_bricks"});
     return parts;
   }
   parts.push_back({"elements at rest",
-                   skipped > 0 ? shareOf(skipped, elems * static_cast<double>(steps))
-                               : shareOf(simulation.numRestingElems(), elems),
-                   skipped > 0 ? "of the element-steps were of bodies that nothing had moved yet"
-                               : "of the elements rest at the start, until something moves them",
+                   special.skipped_steps > 0
+                       ? shareOf(special.skipped_steps, elems * static_cast<double>(steps))
+                       : shareOf(special.resting, elems),
+                   special.skipped_steps > 0
+                       ? "of the element-steps were of bodies that nothing had moved yet"
+                       : "of the elements rest at the start, until something moves them",
                    "spare.resting_bodies"});
-  parts.push_back({"contact of a body with itself", simulation.dropsSameBody() ? 1.0 : 0.0,
+  parts.push_back({"contact of a body with itself", dropsSameBody(config) ? 1.0 : 0.0,
                    "of the bodies cannot touch themselves", "contact.self"});
   parts.push_back({"memory of friction", config.contact.friction > 0 ? 0.0 : 1.0,
                    "of the contacts have none (contact.friction = 0)", "contact.friction"});

@@ -4,7 +4,7 @@
 
 #include "miniapp/deck/config.hpp"
 #include "miniapp/output/report.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 
 #include <vector>
 

@@ -1,73 +1,133 @@
-// What a simulation tells of its steps: counts over all ranks, and the gauges of limits.
+#include "miniapp/simulation/diagnostics.hpp"
+
+#include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "contact/enforcement/reports/history_checksum.hpp"
+
+#include <algorithm>
 
 namespace brickwall::miniapp {
 
-ContactCounts Simulation::contactCounts() const {
+namespace {
+
+// Materials at small strain are not objective: their stress exerts a moment when the body rotates.
+bool isObjective(const Config& config) {
+  return std::none_of(config.materials.begin(), config.materials.end(), [](const auto& material) {
+    return material.material.model == mechanics::MaterialModel::linear;
+  });
+}
+
+struct HashNode {
+  View<const global_id*> ids;
+  View<const unsigned char*> is_owned;
+  View<const double*[3]> displacement, velocity;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, std::uint64_t& sum) const {
+    if (!is_owned(node))
+      return;
+    Hash hash;
+    hash.take(ids(node));
+    for (int i = 0; i < 3; ++i) {
+      hash.take(displacement(node, i));
+      hash.take(velocity(node, i));
+    }
+    sum += hash.value();
+  }
+};
+
+} // namespace
+
+ContactCounts contactCounts(const Simulation& simulation) {
   ContactCounts counts;
-  if (!_coupling)
+  const ContactStep* contact = simulation.contact();
+  if (!contact)
     return counts;
-  std::int64_t sums[4] = {_search->ghosts().count, _search->pairs().count, _contact.active(),
-                          _lost};
-  allReduce(_comm, sums, 4, MPI_SUM);
-  counts.searches = _search->searches();
-  counts.updates = _search->updates();
+  const contact::CandidateSearch& search = contact->search();
+  const contact::EnforcementSums& step = simulation.lastStep().contact;
+  std::int64_t sums[4] = {search.ghosts().count, search.pairs().count, step.active(),
+                          contact->lost()};
+  allReduce(simulation.comm(), sums, 4, MPI_SUM);
+  counts.searches = search.searches();
+  counts.updates = search.updates();
   counts.ghost_faces = sums[0];
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
   counts.lost = sums[3];
-  counts.missed_pairs = _missed_pairs;
-  counts.largest_penetration = allReduce(_comm, _penetration, MPI_MAX);
-  counts.max_penetration = allReduce(
-      _comm, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration), MPI_MAX);
+  counts.missed_pairs = contact->missedPairs();
+  counts.largest_penetration = allReduce(simulation.comm(), contact->penetration(), MPI_MAX);
+  counts.max_penetration = allReduce(simulation.comm(), maxPenetration(step), MPI_MAX);
   return counts;
 }
 
-GaugeValues Simulation::gauges() {
-  const mechanics::EnergyBalance& b = _ledger.balance();
-  const LimitsConfig& limits = _config.limits;
-  const bool is_deep = (b.host_counts[deeper_than_warned] > 0 &&
-                        _known_penetration <= limits.warn[gauge_penetration]) ||
-                       (b.host_counts[deeper_than_allowed] > 0 &&
-                        _known_penetration <= limits.stop[gauge_penetration]);
-  if (is_deep)
-    _known_penetration = allReduce(_comm, _penetration, MPI_MAX);
+std::int64_t numSearches(const Simulation& simulation) {
+  return simulation.contact() ? simulation.contact()->search().searches() : 0;
+}
+
+GaugeValues gauges(Simulation& simulation) {
+  const mechanics::EnergyBalance& balance = simulation.balance();
   GaugeValues values;
-  values[gauge_energy] = b.energy_error;
-  values[gauge_momentum] = b.momentum_error;
-  values[gauge_angular_momentum] = _is_objective ? b.angular_momentum_error : 0;
-  values[gauge_contact] = b.contact_error;
-  values[gauge_hourglass] = b.hourglassShare();
-  values[gauge_penetration] = _known_penetration;
+  values[gauge_energy] = balance.energy_error;
+  values[gauge_momentum] = balance.momentum_error;
+  values[gauge_angular_momentum] =
+      isObjective(simulation.config()) ? balance.angular_momentum_error : 0;
+  values[gauge_contact] = balance.contact_error;
+  values[gauge_hourglass] = balance.hourglassShare();
+  values[gauge_penetration] =
+      simulation.contact() ? simulation.contact()->agreeOnPenetration(balance.host_counts) : 0;
   return values;
 }
 
-mechanics::NeglectedStrain Simulation::neglectedStrain() const {
-  const bool is_looked_at = checksStableStep(_clock.step) || done();
-  return _is_objective || !is_looked_at
-             ? mechanics::NeglectedStrain()
-             : mechanics::neglectedStrain(_space, _comm, _scene.mesh, _state.displacement);
+mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation) {
+  const bool is_evaluated =
+      simulation.isDone() || simulation.steps().checksStability(simulation.clock().step);
+  if (!is_evaluated || isObjective(simulation.config()))
+    return {};
+  return mechanics::neglectedStrain(simulation.space(), simulation.comm(), simulation.scene().mesh,
+                                    simulation.state().displacement);
 }
 
-std::int64_t Simulation::numRestingElems() const {
-  return allReduce(_comm, _resting.numElems(), MPI_SUM);
-}
-std::int64_t Simulation::skippedElementSteps() const {
-  return allReduce(_comm, _skipped_element_steps, MPI_SUM);
-}
-std::int64_t Simulation::numFreeElems() const {
-  return allReduce(_comm, _free_bricks.numElems(), MPI_SUM);
+Checksums checksums(const Simulation& simulation) {
+  const exec_space& space = simulation.space();
+  const mechanics::HexMesh& mesh = simulation.scene().mesh;
+  std::uint64_t nodes = 0, contacts = 0;
+  Kokkos::parallel_reduce("miniapp::checksums::nodes", rangePolicy(space, mesh.num_nodes),
+                          HashNode{mesh.node_ids, mesh.node_is_owned,
+                                   simulation.state().displacement, simulation.state().velocity},
+                          Kokkos::Sum<std::uint64_t>(nodes));
+  space.fence();
+  std::int64_t interactions = 0;
+  const auto add = [&](const View<const global_id*>& ids, const contact::ContactHistory& history) {
+    contacts += contact::historyChecksum(space, ids, history);
+    interactions += history.count;
+  };
+  if (const ContactStep* contact = simulation.contact()) {
+    add(contact->surface().node_ids, contact->enforcement().history());
+    if (contact->edges())
+      add(contact->edges()->nodeIds(), contact->edges()->history());
+  }
+  // Signed sums wrap in MPI as unsigned ones do.
+  std::int64_t sums[3] = {static_cast<std::int64_t>(nodes), static_cast<std::int64_t>(contacts),
+                          interactions};
+  allReduce(simulation.comm(), sums, 3, MPI_SUM);
+  return {static_cast<std::uint64_t>(sums[0]), static_cast<std::uint64_t>(sums[1]), sums[2]};
 }
 
-std::int64_t Simulation::numLatticeElems() const {
-  std::int64_t count = 0;
-  for (const auto& lattice : _internal_force->lattices().on_host)
-    count += lattice.numElems();
-  return allReduce(_comm, _config.viscosity.any() ? 0 : count, MPI_SUM);
+SpecialElements specialElements(const Simulation& simulation) {
+  const mechanics::InternalForce& internal = simulation.internalForce();
+  std::int64_t in_lattices = 0;
+  if (!simulation.config().viscosity.any())
+    for (const auto& lattice : internal.lattices().on_host)
+      in_lattices += lattice.numElems();
+  std::int64_t sums[5] = {internal.numCongruentElems(), in_lattices,
+                          simulation.freeBricks().numElems(), simulation.restingBodies().numElems(),
+                          simulation.skippedElementSteps()};
+  allReduce(simulation.comm(), sums, 5, MPI_SUM);
+  return {sums[0], sums[1], sums[2], sums[3], sums[4]};
 }
-std::int64_t Simulation::numCongruentElems() const {
-  return allReduce(_comm, _internal_force->numCongruentElems(), MPI_SUM);
+
+double sureSpeed(const Simulation& simulation) {
+  const double dt = simulation.clock().dt;
+  return simulation.contact() ? simulation.contact()->guard().tolerableMotion(dt, true) / dt
+                              : HUGE_VAL;
 }
 
 } // namespace brickwall::miniapp

@@ -2,14 +2,17 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "contact/enforcement/law/edge_fading.hpp"
 #include "mechanics/ledger/force_power.hpp"
 #include "mechanics/step/central_difference.hpp"
+#include "mechanics/step/undo_step.hpp"
+#include "miniapp/simulation/step_failure.hpp"
 
 namespace brickwall::miniapp {
 
-void Simulation::step() {
-  moveNodes();
+// The start is a step without a drift: verbs that follow from motion do nothing then.
+void Simulation::runVerbs(bool moves) {
+  if (moves)
+    moveNodes();
   findContactCandidates();
   guardAgainstTunnelling();
   auditCandidates();
@@ -18,209 +21,228 @@ void Simulation::step() {
   limitStepForCompression();
   addLoads(nextLoadSpan());
   sumSharedNodes();
-  enforceContact(_clock.dt_before);
+  enforceContact();
   setContactPower();
-  kickVelocities(0.5 * (_clock.dt_before + _clock.dt));
-  bookEnergies(0.5 * (_clock.dt_before + _clock.dt));
-}
-
-void Simulation::start() {
-  findContactCandidates();
-  auditCandidates();
-  computeInternalForces();
-  limitStepForCompression();
-  addLoads(nextLoadSpan());
-  sumSharedNodes();
-  enforceContact(_clock.dt);
-  kickVelocities(0.5 * _clock.dt);
-  bookEnergies(0.5 * _clock.dt);
+  kickVelocities(clock().kickLength());
+  bookEnergies();
 }
 
 void Simulation::moveNodes() {
   saveStateForGuard();
-  const Region region("step::drift");
-  // Free bricks drift while they are swept, unless someone looks at the positions before.
-  _free_have_drifted = _free_bricks.any() && checksStableStep(_clock.step + 1);
-  if (_free_have_drifted || movingNodes().all || !host_accessible)
-    mechanics::drift(_space, _clock.dt, _state);
+  const Region region("step::moveNodes");
+  // Free bricks drift within their sweep, unless the check of the stable step needs the positions earlier.
+  _step.free_bricks_have_drifted = _free_bricks.any() && _steps.checksStability(clock().step + 1);
+  if (_step.free_bricks_have_drifted || movingNodes().all || !host_accessible)
+    mechanics::drift(_space, clock().dt, _state);
   else
-    mechanics::drift(_space, _clock.dt, _state, movingNodes());
-  if (_coupling)
-    _coupling->gatherCoordinates(_space, _state.displacement);
-  _clock.advance();
+    mechanics::drift(_space, clock().dt, _state, movingNodes());
+  if (_contact)
+    _contact->moveSurface(_state.displacement);
+  _steps.advance();
 }
 
 void Simulation::findContactCandidates() {
-  if (!_coupling)
+  if (!_contact)
     return;
   const Region region("search");
-  growSearchTolerance();
-  _search->update(_space, _coupling->surface());
-  if (_edges)
-    _edges->findCandidates(_space, _coupling->surface());
+  if (balance().host_counts[deeper_than_boxes] > 0 || _contact->hasGrownTolerance())
+    _contact->growSearchTolerance(_step.contact);
+  _contact->findCandidates();
+}
+
+// The velocities decide, before the drift, so that the state can be kept bit for bit.
+void Simulation::saveStateForGuard() {
+  _step.is_guarded = _contact && balance().fast_nodes > 0;
+  if (!_step.is_guarded)
+    return;
+  View<double* [3]>& displacement = _before_drift.displacement;
+  if (displacement.extent(0) != _state.displacement.extent(0))
+    displacement = allocate<View<double* [3]>>(
+        _space, "miniapp::Simulation::displacement_before_drift", _state.displacement.extent(0));
+  Kokkos::deep_copy(_space, displacement, _state.displacement);
+  _before_drift.clock = clock();
+}
+
+// If a pair has moved by more than contact can resolve, undoes the drift, shortens the step permanently and drifts again; or
+// throws PhysicsError on all ranks in the state of the previous step.
+void Simulation::guardAgainstTunnelling() {
+  if (!_step.is_guarded)
+    return;
+  const Region region("step::guardAgainstTunnelling");
+  ++_guarded_steps;
+  while (true) {
+    const double allowed = _contact->guard().tolerableMotion(clock().dt, !_contact->hasForces());
+    const contact::PairMotion fastest = _contact->fastestPair(allowed);
+    if (!(fastest.motion > allowed))
+      return;
+    const double dt = clock().dt_before;
+    Kokkos::deep_copy(_space, _state.displacement, _before_drift.displacement);
+    _steps.restore(_before_drift.clock);
+    shortenDrift(_contact->shortenForPair(fastest, dt, clock()));
+    mechanics::drift(_space, clock().dt, _state);
+    _contact->moveSurfaceAgain(_state.displacement);
+    _steps.advance();
+    findContactCandidates();
+  }
+}
+
+// Shortens the next drift and the kick before it: half of the drift's reduction is undone with the forces of that kick, as if the
+// length had been known. Only the loads keep their mean over the longer kick. The depth of a node is its speed times the
+// reference step, which the guard has shortened as well: contacts that become active from here on are stiffer.
+void Simulation::shortenDrift(double longest) {
+  const double dt = clock().dt;
+  if (longest >= dt)
+    return;
+  _steps.shorten(longest, StepCut::Reason::tunnelling);
+  _step.load_span.end = clock().time + 0.5 * clock().dt;
+  const double dt_kick = 0.5 * (clock().dt - dt);
+  kickVelocities(dt_kick);
+  _ledger.bookCorrection(_comm, dt_kick, clock().dt, _step.kick);
+  if (balance().failures > 0)
+    throw PhysicsError(describeFailure(*this));
 }
 
 void Simulation::auditCandidates() {
-  if (!_coupling || _config.search.audit == 0 || _clock.step % _config.search.audit != 0)
+  if (!_contact || _config.search.audit == 0 || clock().step % _config.search.audit != 0)
     return;
-  const Region region("step::audit of pairs");
-  _missed_pairs += _search->countMissedPairs(_space, _coupling->surface());
-  if (_edges)
-    _missed_pairs += _edges->countMissedPairs(_space);
+  const Region region("step::auditCandidates");
+  _contact->auditCandidates();
 }
 
-// Boxes of node and face together reach as far as the deepest loaded contact may fade out beyond an edge (its depth times
-// depths_to_end, and a little), but no farther than the shortest edge: a node that is pressed in deep keeps its faces. They grow
-// with some reserve and shrink late, so that lists that are kept stay of use.
-double Simulation::reachOf(double deepest) const {
-  constexpr double depths_to_end = contact::FadeRegion::depths_to_end;
-  const double wanted = 0.5 * ((depths_to_end + 0.2) * deepest +
-                               0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
-  return deepest > 0 ? minOf(wanted, 0.5 * _scene.shortest_edge) : 0;
-}
-void Simulation::growSearchTolerance() {
-  if (_ledger.balance().host_counts[deeper_than_boxes] == 0 && _reach == _box_tolerance)
+void Simulation::adaptTimeStep() {
+  if (clock().isAtStart() || isDone() || !_steps.checksStability(clock().step))
     return;
-  const double deepest = maxOf(_contact.nodes.deepest, _contact.edges.deepest);
-  const double wanted = reachOf(allReduce(_comm, deepest, MPI_MAX));
-  if (wanted > _reach)
-    _reach = 1.25 * wanted;
-  else if (wanted < 0.5 * _reach)
-    _reach = maxOf(_box_tolerance, wanted);
-  _search->setTolerances(_reach, _reach);
-  if (_edges)
-    _edges->setTolerance(_reach);
+  _steps.shortenIfUnstable(_state.displacement);
 }
 
 void Simulation::computeInternalForces() {
-  _has_all_forces = !_free_bricks.any();
+  _step.has_all_forces = !_free_bricks.any();
   if (_other_nodes.numRuns() > 0)
     mechanics::zeroForces(_space, _forces);
   else
-    _forces.values = View<std::int64_t**>(); // needed for output only
-  const Region region("step::internal force");
-  _resting_elems = _resting.numElems();
-  _internal = _internal_force->add(_space, _state.displacement, _state.velocity, _config.viscosity,
-                                   _forces, true);
+    _forces.values = View<std::int64_t**>(); // only output needs them
+  const Region region("step::computeInternalForces");
+  _step.resting_elems = _resting.numElems();
+  _step.internal = _internal_force->add(_space, _state.displacement, _state.velocity,
+                                        _config.viscosity, _forces, true);
 }
 
-// What the kick covers: from where the last one ended, to the bit, so that no part of a pulse is lost or counted twice, to the
-// middle of the step to come.
+// Quadratic viscosity damps more, and needs a shorter step, the faster elements are compressed.
+void Simulation::limitStepForCompression() {
+  if (!(_config.viscosity.quadratic > 0) || isDone())
+    return;
+  const double rate = allReduce(_comm, _step.internal.compression_rate, MPI_MAX);
+  if (!_steps.allowForCompression(rate))
+    return;
+  _steps.shortenIfUnstable(_state.displacement);
+}
+
+// A kick spans the time from the exact end of the previous one, so that no part of a pulse is lost or counted twice, to the
+// middle of the next step.
 mechanics::TimeSpan Simulation::nextLoadSpan() const {
-  return {_load_span.end, _clock.time + 0.5 * _clock.dt};
+  return {_step.load_span.end, clock().time + 0.5 * clock().dt};
 }
 
 void Simulation::addLoads(const mechanics::TimeSpan& span) {
-  const Region region("step::loads");
-  _load_span_before = _load_span;
-  _load_span = span;
-  _load_failures = 0;
+  const Region region("step::addLoads");
+  _step.previous_load_span = _step.load_span;
+  _step.load_span = span;
+  _step.load_failures = 0;
   for (const auto& load : _loads)
-    _load_failures += load.add(_space, _scene.mesh, _state.displacement, span, _forces);
+    _step.load_failures += load.add(_space, _scene.mesh, _state.displacement, span, _forces);
 }
 
 void Simulation::sumSharedNodes() {
-  const Region region("step::shared-node sum");
+  const Region region("step::sumSharedNodes");
   _shared.sum(_space, _forces.values);
 }
 
-void Simulation::enforceContact(double dt) {
-  if (!_enforcement)
+void Simulation::enforceContact() {
+  if (!_contact)
     return;
-  const Region region("step::contact enforcement");
-  const contact::Surface surface = _coupling->surface();
-  const auto sum_forces = [&](const contact::ContactForces& forces) {
-    _coupling->sumContactForces(_space, forces, *_search, _shared);
-  };
-  contact::NeutralInput neutral;
-  if (_config.contact.scheme == ContactScheme::energy_neutral) {
-    neutral.accelerations = [&](const contact::NodeList& wanted) {
-      return _coupling->accelerations(_space, wanted, _forces, _state, 0.5 * (dt + _clock.dt),
-                                      _boundary);
-    };
-    neutral.sum_forces = sum_forces;
-    neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
-                                    const View<double* [12]>& ghost_values) {
-      _search->forward(_space, surface, values, ghost_values);
-    };
-  }
-  _contact = _enforcement->enforce(_space, surface, _search->ghosts(), _search->pairs(),
-                                   {dt, _clock.dt}, &neutral, _edges.get());
-  _lost += _contact.lost();
-  _penetration =
-      maxOf(_penetration, maxOf(_contact.nodes.max_penetration, _contact.edges.max_penetration));
-  if (!_enforcement->hasForces())
-    return; // computeInternalForces() left zeros
-  sum_forces(_enforcement->forces());
-  _coupling->storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), _forces);
+  const Region region("step::enforceContact");
+  const double dt = clock().isAtStart() ? clock().dt : clock().dt_before;
+  _step.contact = _contact->enforce({dt, clock().dt}, _forces, _state, _boundary, _shared);
 }
 
-// What the gauges need where the step changes: the power of contact before the kick.
+// The gauges need the power of contact before the kick if the step changes its length.
 void Simulation::setContactPower() {
-  if (_enforcement && _clock.dt != _clock.dt_before)
+  if (_contact && !clock().isAtStart() && clock().dt != clock().dt_before)
     _ledger.setContactPower(mechanics::forcePower(_space, _comm, _scene.mesh, _forces, _state,
                                                   mechanics::contact_force, _scales));
 }
 
-// All nodes but those of bricks that step by themselves and of bodies at rest.
+// All nodes but those of free bricks and of bodies at rest.
 const mechanics::NodeSelection& Simulation::movingNodes() const {
   return _resting.any() ? _resting.movingNodes() : _other_nodes;
 }
 
 void Simulation::kickVelocities(double dt_kick) {
-  const mechanics::TimeSpan next_drift{_clock.time, _clock.time + _clock.dt};
+  const mechanics::TimeSpan next_drift{clock().time, clock().time + clock().dt};
   {
-    const Region region("step::kick");
+    const Region region("step::kickVelocities");
     _resting.wake(_space, _forces);
-    const mechanics::SpeedTest test = _guard.speedTest(_ledger.meanVelocity());
-    _kick = mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
-                            _scales, test, movingNodes());
+    const TunnellingGuard guard = _contact ? _contact->guard() : TunnellingGuard();
+    _step.kick =
+        mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
+                        _scales, guard.speedTest(_ledger.meanVelocity()), movingNodes());
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, next_drift);
 }
 
 void Simulation::stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift) {
-  const Region region("step::free bricks");
-  const auto sums =
-      _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, next_drift,
-                        !_free_have_drifted, _clock.dt_before, dt_kick, _state, _scales);
-  _internal.energy += sums.internal.energy;
-  _internal.failure += sums.internal.failure;
-  _kick += sums.kick;
-}
-
-void Simulation::allocateForces() {
-  _forces.values = View<std::int64_t**>("state::forces", _scene.mesh.num_nodes,
-                                        mechanics::numForceColumns(_config.viscosity.any()));
+  const Region region("step::stepFreeBricks");
+  const auto sums = _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, next_drift,
+                                      !_step.free_bricks_have_drifted, clock().dt_before, dt_kick,
+                                      _state, _scales);
+  _step.internal.energy += sums.internal.energy;
+  _step.internal.failure += sums.internal.failure;
+  _step.kick += sums.kick;
 }
 
 const mechanics::NodalForces& Simulation::forces() {
-  if (!_has_all_forces) {
+  if (!_step.has_all_forces) {
     if (_other_nodes.numRuns() == 0)
       allocateForces();
     _internal_force->addLeftOut(_space, _state.displacement, _forces);
-    _has_all_forces = true;
+    _step.has_all_forces = true;
   }
   return _forces;
 }
 
-void Simulation::bookEnergies(double dt_kick) {
-  const Region region("step::ledger");
-  _skipped_element_steps += _resting_elems;
+void Simulation::bookEnergies() {
+  const Region region("step::bookEnergies");
+  _skipped_element_steps += _step.resting_elems;
   mechanics::StepCounts counts;
-  counts.failures = _load_failures + _contact.failures();
-  counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
-  counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
-  counts.host[deeper_than_boxes] =
-      reachOf(maxOf(_contact.nodes.deepest, _contact.edges.deepest)) > _box_tolerance;
-  _ledger.bookStep(_comm, dt_kick, _clock.dt, _internal, _contact_ledger.add(_contact), _kick,
-                   counts);
-  if (_ledger.balance().failures > 0) {
-    const std::string failure = describeFailure();
-    stepBack(dt_kick);
+  mechanics::ContactEnergySums contact_energies;
+  counts.failures = _step.load_failures + _step.contact.failures();
+  if (_contact) {
+    _contact->countDeepContacts(_step.contact, counts);
+    contact_energies = _contact->energies(_step.contact);
+  }
+  _ledger.bookStep(_comm, clock().kickLength(), clock().dt, _step.internal, contact_energies,
+                   _step.kick, counts);
+  if (balance().failures > 0) {
+    const std::string failure = describeFailure(*this);
+    stepBack();
     throw PhysicsError(failure);
   }
+}
+
+// Undoes the kick and the drift that led to a failure, so that the last valid state can be written with its forces; only those
+// of contact remain. Forces that failed were never added, so the others are finite.
+void Simulation::stepBack() {
+  const double dt = clock().dt_before;
+  undoKickAndDrift(_space, _scene.mesh, _boundary, {clock().time - dt, clock().time},
+                   clock().kickLength(), dt, forces(), _state);
+  _steps.stepBack();
+  computeInternalForces();
+  addLoads(_step.previous_load_span);
+  sumSharedNodes();
+  forces();
+  if (_contact)
+    _contact->restoreForces(_forces);
 }
 
 } // namespace brickwall::miniapp

@@ -1,5 +1,4 @@
-// What a simulation makes before its first step: state, forces, loads, the bodies that step by themselves or rest, the length
-// of steps, contact.
+// Set-up of a simulation: state, forces, loads, free and resting bodies, length of the steps, contact.
 #include "contact/base/mpi.hpp"
 #include "mechanics/ledger/turned_rounding.hpp"
 #include "mechanics/mesh/lumped_mass.hpp"
@@ -12,7 +11,7 @@ namespace brickwall::miniapp {
 
 namespace {
 
-std::string reversingDamping(double damping, double dt) {
+std::string excessiveDamping(double damping, double dt) {
   std::ostringstream message;
   message << "damping.mass: found " << damping << ", which reverses all motion in every step of "
           << dt << "; expected less than 2 over the step, " << 2 / dt;
@@ -31,14 +30,14 @@ void markNodes(const std::vector<mechanics::PressureLoad>& loads, std::vector<ch
 } // namespace
 
 Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
-    : _comm(comm), _config(config), _scene(scene),
+    : _comm(comm), _config(config), _scene(scene), _steps(comm, config, scene),
       _boundary(_space, scene.mesh.num_nodes, prescribedMotions(config, scene.part),
                 toVec3(config.gravity), config.mass_damping),
       _shared(scene.shared) {
   const auto& mesh = scene.mesh;
   _state.mass = scene.mass;
-  _state.displacement = View<double* [3]>("state::displacement", mesh.num_nodes);
-  _state.velocity = View<double* [3]>("state::velocity", mesh.num_nodes);
+  _state.displacement = View<double* [3]>("miniapp::Simulation::displacement", mesh.num_nodes);
+  _state.velocity = View<double* [3]>("miniapp::Simulation::velocity", mesh.num_nodes);
   _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
   allocateForces();
   _scales = mechanics::ledgerScales(_space, comm, mesh);
@@ -48,26 +47,30 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
       _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
   _loads = pressureLoads(_space, config, scene);
   findFreeBricks();
-  for (const MaterialConfig& material : config.materials)
-    _is_objective = _is_objective && material.material.model != mechanics::MaterialModel::linear;
   setInitialDeformations(_space, config, scene, _shared, _state);
   if (!config.initial_deformations.empty())
     mechanics::raiseNoiseFloorForRotation(_space, comm, mesh, _state.displacement, _scales);
   setInitialVelocities(_space, config, scene, _shared, _boundary, _state);
   findRestingBodies();
 
-  setStepLimits();
-  planSteps(longestStepAtStart());
-  if (config.mass_damping * _clock.dt >= 2)
-    throw InputError(reversingDamping(config.mass_damping, _clock.dt));
+  _steps.plan(kind, _state.displacement);
+  if (config.mass_damping * clock().dt >= 2)
+    throw InputError(excessiveDamping(config.mass_damping, clock().dt));
   if (config.contact.enabled)
-    setUpContact();
+    _contact =
+        std::make_unique<ContactStep>(_space, comm, config, scene, _boundary, _state.displacement,
+                                      clock().dt, _forces.quantum, _scales.energy);
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
                                     mechanics::totalMass(_space, comm, mesh, scene.mass),
                                     mechanics::motionOf(_space, mesh, _state, _scales));
 }
 
-// Bricks that nothing but their own forces, gravity and prescribed motions moves.
+void Simulation::allocateForces() {
+  _forces.values = View<std::int64_t**>("miniapp::Simulation::forces", _scene.mesh.num_nodes,
+                                        mechanics::numForceColumns(_config.viscosity.any()));
+}
+
+// Free bricks are moved only by their internal forces, gravity and prescribed motions.
 void Simulation::findFreeBricks() {
   _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
   if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
@@ -80,8 +83,8 @@ void Simulation::findFreeBricks() {
     _other_nodes = _free_bricks.otherNodes();
 }
 
-// Forces reach a body by its surface and by loads, which may be on sides inside it, and this rank's part of it by shared nodes.
-// Without contact few bodies ever wake.
+// Forces reach a body through its surface and through loads, which may act on sides inside it; they reach this rank's part of a
+// body also through shared nodes. Without contact few bodies ever start to move, so nothing is gained.
 void Simulation::findRestingBodies() {
   if (!_config.spare.resting_bodies || !_config.contact.enabled)
     return;

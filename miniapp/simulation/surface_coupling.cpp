@@ -9,8 +9,8 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// Mass per area that a face sets against contact: rho h_n/2, with h_n the element's
-// thickness along the face's normal, between the centres of the face and of the opposite side.
+// Mass per area by which a face resists contact: rho h_n/2. The element's thickness h_n is the distance between the centres of
+// the face and of the opposite side along the face's normal.
 KOKKOS_INLINE_FUNCTION double surfaceMass(const Vec3 (&face)[4], const Vec3& element_centre,
                                           double density) {
   const Vec3 centre = 0.25 * (face[0] + face[1] + face[2] + face[3]);
@@ -19,73 +19,74 @@ KOKKOS_INLINE_FUNCTION double surfaceMass(const Vec3 (&face)[4], const Vec3& ele
   return 0.5 * density * thickness;
 }
 
-} // namespace
-
-SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
-                                 const mechanics::BoundaryConditions& boundary)
-    : _num_nodes(scene.skin.num_nodes), _num_faces(scene.skin.num_faces),
-      _surface_to_node(scene.skin.surface_to_node), _face_to_nodes(scene.skin.face_to_nodes),
-      _face_to_surface_nodes(scene.skin.face_to_surface_nodes),
-      _reference(scene.mesh.reference_coordinates),
-      _old(allocate<View<double* [3]>>(space, "coupling::x_old", _num_nodes)),
-      _new(allocate<View<double* [3]>>(space, "coupling::x_new", _num_nodes)),
-      _face_ids(scene.skin.face_ids),
-      _node_ids(allocate<View<global_id*>>(space, "coupling::node_ids", _num_nodes)),
-      _node_body(allocate<View<global_id*>>(space, "coupling::node_body", _num_nodes)),
-      _face_body(allocate<View<global_id*>>(space, "coupling::face_body", _num_faces)),
-      _node_is_owned(allocate<View<unsigned char*>>(space, "coupling::node_is_owned", _num_nodes)),
-      _attributes(allocate<View<double**>>(space, "coupling::face_attributes", _num_faces,
-                                           contact::NodeFaces::num_columns)),
-      _contact_forces(allocate<View<std::int64_t**>>(space, "coupling::contact_forces",
-                                                     scene.mesh.num_nodes, 3)),
-      _accelerations(allocate<View<double* [3]>>(space, "coupling::accelerations", _num_nodes)) {
-  fillNodes(space, scene, boundary);
-  fillFaces(space, scene);
+// Lumped masses [surface node]; infinite where all components are prescribed.
+View<double*> contactMass(const exec_space& space, const Scene& scene,
+                          const mechanics::BoundaryConditions& boundary) {
+  const auto contact_mass =
+      allocate<View<double*>>(space, "miniapp::SurfaceCoupling::node_mass", scene.skin.num_nodes);
+  const auto surface_to_node = scene.skin.surface_to_node;
+  const auto mass = scene.mass;
+  const auto prescribed = boundary.motion();
+  const bool any = boundary.any();
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::contactMass", rangePolicy(space, scene.skin.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = surface_to_node(i);
+        const bool held = any && prescribed(node, 0) && prescribed(node, 1) && prescribed(node, 2);
+        contact_mass(i) = held ? HUGE_VAL : mass(node);
+      });
+  return contact_mass;
 }
 
-void SurfaceCoupling::fillNodes(const exec_space& space, const Scene& scene,
-                                const mechanics::BoundaryConditions& boundary) {
+// Ids, ownership and bodies of surface nodes.
+void fillNodes(const exec_space& space, const Scene& scene, contact::Surface& surface) {
   std::vector<global_id> bodies(scene.part.node_ids.size());
   for (int elem = 0; elem < scene.part.numElems(); ++elem)
     for (int corner = 0; corner < 8; ++corner)
       bodies[scene.part.elem_nodes[std::size_t(8) * elem + corner]] = scene.part.elem_body[elem];
-  const auto body_of_node = toDevice<View<global_id*>>(space, "coupling::body_of_node", bodies);
-
-  auto node_mass = allocate<View<double*>>(space, "coupling::node_mass", _num_nodes);
-  const auto prescribed = boundary.motion();
-  const bool any = boundary.any();
-  const auto surface_to_node = _surface_to_node;
-  const auto node_ids = _node_ids, node_body = _node_body;
-  const auto node_is_owned = _node_is_owned;
+  const auto body_of_node =
+      toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::body_of_node", bodies);
+  const int num_nodes = scene.skin.num_nodes;
+  const auto ids =
+      allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::node_ids", num_nodes);
+  const auto body =
+      allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::node_body", num_nodes);
+  const auto is_owned =
+      allocate<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::node_is_owned", num_nodes);
+  const auto surface_to_node = scene.skin.surface_to_node;
   const auto mesh_ids = scene.mesh.node_ids;
   const auto mesh_is_owned = scene.mesh.node_is_owned;
-  const auto mesh_mass = scene.mass;
   Kokkos::parallel_for(
-      "coupling::fillNodes", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "miniapp::SurfaceCoupling::fillNodes", rangePolicy(space, num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
-        node_ids(i) = mesh_ids(node);
-        node_is_owned(i) = mesh_is_owned(node);
-        node_body(i) = body_of_node(node);
-        const bool held = any && prescribed(node, 0) && prescribed(node, 1) && prescribed(node, 2);
-        node_mass(i) = held ? HUGE_VAL : mesh_mass(node);
+        ids(i) = mesh_ids(node);
+        is_owned(i) = mesh_is_owned(node);
+        body(i) = body_of_node(node);
       });
-  _node_mass = node_mass;
+  space.fence();
+  surface.num_nodes = num_nodes;
+  surface.node_ids = ids;
+  surface.node_body = body;
+  surface.node_is_owned = is_owned;
 }
 
-void SurfaceCoupling::fillFaces(const exec_space& space, const Scene& scene) {
-  const auto elem_body =
-      toDevice<View<global_id*>>(space, "coupling::elem_body", scene.part.elem_body);
+// Ids, corners, bodies and attributes of faces; the attribute of true edges is set later.
+void fillFaces(const exec_space& space, const Scene& scene, const View<const double*>& node_mass,
+               const View<double**>& attributes, contact::Surface& surface) {
+  const auto elem_body = toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::elem_body",
+                                                    scene.part.elem_body);
+  const auto body = allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::face_body",
+                                               scene.skin.num_faces);
   const auto face_to_elem = scene.skin.face_to_elem;
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto face_to_surface_nodes = scene.skin.face_to_surface_nodes;
   const auto elem_to_nodes = scene.mesh.elem_to_nodes;
   const auto elem_block = scene.mesh.elem_block;
   const auto materials = scene.mesh.materials;
-  const auto face_to_nodes = _face_to_nodes, face_to_surface_nodes = _face_to_surface_nodes;
-  const auto X = _reference;
-  const auto node_mass = _node_mass;
-  const auto face_body = _face_body;
-  const auto attributes = _attributes;
+  const auto X = scene.mesh.reference_coordinates;
   Kokkos::parallel_for(
-      "coupling::fillFaces", rangePolicy(space, _num_faces),
+      "miniapp::SurfaceCoupling::fillFaces", rangePolicy(space, scene.skin.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         const int elem = face_to_elem(face);
         Vec3 centre;
@@ -98,17 +99,43 @@ void SurfaceCoupling::fillFaces(const exec_space& space, const Scene& scene) {
         }
         attributes(face, contact::NodeFaces::surface_mass_column) =
             surfaceMass(corners, centre, materials(elem_block(elem)).density);
-        face_body(face) = elem_body(elem);
+        body(face) = elem_body(elem);
       });
   space.fence();
+  surface.num_faces = scene.skin.num_faces;
+  surface.face_ids = scene.skin.face_ids;
+  surface.face_to_nodes = face_to_surface_nodes;
+  surface.face_body = body;
+  surface.face_attributes = attributes;
+}
+
+} // namespace
+
+SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
+                                 const mechanics::BoundaryConditions& boundary)
+    : _surface_to_node(scene.skin.surface_to_node), _reference(scene.mesh.reference_coordinates),
+      _old(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::x_old",
+                                       scene.skin.num_nodes)),
+      _new(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::x_new",
+                                       scene.skin.num_nodes)),
+      _node_mass(contactMass(space, scene, boundary)),
+      _attributes(allocate<View<double**>>(space, "miniapp::SurfaceCoupling::face_attributes",
+                                           scene.skin.num_faces, contact::NodeFaces::num_columns)),
+      _contact_forces(allocate<View<std::int64_t**>>(
+          space, "miniapp::SurfaceCoupling::contact_forces", scene.mesh.num_nodes, 3)),
+      _accelerations(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::accelerations",
+                                                 scene.skin.num_nodes)) {
+  fillNodes(space, scene, _surface);
+  fillFaces(space, scene, _node_mass, _attributes, _surface);
 }
 
 void SurfaceCoupling::setTrueEdges(const exec_space& space,
                                    const std::vector<unsigned char>& true_edges) {
-  const auto masks = toDevice<View<unsigned char*>>(space, "coupling::true_edges", true_edges);
+  const auto masks =
+      toDevice<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::true_edges", true_edges);
   const auto attributes = _attributes;
   Kokkos::parallel_for(
-      "coupling::setTrueEdges", rangePolicy(space, _num_faces),
+      "miniapp::SurfaceCoupling::setTrueEdges", rangePolicy(space, _surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         attributes(face, contact::NodeFaces::true_edges_column) = masks(face);
       });
@@ -126,7 +153,7 @@ void SurfaceCoupling::gatherAgain(const exec_space& space,
   const auto X = _reference;
   const auto x = _new;
   Kokkos::parallel_for(
-      "coupling::gatherCoordinates", rangePolicy(space, _num_nodes),
+      "miniapp::SurfaceCoupling::gatherCoordinates", rangePolicy(space, _surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         for (int d = 0; d < 3; ++d)
@@ -141,18 +168,9 @@ void SurfaceCoupling::resetCoordinates(const exec_space& space,
 }
 
 contact::Surface SurfaceCoupling::surface() const {
-  contact::Surface surface;
-  surface.num_nodes = _num_nodes;
-  surface.num_faces = _num_faces;
+  contact::Surface surface = _surface;
   surface.coordinates_old = _old;
   surface.coordinates_new = _new;
-  surface.face_to_nodes = _face_to_surface_nodes;
-  surface.node_ids = _node_ids;
-  surface.face_ids = _face_ids;
-  surface.node_is_owned = _node_is_owned;
-  surface.node_body = _node_body;
-  surface.face_body = _face_body;
-  surface.face_attributes = _attributes;
   return surface;
 }
 
@@ -162,20 +180,22 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        mechanics::SharedNodeSum& shared) {
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
-    search.reverseSum(space, _face_to_surface_nodes, forces.ghost_corners, forces.nodes);
+    search.reverseSum(space, _surface.face_to_nodes, forces.ghost_corners, forces.nodes);
   if (shared.partners().empty())
     return;
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
-  const auto totals = _contact_forces; // 0 inside the bodies for ever
+  const auto totals = _contact_forces; // stays 0 inside the bodies
   Kokkos::parallel_for(
-      "coupling::toMesh", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           totals(surface_to_node(i), d) = nodes(i, d);
       });
   shared.sum(space, totals);
   Kokkos::parallel_for(
-      "coupling::toSurface", rangePolicy(space, _num_nodes), KOKKOS_LAMBDA(const std::int64_t i) {
+      "miniapp::SurfaceCoupling::toSurface", rangePolicy(space, _surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d)
           nodes(i, d) = totals(surface_to_node(i), d);
       });
@@ -188,7 +208,7 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
   const auto totals = forces.nodes;
   const auto values = target.values;
   Kokkos::parallel_for(
-      "coupling::storeContactForces", rangePolicy(space, list.count),
+      "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i);
         for (int d = 0; d < 3; ++d)
@@ -205,7 +225,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
-      "coupling::accelerations", rangePolicy(space, list.count),
+      "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
         for (int d = 0; d < 3; ++d)

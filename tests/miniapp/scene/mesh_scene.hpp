@@ -4,7 +4,7 @@
 #include "contact/base/mpi.hpp"
 #include "io/exodus/mesh_writer.hpp"
 #include "io/wall/wall_generator.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>

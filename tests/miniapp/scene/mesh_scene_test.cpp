@@ -23,9 +23,9 @@ Outcome outcomeOf(MPI_Comm comm, const Config& config) {
   const Scene scene = makeScene(exec_space(), comm, config);
   Simulation simulation(comm, config, scene);
   simulation.start();
-  while (!simulation.done())
+  while (!simulation.isDone())
     simulation.step();
-  return {simulation.checksums(), simulation.balance().external_work};
+  return {checksums(simulation), simulation.balance().external_work};
 }
 
 TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyRanks) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/base/mpi.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 
 #include <cstdio>
 #include <string>

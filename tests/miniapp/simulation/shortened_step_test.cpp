@@ -23,7 +23,7 @@ TEST(ShortenedStep, LeavesFreeFallExact) {
   auto& simulation = brick.simulation;
   simulation.start();
   const double first_dt = simulation.clock().dt;
-  while (!simulation.done())
+  while (!simulation.isDone())
     simulation.step();
   const double time = simulation.clock().time;
   EXPECT_LT(simulation.clock().dt, 0.95 * first_dt);

@@ -1,0 +1,184 @@
+#include "miniapp/simulation/contact_step.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/enforcement/law/edge_fading.hpp"
+#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/scene/initial_overlaps.hpp"
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// Relative to the shortest element edge. Lists of edges are kept even if those of nodes are rebuilt in each step: contact does
+// not depend on the margin, and few of the additional pairs come near each other.
+constexpr double edge_margin = 0.2;
+
+contact::EnforcementConfig enforcementConfig(const Config& config, double shortest_edge,
+                                             double reference_step) {
+  const ContactConfig& deck = config.contact;
+  contact::EnforcementConfig enforcement;
+  enforcement.scheme = deck.scheme == ContactScheme::energy_neutral
+                           ? contact::Scheme::energy_neutral
+                           : contact::Scheme::penalty;
+  enforcement.penalty = deck.penalty;
+  enforcement.skip_stationary = config.spare.still_contact;
+  enforcement.reference_step = reference_step;
+  enforcement.lateral_tolerance = deck.lateral_tolerance;
+  enforcement.edge_tolerance = deck.edge_tolerance;
+  enforcement.friction = deck.friction;
+  enforcement.friction_stiffness = deck.friction_stiffness;
+  enforcement.damping = deck.damping;
+  enforcement.self_contact = !dropsSameBody(config);
+  enforcement.least_depth = 1e-12 * shortest_edge;
+  enforcement.deepest_birth = deepestBirth(deck, shortest_edge);
+  return enforcement;
+}
+
+double deepest(const contact::EnforcementSums& sums) {
+  return maxOf(sums.nodes.deepest, sums.edges.deepest);
+}
+
+} // namespace
+
+ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& config,
+                         const Scene& scene, const mechanics::BoundaryConditions& boundary,
+                         const View<const double* [3]>& displacement, double dt,
+                         const Quantum& force_quantum, const LimbScale& energy_scale)
+    : _comm(comm), _config(config), _scene(scene), _space(space),
+      _box_tolerance(boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge)),
+      _search_tolerance(_box_tolerance), _coupling(space, scene, boundary),
+      _search(comm, searchConfig(config, _box_tolerance, dropsSameBody(config)),
+              config.search.margin * scene.shortest_edge),
+      _guard(config, 2 * _box_tolerance, dt) {
+  const contact::EnforcementConfig enforcement = enforcementConfig(config, scene.shortest_edge, dt);
+  _coupling.resetCoordinates(space, displacement);
+  refuseDeepOverlaps(space, comm, config, scene, surface(), displacement);
+  const contact::FeatureEdges features = contact::findFeatureEdges(comm, surface());
+  _coupling.setTrueEdges(space, features.true_edges);
+  _enforcement = std::make_unique<contact::Enforcement>(
+      space, comm, surface(), _coupling.nodeMass(), enforcement, force_quantum, energy_scale);
+  if (!config.contact.edges)
+    return;
+  _edges = std::make_unique<contact::EdgeContact>(
+      space, comm, surface(), features, _coupling.nodeMass(),
+      searchConfig(config, _box_tolerance, dropsSameBody(config)),
+      maxOf(_search.margin(), edge_margin * scene.shortest_edge), enforcement, force_quantum,
+      energy_scale);
+  if (allReduce(comm, _edges->numEdges(), MPI_SUM) == 0)
+    _edges.reset(); // all bodies are smooth
+}
+
+// A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as far as the deepest loaded contact
+// may fade out beyond an edge (its depth times depths_to_end, with a margin), but not farther than the shortest edge.
+double ContactStep::toleranceFor(double deepest) const {
+  constexpr double depths_to_end = contact::FadeRegion::depths_to_end;
+  const double reach = 0.5 * ((depths_to_end + 0.2) * deepest +
+                              0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
+  return deepest > 0 ? minOf(reach, 0.5 * _scene.shortest_edge) : 0;
+}
+
+// The tolerance grows with a reserve and shrinks late, because each change discards the lists of candidates.
+void ContactStep::growSearchTolerance(const contact::EnforcementSums& sums) {
+  const double needed = toleranceFor(allReduce(_comm, deepest(sums), MPI_MAX));
+  if (needed > _search_tolerance)
+    _search_tolerance = 1.25 * needed;
+  else if (needed < 0.5 * _search_tolerance)
+    _search_tolerance = maxOf(_box_tolerance, needed);
+  _search.setTolerances(_search_tolerance, _search_tolerance);
+  if (_edges)
+    _edges->setTolerance(_search_tolerance);
+}
+
+void ContactStep::findCandidates() {
+  _search.update(_space, surface());
+  if (_edges)
+    _edges->findCandidates(_space, surface());
+}
+
+void ContactStep::auditCandidates() {
+  _missed_pairs += _search.countMissedPairs(_space, surface());
+  if (_edges)
+    _missed_pairs += _edges->countMissedPairs(_space);
+}
+
+contact::PairMotion ContactStep::fastestPair(double limit) const {
+  contact::PairMotion fastest =
+      contact::fastestPair(_space, _comm, surface(), _search.ghosts(), _search.pairs(), limit);
+  if (_edges) {
+    const auto fastest_edges = _edges->fastestPair(_space, _comm, limit);
+    if (fastest_edges.motion > fastest.motion)
+      fastest = fastest_edges;
+  }
+  return fastest;
+}
+
+double ContactStep::shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock) {
+  const double longest = _guard.shorten(dt, pair, !hasForces(), clock.step, clock.time);
+  _enforcement->setReferenceStep(_guard.referenceStep());
+  if (_edges)
+    _edges->setReferenceStep(_guard.referenceStep());
+  return longest;
+}
+
+contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
+                                              const mechanics::NodalForces& forces,
+                                              const mechanics::NodalState& state,
+                                              const mechanics::BoundaryConditions& boundary,
+                                              mechanics::SharedNodeSum& shared) {
+  const contact::Surface surface = _coupling.surface();
+  const auto sum_forces = [&](const contact::ContactForces& contact_forces) {
+    _coupling.sumContactForces(_space, contact_forces, _search, shared);
+  };
+  contact::NeutralInput neutral;
+  if (_config.contact.scheme == ContactScheme::energy_neutral) {
+    neutral.accelerations = [&](const contact::NodeList& nodes) {
+      return _coupling.accelerations(_space, nodes, forces, state, 0.5 * (steps.dt + steps.next_dt),
+                                     boundary);
+    };
+    neutral.sum_forces = sum_forces;
+    neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
+                                    const View<double* [12]>& ghost_values) {
+      _search.forward(_space, surface, values, ghost_values);
+    };
+  }
+  const contact::EnforcementSums sums = _enforcement->enforce(
+      _space, surface, _search.ghosts(), _search.pairs(), steps, &neutral, _edges.get());
+  _lost += sums.lost();
+  _penetration = maxOf(_penetration, maxPenetration(sums));
+  if (_enforcement->hasForces()) { // otherwise the columns of contact are zero already
+    sum_forces(_enforcement->forces());
+    restoreForces(forces);
+  }
+  return sums;
+}
+
+void ContactStep::countDeepContacts(const contact::EnforcementSums& sums,
+                                    mechanics::StepCounts& counts) const {
+  counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];
+  counts.host[deeper_than_allowed] = _penetration > _config.limits.stop[gauge_penetration];
+  counts.host[deeper_than_boxes] = toleranceFor(deepest(sums)) > _box_tolerance;
+}
+
+contact::LargestForce ContactStep::largestForce() const {
+  contact::LargestForce largest =
+      contact::largestForce(_space, _comm, surface(), _enforcement->history());
+  if (_edges) {
+    const contact::LargestForce of_edges = _edges->largestForce(_space, _comm);
+    if (of_edges.force > largest.force)
+      largest = of_edges;
+  }
+  return largest;
+}
+
+double ContactStep::agreeOnPenetration(const std::int64_t* host_counts) {
+  const LimitsConfig& limits = _config.limits;
+  const bool exceeds_new_limit = (host_counts[deeper_than_warned] > 0 &&
+                                  _known_penetration <= limits.warn[gauge_penetration]) ||
+                                 (host_counts[deeper_than_allowed] > 0 &&
+                                  _known_penetration <= limits.stop[gauge_penetration]);
+  if (exceeds_new_limit)
+    _known_penetration = allReduce(_comm, _penetration, MPI_MAX);
+  return _known_penetration;
+}
+
+} // namespace brickwall::miniapp

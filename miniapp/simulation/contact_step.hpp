@@ -1,0 +1,117 @@
+// Contact within a time step: the surface follows the mesh, the search finds candidates, the enforcement turns them into
+// forces. Also the tolerance of the search, the tunnelling guard and counts for reports.
+#pragma once
+
+#include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/enforcement/enforcement.hpp"
+#include "contact/enforcement/reports/largest_force.hpp"
+#include "contact/search/candidate_search.hpp"
+#include "mechanics/ledger/ledger_sums.hpp"
+#include "miniapp/simulation/contact_ledger.hpp"
+#include "miniapp/simulation/step_controller.hpp"
+#include "miniapp/simulation/surface_coupling.hpp"
+#include "miniapp/simulation/tunnelling_guard.hpp"
+
+#include <mpi.h>
+
+#include <memory>
+
+namespace brickwall::miniapp {
+
+// Elements of mechanics::StepCounts::host: numbers of ranks whose penetration exceeds a limit.
+enum HostCount : int { deeper_than_warned, deeper_than_allowed, deeper_than_boxes };
+static_assert(deeper_than_boxes < mechanics::num_host_counts);
+
+// Largest penetration under load over the square root of the face's area, on this rank.
+inline double maxPenetration(const contact::EnforcementSums& sums) {
+  return maxOf(sums.nodes.max_penetration, sums.edges.max_penetration);
+}
+
+class ContactStep {
+public:
+  // The surface is at X + `displacement`; `dt` is the reference step of contact. `config` and `scene` must outlive the object.
+  // Throws InputError on all ranks if bodies overlap too deeply. Collective.
+  ContactStep(const exec_space& space, MPI_Comm comm, const Config& config, const Scene& scene,
+              const mechanics::BoundaryConditions& boundary,
+              const View<const double* [3]>& displacement, double dt, const Quantum& force_quantum,
+              const LimbScale& energy_scale);
+
+  // The surface after a drift: x^n := x^{n+1}, x^{n+1} := X + `displacement`.
+  void moveSurface(const View<const double* [3]>& displacement) {
+    _coupling.gatherCoordinates(_space, displacement);
+  }
+  // The same after a drift that replaces the last one: x^n stays.
+  void moveSurfaceAgain(const View<const double* [3]>& displacement) {
+    _coupling.gatherAgain(_space, displacement);
+  }
+
+  // Whether the tolerance of the search is larger than that of the deck.
+  bool hasGrownTolerance() const { return _search_tolerance != _box_tolerance; }
+  // Adapts the tolerance of the search to the deepest contact of the last step. Collective.
+  void growSearchTolerance(const contact::EnforcementSums& sums);
+  void findCandidates(); // collective
+  // Counts pairs that the lists of candidates lack by testing all pairs. Collective.
+  void auditCandidates();
+
+  // The fastest pair among the candidates; pairs slower than `limit` may be ignored. Collective.
+  contact::PairMotion fastestPair(double limit) const;
+  // Shortens the reference step for `pair`, which was found after a drift of length `dt` from the positions at `clock`. Returns
+  // the longest admissible drift (TunnellingGuard::shorten).
+  double shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock);
+
+  // Contact forces of the step, added to `forces` as totals. `forces` holds the totals of all other forces. Returns this rank's
+  // sums. Collective.
+  contact::EnforcementSums enforce(const contact::StepLengths& steps,
+                                   const mechanics::NodalForces& forces,
+                                   const mechanics::NodalState& state,
+                                   const mechanics::BoundaryConditions& boundary,
+                                   mechanics::SharedNodeSum& shared);
+  // Stores the forces of the last enforce() in `forces` again.
+  void restoreForces(const mechanics::NodalForces& forces) const {
+    _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
+  }
+  // Whether any rank had contact forces in the last step.
+  bool hasForces() const { return _enforcement->hasForces(); }
+  // This rank's share of contact in the energy balance. Once per step.
+  mechanics::ContactEnergySums energies(const contact::EnforcementSums& sums) {
+    return _ledger.add(sums);
+  }
+  // Sets the counts of HostCount.
+  void countDeepContacts(const contact::EnforcementSums& sums, mechanics::StepCounts& counts) const;
+
+  contact::Surface surface() const { return _coupling.surface(); }
+  const contact::CandidateSearch& search() const { return _search; }
+  const contact::Enforcement& enforcement() const { return *_enforcement; }
+  const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
+  const TunnellingGuard& guard() const { return _guard; }
+  contact::LargestForce largestForce() const; // collective
+  std::int64_t lost() const { return _lost; } // this rank's
+  std::int64_t missedPairs() const { return _missed_pairs; } // of all ranks
+  double penetration() const { return _penetration; } // this rank's
+  // The largest penetration of all ranks: exact if it exceeds a limit for the first time by the `host_counts` of the step,
+  // otherwise a lower bound. Collective.
+  double agreeOnPenetration(const std::int64_t* host_counts);
+
+private:
+  double toleranceFor(double deepest) const;
+
+  MPI_Comm _comm;
+  const Config& _config;
+  const Scene& _scene;
+  exec_space _space;
+  double _box_tolerance; // of nodes and of faces, length: that of the deck
+  double _search_tolerance; // that in use, not smaller
+  SurfaceCoupling _coupling;
+  contact::CandidateSearch _search;
+  std::unique_ptr<contact::Enforcement> _enforcement;
+  std::unique_ptr<contact::EdgeContact> _edges;
+  TunnellingGuard _guard;
+  ContactLedger _ledger;
+  // since the start
+  std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
+  std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks
+  double _penetration = 0; // largest, on this rank
+  double _known_penetration = 0; // largest that all ranks have agreed on
+};
+
+} // namespace brickwall::miniapp
