@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# How runs end: exit codes, messages and what is left on disk, on 1 and 3 ranks. No run may hang: each has a time limit.
+# Tests how runs end, on 1 and 3 ranks: exit codes, messages and files. Each run has a time limit, since none may hang.
 #
 # Usage: endings.sh BRICKWALL MPIEXEC INPUTS_FOLDER
 set -euo pipefail
@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 export OMP_NUM_THREADS=1 OMPI_MCA_orte_execute_quiet=1
 failures=0
 
-# The program with files limited to 64 KiB: to it the disk is full after that.
+# The program with files limited to 64 KiB, for which the disk is full beyond that size.
 limited=$work/limited.sh
 printf '#!/bin/bash\nulimit -f 64\ntrap "" XFSZ\nexec "%s" "$@"\n' "$brickwall" >"$limited"
 chmod +x "$limited"
@@ -18,7 +18,7 @@ chmod +x "$limited"
 program=$brickwall
 output=$work/out
 
-# expect NAME CODE PATTERN RANKS arguments...: runs $program, wants the exit code and the pattern in what it prints.
+# expect NAME CODE PATTERN RANKS arguments...: runs $program and checks the exit code and that its output matches the pattern.
 expect() {
   local name=$1 code=$2 pattern=$3 ranks=$4 found=0
   shift 4
@@ -32,10 +32,11 @@ expect() {
   fi
 }
 
-# The second brick turned by a quarter to stand across the first one, as high as it: all nodes of each are beside the other or on its sides.
+# The second brick is rotated by a quarter turn and crosses the first one at the same height: all nodes of each are outside the other
+# or on its sides.
 crossing=(--set 'wall.brick=[4,1,1]' --set 'wall.elements=[4,1,1]' --set 'initial.deformation[0].brick=[1,0,0]'
   --set 'initial.deformation[0].gradient=[-1,-1,0,1,-1,0,0,0,0]' --set 'initial.deformation[0].center=[4,-1.5,0]')
-# Steps that are short against the elements that meet make contact stiff.
+# Steps much shorter than the stable ones make contact stiff.
 struck=(--set time.safety=0.001 --set 'initial.velocity[0].velocity=[0.1,0,0]')
 small=(--set 'wall.bricks=[2,1,2]' --set 'wall.elements=[2,1,1]')
 for ranks in 1 3; do
@@ -48,7 +49,7 @@ for ranks in 1 3; do
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
-  expect "a warning is told and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
+  expect "a warning is printed and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
     "${small[@]}" --set limits.warn.energy_error=1e-14 --steps 200
   grep -q 'exceeds limits.warn.energy_error' "$work/out/report.json" || { echo "FAILED: report.json lacks the warning"; failures=$((failures + 1)); }
   expect "a deep contact stops the run where that is a limit" 3 'penetration .* exceeds limits.penetration' $ranks run "$inputs/two_bars.toml" \
@@ -58,19 +59,19 @@ for ranks in 1 3; do
   grep -q '^step,.*missed_pairs' "$work/out/history.csv" || { echo "FAILED: history.csv lacks missed_pairs"; failures=$((failures + 1)); }
   expect "a brick that is too fast for contact stops the run" 3 '(node|an edge of face) [0-9]+ .*of body [0-9]+ moves by .* against (face|an edge of face) [0-9]+ .*of body [0-9]+' \
     $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' --set 'initial.velocity[0].velocity=[0.5,0,0]' --set 'contact.guard="stop"'
-  expect "contact forces beyond their range name bodies and a cure" 3 \
+  expect "an error on contact forces beyond their range names bodies and a cure" 3 \
     'the largest, [0-9.e+]+, is that of (node|an edge of face) [0-9]+ .*of body [0-9]+ \(brick \[.* and (face|an edge of face) [0-9]+ .*of body [0-9]+ \(brick \[.*contact\.penalty = 0\.0' \
     $ranks run "$inputs/two_bars.toml" "${struck[@]}"
-  expect "the cure that was told works" 0 '^PASS' $ranks run "$inputs/two_bars.toml" "${struck[@]}" --set contact.penalty=0.01 --steps 2000
-  expect "a step that is cut for contact is told" 0 'time step: .* for tunnelling' $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' \
+  expect "the suggested penalty works" 0 '^PASS' $ranks run "$inputs/two_bars.toml" "${struck[@]}" --set contact.penalty=0.01 --steps 2000
+  expect "a step that is cut for contact is reported" 0 'time step: .* for tunnelling' $ranks run "$inputs/two_bars.toml" --set 'wall.gap=0.05' \
     --set 'initial.velocity[0].velocity=[0.2,0,0]' --steps 100
   expect "an unknown set is named with the nearest one" 2 "front" $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set 'load.pressure[0].side_set="frnt"'
   expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'
   expect "a missing deck is one error" 2 'nowhere.toml' $ranks run "$work/nowhere.toml"
-  expect "bodies that stand in each other deeper than contact sees are refused" 2 \
+  expect "bodies that overlap beyond the reach of contact are refused" 2 \
     'node [0-9]+ .*of body 0 \(brick \[0, 0, 0\]: course 0, .*\) is 0\.04 deep in body 1 \(.*\), .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
-  expect "flush bars that cross without a node in each other are refused" 2 \
+  expect "flush crossing bars without penetrating nodes are refused" 2 \
     'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* stand 0\.5 deep in each other' \
     $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
@@ -79,7 +80,7 @@ for ranks in 1 3; do
   expect "a nearly incompressible wall runs, though its forces are coarse" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set material.brick.poissons_ratio=0.499999 --set 'load.pressure[0].wave_speed=0' --steps 30
   expect "the search alone runs" 0 '^PASS' $ranks search "$inputs/wall_17k.toml" --set search.repetitions=2
-  expect "the search alone searches each time where the deck does not tell" 0 'FOM face_searches_per_second=[1-9]' $ranks \
+  expect "the search command searches each time by default" 0 'FOM face_searches_per_second=[1-9]' $ranks \
     search "$inputs/two_bars.toml"
   expect "the reference search alone runs" 0 '^PASS' $ranks search "$inputs/brick_wall.toml" "${small[@]}" --set 'search.method="reference"'
   output=/dev/null/x
@@ -92,18 +93,18 @@ for ranks in 1 3; do
   rm -rf "$work/out"
 done
 expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-foo=1' 1 check "$inputs/brick_wall.toml" --kokkos-foo=1
-expect "a search says that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
+expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
-# One sixth of a turn of a body that is linear.
-expect "a linear body that turns is warned of" 0 'warning: element [0-9]+ .*linear material has turned' 1 run "$inputs/one_brick.toml" \
+# A rotation of a linear body by a sixth of a turn.
+expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has turned' 1 run "$inputs/one_brick.toml" \
   --set 'material.brick.model="linear"' --set 'load.pressure[0].peak=1' --set 'initial.velocity[0].angular_velocity=[0,0,1000]' --set time.end=1e-3
-expect "check refuses a body that the whole wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
+expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
   code=0
   "$brickwall" $command "$inputs/brick_wall.toml" "${small[@]}" --steps 2 -o "$work/out" >/dev/full 2>"$work/log" || code=$?
   { [[ $code -eq 4 ]] && grep -q 'standard output' "$work/log"; } || { echo "FAILED $command on a full standard output: exit code $code"; failures=$((failures + 1)); }
 done
-# A mesh written and read back.
+# A mesh is written and read.
 expect "a mesh is written" 0 'elements' 1 mesh "$inputs/brick_wall.toml" "${small[@]}"
 cat >"$work/mesh.toml" <<DECK
 [mesh]

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The same deck on several rank and thread counts gives the same files: joined by epu, compared by exodiff at tolerance 0
-# with the 1-rank file, and history.csv compared byte for byte. A layout may set a margin, "3x1+MARGIN": then the column
-# `searches` must show that lists were kept and found anew, and all else must be the same.
+# Runs a deck on several numbers of ranks and threads and compares the files with those of one rank: Exodus files are joined by
+# epu and compared by exodiff at tolerance 0, history.csv byte by byte. A layout "3x1+MARGIN" sets a margin: the column `searches`
+# must show that lists were kept and rebuilt, and all other columns must be equal.
 #
 # Usage: same_bits.sh BRICKWALL MPIEXEC EPU EXODIFF DECK STEPS "RANKSxTHREADS[+MARGIN] ..." [program options]
 set -euo pipefail
@@ -16,7 +16,7 @@ run() { # ranks threads folder
     "${@:4}" >"$work/log" 2>&1 || { cat "$work/log"; echo "$1 ranks x $2 threads: the run failed"; exit 1; }
 }
 
-searches() { # folder: the column `searches`
+searches() { # prints the column `searches` of a folder's history.csv
   awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "searches") column = i } NR > 1 { print $column }' "$1/history.csv"
 }
 other_columns() { # folder

@@ -1,11 +1,11 @@
-"""What the study answers, from its points: sentences and rows with figures."""
+"""The answers of the study from its points: sentences and rows with figures."""
 import numpy as np
 from charts import COSTS
-from front import by_setting, cheapest, cost_at, digit_price, front
+from front import by_setting, cheapest, cost_at, digit_cost, front
 from scene import DEFAULT, EVERY_STEP, KEPT
 
 ELEMENT_STEPS, SECONDS = (cost for _, cost in COSTS)
-LEAST_RANGE = 3  # of errors, to tell an order
+LEAST_RANGE = 3  # smallest ratio of errors that gives an order
 
 
 def percent(value):
@@ -13,7 +13,7 @@ def percent(value):
 
 
 def known_points(result):
-    """Those whose error is well above what is not known of the reference."""
+    """The points whose error is well above the uncertainty of the reference."""
     return [point for point in result.points if point.error > 2 * result.uncertainty]
 
 
@@ -23,7 +23,7 @@ def default_cost(result, error, cost):
 
 
 def same_contact(points):
-    """Those with edges and the energy-neutral scheme: what else a setting leaves out, another scene may need."""
+    """The points with edges and the energy-neutral scheme, which other scenes may need."""
     return [point for point in points if not {"contact.edges", "contact.scheme"} & set(dict(point.setting.changes))]
 
 
@@ -32,7 +32,7 @@ def targets(result):
 
 
 def loss_rows(result):
-    """Of each error that is reached: who is cheapest, and what the default loses to it."""
+    """For each error that is reached: the cheapest setting, and the cost of the default relative to it."""
     rows, points = [], known_points(result)
     for error in (error for error in targets(result) if cheapest(points, error, SECONDS)):
         row = [result.scene.name if not rows else "", percent(error)]
@@ -48,32 +48,32 @@ LOSS_HEADER = ["", "error", "fastest", "s", "default over that", "fastest with e
 
 
 def one_percent(result):
-    """Which setting gives 1 % fastest."""
+    """The fastest setting with an error of 1 %."""
     if not min(result.scene.targets) <= 0.01 <= max(result.scene.targets):
-        return f"{result.scene.name}: below it with all settings and meshes of the study"
+        return f"{result.scene.name}: less than 1 % with all settings and meshes of the study"
     best, ours = cheapest(known_points(result), 0.01, SECONDS), default_cost(result, 0.01, SECONDS)
     if best is None:
         return f"{result.scene.name}: no setting on the meshes of the study"
     series = sorted(by_setting(known_points(result))[best[1]], key=SECONDS)
-    mesh = next((f" (first mesh below it: {point.mesh})" for point in series if point.error <= 0.01), "")
+    mesh = next((f" (first mesh below 1 %: {point.mesh})" for point in series if point.error <= 0.01), "")
     default = f"the default takes {ours / best[0]:.2f} times as long" if ours else "the default does not reach it"
     return f"{result.scene.name}: {best[1].name}, {best[0]:.3g} s{mesh}; {default}"
 
 
 def one_digit(result):
-    """What a tenth of the error costs."""
+    """The cost of a tenth of the error."""
     parts = []
     for label, series in (("along the front", front(known_points(result), SECONDS)),
                           ("with the default", by_setting(known_points(result)).get(DEFAULT, []))):
         errors = [point.error for point in series]
         if len(errors) > 2 and max(errors) > LEAST_RANGE * min(errors):
-            parts.append(f"{digit_price(series, SECONDS):.3g} times the seconds and {digit_price(series, ELEMENT_STEPS):.3g} times the "
+            parts.append(f"{digit_cost(series, SECONDS):.3g} times the seconds and {digit_cost(series, ELEMENT_STEPS):.3g} times the "
                          f"element-steps {label}")
-    return f"{result.scene.name}: " + ("; ".join(parts) or "the errors here span too little to tell")
+    return f"{result.scene.name}: " + ("; ".join(parts) or "the range of errors is too small")
 
 
 def reuse_rows(result):
-    """Of each mesh: time with kept lists over that with a search in every step, and whether they gave the same bits."""
+    """For each mesh: the time with kept lists over that with a search in every step, and whether the bits are the same."""
     found = {(point.setting, point.mesh): point for point in result.points}
     rows = []
     for mesh in result.scene.sizes:
@@ -86,7 +86,7 @@ def reuse_rows(result):
     return rows
 
 
-REUSE_HEADER = ["", "search in every step, s", "margin .1: time over that (steps a search)", "margin .25", "margin .5", "same bits"]
+REUSE_HEADER = ["", "search in every step, s", "margin 0.1: time over that (steps a search)", "margin 0.25", "margin 0.5", "same bits"]
 
 
 def same_course(one, other):
@@ -94,7 +94,7 @@ def same_course(one, other):
 
 
 def changed_by_reuse(results):
-    """How many pairs of runs were compared, and the points whose kept lists changed a bit."""
+    """The number of pairs of runs compared, and the points whose kept lists changed a bit."""
     bases = {(id(result), point.mesh): point for result in results for point in result.points if point.setting == EVERY_STEP}
     kept = [(bases[id(result), point.mesh], point) for result in results for point in result.points
             if point.setting in KEPT and (id(result), point.mesh) in bases]
@@ -102,7 +102,7 @@ def changed_by_reuse(results):
 
 
 def losses(results, choose=lambda points: points):
-    """(default / fastest in seconds, scene, error) where both reach the error."""
+    """(default / fastest in seconds, scene, error) for the errors that both reach."""
     found = []
     for result in results:
         for error in targets(result):
@@ -112,9 +112,9 @@ def losses(results, choose=lambda points: points):
     return found
 
 
-def tell_losses(found):
+def losses_text(found):
     if not found:
         return "nothing to compare"
     within, (loss, name, error) = sum(loss <= 1.1 for loss, _, _ in found), max(found)
-    return (f"within 10 % of the fastest at {within} of {len(found)} errors, in the median {np.median([loss for loss, _, _ in found]):.2f} times "
-            f"its seconds, at worst {loss:.3g} times ({name} at {percent(error)})")
+    return (f"within 10 % of the fastest at {within} of {len(found)} errors, median {np.median([loss for loss, _, _ in found]):.2f} times "
+            f"the seconds, at worst {loss:.3g} times ({name} at {percent(error)})")

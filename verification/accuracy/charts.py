@@ -1,4 +1,4 @@
-"""Error against cost, log-log; points of one group of settings in one colour, the Pareto front ringed and joined."""
+"""Error against cost, log-log, with one colour for each group of settings and the Pareto front as circles joined by a line."""
 from framework.figures import COLOURS, EXACT, new_figure, save
 from front import by_setting, front
 
@@ -11,26 +11,26 @@ GROUPS = {"time step": (COLOURS[1], "v"), "penalty": (COLOURS[3], "s"), "penalty
 def draw(scene, points, path, uncertainty=0):
     figure, panels = new_figure(2, 7.5)
     for axes, (label, cost) in zip(panels, COSTS):
-        told = set()
+        labelled = set()
         for group, (colour, marker) in GROUPS.items():
             for setting, series in by_setting([point for point in points if point.setting.group == group]).items():
                 series = sorted(series, key=cost)
                 axes.loglog([cost(point) for point in series], [point.error for point in series], color=colour, marker=marker,
                             markersize=4, linewidth=1.8 if group == "default" else 0.6,
-                            label=None if group in told else group)
-                told.add(group)
+                            label=None if group in labelled else group)
+                labelled.add(group)
         best = front(points, cost)
         axes.loglog([cost(point) for point in best], [point.error for point in best], "o--", color="#000000", linewidth=0.8,
                     markersize=9, markerfacecolor="none", markeredgewidth=0.8, label="Pareto front")
         if uncertainty:
-            axes.axhline(uncertainty, label="what is not known of the reference", **EXACT)
+            axes.axhline(uncertainty, label="uncertainty of the reference", **EXACT)
         axes.set(xlabel=label, ylabel="error")
     figure.suptitle(scene.name, fontsize=10)
     save(figure, path)
 
 
 def draw_growth(growths, path):
-    """Of a change in the 13th digit, beside the error."""
+    """Draws the growth of a change in the 13th digit beside the error."""
     figure, panels = new_figure(len(growths), 7.0)
     for axes, (name, growth) in zip(panels if len(growths) > 1 else [panels], growths.items()):
         milliseconds = 1e3 * growth["times"][1:]
@@ -38,5 +38,5 @@ def draw_growth(growths, path):
             axes.semilogy(milliseconds, growth[key][1:], label=label)
         if growth["time"]:
             axes.axvline(1e3 * growth["time"], label="t*", **EXACT)
-        axes.set(xlabel="t, ms", ylabel="m, root of the mean square over bricks", title=f"{name}, {growth['mesh']}")
+        axes.set(xlabel="t, ms", ylabel="m, root mean square over bricks", title=f"{name}, {growth['mesh']}")
     save(figure, path)

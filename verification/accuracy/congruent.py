@@ -1,5 +1,5 @@
-"""What congruent bricks gain: the same wall from a mesh file, once as it is and once with an inner node of each brick shifted by
-1e-10 of an edge. Then the program takes the general path, and the motion stays the same to about that."""
+"""The gain of the path for congruent bricks: the same wall from a mesh file, unchanged and with an inner node of each brick shifted
+by 1e-10 of an edge. The program takes the general path for the latter, and the motion is the same to about that accuracy."""
 import re
 import statistics
 
@@ -15,7 +15,7 @@ SHIFT = 1e-10
 
 
 class MeshedWall(StruckWall):
-    """The struck wall from a mesh file of its own."""
+    """The struck wall from a mesh file."""
 
     def __init__(self, name, bench, count, shift):
         self.name, self.count = name, count
@@ -44,7 +44,7 @@ def write_mesh(program, folder, count):
 
 
 def shift_inner_nodes(path, distance):
-    """Of each brick the first node that is on none of its sides, along x."""
+    """Shifts the first interior node of each brick along x."""
     mesh = Results(path)
     mesh.file.close()
     inner = []
@@ -59,13 +59,13 @@ def shift_inner_nodes(path, distance):
 
 
 def compare(bench, count):
-    """Of the general path over the congruent one: {"elements": ratio of the time of the elements' forces, "loop": of the whole loop,
-    "difference": of the displacements, over their size}."""
+    """The general path relative to the congruent one: {"elements": ratio of the times of the elements' forces, "loop": that of the
+    whole loop, "difference": that of the displacements, over their size}."""
     congruent, general = (MeshedWall(f"wall, {name}", bench, count, shift).measure(bench)
                           for name, shift in (("congruent", 0), ("general", SHIFT)))
-    ours, theirs = (np.array(record["observed"]["displacement"]) for record in (congruent, general))
+    first, second = (np.array(record["observed"]["displacement"]) for record in (congruent, general))
     ratio = {name: cost(general) / cost(congruent) for name, cost in (
         ("elements", lambda record: record["phases"]["step::internal force"]),
         ("loop", lambda record: statistics.median(record["seconds"])))}
-    return {**ratio, "difference": float(np.abs(ours - theirs).max() / np.abs(ours).max()),
+    return {**ratio, "difference": float(np.abs(first - second).max() / np.abs(first).max()),
             "steps": (congruent["element_steps"], general["element_steps"])}

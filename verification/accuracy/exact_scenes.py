@@ -3,9 +3,9 @@ import sys
 
 import numpy as np
 from framework.meshes import box
-from framework.signals import fit_frequency
+from framework.signals import fit_frequency, tip_deflection
 from bricks import means_of_bodies
-from scene import COMBINED, DEFAULT, FEW, FULL, HERE, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene
+from scene import COMBINED, DEFAULT, FEW, FULL, HERE, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene, counts_of
 
 CASES = HERE.parent / "cases"
 sys.path.insert(0, str(CASES))
@@ -17,16 +17,13 @@ DECKS = HERE.parent / "decks"
 
 class SmoothWave(Scene):
     name = "smooth wave"
-    text = ("A smooth pulse runs along an elastic bar (V1s). Error: stress at the elements' centres at t = .5, root of the mean "
-            "square over that of d'Alembert's solution.")
+    text = ("A smooth pulse runs along an elastic bar (V1s). Error: root mean square of the stress error at the centres of the elements "
+            "at t = 0.5, over that of d'Alembert's solution.")
     deck = DECKS / "v01s_smooth_wave.toml"
     targets = (0.03, 0.01, 0.003, 0.001)
 
     def __init__(self, quick):
         self.sizes = {f"{n}x1x1": 1 / n for n in ((50, 100) if quick else (25, 50, 100, 200, 400, 800))}
-
-    def settings(self, mesh):
-        return {"wall.elements": [int(n) for n in mesh.split("x")]}
 
     def variants(self, mesh):
         return [DEFAULT, *STEPS, FULL]
@@ -40,8 +37,8 @@ class SmoothWave(Scene):
 
 class TwoBars(Scene):
     name = "two bars"
-    text = ("Two equal bars meet (V2). Error: way of the first bar's centre of mass from the start to t = 3 L/c, which is exactly "
-            "-v0 L/c, over v0 L/c: it sees how long and how strongly they touched, 2 delay c/L if that is all.")
+    text = ("Two equal bars meet (V2). Error: displacement of the first bar's centre of mass from the start to t = 3 L/c, which is "
+            "exactly -v0 L/c, over v0 L/c. It depends on the duration and the force of the contact; a mere delay gives 2 delay c/L.")
     deck = DECKS / "v02_two_bars.toml"
     targets = (0.1, 0.03, 0.01, 0.003)
 
@@ -50,7 +47,7 @@ class TwoBars(Scene):
         self.quick = quick
 
     def settings(self, mesh):
-        return {"wall.elements": [int(n) for n in mesh.split("x")], "output.interval": 0.0}
+        return {**super().settings(mesh), "output.interval": 0.0}
 
     def variants(self, mesh):
         if self.quick:
@@ -65,8 +62,8 @@ class TwoBars(Scene):
 
 class Cantilever(Scene):
     name = "cantilever"
-    text = ("A clamped beam swings (V7). Error: first bending frequency, over the converged one. That of tlps crosses zero between one and two "
-            "elements through the depth, so one is better than it should be.")
+    text = ("A clamped beam vibrates (V7). Error: that of the first bending frequency, relative to the converged one. The error of "
+            "the one-point element crosses zero between one and two elements through the depth, so that of one is accidentally small.")
     deck = DECKS / "v07_cantilever.toml"
     targets = (0.1, 0.03, 0.01, 0.003)
 
@@ -78,22 +75,20 @@ class Cantilever(Scene):
         return {}
 
     def geometry(self, mesh):
-        return box((10, 1, 1), [int(n) for n in mesh.split("x")], name="beam")
+        return box((10, 1, 1), counts_of(mesh), name="beam")
 
     def variants(self, mesh):
         return [DEFAULT, STEPS[0], STEPS[-1], FULL]
 
     def observe(self, run):
-        results = run.results
-        tip = results.nodes[:, 0] > 10 - 1e-9
-        deflection = np.array([results.nodal("displacement_z", step)[tip].mean() for step in range(len(results.times))])
-        return {"error": float(abs(fit_frequency(results.times, deflection, CONVERGED) / CONVERGED - 1))}
+        frequency = fit_frequency(run.results.times, tip_deflection(run.results), CONVERGED)
+        return {"error": float(abs(frequency / CONVERGED - 1))}
 
 
 class SpinningBlock(Scene):
     name = "spinning block"
-    text = ("A free block spins with its corners at .1 c (V13). Error: largest less least energy over 7 turns, over the energy: it falls "
-            "with the square of the step, so along the meshes as along the steps.")
+    text = ("A free block spins with its corners at 0.1 c (V13). Error: largest minus least energy within 7 revolutions, over the energy. "
+            "It falls with the square of the step, on finer meshes and with shorter steps alike.")
     deck = DECKS / "v13_spinning_block.toml"
     targets = (1e-3, 3e-4, 1e-4)
 
@@ -102,13 +97,13 @@ class SpinningBlock(Scene):
         self.sizes = {"x".join(map(str, elements)): 1 / elements[2] for elements in meshes}
 
     def settings(self, mesh):
-        return {"wall.elements": [int(n) for n in mesh.split("x")], "time.end": 500.0, "output.history_interval": 0.0}
+        return {**super().settings(mesh), "time.end": 500.0, "output.history_interval": 0.0}
 
     def variants(self, mesh):
         return [DEFAULT, *STEPS, FULL]
 
     def observe(self, run):
         energy = run.history["total_energy"][1:]
-        angular = np.stack([run.history[f"angular_momentum_{axis}"] for axis in "xyz"], axis=1)
+        angular = run.vector("angular_momentum")
         return {"error": float(np.ptp(energy) / energy[0]),
                 "angular_momentum_error": float(np.linalg.norm(angular - angular[0], axis=1).max() / np.linalg.norm(angular[0]))}

@@ -1,9 +1,9 @@
-"""Speed against error: the Pareto front, the cost of an error, the price of a digit."""
+"""Speed against error: the Pareto front, the cost of an error, the cost of a digit."""
 import numpy as np
 
 
 def settled(points):
-    """Those whose error no finer mesh of the same setting exceeds: the others are small by accident, as errors are that cross
+    """The points whose error no finer mesh of the same setting exceeds. Other errors are accidentally small, since they cross
     zero."""
     kept = []
     for series in by_setting(points).values():
@@ -15,7 +15,7 @@ def settled(points):
 
 
 def front(points, cost):
-    """Those that no other point beats in both, by rising cost; of settled points."""
+    """The settled points that no other point beats in both error and cost, in the order of cost."""
     best, kept = np.inf, []
     for point in sorted(settled(points), key=lambda p: (cost(p), p.error)):
         if point.error < best:
@@ -25,8 +25,8 @@ def front(points, cost):
 
 
 def cost_at(series, error, cost):
-    """What a setting costs at an error: along its meshes, by straight lines of the logarithms. None where it is not reached.
-    Errors that cross zero on the way deceive, so the dearest mesh above the error decides."""
+    """The cost of a setting at an error, by linear interpolation of the logarithms along its meshes. None if it is not reached.
+    Since errors may cross zero, the most expensive mesh above the error decides."""
     series = sorted(series, key=cost)
     above = [i for i, point in enumerate(series) if point.error > error]
     if not above:
@@ -38,14 +38,14 @@ def cost_at(series, error, cost):
     return float(cost(a) * (cost(b) / cost(a))**share)
 
 
-def digit_price(series, cost):
+def digit_cost(series, cost):
     """The factor of cost for a tenth of the error, by least squares over the meshes."""
     slope = np.polyfit(np.log([point.error for point in series]), np.log([cost(point) for point in series]), 1)[0]
     return float(10**-slope)
 
 
 def by_setting(points):
-    """{setting: its points}."""
+    """{setting: points}."""
     families = {}
     for point in points:
         families.setdefault(point.setting, []).append(point)

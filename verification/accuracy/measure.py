@@ -1,5 +1,4 @@
-"""Runs that are timed and evaluated. A call in the same folder takes over what is finished: the same program, deck, settings
-and evaluation."""
+"""Timed and evaluated runs. A call in the same folder reuses finished runs of the same program, deck, settings and evaluation."""
 import hashlib
 import inspect
 import json
@@ -13,16 +12,16 @@ import bricks
 import numpy as np
 from framework.program import ProgramError
 
-# What the study changes, one thing at a time or several. Each run is told all of them, so that a deck's own choice does not
-# stand for the program's default.
+# The keys that the study changes, one or several at a time. Each run sets all of them, so that a deck's own value does not replace
+# the program's default.
 KEYS = ("time.safety", "contact.penalty", "contact.scheme", "contact.edges", "element.formulation", "search.reuse.margin")
-PHYSICS = 3  # exit code of a run that broke down or passed a limit: a result, if a bad one
+PHYSICS = 3  # exit code of a run that failed physically or exceeded a limit, which is a result
 FIELDS = ("displacement", "velocity", "force_contact", "contact_status", "contact_gap")
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Changes against the program's defaults, of a group that the plots draw in one colour."""
+    """Changes of the program's defaults; plots draw each group in one colour."""
 
     changes: tuple = ()  # ((key, value), ...)
     group: str = "default"
@@ -34,7 +33,7 @@ class Setting:
 
 @dataclass
 class Point:
-    """One setting on one mesh: what it cost and what it gave."""
+    """One setting on one mesh, with its cost and its errors."""
 
     setting: Setting
     mesh: str
@@ -43,8 +42,8 @@ class Point:
 
     @property
     def failure(self):
-        """Why there is no error to tell: the physics broke down, or the run failed."""
-        return self.record["broke"] or self.record["failure"]
+        """The reason why there is no error: a physical failure or a failed run."""
+        return self.record["broken"] or self.record["failure"]
 
     @cached_property
     def seconds(self):
@@ -75,15 +74,15 @@ class Bench:
         record = self.record(scene, mesh, label, changes, **how)
         return Point(setting, mesh, record)
 
-    def needed(self, *what, **how):
-        """A record without which the study can not go on."""
-        record = self.record(*what, **how)
-        if record["failure"] or record["broke"]:
-            raise ProgramError(f"{what[0].name}, {what[2]}: {record['failure'] or record['broke']}")
+    def needed(self, *arguments, **how):
+        """A record that the study cannot do without: raises ProgramError if the run fails."""
+        record = self.record(*arguments, **how)
+        if record["failure"] or record["broken"]:
+            raise ProgramError(f"{arguments[0].name}, {arguments[2]}: {record['failure'] or record['broke']}")
         return record
 
     def record(self, scene, mesh, label, changes, repetitions=None, threads=None, observe=None):
-        """What `observe` (of the scene, if not given) saw in a run, its cost, and the fingerprint of its course."""
+        """The result of `observe` (by default that of the scene) for a run, its cost, and the digest of its history."""
         observe = observe or scene.observe
         settings = {**self.defaults, **scene.settings(mesh), **changes}
         repetitions, threads = repetitions or self.repetitions, threads or self.program.threads
@@ -91,29 +90,29 @@ class Bench:
                "evaluation": inspect.getsource(observe) + inspect.getsource(bricks)}
         folder = self.folder / scene.name.replace(" ", "_") / label
         record = finished(folder, key)
-        if record is None or len(record["seconds"]) < repetitions and not record["broke"]:
+        if record is None or len(record["seconds"]) < repetitions and not record["broken"]:
             record = self._measure(scene, mesh, folder, settings, repetitions, threads, observe)
             (folder / "record.json").write_text(json.dumps({"key": key, **record}, indent=1) + "\n")
         self.versions = self.versions or record["versions"]
         if record["failure"]:
             self.failures.append(f"{scene.name}, {label}: {record['failure']}")
-        cost = record["failure"] or record["broke"] or f"{statistics.median(record['seconds']):9.3f} s"
+        cost = record["failure"] or record["broken"] or f"{statistics.median(record['seconds']):9.3f} s"
         print(f"{scene.name:14} {label:50} {cost}", flush=True)
         return record
 
     def _measure(self, scene, mesh, folder, settings, repetitions, threads, observe):
-        record = {"failure": "", "broke": "", "seconds": [], "element_steps": 0, "observed": {}, "course": "", "phases": {}, "versions": {}}
+        record = {"failure": "", "broken": "", "seconds": [], "element_steps": 0, "observed": {}, "course": "", "phases": {}, "versions": {}}
         results = folder / "run" / f"{scene.deck.stem}.exo"
         for repetition in range(repetitions):
-            if repetition == 1:  # those that follow are timed only
+            if repetition == 1:  # further runs are only timed
                 settings = {**settings, "output.interval": 0.0}
             run = self.program.run(scene.deck, folder / "run", settings, mesh=scene.geometry(mesh), threads=threads, expect=None)
             if run.code not in (0, PHYSICS):
                 record["failure"] = run.message
                 break
             report = run.report
-            record["broke"] = "; ".join(report["failures"])
-            if record["broke"]:
+            record["broken"] = "; ".join(report["failures"])
+            if record["broken"]:
                 break
             record["seconds"].append(report["loop_seconds"])
             if repetition == 0:
@@ -138,8 +137,8 @@ def finished(folder, key):
 
 
 def course(run):
-    """A digest of the whole history and of the fields at all output times, with all their bits; counts of searches, which
-    kept lists save, are not in it."""
+    """A digest of all bits of the history and of the fields at all output times, without the number of searches, which depends on
+    kept lists."""
     digest = hashlib.sha256()
     for name, column in run.history.items():
         if name != "searches":
@@ -151,7 +150,7 @@ def course(run):
 
 
 def program_defaults(binary):
-    """{key: value} of KEYS, as `brickwall --keys` tells them."""
+    """{key: value} of KEYS, from the output of `brickwall --keys`."""
     text = subprocess.run([str(binary), "--keys"], capture_output=True, text=True, check=True).stdout
     defaults, block = {}, ""
     for line in text.splitlines():
@@ -162,7 +161,7 @@ def program_defaults(binary):
             defaults[f"{block}.{words[0]}"] = json_value(line.rsplit("; default ", 1)[1])
     missing = [key for key in KEYS if key not in defaults]
     if missing:
-        raise RuntimeError(f"the program tells no default of {missing[0]}")
+        raise RuntimeError(f"brickwall --keys prints no default of {missing[0]}")
     return defaults
 
 

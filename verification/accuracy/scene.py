@@ -1,4 +1,4 @@
-"""What the study asks of a scene, and the settings that it is run with."""
+"""The interface of a scene, and the settings of its runs."""
 from pathlib import Path
 
 from measure import Setting
@@ -7,8 +7,13 @@ HERE = Path(__file__).resolve().parent
 DEFAULT = Setting()
 
 
+def counts_of(mesh):
+    """The numbers of elements of a mesh "8x4x4"."""
+    return [int(count) for count in mesh.split("x")]
+
+
 def setting(group, **changes):
-    """setting("penalty", penalty=1.0): short names of the keys below."""
+    """A setting from the short names of keys below, such as setting("penalty", penalty=1.0)."""
     return Setting(tuple((SHORT[name], value) for name, value in changes.items()), group)
 
 
@@ -20,49 +25,49 @@ SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) fo
 FULL = setting("element", element="full")
 PLAIN = setting("scheme, edges", scheme="penalty")
 NO_EDGES = setting("scheme, edges", edges=False)
-EVERY_STEP = setting("reuse", margin=0.0)  # searches
+EVERY_STEP = setting("reuse", margin=0.0)  # a search in every step
 REUSE = [EVERY_STEP, *(setting("reuse", margin=value) for value in (0.25, 0.5))]
-KEPT = [DEFAULT, *REUSE[1:]]  # the default keeps lists by a margin of .1
+KEPT = [DEFAULT, *REUSE[1:]]  # the default keeps lists with a margin of 0.1
 COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", safety=0.95, margin=0.25),
             setting("several", penalty=0.75, safety=0.5), setting("several", penalty=0.75, edges=False),
             setting("several", penalty=0.75, edges=False, scheme="penalty", margin=0.25)]
-# What finer meshes are run with.
+# The settings on finer meshes.
 FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75)), *COMBINED[:2]]
 
 
 class Scene:
-    """One problem with an error to measure. Subclasses say how."""
+    """A problem with an error to be measured by its subclasses."""
 
     name = ""
-    text = ""  # what it is and what its error is
+    text = ""  # description of the problem and its error
     deck = None
     sizes = {}  # {mesh: element length}
     targets = (0.1, 0.03, 0.01, 0.003, 0.001)  # errors at which settings are compared
 
     def settings(self, mesh):
-        """Of all its runs on this mesh, over the program's defaults."""
-        raise NotImplementedError
+        """The settings of all runs on this mesh, which override the program's defaults."""
+        return {"wall.elements": counts_of(mesh)}
 
     def geometry(self, mesh):
-        """A mesh that stands in for the deck's, or None."""
+        """A mesh that replaces that of the deck, or None."""
 
     def variants(self, mesh):
-        """The settings to run on a mesh."""
+        """The settings that run on a mesh."""
         raise NotImplementedError
 
     def observe(self, run):
-        """{name: numbers} of a run, to be kept."""
+        """{name: numbers} of a run, which its record keeps."""
         raise NotImplementedError
 
     def prepare(self, bench):
-        """Reference solutions, where no exact one is known."""
+        """Computes reference solutions if no exact one is known."""
 
     def errors(self, observed):
-        """{"error": ..., further figures}."""
+        """{"error": ..., further quantities}."""
         return observed
 
     def study(self, bench):
-        """All points, with the errors of those that came to an end."""
+        """All points, with the errors of those that finished."""
         self.prepare(bench)
         points = [bench.point(self, mesh, variant) for mesh in self.sizes for variant in self.variants(mesh)]
         for point in points:

@@ -1,4 +1,4 @@
-"""report.md: answers first, then a section for each scene."""
+"""Writes report.md: answers first, then a section for each scene."""
 import answers
 import numpy as np
 from front import by_setting
@@ -16,7 +16,7 @@ def settings_table(result, mesh):
 
 
 def mesh_table(result):
-    """Each setting that ran on several meshes: its errors."""
+    """The errors of each setting on all meshes."""
     meshes = list(result.scene.sizes)
     rows = []
     for setting, series in by_setting(result.points).items():
@@ -26,7 +26,7 @@ def mesh_table(result):
 
 
 def middle_mesh(result):
-    """The finest on which most settings ran."""
+    """The mesh with the most settings; of several, the finest."""
     counts = {mesh: sum(point.mesh == mesh for point in result.points) for mesh in result.scene.sizes}
     return max(counts, key=lambda mesh: (counts[mesh], -result.scene.sizes[mesh]))
 
@@ -36,17 +36,17 @@ def reference_text(scene):
     if reference is None:
         return ""
     lines = [f"- {name.replace('_', ' ')}: order {value.order:.2f}, "
-             + ("extrapolated with it" if value.extrapolated else "outside .7 to 1.3, so the finest mesh itself")
-             + f"; {answers.percent(np.linalg.norm(value.uncertainty) / np.linalg.norm(value.value))} not known\n"
+             + ("extrapolated" if value.extrapolated else "outside 0.7 to 1.3, so the finest mesh itself")
+             + f"; uncertainty {answers.percent(np.linalg.norm(value.uncertainty) / np.linalg.norm(value.value))}\n"
              for name, value in reference.items()]
     return (f"Reference: three meshes at ratio 2, the finest {scene.reference_mesh}, with the same penalty and share of the stable step "
-            "(penalty .75, .5 of the stable step; Richardson with the observed order):\n\n" + "".join(lines)
-            + "\nErrors below twice of what is not known are drawn, but not used in the answers.\n")
+            "(penalty 0.75, 0.5 of the stable step; Richardson with the observed order):\n\n" + "".join(lines)
+            + "\nErrors below twice the uncertainty are drawn, but not used in the answers.\n")
 
 
 def broken_text(result):
     lines = [f"- {point.setting.name}, {point.mesh}: {point.failure}\n" for point in result.broken]
-    return "Broke down, and are not in the tables:\n\n" + "".join(lines) if lines else ""
+    return "Failed, and not in the tables:\n\n" + "".join(lines) if lines else ""
 
 
 def section(result, plot):
@@ -59,11 +59,11 @@ def growth_text(growths):
     lines = []
     for name, growth in growths.items():
         share = (growth["change"][1:] / growth["error"][1:]).max()
-        told = (f"t* = {1e3 * growth['time']:.3g} ms" if growth["time"] else
-                f"t* lies beyond {1e3 * growth['times'][-1]:.3g} ms: until then the change is at most {share:.1e} of the error")
-        lines.append(f"- {name}, {growth['mesh']}: {told}.\n")
-    return ("## How long the wall can be predicted\n\nThe push's peak is changed by 1e-12 of itself; t* is when the bricks' displacements "
-            "have changed by a tenth of the error (that of first order: the difference to the mesh of twice the element length).\n\n"
+        result = (f"t* = {1e3 * growth['time']:.3g} ms" if growth["time"] else
+                f"t* lies beyond {1e3 * growth['times'][-1]:.3g} ms; up to then the change is at most {share:.1e} of the error")
+        lines.append(f"- {name}, {growth['mesh']}: {result}.\n")
+    return ("## Predictability of the wall\n\nThe peak of the push is changed by a relative 1e-12. At t* the displacements of the bricks "
+            "have changed by a tenth of the error (the difference to the mesh of twice the element length).\n\n"
             + "".join(lines) + "\n![growth](plots/predictability.png)\n")
 
 
@@ -76,24 +76,23 @@ def answers_text(study, results, general, audits):
     losses = [row for result in results for row in answers.loss_rows(result)]
     default = ", ".join(f"{key} = {str(value).lower()}" for key, value in study["defaults"].items())
     parts = [f"## Answers\n\nThe default is {default}.\n",
-             f"**Which setting gives 1 % fastest?**\n\n{listed(answers.one_percent)}",
+             f"**Which setting reaches 1 % fastest?**\n\n{listed(answers.one_percent)}",
              f"**What does one digit more cost?**\n\n{listed(answers.one_digit)}",
-             f"**What does the default lose against the front?** Against all settings it is "
-             f"{answers.tell_losses(answers.losses(results))}; against those with edges and the energy-neutral scheme "
-             f"{answers.tell_losses(answers.losses(results, answers.same_contact))}.\n\n"
+             f"**What does the default lose against the front?** Compared with all settings it is "
+             f"{answers.losses_text(answers.losses(results))}; compared with those with edges and the energy-neutral scheme "
+             f"{answers.losses_text(answers.losses(results, answers.same_contact))}.\n\n"
              + table(answers.LOSS_HEADER, losses),
-             f"**What does reuse of lists gain at zero error?** {compared} runs with kept lists beside a search in every step: "
-             f"{len(changed)} differ in any bit of the history or of the fields. {audit_text(audits)}\n\n" + table(answers.REUSE_HEADER, reuse),
+             f"**What does reuse of lists gain at zero error?** Of {compared} runs with kept lists, {len(changed)} differ in a bit of the history or "
+             f"of the fields from a run with a search in every step. {audit_text(audits)}\n\n" + table(answers.REUSE_HEADER, reuse),
              "**What does the congruent path gain at zero error?** The same wall with an inner node of each brick shifted by 1e-10 of an "
-             f"edge takes the general path: {general['elements']:.2f} times the time for the elements' forces, {general['loop']:.2f} times "
-             f"that of the whole loop; displacements differ by {general['difference']:.1e} of their size.\n",
-             "**Not there:** single precision.\n"]
+             f"edge takes the general path. It needs {general['elements']:.2f} times the time for the elements' forces and "
+             f"{general['loop']:.2f} times that of the whole loop; displacements differ by {general['difference']:.1e} of their size.\n"]
     return "\n".join(parts)
 
 
 def audit_text(audits):
     missed = sum(audits.values())
-    return f"Against all pairs, looked at in every tenth step of {len(audits)} runs, the lists missed {missed:g} pairs."
+    return f"Compared with all pairs in every tenth step of {len(audits)} runs, the lists missed {missed:g} pairs."
 
 
 def write(path, study, results, growths, general, audits, plots):

@@ -1,18 +1,18 @@
-"""The wall under smooth pulses: errors of the bricks' motion against an extrapolated reference, and how long the wall can be
-predicted at all."""
+"""The wall under smooth pulses: errors of the bricks' motion relative to an extrapolated reference, and the time up to which the
+wall is predictable."""
 import numpy as np
 from bricks import at_times, bodies_of, means_of_bodies
 from framework import machine
-from scene import COMBINED, DEFAULT, FEW, FULL, HERE, NO_EDGES, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene
+from scene import COMBINED, DEFAULT, FEW, FULL, HERE, NO_EDGES, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene, counts_of
 
 DENSITY, HEIGHT, PEAK = 2000.0, 0.1, 4.0e6  # of decks/wall.toml
-# The reference has short steps and stiff contact: the compliance of the joints is the larger part of the error. Lists are
-# kept, which changes no bit.
+# The reference has short steps and stiff contact, since the compliance of the joints is the larger part of the error. Kept lists
+# change no bit.
 REFERENCE = {"contact.penalty": 0.75, "time.safety": 0.5, "search.reuse.margin": 0.25}
 
 
 class Wall(Scene):
-    """Bricks of which those above the fixed base course count."""
+    """A wall whose bricks above the fixed base course count."""
 
     deck = HERE / "decks/wall.toml"
 
@@ -21,11 +21,8 @@ class Wall(Scene):
         self.sizes = {mesh_name(n): 0.2 / n for n in counts}
         self.quick = quick
 
-    def settings(self, mesh):
-        return {"wall.elements": [int(n) for n in mesh.split("x")]}
-
     def variants(self, mesh):
-        n = int(mesh.split("x")[0])
+        n = counts_of(mesh)[0]
         if self.quick:
             return [DEFAULT, FEW[2], FULL, *REUSE]
         if n == 16:
@@ -74,15 +71,15 @@ class Wall(Scene):
 
     @property
     def uncertainty(self):
-        """Of the reference, as an error."""
+        """The uncertainty of the reference, as an error."""
         return rms(self.reference["displacement"].uncertainty) / rms(self.reference["displacement"].value)
 
 
 class StruckWall(Wall):
     name = "struck wall"
     text = ("Bricks on a fixed base course, pushed from the front by a smooth pulse and struck from above by another "
-            "(`decks/wall.toml`). Error: displacement of the centres of mass at 2 ms, root of the mean square over the bricks, over that of "
-            "the reference. The courses press each other and rebound, so the compliance of the joints counts.")
+            "(`decks/wall.toml`). Error: root mean square over the bricks of the error of the centres' displacements at 2 ms, over that of "
+            "the reference's displacements. The courses press each other and rebound, so the compliance of the joints matters.")
     targets = (0.1, 0.05, 0.03, 0.02, 0.01)
 
 
@@ -96,8 +93,8 @@ class PushedWall(Wall):
 
 
 class Reference:
-    """Of three meshes at ratio 2: Richardson's extrapolation with the observed order where that is near 1; elsewhere the
-    finest mesh, and the last difference is what is not known of it."""
+    """A reference from three meshes at ratio 2: Richardson's extrapolation with the observed order if that is near 1, otherwise the
+    finest mesh, with the last difference as its uncertainty."""
 
     def __init__(self, values):
         coarse, middle, fine = values
@@ -109,8 +106,8 @@ class Reference:
 
 
 def predictability(wall, bench, quick):
-    """How a relative change of 1e-12 in the push's peak grows beside the error: {times, change, error, t*}. The error is that
-    of first order, the difference to the mesh of twice the element length. t* is None if the change stays below a tenth of it."""
+    """The growth of a relative change of 1e-12 in the peak of the push, beside the error: {times, change, error, t*}. The error is
+    the difference to the mesh of twice the element length. t* is None if the change stays below a tenth of it."""
     fine, coarse, end = (mesh_name(4), mesh_name(2), 4e-3) if quick else (mesh_name(8), mesh_name(4), 40e-3)
     times = np.linspace(0, end, 101)
     long = {"time.end": end, "output.interval": end / 100, "output.history_interval": end / 100}
@@ -126,7 +123,7 @@ def predictability(wall, bench, quick):
 
 
 def audit(wall, bench):
-    """{margin of kept lists: pairs that the lists missed}, against all pairs in every tenth step."""
+    """{margin of kept lists: pairs that the lists missed}, compared with all pairs in every tenth step."""
     mesh = mesh_name(4 if wall.quick else 8)
     missed = {}
     for variant in (DEFAULT, *REUSE):
@@ -144,7 +141,7 @@ def observe_course(run):
 
 
 def rms(values):
-    """Over bricks, of vectors [brick][xyz]."""
+    """Root mean square over bricks of vectors [brick][xyz]."""
     return float(np.sqrt((values**2).sum(axis=-1).mean()))
 
 

@@ -5,7 +5,7 @@ stiff with one element through the depth."""
 import numpy as np
 from framework.figures import draw_slope
 from framework.meshes import box
-from framework.signals import fit_frequency
+from framework.signals import fit_frequency, tip_deflection
 
 NAME = "V7"
 TITLE = "cantilever's first bending frequency"
@@ -20,8 +20,7 @@ def frequency(lab, elements, element="tlps"):
     run = lab.run(f"{element}_{'x'.join(map(str, elements))}", {"element.formulation": element},
                   mesh=box((10, 1, 1), elements, name="beam"))
     results = run.results
-    tip = results.nodes[:, 0] > 10 - 1e-9
-    deflection = np.array([results.nodal("displacement_z", step)[tip].mean() for step in range(len(results.times))])
+    deflection = tip_deflection(results)
     return fit_frequency(results.times, deflection, CONVERGED), results.times, deflection
 
 

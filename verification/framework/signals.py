@@ -1,4 +1,4 @@
-"""Figures from time histories."""
+"""Quantities from time histories."""
 import numpy as np
 
 
@@ -13,6 +13,12 @@ def fit_frequency(times, values, guess, width=0.2):
         return np.sum((weight * (values - columns @ coefficients))**2)
 
     return golden_section(misfit, guess * (1 - width), guess * (1 + width))
+
+
+def tip_deflection(results, length=10):
+    """Mean deflection u_z of the end x = `length` of a beam, by output time."""
+    tip = results.nodes[:, 0] > length - 1e-9
+    return np.array([results.nodal("displacement_z", step)[tip].mean() for step in range(len(results.times))])
 
 
 def golden_section(function, low, high, tolerance=1e-10):

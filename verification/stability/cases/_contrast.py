@@ -1,4 +1,5 @@
-"""What stiffness and density contrasts share: a bar of unit impedance runs into another, against theory; impacts askew."""
+"""Common to the contrasts of stiffness and density: a bar of unit impedance hits another, compared with theory; oblique
+impacts."""
 import numpy as np
 from _hard import energy_change
 from _impact import impact
@@ -9,7 +10,7 @@ SEEDS = range(4)
 
 
 def bars(lab, other_length):
-    """A bar of unit length, density and modulus meets one of `other_length`; both have cubes for elements."""
+    """A bar of unit length, density and modulus meets one of `other_length`; all elements are cubes."""
     mesh = together(box((1, WIDTH, WIDTH), (20, 1, 1), (-1, 0, 0), "low"),
                     box((other_length, WIDTH, WIDTH), (round(other_length / ELEMENT), 1, 1), name="high"))
     run = lab.run("bars", mesh=mesh)
@@ -25,8 +26,8 @@ def bars(lab, other_length):
     lab.check(force / WIDTH**2, stress, 2e-3)
     energy = energy_change(run.history)
     lab.check(np.abs(energy).max(), 0, 1e-3, "energy_of_bars")
-    # Half of the bar's speed by impedances within a step of its own contact: what a penalty gives way of the way of the impact.
-    lab.check(run.history["max_penetration"].max() * ELEMENT / (SPEED * 2), 0, 0.1, "depth_over_way")
+    # The penetration relative to the distance of the impact.
+    lab.check(run.history["max_penetration"].max() * ELEMENT / (SPEED * 2), 0, 0.1, "depth_over_distance")
     step = run.history["timestep"][0]
     fastest = max(1.0, np.sqrt(material["youngs_modulus"] / material["density"]))
     lab.note(f"The step is {step * fastest / ELEMENT:.3f} of the fastest element's h/c.")
@@ -45,11 +46,11 @@ def impacts(lab, deck):
     lab.check(max(row[2] for row in rows), 0, 5e-3, "energy_of_impacts")
     lab.check(min(row[4] for row in rows) > 0, 1, 0, "blocks_have_met")
     lab.table("Impacts of two blocks:", ["seed", "energy, final", "energy, largest", "deepest / face", "most contacts",
-                                         "contacts let go"], rows)
+                                         "contacts lost"], rows)
 
 
 def draw(lab, run):
-    with lab.figure("Energies of the bars by time, over that of the start") as axes:
+    with lab.figure("Energies of the bars over the initial energy by time") as axes:
         history = run.history
         for name in ("kinetic_energy", "internal_energy", "contact_energy"):
             axes.plot(history["time"], history[name] / history["total_energy"][1], label=name.replace("_", " "))

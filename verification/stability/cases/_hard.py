@@ -1,4 +1,4 @@
-"""What the hard cases share: free blocks and how deep they stand in each other, energies of a run, runs that must stop."""
+"""Common to the hard cases: free blocks and their overlap, energies of a run, runs that must stop."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,22 +8,22 @@ AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
 
 def turned(*turns):
-    """The matrix of turns ("x" | "y" | "z" or a vector, degrees), the first one first."""
+    """The matrix of successive rotations ("x" | "y" | "z" or a vector, degrees)."""
     matrix = np.eye(3)
     for axis, degrees in turns:
         matrix = rotation(AXES.get(axis, axis) if isinstance(axis, str) else axis, np.radians(degrees)) @ matrix
     return matrix
 
 
-# A cube that stands on a corner: (1, 1, 1) turned up.
+# A cube that stands on a corner: the rotation of (1, 1, 1) to z.
 ON_A_CORNER = rotation(np.cross((1, 1, 1), (0, 0, 1)), np.arccos(1 / np.sqrt(3)))
 
 
 @dataclass
 class Block:
-    """A box of elements, turned about its centre."""
+    """A box of elements, rotated about its centre."""
 
-    name: str  # of its element block
+    name: str  # the name of its element block
     center: np.ndarray = (0, 0, 0)
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
     size: np.ndarray = (1, 1, 1)
@@ -37,13 +37,13 @@ class Block:
         signs = np.stack(np.meshgrid(*[(-0.5, 0.5)] * 3), axis=-1).reshape(-1, 3)
         return (signs * self.size) @ self.turn.T + self.center
 
-    def moved(self, way):
-        return Block(self.name, np.asarray(self.center) + way, self.turn, self.size, self.elements)
+    def moved(self, shift):
+        return Block(self.name, np.asarray(self.center) + shift, self.turn, self.size, self.elements)
 
 
 def depth(a, b):
-    """How deep two boxes stand in each other: the shortest way that parts them, negative if they are apart (separating axes:
-    normals of faces and cross products of edges)."""
+    """The overlap of two boxes: the shortest distance that separates them, negative if they are apart (separating axes: normals
+    of faces and cross products of edges)."""
     axes = [*a.turn.T, *b.turn.T] + [np.cross(p, q) for p in a.turn.T for q in b.turn.T]
     corners_a, corners_b = a.corners(), b.corners()
     depths = []
@@ -55,15 +55,15 @@ def depth(a, b):
     return min(depths)
 
 
-def lifted(low, high, wanted_depth):
-    """`high` moved along z until it stands `wanted_depth` deep in `low` (negative: so far apart)."""
+def lifted(low, high, target_depth):
+    """`high` moved along z until its overlap with `low` is `target_depth`; a negative value is a gap."""
     down, up = -10.0, 10.0  # deeper at `down`
     up_block = high.moved((0, 0, up))
-    assert depth(low, up_block) < wanted_depth
+    assert depth(low, up_block) < target_depth
     down = -high.center[2] + low.center[2]
     for _ in range(80):
         middle = 0.5 * (down + up)
-        if depth(low, high.moved((0, 0, middle))) > wanted_depth:
+        if depth(low, high.moved((0, 0, middle))) > target_depth:
             down = middle
         else:
             up = middle
@@ -75,23 +75,23 @@ def mesh_of(*blocks):
 
 
 def energy_change(history):
-    """By row of a history with every step: energy at the half step before it, less the work from outside up to there, over the
-    largest kinetic + internal energy; 0 at the first full step."""
+    """For each row of a history of all steps: the change since the first full step of the energy at the half step before it, less
+    the external work up to there, over the largest kinetic + internal energy."""
     energy = history["total_energy"][1:] - history["external_work"][:-1]
     peak = np.max(history["kinetic_energy"] + history["internal_energy"])
     return np.concatenate([[0.0], (energy - energy[0]) / peak])
 
 
 def largest_jump(history):
-    """(largest change of that within a step, its step)."""
+    """(largest change of energy_change within a step, its step)."""
     jumps = np.abs(np.diff(energy_change(history)))
     return jumps.max(), int(history["step"][1 + jumps.argmax()])
 
 
 def check_stop(lab, run, words, name):
-    """The run ended with exit code 3, told why in `words`, and left readable results without NaN."""
-    told = all(word in run.message for word in words)
-    clean = run.code == 3 and told and not run.report["pass"] and all(
+    """Checks that the run ended with exit code 3 and a message that contains `words`, and left readable results without NaN."""
+    explained = all(word in run.message for word in words)
+    clean = run.code == 3 and explained and not run.report["pass"] and all(
         np.isfinite(column).all() for column in run.history.values())
     lab.check(run.code, 3, 0, name, error=0 if clean else 1)
     lab.note(f"{name.replace('_', ' ')}: exit code {run.code}, “{run.message}”")

@@ -1,11 +1,11 @@
-"""Two free blocks of random sizes and attitudes that run into each other askew."""
+"""Oblique impacts of two free blocks of random sizes and orientations."""
 import numpy as np
 from _hard import Block, lifted, mesh_of
 from framework.meshes import rotation
 
 
 def impact(lab, label, seed, deck, settings=None, speed=0.02, elements_per_length=(4, 4)):
-    """Runs `deck`, whose blocks are "low" and "high"; `speed` of "high" along -z, in units of the deck."""
+    """Runs `deck`, whose blocks are "low" and "high"; "high" has the `speed` along -z, in units of the deck."""
     random = np.random.default_rng(seed)
     low, high = (Block(name, (0, 0, 0), rotation(random.normal(size=3), random.uniform(0, np.pi)), size,
                        tuple(np.ceil(count * size).astype(int)))

@@ -1,7 +1,7 @@
-"""H1: Elements of aspect ratio 16 to 64, rods and plates. The step of a body of one such element is known in closed form: with
-G_i = 1/(2 l_i^2), omega^2 = (8/rho) lambda_max[(lambda + 2 mu delta_ij) sqrt(G_i G_j)], dt = 2/omega; for a rod it is .836 l_min/c_d,
-where volume over largest face would say 1 and blow up. At .99 of it a free body shaken in all its modes must keep its energy.
-Then two piles of such plates run into each other."""
+"""H1: Elements of aspect ratio 16 to 64, rods and plates. The stable step of a body of one such element has a closed form: with
+G_i = 1/(2 l_i^2), omega^2 = (8/rho) lambda_max[(lambda + 2 mu delta_ij) sqrt(G_i G_j)], dt = 2/omega. For a rod it is
+0.836 l_min/c_d, where volume over largest face gives the unstable value 1. At 0.99 of the bound a free body that vibrates in all its
+modes must keep its energy. Then two piles of such plates collide."""
 import numpy as np
 from framework.meshes import box
 
@@ -23,7 +23,7 @@ def critical_step(shape, poisson=0.3):
 
 def evaluate(lab):
     rows, steps, drifts = [], [], []
-    # Stretches and shears of all kinds: with hourglass modes at rest they do not leave this space on a box.
+    # A random gradient excites all stretches and shears; on a box they do not excite hourglass modes.
     gradient = 1e-4 * np.random.default_rng(1).normal(size=9)
     for name, shape in SHAPES.items():
         run = lab.run(name.replace(" ", "_"), {"initial.deformation[0].gradient": gradient},
@@ -36,12 +36,12 @@ def evaluate(lab):
         drifts.append(history["energy_error"][-1])
         rows.append([name, computed, exact, float(volume_over_face(shape)), history["energy_error"][-1],
                      history["kinetic_energy"].max() / history["total_energy"][1]])
-    # Rounding, and the deformation of 1e-4, by which stiff materials change.
+    # Rounding, and the deformation of 1e-4, which changes the stiffness by as much.
     lab.check(max(steps), 0, 1e-3)
-    # A stiffening by 1e-4 changes the energy by as much of it, once.
+    # A change of the stiffness by 1e-4 changes the energy by the same share, once.
     lab.check(max(drifts), 0, 1e-3, "energy_at_0.99")
     lab.table("One element; dt c_d/l_min of the program, exact, and by volume over largest face; energy error and largest kinetic "
-              "energy over that of the start, after 5000 steps at .99 of the bound:",
+              "energy over the initial energy, after 5000 steps at 0.99 of the bound:",
               ["shape", "program", "exact", "V/A_max", "energy error", "largest kinetic energy"], rows)
     plates(lab)
 
@@ -51,7 +51,7 @@ def volume_over_face(shape):
 
 
 def plates(lab):
-    """Two piles of 3 plates, one element thick, 16 or 64 times as wide, fly into each other with an offset."""
+    """Two piles of 3 plates, one element thick and 16 or 64 times as wide, collide with an offset."""
     rows = []
     for aspect in (16, 64):
         run = lab.run(f"piles_{aspect}", deck=lab.deck_path.with_name("h01_piles.toml"),

@@ -1,6 +1,7 @@
-"""H10: Two cubes of 4 x 4 x 4 elements with a gap of .001 to .09 elements, below the reach of the search (.1): candidates, but not
-in contact. At rest and parting there must be no force: no prestress, no adhesion. Closing it at .005 c, there must be no force in
-any step before the gap is closed, and one in the step in which it is. Faces, and edge over edge."""
+"""H10: Two cubes of 4 x 4 x 4 elements with a gap of 0.001 to 0.09 elements, less than the reach of the search (0.1): candidates, but
+not in contact. At rest and while they separate there must be no force: neither prestress nor adhesion. While the gap closes at
+0.005 c, there must be no force in any step before it is closed, and a force in the step in which it closes. The scenes are face to
+face and edge to edge."""
 import numpy as np
 from _hard import Block, energy_change, lifted, mesh_of, turned
 
@@ -34,7 +35,7 @@ def evaluate(lab):
             energies.append(np.abs(energy_change(history)).max())
             rows.append([name, gap, int(closed), int(first), history["kinetic_energy"][:max(first, 1)].min()
                          / history["kinetic_energy"][0], energies[-1]])
-    # Momenta and velocities of a free flight are rounded.
+    # The rounding of momenta and velocities of a free flight.
     lab.check(max(untouched), 0, 1e-14)
     lab.check(np.abs(late).max(), 0, 0, "steps_from_closing_to_force")
     lab.check(max(energies), 0, 5e-3, "energy_of_closing")

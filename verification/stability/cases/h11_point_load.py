@@ -1,7 +1,7 @@
-"""H11: A clamped block of 12 x 12 x 8 elements is pushed at one node by a tenth of an element: the worst load for elements
-of one point, which have twelve ways to give way without strain. The share of hourglass energy is reported, and the fields are
-compared with those of elements of 2x2x2 points: there must be no checkerboard, a displacement that alternates along the surface and
-does not fade away from the load, and away from it the shape of the dent must be the same."""
+"""H11: A clamped block of 12 x 12 x 8 elements is displaced at one node by a tenth of an element. This is the worst load for
+one-point elements, which have twelve zero-energy modes. The share of the hourglass energy is reported, and the fields are compared
+with those of elements of 2x2x2 points: there must be no checkerboard, a displacement that alternates along the surface and does not
+decay away from the load, and away from the load the shape of the dent must be the same."""
 import numpy as np
 from _hard import energy_change
 from framework.meshes import box
@@ -21,7 +21,7 @@ def pushed(lab, label, element, where):
 
 
 def top(run):
-    """u_z of the top [y][x]."""
+    """u_z of the top face [y][x]."""
     nodes = run.results.nodes
     order = np.lexsort((nodes[:, 0], nodes[:, 1]))
     order = order[nodes[order, 2] == SIZE[2]]
@@ -29,7 +29,7 @@ def top(run):
 
 
 def checkerboard(surface):
-    """What alternates from node to node along both directions, [cell]: (u00 - u10 - u01 + u11)/4."""
+    """The part that alternates from node to node along both directions [cell]: (u00 - u10 - u01 + u11)/4."""
     return (surface[:-1, :-1] - surface[1:, :-1] - surface[:-1, 1:] + surface[1:, 1:]) / 4
 
 
@@ -44,7 +44,7 @@ def evaluate(lab):
         x, y = np.meshgrid(*[np.arange(n + 1) for n in SIZE[:2]])
         away = np.hypot(x - where[0], y - where[1]) >= 3
         far, reference = surfaces["tlps"][away], surfaces["full"][away]
-        # The node gives way by a tenth of an element under forces that differ; what they do away from it is alike but for that.
+        # The node moves by a tenth of an element under forces that differ; away from it the fields differ by the ratio of these.
         force = (far @ reference) / (reference @ reference)
         shape = np.abs(far - force * reference).max() / np.abs(far).max()
         cells = np.hypot(x[:-1, :-1] + 0.5 - where[0], y[:-1, :-1] + 0.5 - where[1]) >= 3
@@ -53,16 +53,16 @@ def evaluate(lab):
                      np.abs(energy_change(runs["tlps"].history)).max()])
         profiles[name] = (surfaces, where)
     lab.check(max(row[6] for row in rows), max(row[7] for row in rows), 5e-3, error=max(row[6] - row[7] for row in rows))
-    # A load at one node is one of a width of h: at a distance r its field is known to (h/r)^2, r = 3 h.
+    # A load at one node has a width of h: at a distance of r = 3 h its field is determined to (h/r)^2.
     lab.check(max(row[5] for row in rows), 0, 1 / 9, "shape_away_from_the_load")
     lab.check(max(row[8] for row in rows), 0, 1e-3, "energy")
     lab.check(max(row[2] for row in rows), 0, 0.5, "hourglass_share")
-    lab.table("A node pushed .1 elements deep, against elements of 2x2x2 points:",
+    lab.table("A node displaced by 0.1 elements, compared with elements of 2x2x2 points:",
               ["where", "depth / h", "hourglass share", "stored energy, difference", "displacements 3 elements and more away, ratio",
                "their shape, difference", "checkerboard there / depth", "the same, 2x2x2 points", "energy error"], rows)
     lab.weak_spot(f"at a point load up to {100 * max(row[2] for row in rows):.0f} % of the stored energy is in hourglass modes, and the "
-                  f"block gives way more: it stores {100 * max(abs(row[3]) for row in rows):.0f} % less energy than with 2x2x2 points")
-    with lab.figure("Deflection of the top along the line through the load, over its depth") as axes:
+                  f"block is more compliant: it stores {100 * max(abs(row[3]) for row in rows):.0f} % less energy than with 2x2x2 points")
+    with lab.figure("Deflection of the top face along the line through the load") as axes:
         for name, (surfaces, where) in profiles.items():
             for element, line in (("tlps", "-"), ("full", ":")):
                 axes.plot(surfaces[element][where[1]], line, label=f"{name}, {element}")

@@ -1,12 +1,11 @@
-"""H12: Two free bricks of 2 x 1 x 1 spin side by side, a gap of .16 apart where their corners pass, with the search and contact
-on, for 100,000 steps. Central differences do not conserve the energy exactly
-in finite rotation, but something within O(dt^2) of it: its mean must not drift; momenta are exact; the bricks must not grow, and
-contact must do nothing."""
+"""H12: Two free bricks of 2 x 1 x 1 spin side by side for 100,000 steps, with a gap of 0.16 where their corners pass and with search
+and contact on. Central differences do not conserve the energy exactly in finite rotation, but conserve an energy within O(dt^2) of
+it: its mean must not drift. Momenta are exact, the bricks must not grow, and there must be no contact."""
 import numpy as np
 from framework.meshes import box, together
 
 NAME = "H12"
-TITLE = "spinning bricks, tips at .1 c, 100,000 steps"
+TITLE = "spinning bricks, tips at 0.1 c, 100,000 steps"
 DECK = "h12_spin.toml"
 SECONDS = 60
 
@@ -19,29 +18,29 @@ def evaluate(lab):
     energy = history["total_energy"][1:]
     window = len(energy) // 10
     drift = energy[-window:].mean() / energy[:window].mean() - 1
-    # The wobble does not average out over the two turns of a window of the short run.
+    # The oscillation does not average out over the two revolutions of a window of the short run.
     lab.check(1 + drift, 1, 1e-5 if lab.quick else 1e-6)
     lab.check(np.ptp(energy) / energy[0], 0, 2e-3, "energy_spread")
     angular = run.vector("angular_momentum")
     spin = 2 * 2 * (4 + 1) / 12 * 0.0894427
-    # Forces are rounded to 2^-54 of the largest: torques walk at random with the square root of elements and steps.
+    # Forces are rounded to 2^-54 of the largest: torques are random walks over elements and steps.
     lab.check(np.abs(angular - angular[0]).max() / spin, 0, 1e-12, "angular_momentum")
     lab.check(np.abs(run.vector("momentum")).max(), 0, 1e-13 * spin, "momentum")
     lab.check(history["ledger_residual"].max(), 0, 1e-12, "ledger")
     lab.check(history["contacts"].max(), 0, 0, "no_contact")
     lengths = np.array([length(run, step) for step in range(len(run.results.times))])
-    # Stretched by rotation: rho w^2 L^2/(12 E) and more at a time, 4 times that while it swings.
+    # The static extension by rotation is rho w^2 L^2/(12 E); the vibration multiplies it by up to 4.
     stretch = 0.0894427**2 * 4 / 12
     lab.check(lengths[1:].max() / 2 - 1, 0, 4 * stretch, "growth", error=abs(lengths[1:] / 2 - 1).max())
     turns = 0.0894427 * history["time"][-1] / (2 * np.pi)
-    lab.note(f"{turns:.0f} turns; the mean energy of the last tenth is that of the first {drift:+.2g}.")
-    with lab.figure("Energy by time, over its first value") as axes:
+    lab.note(f"{turns:.0f} revolutions; the mean energy of the last tenth differs from that of the first by {drift:+.2g}.")
+    with lab.figure("Relative change of the energy by time") as axes:
         axes.plot(history["time"][1:], energy / energy[0] - 1, linewidth=0.3)
         axes.set(xlabel="t c/width", ylabel="E/E_0 - 1")
 
 
 def length(run, step):
-    """Of the left brick, between the centres of its ends."""
+    """The length of the left brick between the centres of its ends."""
     results = run.results
     x = results.nodes + results.nodal("displacement", step)
     left = results.nodes_of_block(0)

@@ -1,13 +1,13 @@
-"""H15: Float against double. The program computes in doubles only; single precision is not offered. What floats would do to
-contact can be seen all the same: at 2^29 edge lengths from the origin, doubles have the spacing of floats near it (2^-23 for
-positions about 1). All coordinates are multiples of 2^-10, so the bodies are the same bit for bit. Elements see displacements only:
-a free block that swings must not differ by a bit. Contact sees positions X + u: an impact there and one at 2^10 edge
-lengths must follow that at the origin to rounding, penetrations being some 1e-3, and blocks at rest on each other must not chatter."""
+"""H15: Positions with the resolution of floats. The program computes in doubles only. The effect of floats on contact shows far from
+the origin: at 2^29 edge lengths, doubles have the spacing of floats near it (2^-23 for positions about 1). All coordinates are
+multiples of 2^-10, so the bodies are equal bit by bit. Elements depend on displacements only: a free vibrating block must not differ
+by a bit. Contact depends on positions X + u: an impact there and one at 2^10 edge lengths must equal that at the origin to rounding,
+with penetrations of about 1e-3, and blocks at rest on each other must not chatter."""
 import numpy as np
 from _hard import Block, energy_change, mesh_of
 
 NAME = "H15"
-TITLE = "float against double: positions as coarse as floats"
+TITLE = "positions with the resolution of floats"
 DECK = "h15_far_away.toml"
 SECONDS = 10
 PLACES = {"origin": 0.0, "2^10": 2.0**10, "2^29": 2.0**29}
@@ -30,7 +30,7 @@ def evaluate(lab):
     rows = []
     runs = {}
     for name, place in PLACES.items():
-        # Never in touch.
+        # Without contact.
         swing = at(lab, "swing", place, [0, 0, 0], 0.5, {"initial.deformation[0].gradient": gradient, "initial.deformation[0].center":
                                                         place * np.array([1.0, -1.0, 1.0]), "initial.deformation[0].block": "low"})
         impact = at(lab, "impact", place, [0.004, 0.002, -0.01], 2.0**-10)
@@ -42,11 +42,10 @@ def evaluate(lab):
                      rest.history["kinetic_energy"].max()])
     lab.check(rows[2][2], 0, 0)
     for row in rows[1:]:
-        # Penetrations of some 1e-3 are rounded to the spacing of positions; forces are proportional to them.
+        # Penetrations of about 1e-3 are rounded to the spacing of positions; forces are proportional to them.
         lab.check(row[3], 0, max(1e3 * row[1], 1e-12), f"impact_at_{row[0].replace('^', '_')}")
     lab.check(max(row[5] for row in rows), 0, 5e-3, "energy_of_impacts")
     lab.check(max(row[7] for row in rows), 0, 0, "rest_stays_rest")
-    lab.table("By distance from the origin, edge lengths; differences from the run at the origin over the largest displacement:",
-              ["place", "spacing of positions", "swinging block", "impact", "energy, final", "energy, largest", "most contacts",
+    lab.table("By distance from the origin in edge lengths; differences from the run at the origin over the largest displacement:",
+              ["place", "spacing of positions", "vibrating block", "impact", "energy, final", "energy, largest", "most contacts",
                "kinetic energy of blocks at rest"], rows)
-    lab.note("Single precision is not offered by the program.")
