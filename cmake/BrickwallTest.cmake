@@ -1,10 +1,16 @@
+# Builds the tests labelled "unit" and what they need: cmake --build build --target unit_tests.
+add_custom_target(unit_tests)
+
 # brickwall_add_test(NAME SOURCES... LIBRARIES ... RANKS 1 2 ... THREADS n TIMEOUT s LABELS ...): one GoogleTest executable and
-# its ctest entries (brickwall_run_test).
+# its ctest entries (brickwall_run_test). The label is "unit" unless another is given.
 function(brickwall_add_test name)
   cmake_parse_arguments(arg "" "THREADS;TIMEOUT" "SOURCES;LIBRARIES;RANKS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} brickwall_test_main)
   target_precompile_headers(${name} REUSE_FROM brickwall_test_main)
+  if(NOT arg_LABELS)
+    add_dependencies(unit_tests ${name})
+  endif()
   brickwall_run_test(
     ${name}
     RANKS ${arg_RANKS}
@@ -22,6 +28,9 @@ function(brickwall_run_test name)
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
+  endif()
+  if(NOT arg_LABELS)
+    set(arg_LABELS unit)
   endif()
   set(suffix "")
   if(arg_THREADS GREATER 1)
@@ -49,4 +58,4 @@ set(BRICKWALL_TEST_ENVIRONMENT
     "OMPI_MCA_btl_vader_single_copy_mechanism=none"
     "OMP_WAIT_POLICY=passive"
     "OMP_PROC_BIND=false"
-    "ASAN_OPTIONS=detect_leaks=0")
+    "LSAN_OPTIONS=leak_check_at_exit=0:print_suppressions=0:suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks_of_libraries.txt")

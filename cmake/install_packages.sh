@@ -2,7 +2,7 @@
 # Installs the Debian packages that Brickwall needs, and prints their names. Does nothing if all are installed; otherwise it needs
 # apt-get, and sudo if not run as root.
 #
-#   cmake/install_packages.sh [--check] [--with-format]
+#   cmake/install_packages.sh [--check] [--with-format] [--with-tidy]
 #
 # --check installs nothing and only prints the packages that are not installed. That may be right if the user provides the
 # dependencies (modules, Spack).
@@ -24,6 +24,7 @@ for option in "$@"; do
   case $option in
     --check) check_only=yes ;;
     --with-format) packages+=(clang-format) ;;
+    --with-tidy) packages+=(clang-tidy libomp-dev) ;;
     *) echo "setup: unknown argument $option" >&2; exit 2 ;;
   esac
 done
