@@ -173,7 +173,8 @@ elif [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $cores ]]; then
 fi
 export OMP_NUM_THREADS=$threads
 
-# Open MPI may run as root and with more ranks than cores, and prints nothing if the program ends with an exit code.
+# Open MPI may run as root and with more ranks than cores, and prints nothing if the program ends
+# with an exit code.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
 export OMPI_MCA_orte_execute_quiet=1

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds Kokkos (OpenMP + Serial), Zoltan and SEACAS Exodus with epu and exodiff from Debian's Trilinos source package, once,
-# into the cache (trilinos_source.sh). Prints the install prefix on standard output.
+# Builds Kokkos (OpenMP + Serial), Zoltan and SEACAS Exodus with epu and exodiff from Debian's
+# Trilinos source package, once, into the cache (trilinos_source.sh). Prints the install prefix on
+# standard output.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/trilinos_source.sh"
 

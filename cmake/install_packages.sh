@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that Brickwall needs, and prints their names. Does nothing if all are installed; otherwise it needs
-# apt-get, and sudo if not run as root.
+# Installs the Debian packages that Brickwall needs, and prints their names. Does nothing if all are
+# installed; otherwise it needs apt-get, and sudo if not run as root.
 #
 #   cmake/install_packages.sh [--check] [--with-format] [--with-tidy]
 #
-# --check installs nothing and only prints the packages that are not installed. That may be right if the user provides the
-# dependencies (modules, Spack).
+# --check installs nothing and only prints the packages that are not installed. That may be right if
+# the user provides the dependencies (modules, Spack).
 set -euo pipefail
 
 packages=(

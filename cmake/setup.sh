@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# Installs packages, builds the cached Trilinos, configures and builds one preset. Skips the parts that are done, and prints one
-# line for each part that it does; all other output goes to setup.log in the build folder.
+# Installs packages, builds the cached Trilinos, configures and builds one preset. Skips the parts
+# that are done, and prints one line for each part that it does; all other output goes to setup.log
+# in the build folder.
 #
 #   cmake/setup.sh [--preset NAME] [--target TARGET] [--with-format]
 #
 # The preset "default" is built in build/, any other in build-NAME/. TARGET defaults to all.
 #
-# The user may provide a Kokkos by Kokkos_ROOT, Kokkos_DIR or CMAKE_PREFIX_PATH in the environment, or by a build folder that
-# was configured without this script. Nothing is downloaded then, and packages are checked but not installed.
+# The user may provide a Kokkos by Kokkos_ROOT, Kokkos_DIR or CMAKE_PREFIX_PATH in the environment,
+# or by a build folder that was configured without this script. Nothing is downloaded then, and
+# packages are checked but not installed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -82,7 +84,8 @@ if [[ ! -e $build/build.ninja || ! -e $build/CMakeCache.txt || CMakePresets.json
   [[ -n $(cached Kokkos_DIR) ]] && echo "$dependencies" >"$build/setup.dependencies"
 fi
 
-# Writes the lines of a build to the log and shows its progress: in place on a terminal, otherwise as a line every ten seconds.
+# Writes the lines of a build to the log and shows its progress: in place on a terminal, otherwise
+# as a line every ten seconds.
 show_progress() {
   local line steps last=$SECONDS
   while IFS= read -r line; do

@@ -1,9 +1,9 @@
-# Builds parts of Debian's Trilinos source package, once, into a cache outside the source tree; sourced by build_trilinos.sh
-# and build_stk.sh.
+# Builds parts of Debian's Trilinos source package, once, into a cache outside the source tree;
+# sourced by build_trilinos.sh and build_stk.sh.
 #
-# The cache is ${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}. The name of a prefix contains a hash of the
-# options, the patch and the compiler's version: a change of these builds anew. JOBS (default: all cores) limits the number of
-# compilers that run at once.
+# The cache is ${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}. The name of a prefix
+# contains a hash of the options, the patch and the compiler's version: a change of these builds
+# anew. JOBS (default: all cores) limits the number of compilers that run at once.
 
 # Options that all parts share.
 trilinos_options=(
@@ -23,7 +23,8 @@ fail() {
   exit 1
 }
 
-# Downloads and unpacks the source package with a deb-src list made from the system's own sources, used only here.
+# Downloads and unpacks the source package with a deb-src list made from the system's own sources,
+# used only here.
 fetch_source() {
   {
     # One-line style entries (sources.list, *.list).
@@ -51,8 +52,8 @@ fetch_source() {
   (cd "$work" && apt-get -q "${apt_options[@]}" source --only-source trilinos)
 }
 
-# install_from_source NAME PARTS CMAKE_OPTIONS...: builds and installs PARTS (words for messages), unless the cache has them,
-# and prints the install prefix on standard output.
+# install_from_source NAME PARTS CMAKE_OPTIONS...: builds and installs PARTS (words for messages),
+# unless the cache has them, and prints the install prefix on standard output.
 install_from_source() {
   local name=$1 parts=$2 cache key prefix source_dir log work # fail and fetch_source read the last two
   shift 2

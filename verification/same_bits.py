@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """The same bits on any layout: `./run.sh --study same-bits`.
 
-Runs the default wall on all numbers of ranks and threads, with a search in every step and with kept lists, each twice, and
-compares every run with the first: all bits of mesh, times and variables of the joined Exodus file (also by exodiff at tolerance 0
-if it is installed), history.csv byte by byte, and the checksums in report.json of all nodes and of the contact history. Only the
-number of searches may differ where lists are kept. Prints a line for each run and writes a report; the exit code is 1 if any run
-differs.
+Runs the default wall on all numbers of ranks and threads, with a search in every step and with kept
+lists, each twice, and compares every run with the first: all bits of mesh, times and variables of
+the joined Exodus file (also by exodiff at tolerance 0 if it is installed), history.csv byte by
+byte, and the checksums in report.json of all nodes and of the contact history. Only the number of
+searches may differ where lists are kept. Prints a line for each run and writes a report; the exit
+code is 1 if any run differs.
 """
 import datetime
 import shutil
@@ -85,8 +86,8 @@ def find_exodiff(program):
 
 
 def run(program, arguments, layout):
-    """The end time lies beyond the last step, whose length is about 6 us. There are 80 outputs, and a row of history.csv about every
-    other step."""
+    """The end time lies beyond the last step, whose length is about 6 us. There are 80 outputs, and
+    a row of history.csv about every other step."""
     settings = {"time.end": 2e-5 * arguments.steps, "time.steps": arguments.steps,
                 "output.interval": 2.5e-7 * arguments.steps, "output.history_interval": 1e-5,
                 "search.reuse.margin": layout.margin, "limits.energy_error": 10.0}

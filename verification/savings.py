@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """The time that skipped work saves: `./run.sh --study savings`.
 
-The program skips work that a scene does not need (`skipped` in report.json). The study restores each part by its deck key, one at
-a time. The bits must be the same: history.csv, all Exodus fields, and the checksums of nodes and contacts. The times of the loop
-are medians of runs that take turns; the saving is 1 - (time with all parts skipped)/(time with the part restored)."""
+The program skips work that a scene does not need (`skipped` in report.json). The study restores
+each part by its deck key, one at a time. The bits must be the same: history.csv, all Exodus fields,
+and the checksums of nodes and contacts. The times of the loop are medians of runs that take turns;
+the saving is 1 - (time with all parts skipped)/(time with the part restored)."""
 import datetime
 import shutil
 import statistics
@@ -72,8 +73,8 @@ def share_of(run, key):
 
 
 def compare(program, arguments, number, scene):
-    """The rows of a scene's table, the number of parts that change bits, and one report. Runs take turns, so that load of the
-    machine affects all of them alike."""
+    """The rows of a scene's table, the number of parts that change bits, and one report. Runs take
+    turns, so that load of the machine affects all of them alike."""
     name, deck, settings, parts = scene
     ways = (("", {}),) + parts
     runs, first = {way: [] for way, _ in ways}, {}

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Cases with exact or published answers: `./run.sh --study verification` and `--study stability`.
 
-A case is a module in the folder cases/ of its study: a docstring that describes the comparison, NAME, TITLE, DECK (in decks/)
-and evaluate(lab), see framework/lab.py. Each case prints one line, `V7 PASS computed=... exact=... error=... threshold=...`, and
-its further checks below. The folder of -o contains report.md, plots/ and all runs.
+A case is a module in the folder cases/ of its study: a docstring that describes the comparison,
+NAME, TITLE, DECK (in decks/) and evaluate(lab), see framework/lab.py. Each case prints one line,
+`V7 PASS computed=... exact=... error=... threshold=...`, and its further checks below. The folder
+of -o contains report.md, plots/ and all runs.
 """
 import argparse
 import concurrent.futures
@@ -51,7 +52,8 @@ def load_case(path):
 
 
 def find_cases(folder):
-    """{name: file}, in the order of the file names. Files that begin with an underscore are helpers of several cases."""
+    """{name: file}, in the order of the file names. Files that begin with an underscore are helpers
+    of several cases."""
     sys.path.insert(0, str(folder / "cases"))
     files = sorted(path for path in (folder / "cases").glob("*.py") if not path.name.startswith("_"))
     return {load_case(path).NAME: path for path in files}

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Tests how runs end, on 1 and 3 ranks: exit codes, messages and files. Each run has a time limit, since none may hang.
+# Tests how runs end, on 1 and 3 ranks: exit codes, messages and files. Each run has a time limit,
+# since none may hang.
 #
 # Usage: endings.sh BRICKWALL MPIEXEC INPUTS_FOLDER
 set -euo pipefail
@@ -18,7 +19,8 @@ chmod +x "$limited"
 program=$brickwall
 output=$work/out
 
-# expect NAME CODE PATTERN RANKS arguments...: runs $program and checks the exit code and that its output matches the pattern.
+# expect NAME CODE PATTERN RANKS arguments...: runs $program and checks the exit code and that its
+# output matches the pattern.
 expect() {
   local name=$1 code=$2 pattern=$3 ranks=$4 found=0
   shift 4
@@ -32,8 +34,8 @@ expect() {
   fi
 }
 
-# The second brick is rotated by a quarter turn and crosses the first one at the same height: all nodes of each are outside the other
-# or on its sides.
+# The second brick is rotated by a quarter turn and crosses the first one at the same height: all
+# nodes of each are outside the other or on its sides.
 crossing=(--set 'wall.brick=[4,1,1]' --set 'wall.elements=[4,1,1]' --set 'initial.deformation[0].brick=[1,0,0]'
   --set 'initial.deformation[0].gradient=[-1,-1,0,1,-1,0,0,0,0]' --set 'initial.deformation[0].center=[4,-1.5,0]')
 # Steps much shorter than the stable ones make contact stiff.

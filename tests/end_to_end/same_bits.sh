@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Runs a deck on several numbers of ranks and threads and compares the files with those of one rank: Exodus files are joined by
-# epu and compared by exodiff at tolerance 0, history.csv byte by byte. A layout "3x1+MARGIN" sets a margin: the column `searches`
-# must show that lists were kept and rebuilt, and all other columns must be equal.
+# Runs a deck on several numbers of ranks and threads and compares the files with those of one rank:
+# Exodus files are joined by epu and compared by exodiff at tolerance 0, history.csv byte by byte. A
+# layout "3x1+MARGIN" sets a margin: the column `searches` must show that lists were kept and
+# rebuilt, and all other columns must be equal.
 #
-# Usage: same_bits.sh BRICKWALL MPIEXEC EPU EXODIFF DECK STEPS "RANKSxTHREADS[+MARGIN] ..." [program options]
+# Usage: same_bits.sh BRICKWALL MPIEXEC EPU EXODIFF DECK STEPS "RANKSxTHREADS[+MARGIN] ..." [program
+# options]
 set -euo pipefail
 brickwall=$1 mpiexec=$2 epu=$3 exodiff=$4 deck=$5 steps=$6 layouts=$7
 shift 7

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""check_study.py FOLDER: checks the files that the study of study_test.sh writes: W(2), 2 repetitions, methods paper and
-reference, 1 and 2 ranks."""
+"""check_study.py FOLDER: checks the files that the study of study_test.sh writes: W(2), 2
+repetitions, methods paper and reference, 1 and 2 ranks."""
 import csv
 import json
 import struct
@@ -39,7 +39,8 @@ for row in rows:
     check((int(row["ghost_faces"]) > 0) == (row["ranks"] == "2"), f"ghosts of {who}")
     check(float(row["timer_node_boxes_mean_ms"]) > 0, f"node boxes of {who}")
     check(bool(row["timer_search_2_cpu_mean_ms"]) == (row["timing"] == "paper"), f"CPU time of timers of {who}")
-# The reference tests all pairs of 37,000 nodes and 17,400 faces; a tree tests a few dozen faces a node.
+# The reference tests all pairs of 37,000 nodes and 17,400 faces; a tree tests a few dozen faces a
+# node.
 slowest = {method: min(float(row["search_median_ms"]) for row in rows if row["method"] == method)
            for method in ("paper", "reference")}
 check(slowest["reference"] > 5 * slowest["paper"], f"all pairs are no slower than a tree: {slowest}")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# run_sh_test.sh RUN_SH PROGRAM INPUTS: tests the arguments, files, last lines and exit codes of run.sh.
+# run_sh_test.sh RUN_SH PROGRAM INPUTS: tests the arguments, files, last lines and exit codes of
+# run.sh.
 set -euo pipefail
 run_sh=$1 program=$2 inputs=$3
 work=$(mktemp -d)
@@ -73,7 +74,8 @@ if [[ $join != *"'epu'"* ]]; then
   [[ -s killed/one_brick.exo ]] || fail "the printed command makes no joined file"
 fi
 
-# Studies: an unknown name is refused with the list of names, decks are refused, each study has its own help.
+# Studies: an unknown name is refused with the list of names, decks are refused, each study has its
+# own help.
 expect 2 --study papers
 grep -q 'unknown study "papers"; known studies: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
 expect 2 --study

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# study_test.sh RUN_SH PROGRAM CHECK: runs a tiny study of the paper's figures. Checks the contents of its files, that a second
-# call reuses finished runs, and that a failing program is reported while the study continues.
+# study_test.sh RUN_SH PROGRAM CHECK: runs a tiny study of the paper's figures. Checks the contents
+# of its files, that a second call reuses finished runs, and that a failing program is reported
+# while the study continues.
 set -euo pipefail
 run_sh=$1 program=$2 check=$3
 work=$(mktemp -d)
@@ -32,7 +33,8 @@ grep -q 'reused' log && fail "runs with other options are reused"
 study --program "$program" --methods paper -n 1 -t 1 -o small --memory 0.03 && fail "a study without a run passes"
 grep -q 'left out paper, W(2), 1 rank: needs about' log || fail "a case that needs too much memory is not reported"
 
-# A program that knows one method and fails in some runs: the study continues, reports the failures, and fails.
+# A program that knows one method and fails in some runs: the study continues, reports the failures,
+# and fails.
 mkdir -p fake/miniapp
 cat >fake/miniapp/brickwall <<SCRIPT
 #!/bin/bash

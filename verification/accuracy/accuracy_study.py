@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Speed against error: `./run.sh --study accuracy`.
 
-Runs a wall under smooth pulses and cases with exact answers over mesh size, time step, penalty, element, contact scheme,
-edges and margin of the search, and writes report.md and plots. A second call in the same folder reuses the finished runs of the
-same program. The exit code is 1 if a run fails, or if kept lists change a bit or miss a pair.
+Runs a wall under smooth pulses and cases with exact answers over mesh size, time step, penalty,
+element, contact scheme, edges and margin of the search, and writes report.md and plots. A second
+call in the same folder reuses the finished runs of the same program. The exit code is 1 if a run
+fails, or if kept lists change a bit or miss a pair.
 """
 import datetime
 import shutil

@@ -32,7 +32,8 @@ def targets(result):
 
 
 def loss_rows(result):
-    """For each error that is reached: the cheapest setting, and the cost of the default relative to it."""
+    """For each error that is reached: the cheapest setting, and the cost of the default relative to
+    it."""
     rows, points = [], known_points(result)
     for error in (error for error in targets(result) if cheapest(points, error, SECONDS)):
         row = [result.scene.name if not rows else "", percent(error)]
@@ -73,7 +74,8 @@ def one_digit(result):
 
 
 def reuse_rows(result):
-    """For each mesh: the time with kept lists over that with a search in every step, and whether the bits are the same."""
+    """For each mesh: the time with kept lists over that with a search in every step, and whether
+    the bits are the same."""
     found = {(point.setting, point.mesh): point for point in result.points}
     rows = []
     for mesh in result.scene.sizes:

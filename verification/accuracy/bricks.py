@@ -11,7 +11,8 @@ def bodies_of(results, density=1.0):
 
 
 def means_of_bodies(results, name, step=-1, parts=None):
-    """Mass-weighted means of a nodal vector over each body [body][xyz]; for "displacement", those of the centres of mass."""
+    """Mass-weighted means of a nodal vector over each body [body][xyz]; for "displacement", those
+    of the centres of mass."""
     members, masses = parts or bodies_of(results)
     values = results.nodal(name, step)
     return np.array([mass @ values[nodes] / mass.sum() for nodes, mass in zip(members, masses)])

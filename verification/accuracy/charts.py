@@ -1,4 +1,5 @@
-"""Error against cost, log-log, with one colour for each group of settings and the Pareto front as circles joined by a line."""
+"""Error against cost, log-log, with one colour for each group of settings and the Pareto front as
+circles joined by a line."""
 from framework.figures import COLOURS, EXACT, new_figure, save
 from front import by_setting, front
 

@@ -1,5 +1,6 @@
-"""The gain of the path for congruent bricks: the same wall from a mesh file, unchanged and with an inner node of each brick shifted
-by 1e-10 of an edge. The program takes the general path for the latter, and the motion is the same to about that accuracy."""
+"""The gain of the path for congruent bricks: the same wall from a mesh file, unchanged and with an
+inner node of each brick shifted by 1e-10 of an edge. The program takes the general path for the
+latter, and the motion is the same to about that accuracy."""
 import re
 import statistics
 
@@ -59,8 +60,9 @@ def shift_inner_nodes(path, distance):
 
 
 def compare(bench, count):
-    """The general path relative to the congruent one: {"elements": ratio of the times of the elements' forces, "loop": that of the
-    whole loop, "difference": that of the displacements, over their size}."""
+    """The general path relative to the congruent one: {"elements": ratio of the times of the
+    elements' forces, "loop": that of the whole loop, "difference": that of the displacements, over
+    their size}."""
     congruent, general = (MeshedWall(f"wall, {name}", bench, count, shift).measure(bench)
                           for name, shift in (("congruent", 0), ("general", SHIFT)))
     first, second = (np.array(record["observed"]["displacement"]) for record in (congruent, general))

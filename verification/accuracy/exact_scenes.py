@@ -1,4 +1,5 @@
-"""Scenes with exact or converged answers: the cases V1s, V2, V7, V13 of the verification, over settings."""
+"""Scenes with exact or converged answers: the cases V1s, V2, V7, V13 of the verification, over
+settings."""
 import sys
 
 import numpy as np

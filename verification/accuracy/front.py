@@ -3,8 +3,8 @@ import numpy as np
 
 
 def settled(points):
-    """The points whose error no finer mesh of the same setting exceeds. Other errors are accidentally small, since they cross
-    zero."""
+    """The points whose error no finer mesh of the same setting exceeds. Other errors are
+    accidentally small, since they cross zero."""
     kept = []
     for series in by_setting(points).values():
         largest = 0
@@ -25,8 +25,9 @@ def front(points, cost):
 
 
 def cost_at(series, error, cost):
-    """The cost of a setting at an error, by linear interpolation of the logarithms along its meshes. None if it is not reached.
-    Since errors may cross zero, the most expensive mesh above the error decides."""
+    """The cost of a setting at an error, by linear interpolation of the logarithms along its
+    meshes. None if it is not reached. Since errors may cross zero, the most expensive mesh above
+    the error decides."""
     series = sorted(series, key=cost)
     above = [i for i, point in enumerate(series) if point.error > error]
     if not above:

@@ -1,4 +1,5 @@
-"""Timed and evaluated runs. A call in the same folder reuses finished runs of the same program, deck, settings and evaluation."""
+"""Timed and evaluated runs. A call in the same folder reuses finished runs of the same program,
+deck, settings and evaluation."""
 import hashlib
 import inspect
 import json
@@ -12,8 +13,8 @@ import bricks
 import numpy as np
 from framework.program import ProgramError
 
-# The keys that the study changes, one or several at a time. Each run sets all of them, so that a deck's own value does not replace
-# the program's default.
+# The keys that the study changes, one or several at a time. Each run sets all of them, so that a
+# deck's own value does not replace the program's default.
 KEYS = ("time.safety", "contact.penalty", "contact.scheme", "contact.edges", "element.formulation", "search.reuse.margin")
 PHYSICS = 3  # exit code of a run that failed physically or exceeded a limit, which is a result
 FIELDS = ("displacement", "velocity", "force_contact", "contact_status", "contact_gap")
@@ -82,7 +83,8 @@ class Bench:
         return record
 
     def record(self, scene, mesh, label, changes, repetitions=None, threads=None, observe=None):
-        """The result of `observe` (by default that of the scene) for a run, its cost, and the digest of its history."""
+        """The result of `observe` (by default that of the scene) for a run, its cost, and the
+        digest of its history."""
         observe = observe or scene.observe
         settings = {**self.defaults, **scene.settings(mesh), **changes}
         repetitions, threads = repetitions or self.repetitions, threads or self.program.threads
@@ -137,8 +139,8 @@ def finished(folder, key):
 
 
 def course(run):
-    """A digest of all bits of the history and of the fields at all output times, without the number of searches, which depends on
-    kept lists."""
+    """A digest of all bits of the history and of the fields at all output times, without the number
+    of searches, which depends on kept lists."""
     digest = hashlib.sha256()
     for name, column in run.history.items():
         if name != "searches":

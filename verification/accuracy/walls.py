@@ -1,13 +1,13 @@
-"""The wall under smooth pulses: errors of the bricks' motion relative to an extrapolated reference, and the time up to which the
-wall is predictable."""
+"""The wall under smooth pulses: errors of the bricks' motion relative to an extrapolated reference,
+and the time up to which the wall is predictable."""
 import numpy as np
 from bricks import at_times, bodies_of, means_of_bodies
 from framework import machine
 from scene import COMBINED, DEFAULT, FEW, FULL, HERE, NO_EDGES, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene, counts_of
 
 DENSITY, HEIGHT, PEAK = 2000.0, 0.1, 4.0e6  # of decks/wall.toml
-# The reference has short steps and stiff contact, since the compliance of the joints is the larger part of the error. Kept lists
-# change no bit.
+# The reference has short steps and stiff contact, since the compliance of the joints is the larger
+# part of the error. Kept lists change no bit.
 REFERENCE = {"contact.penalty": 0.75, "time.safety": 0.5, "search.reuse.margin": 0.25}
 
 
@@ -93,8 +93,8 @@ class PushedWall(Wall):
 
 
 class Reference:
-    """A reference from three meshes at ratio 2: Richardson's extrapolation with the observed order if that is near 1, otherwise the
-    finest mesh, with the last difference as its uncertainty."""
+    """A reference from three meshes at ratio 2: Richardson's extrapolation with the observed order
+    if that is near 1, otherwise the finest mesh, with the last difference as its uncertainty."""
 
     def __init__(self, values):
         coarse, middle, fine = values
@@ -106,8 +106,9 @@ class Reference:
 
 
 def predictability(wall, bench, quick):
-    """The growth of a relative change of 1e-12 in the peak of the push, beside the error: {times, change, error, t*}. The error is
-    the difference to the mesh of twice the element length. t* is None if the change stays below a tenth of it."""
+    """The growth of a relative change of 1e-12 in the peak of the push, beside the error: {times,
+    change, error, t*}. The error is the difference to the mesh of twice the element length. t* is
+    None if the change stays below a tenth of it."""
     fine, coarse, end = (mesh_name(4), mesh_name(2), 4e-3) if quick else (mesh_name(8), mesh_name(4), 40e-3)
     times = np.linspace(0, end, 101)
     long = {"time.end": end, "output.interval": end / 100, "output.history_interval": end / 100}
@@ -123,7 +124,8 @@ def predictability(wall, bench, quick):
 
 
 def audit(wall, bench):
-    """{margin of kept lists: pairs that the lists missed}, compared with all pairs in every tenth step."""
+    """{margin of kept lists: pairs that the lists missed}, compared with all pairs in every tenth
+    step."""
     mesh = mesh_name(4 if wall.quick else 8)
     missed = {}
     for variant in (DEFAULT, *REUSE):

@@ -6,8 +6,8 @@ from framework.meshes import bodies, nodal_masses
 
 
 def histories(results, density=1.0):
-    """times [step]; force [bar][step] of its neighbours along x; velocity [bar][step] of its centre of mass; mass [bar].
-    `density` is one number or one per element."""
+    """times [step]; force [bar][step] of its neighbours along x; velocity [bar][step] of its centre
+    of mass; mass [bar]. `density` is one number or one per element."""
     bars = bodies(len(results.nodes), results.hexes)
     masses = nodal_masses(results.nodes, results.hexes, density)
     steps = range(len(results.times))
@@ -26,8 +26,8 @@ def last_time(times, pressed):
 
 
 def mean_between(times, values, begin, end):
-    """The mean over steps of equal length with begin < t < end, under a Hann window: contact oscillates from step to step, and a
-    plain mean would keep a part of the last oscillation."""
+    """The mean over steps of equal length with begin < t < end, under a Hann window: contact
+    oscillates from step to step, and a plain mean would keep a part of the last oscillation."""
     inside = values[(times > begin) & (times < end)]
     return np.average(inside, weights=np.hanning(len(inside) + 2)[1:-1])
 

@@ -1,6 +1,7 @@
-"""V1: A pressure step p acts on the end of a bar (nu = 0, linear material, c = 1). Its front travels into the bar: sigma_xx = -p
-for x < t, otherwise 0. Central differences with dt = h are exact; with dt < h the front is smeared over a width that shrinks more
-slowly than h, so the mean error (L1, over p and the length) falls with order 1/2."""
+"""V1: A pressure step p acts on the end of a bar (nu = 0, linear material, c = 1). Its front
+travels into the bar: sigma_xx = -p for x < t, otherwise 0. Central differences with dt = h are
+exact; with dt < h the front is smeared over a width that shrinks more slowly than h, so the mean
+error (L1, over p and the length) falls with order 1/2."""
 import numpy as np
 from framework.figures import EXACT
 
@@ -33,7 +34,8 @@ def evaluate(lab):
         if not lab.quick:  # two independent codes have these errors at N = 50 and 400; a margin of a tenth
             lab.check(errors[0], 0, 1.1 * coarse, f"t{end:g}_n50", error=errors[0])
             lab.check(errors[-1], 0, 1.1 * fine, f"t{end:g}_n400", error=errors[-1])
-        # The position of the front within an element changes the error by up to an eighth of 1/N, a tenth of the error.
+        # The position of the front within an element changes the error by up to an eighth of 1/N, a
+        # tenth of the error.
         lab.check_order([1 / n for n in meshes], errors, least=0.35, exact=0.5, name=f"t{end:g}_order")
 
     with lab.figure("Stress at t = 0.5, at 0.9 of the stable step") as axes:

@@ -1,6 +1,7 @@
-"""V1s: A smooth pressure pulse p sin^2(pi t/0.3) on the end of a bar (nu = 0, linear material, c = 1) travels through it
-unchanged: sigma_xx(x, t) = -p sin^2(pi (t - x)/0.3) where 0 < t - x < 0.3, otherwise 0. Elements and central differences are of
-second order. The error is the root mean square over that of the exact stress."""
+"""V1s: A smooth pressure pulse p sin^2(pi t/0.3) on the end of a bar (nu = 0, linear material, c =
+1) travels through it unchanged: sigma_xx(x, t) = -p sin^2(pi (t - x)/0.3) where 0 < t - x < 0.3,
+otherwise 0. Elements and central differences are of second order. The error is the root mean square
+over that of the exact stress."""
 import numpy as np
 from framework.figures import EXACT, draw_slope
 

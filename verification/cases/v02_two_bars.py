@@ -1,6 +1,7 @@
-"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c v0 A until the waves return
-from the free ends at T = 2 L/c; then the bars separate with exchanged velocities and without vibration. The penalty acts as a
-spring between the bars with the compliance of a part of an element, so T is too long by O(h)."""
+"""V2: Two equal bars (L = c = rho = 1, nu = 0) meet at +v0 and -v0. The contact force is F = rho c
+v0 A until the waves return from the free ends at T = 2 L/c; then the bars separate with exchanged
+velocities and without vibration. The penalty acts as a spring between the bars with the compliance
+of a part of an element, so T is too long by O(h)."""
 import numpy as np
 from _bars import histories, last_time, mean_between
 from framework.figures import EXACT, draw_slope
@@ -8,8 +9,8 @@ from framework.figures import EXACT, draw_slope
 NAME = "V2"
 TITLE = "impact of two equal bars"
 DECK = "v02_two_bars.toml"
-# Relative errors of T of another code at the same settings, with a margin of a tenth; half a step is added, since T is the time
-# of a step.
+# Relative errors of T of another code at the same settings, with a margin of a tenth; half a step
+# is added, since T is the time of a step.
 DURATION_ERRORS = {20: 0.064, 40: 0.039, 80: 0.02, 160: 0.011}
 
 
@@ -29,7 +30,8 @@ def evaluate(lab):
     lab.check(durations[finest], exact_time, allowed[finest])
     for n in meshes[:-1]:
         lab.check(durations[n], exact_time, allowed[n], f"duration_n{n}")
-    # The order is 1 for the spring of the penalty and 2/3 for the smeared front that ends the contact; T is known to one step.
+    # The order is 1 for the spring of the penalty and 2/3 for the smeared front that ends the
+    # contact; T is known to one step.
     lab.check_order([1 / n for n in meshes], list(errors.values()), least=0.6, exact=1, name="duration_order")
     for n in (n for n in meshes if n >= 80):
         lab.check(plateaus[n], exact_force, 1e-3, f"force_n{n}")
@@ -37,7 +39,8 @@ def evaluate(lab):
         lab.check(impacts[n].velocity[0, -1], -v0, 0.02, f"swap_n{n}")
     last_rows = {n: {name: column[-1] for name, column in run.history.items()} for n, run in runs.items()}
     lab.check(last_rows[meshes[0]]["energy_error"], 0, 0.013, f"energy_n{meshes[0]}")
-    # Contact forces are integers of equal size and opposite sign: the momentum has the rounding error of the kicks only.
+    # Contact forces are integers of equal size and opposite sign: the momentum has the rounding
+    # error of the kicks only.
     momentum = max(abs(run.history["momentum_x"]).max() for run in runs.values())
     lab.check(momentum, 0, 1e-13 * v0 * area, "momentum")
     lab.check(max(row["ledger_residual"] for row in last_rows.values()), 0, 1e-12, "ledger")

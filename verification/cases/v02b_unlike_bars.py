@@ -1,7 +1,8 @@
-"""V2b: A bar with velocity v hits a bar at rest (c = rho = 1, nu = 0). With lengths L1 = 1/2 and L2 = 1 and equal materials, the
-contact lasts T = 2 L1/c; then the short bar rests and the long one leaves with v L1/L2, so the restitution is e = L1/L2 and the
-remaining energy is vibration. With impedances Z = rho c of 1 and 2 (E2 = 4 E1), the stress is Z1 Z2 v/(Z1 + Z2) until the first
-wave returns."""
+"""V2b: A bar with velocity v hits a bar at rest (c = rho = 1, nu = 0). With lengths L1 = 1/2 and L2
+= 1 and equal materials, the contact lasts T = 2 L1/c; then the short bar rests and the long one
+leaves with v L1/L2, so the restitution is e = L1/L2 and the remaining energy is vibration. With
+impedances Z = rho c of 1 and 2 (E2 = 4 E1), the stress is Z1 Z2 v/(Z1 + Z2) until the first wave
+returns."""
 import numpy as np
 from _bars import crossings, histories, mean_between
 from framework.figures import EXACT
@@ -24,7 +25,8 @@ def evaluate(lab):
     v = lab.deck["initial"]["velocity"][0]["velocity"][0]
     meshes = (20, 40, 80) if lab.quick else (20, 40, 80, 160)  # elements in the short bar
     lengths = {n: histories(lab.run(f"length_n{n}", mesh=two_bars(0.5, n, 1.0, 2 * n)).results) for n in meshes}
-    # Waves of equal amplitude run into both bars, so the plateau is that of two bars at half the velocity each.
+    # Waves of equal amplitude run into both bars, so the plateau is that of two bars at half the
+    # velocity each.
     half_plateau, exact_time = 0.25 * v * AREA, 1.0
     durations = {n: np.ptp(crossings(bars.times, bars.force[1], half_plateau)) for n, bars in lengths.items()}
     after = {n: bars.velocity[:, -1] / v for n, bars in lengths.items()}

@@ -1,6 +1,7 @@
-"""V3: A bar with velocity v0 hits the first of two equal bars (L = c = rho = 1, nu = 0) that rest end to end. The compression
-front of velocity v0/2 passes the middle bar, followed by the relief wave from the free end of the first. So the first bar stops at
-2 L/c, and the last leaves with v0 and without vibration at 3 L/c, when its own relief wave returns."""
+"""V3: A bar with velocity v0 hits the first of two equal bars (L = c = rho = 1, nu = 0) that rest
+end to end. The compression front of velocity v0/2 passes the middle bar, followed by the relief
+wave from the free end of the first. So the first bar stops at 2 L/c, and the last leaves with v0
+and without vibration at 3 L/c, when its own relief wave returns."""
 import numpy as np
 from _bars import crossings, histories
 from framework.figures import EXACT

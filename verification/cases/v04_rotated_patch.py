@@ -1,5 +1,6 @@
-"""V4: A rigid rotation of a block of distorted hexahedra by 2.1 rad gives no force and no stress. After a uniform deformation F and
-a rotation R, the stress is R sigma(F) R^T and the forces are R f(F). The linear material is not objective and is left out."""
+"""V4: A rigid rotation of a block of distorted hexahedra by 2.1 rad gives no force and no stress.
+After a uniform deformation F and a rotation R, the stress is R sigma(F) R^T and the forces are R
+f(F). The linear material is not objective and is left out."""
 import numpy as np
 from _patch import VARIANTS, cauchy_stress, distorted_block, start_forces, settings_of
 from framework.meshes import rotation

@@ -1,5 +1,5 @@
-"""V5: The patch test: a block of distorted hexahedra under a uniform deformation gradient. Every element has the stress of the
-closed form; interior nodes have no force."""
+"""V5: The patch test: a block of distorted hexahedra under a uniform deformation gradient. Every
+element has the stress of the closed form; interior nodes have no force."""
 import numpy as np
 from _patch import VARIANTS, cauchy_stress, distorted_block, start_forces, settings_of
 from framework.exodus import HEX_SIDES

@@ -1,6 +1,7 @@
-"""V6: The contact patch test: two unit cubes at rest, the lower one on rollers, the upper one under a uniform pressure p. The exact
-stress is sigma_zz = -p everywhere, which matching meshes reproduce. With 3:4 (6:8, 9:12) elements at the joint, node-to-face
-contact transfers the pressure at nodes, so the stress next to the joint is not uniform; refinement does not help."""
+"""V6: The contact patch test: two unit cubes at rest, the lower one on rollers, the upper one under
+a uniform pressure p. The exact stress is sigma_zz = -p everywhere, which matching meshes reproduce.
+With 3:4 (6:8, 9:12) elements at the joint, node-to-face contact transfers the pressure at nodes, so
+the stress next to the joint is not uniform; refinement does not help."""
 import numpy as np
 from framework.meshes import box, together
 
@@ -14,7 +15,8 @@ def two_cubes(lower, upper):
 
 
 def press(lab, lower, upper, settings=None):
-    """(heights of the elements, errors of their stress over p, largest final speed over p/(rho c))."""
+    """(heights of the elements, errors of their stress over p, largest final speed over p/(rho
+    c))."""
     results = lab.run(f"{lower}to{upper}{'_nu0' if settings else ''}", settings, mesh=two_cubes(lower, upper)).results
     pressure = lab.deck["load"]["pressure"][0]["peak"]
     return (results.centroids()[:, 2], results.element("stress_zz") / pressure + 1,
@@ -30,7 +32,8 @@ def evaluate(lab):
     worst = max(largest[pair] for pair in pairs[1:])
     lab.check(worst, 0, 0.06)
     lab.check(np.abs(straight[1]).max(), 0, 1e-9, "matching_nu_0")  # the motion that remains after damping
-    # While the blocks oscillate, contacts transfer between faces that differ by the strain p/E; offsets of that order remain.
+    # While the blocks oscillate, contacts transfer between faces that differ by the strain p/E;
+    # offsets of that order remain.
     lab.check(largest[pairs[0]], 0, lab.deck["load"]["pressure"][0]["peak"], "matching")
     lab.check(max(speed for _, _, speed in pressed.values()), 0, 1e-4, "at_rest")
     lab.table("Error of sigma_zz over p:", ["elements, lower : upper", "largest", "root mean square", "final speed"],

@@ -1,7 +1,8 @@
-"""V7: A cantilever of 10 x 1 x 1 (E = rho = 1, nu = 0.3), clamped at one end, starts with a rotation about the clamp and vibrates.
-The angular frequency of its first bending mode is 0.010114 in converged three-dimensional elasticity (0.010150 for the
-Euler-Bernoulli beam, which has neither shear deformation nor a clamped cross-section). Elements that lock in bending are far too
-stiff with one element through the depth."""
+"""V7: A cantilever of 10 x 1 x 1 (E = rho = 1, nu = 0.3), clamped at one end, starts with a
+rotation about the clamp and vibrates. The angular frequency of its first bending mode is 0.010114
+in converged three-dimensional elasticity (0.010150 for the Euler-Bernoulli beam, which has neither
+shear deformation nor a clamped cross-section). Elements that lock in bending are far too stiff with
+one element through the depth."""
 import numpy as np
 from framework.figures import draw_slope
 from framework.meshes import box

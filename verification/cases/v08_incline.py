@@ -1,8 +1,9 @@
-"""V8: A block on a plane inclined by theta = 20 degrees, tan(theta) = 0.364. With mu < tan(theta) it slides with the acceleration
-g (sin theta - mu cos theta), once the oscillation from the sudden weight has decayed; friction dissipates mu N times the distance.
-With mu = 0.4 it comes to rest and creeps no further. With mu so large that the sudden weight does not make it slip, its lower face
-has moved by the extension of the tangential springs: these are as stiff as the normal ones, whose penetration is P, so
-T/k_t = tan(theta) P."""
+"""V8: A block on a plane inclined by theta = 20 degrees, tan(theta) = 0.364. With mu < tan(theta)
+it slides with the acceleration g (sin theta - mu cos theta), once the oscillation from the sudden
+weight has decayed; friction dissipates mu N times the distance. With mu = 0.4 it comes to rest and
+creeps no further. With mu so large that the sudden weight does not make it slip, its lower face has
+moved by the extension of the tangential springs: these are as stiff as the normal ones, whose
+penetration is P, so T/k_t = tan(theta) P."""
 import numpy as np
 from framework.figures import EXACT
 from framework.meshes import box, nodal_masses, rotation, together
@@ -22,7 +23,8 @@ def incline():
 
 
 class Motion:
-    """Motion of the block's centre of mass down the slope by time, and of its lower face at the end."""
+    """Motion of the block's centre of mass down the slope by time, and of its lower face at the
+    end."""
 
     def __init__(self, run):
         results = run.results

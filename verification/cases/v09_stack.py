@@ -1,7 +1,9 @@
-"""V9: Five blocks stand on each other under their weight and come to rest by damping. Joint i carries the weight above it,
-(5 - i) m g, whatever the stress in the blocks is. Exact frictionless blocks do not move sideways. But the weight bends their faces
-with the curvature nu rho g/E, and a node above the corner of four faces is in contact with one of them, chosen by number, whose
-normal is inclined by the curvature times half an element. A sideways force of that share of the weight is expected, and creep."""
+"""V9: Five blocks stand on each other under their weight and come to rest by damping. Joint i
+carries the weight above it, (5 - i) m g, whatever the stress in the blocks is. Exact frictionless
+blocks do not move sideways. But the weight bends their faces with the curvature nu rho g/E, and a
+node above the corner of four faces is in contact with one of them, chosen by number, whose normal
+is inclined by the curvature times half an element. A sideways force of that share of the weight is
+expected, and creep."""
 import numpy as np
 from framework.meshes import bodies, box, nodal_masses, together
 

@@ -1,10 +1,11 @@
-"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a rigid plane. For a contact of
-radius a, Hertz' half-space has the approach delta = a^2/R and the force F = 4/3 E* sqrt(R delta^3); an impact with the velocity v
-that leads to this a lasts T = 2.868 (m^2/(R E*^2 v))^(1/5). The half-space is the limit a/B -> 0; elements are graded towards the
-contact and have the length a/8 there. A quarter is computed. The penalty is one more spring between block and plane: under a
-pressure p the penetration is 2 p (dt/h)^2 h/(rho s), so at 0.8 of the stable step and penalty 0.5 it is a tenth of the compliance
-of a contact of eight elements. The case therefore takes a shorter step and a larger penalty, and reports the effect of a softer
-contact."""
+"""V10: An elastic block with a spherical bottom (radius R = 4, half-width and height B = 1) on a
+rigid plane. For a contact of radius a, Hertz' half-space has the approach delta = a^2/R and the
+force F = 4/3 E* sqrt(R delta^3); an impact with the velocity v that leads to this a lasts T = 2.868
+(m^2/(R E*^2 v))^(1/5). The half-space is the limit a/B -> 0; elements are graded towards the
+contact and have the length a/8 there. A quarter is computed. The penalty is one more spring between
+block and plane: under a pressure p the penetration is 2 p (dt/h)^2 h/(rho s), so at 0.8 of the
+stable step and penalty 0.5 it is a tenth of the compliance of a contact of eight elements. The case
+therefore takes a shorter step and a larger penalty, and reports the effect of a softer contact."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,8 @@ SOFTER = {"time.safety": 0.8, "contact.penalty": 0.5}
 
 
 def graded(step, even, end):
-    """Points from 0 to `end`: steps of equal length up to `even`, then each 1.4 times the previous one."""
+    """Points from 0 to `end`: steps of equal length up to `even`, then each 1.4 times the previous
+    one."""
     points = list(np.arange(0, even + step / 2, step))
     while points[-1] < end:
         step *= 1.4
@@ -33,7 +35,8 @@ def graded(step, even, end):
 
 
 def quarter_ball(step, contact_radius):
-    """The block [0, 1]^3 with its bottom on a sphere of RADIUS about (0, 0, RADIUS), and a plane at z = 0."""
+    """The block [0, 1]^3 with its bottom on a sphere of RADIUS about (0, 0, RADIUS), and a plane at
+    z = 0."""
     points = graded(step, 1.5 * contact_radius, 1.0)
 
     def onto_sphere(nodes):

@@ -1,6 +1,7 @@
-"""V11: Newton's cradle of five equal blocks (L = c = 1, nu = 0), an extension of V3. If one block arrives with v0, a compression of
-a block's length runs through the row, block 1 stops at 2 L/c, and block 5 leaves with v0 at 5 L/c, without vibration. If two
-arrive, two leave, the last at 5 L/c and the one before at 6 L/c. The blocks between rest."""
+"""V11: Newton's cradle of five equal blocks (L = c = 1, nu = 0), an extension of V3. If one block
+arrives with v0, a compression of a block's length runs through the row, block 1 stops at 2 L/c, and
+block 5 leaves with v0 at 5 L/c, without vibration. If two arrive, two leave, the last at 5 L/c and
+the one before at 6 L/c. The blocks between rest."""
 import numpy as np
 from _bars import histories
 

@@ -1,7 +1,8 @@
-"""V13: A free block spins with its corners at a tenth of the wave speed. It pulsates, since it starts without strain. Central
-differences do not conserve its energy exactly in finite rotation, but conserve an energy within O(dt^2) of it, so the energy
-oscillates by O(dt^2) and does not drift. Momentum and angular momentum are exact: internal forces of an element sum to zero as
-integers and rotate with it."""
+"""V13: A free block spins with its corners at a tenth of the wave speed. It pulsates, since it
+starts without strain. Central differences do not conserve its energy exactly in finite rotation,
+but conserve an energy within O(dt^2) of it, so the energy oscillates by O(dt^2) and does not drift.
+Momentum and angular momentum are exact: internal forces of an element sum to zero as integers and
+rotate with it."""
 import numpy as np
 from framework.figures import draw_slope
 
@@ -12,7 +13,8 @@ SECONDS = 40
 
 
 def drifts(run):
-    """(change of the mean energy from the first tenth of the run to the last, of the angular momentum over its length)."""
+    """(change of the mean energy from the first tenth of the run to the last, of the angular
+    momentum over its length)."""
     energy, angular = run.history["total_energy"][1:], run.vector("angular_momentum")  # energy: from the first full step on
     window = len(energy) // 10
     return (energy[-window:].mean() / energy[:window].mean() - 1,
@@ -24,8 +26,9 @@ def evaluate(lab):
     history = run.history
     energy, angular = drifts(run)
     lab.check(1 + energy, 1, 1e-6)
-    # Forces are rounded to 2^-54 (lambda + 2 mu) h^2 or half of that, so the torque of an element to about 2^-55 h^3. Over elements
-    # and steps this is a random walk of about 2e-14 of the angular momentum here.
+    # Forces are rounded to 2^-54 (lambda + 2 mu) h^2 or half of that, so the torque of an element
+    # to about 2^-55 h^3. Over elements and steps this is a random walk of about 2e-14 of the
+    # angular momentum here.
     lab.check(angular, 0, 1e-13, "angular_momentum")
     spin = history["angular_momentum_z"][0]
     lab.check(np.linalg.norm(run.vector("momentum"), axis=1).max(), 0, 1e-13 * spin, "momentum")

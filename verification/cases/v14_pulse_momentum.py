@@ -1,6 +1,7 @@
-"""V14: A wall under a pressure pulse. The impulse of all external forces, load and reactions of the fixed course, is the change of
-momentum: contact and internal forces sum to exactly zero, as integers. The impulse of the load is that of a half sine on the front
-face, A p (2 T/pi): each kick has the mean pressure over its time, so the impulse of a pulse of a tenth of a step is as exact."""
+"""V14: A wall under a pressure pulse. The impulse of all external forces, load and reactions of the
+fixed course, is the change of momentum: contact and internal forces sum to exactly zero, as
+integers. The impulse of the load is that of a half sine on the front face, A p (2 T/pi): each kick
+has the mean pressure over its time, so the impulse of a pulse of a tenth of a step is as exact."""
 import numpy as np
 
 NAME = "V14"
@@ -26,7 +27,8 @@ def evaluate(lab):
     step, share = history["timestep"][0], 0.1
     short = lab.run("short_pulse", {**settings, "load.pressure[0].start": 2.3 * step, "time.end": 4 * step,
                                     "load.pressure[0].duration": share * step}).vector("impulse_load")
-    # Each corner load of that one kick, 2/pi share p h^2/4, errs by at most half a quantum, 2^-55 E h^2.
+    # Each corner load of that one kick, 2/pi share p h^2/4, errs by at most half a quantum, 2^-55 E
+    # h^2.
     rounding = 2**-55 * lab.deck["material"]["brick"]["youngs_modulus"] / (share / np.pi / 2 * pulse["peak"])
     lab.check(abs(short[-1]).max() / (share * step), exact / pulse["duration"], rounding,
               "impulse_of_a_tenth_of_a_step")

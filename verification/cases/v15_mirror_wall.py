@@ -1,6 +1,8 @@
-"""V15: A wall that is its own mirror image stays so under a uniform pulse: u_x changes its sign under x -> L - x, u_y and u_z do
-not. Sums of floating-point numbers at mirrored places round differently (1e-16 m here), so the symmetry holds to rounding until a
-contact is so marginal that rounding decides it on one side only. From that step on, the contact status of mirrored nodes differs."""
+"""V15: A wall that is its own mirror image stays so under a uniform pulse: u_x changes its sign
+under x -> L - x, u_y and u_z do not. Sums of floating-point numbers at mirrored places round
+differently (1e-16 m here), so the symmetry holds to rounding until a contact is so marginal that
+rounding decides it on one side only. From that step on, the contact status of mirrored nodes
+differs."""
 import numpy as np
 
 NAME = "V15"
@@ -10,7 +12,8 @@ MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 class Mirror:
-    """Sums over the nodes at one place, of which touching bricks have several, and over those at the mirrored place."""
+    """Sums over the nodes at one place, of which touching bricks have several, and over those at
+    the mirrored place."""
 
     def __init__(self, nodes, length):
         places = np.round(nodes / 1e-6).astype(np.int64)

@@ -1,6 +1,7 @@
-"""V16: The same deck on several numbers of ranks and threads gives the same bits, with friction, viscosity and all damping: forces
-are summed as 64-bit integers, energies in limbs of integers, decisions come from exact reductions and ties are broken by global id.
-The comparison covers all bytes of history.csv and all bits of all variables of the joined Exodus files."""
+"""V16: The same deck on several numbers of ranks and threads gives the same bits, with friction,
+viscosity and all damping: forces are summed as 64-bit integers, energies in limbs of integers,
+decisions come from exact reductions and ties are broken by global id. The comparison covers all
+bytes of history.csv and all bits of all variables of the joined Exodus files."""
 from framework.bits import different_bits
 from v17_oblique_impact import random_impact
 

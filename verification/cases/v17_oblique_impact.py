@@ -1,7 +1,9 @@
-"""V17: Two free elastic blocks of random sizes, orientations, velocities and spins collide, 40 times, with closing speeds of 0.002
-to 0.006 c (6 to 19 m/s in brick). There are no external forces and no dissipation: momentum, angular momentum and energy stay. The
-first two are exact by construction; the energy shows the error of contact at activations, transfers between faces and slips off
-edges. The gauge is that of the half step, which central differences conserve to rounding for linear springs."""
+"""V17: Two free elastic blocks of random sizes, orientations, velocities and spins collide, 40
+times, with closing speeds of 0.002 to 0.006 c (6 to 19 m/s in brick). There are no external forces
+and no dissipation: momentum, angular momentum and energy stay. The first two are exact by
+construction; the energy shows the error of contact at activations, transfers between faces and
+slips off edges. The gauge is that of the half step, which central differences conserve to rounding
+for linear springs."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +16,8 @@ SECONDS = 60
 
 
 def random_impact(seed, speed=0.002):
-    """(mesh, settings) of two blocks at a small distance along x, which approach each other with about `speed` each."""
+    """(mesh, settings) of two blocks at a small distance along x, which approach each other with
+    about `speed` each."""
     random = np.random.default_rng(seed)
     blocks, settings = [], {}
     for i, name in enumerate(("left", "right")):
@@ -53,7 +56,8 @@ def impact(lab, seed, label, settings=None, speed=0.002):
     mesh, scene = random_impact(seed, speed)
     run = lab.run(f"{label}{seed}", {**scene, **(settings or {})}, mesh=mesh)
     history = run.history
-    # The momenta of the bodies may cancel: sqrt(2 K M) bounds them, with M below 6 and all nodes within 3 of the origin.
+    # The momenta of the bodies may cancel: sqrt(2 K M) bounds them, with M below 6 and all nodes
+    # within 3 of the origin.
     scale = np.sqrt(2 * history["kinetic_energy"][0] * 6)
     change = {name: np.linalg.norm(run.vector(name) - run.vector(name)[0], axis=1).max() / scale
               for name in ("momentum", "angular_momentum")}

@@ -1,14 +1,14 @@
 """Comparison of two results files, or of two histories, bit by bit."""
 import numpy as np
 
-# Variables of the mesh that are compared. Side sets are not: epu joins those that ranks cut in another order. Nor are maps,
-# which only count up.
+# Variables of the mesh that are compared. Side sets are not: epu joins those that ranks cut in
+# another order. Nor are maps, which only count up.
 MESH = ("coord", "connect")
 
 
 def different_bits(one, other, without=()):
-    """(values compared, values whose bits differ) over mesh, times and all result variables of two `Results`, except for the
-    global variables named in `without`."""
+    """(values compared, values whose bits differ) over mesh, times and all result variables of two
+    `Results`, except for the global variables named in `without`."""
     count = differing = 0
     for name in one.variables:
         if not (name.startswith(("vals_", *MESH)) or name == "time_whole"):

@@ -1,4 +1,5 @@
-"""The results of a case: values compared with exact ones, tables, notes, comparisons with published figures."""
+"""The results of a case: values compared with exact ones, tables, notes, comparisons with published
+figures."""
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -2,15 +2,16 @@
 import netCDF4
 import numpy as np
 
-# A hex8 in the order of Exodus, counted from 0: offsets of the corners from the first one, and the corners of the sides, whose
-# normals point outward by the right-hand rule.
+# A hex8 in the order of Exodus, counted from 0: offsets of the corners from the first one, and the
+# corners of the sides, whose normals point outward by the right-hand rule.
 HEX_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 HEX_SIDES = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]])
 NAME_LENGTH = 33  # with the terminating zero
 
 
 def write_mesh(path, mesh):
-    """Writes a `meshes.Mesh`: one block for each name in mesh.blocks, its node sets and side sets."""
+    """Writes a `meshes.Mesh`: one block for each name in mesh.blocks, its node sets and side
+    sets."""
     with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as file:
         file.setncatts({"title": "written by verification/framework", "api_version": np.float32(5.1),
                         "version": np.float32(5.1), "floating_point_word_size": np.int32(8), "file_size": np.int32(1)})
@@ -63,7 +64,8 @@ def _write_sets(file, kind, word, sets):
 
 
 class Results:
-    """Mesh and fields of a results file of one rank, or of a joined one. Steps count from 0; -1 is the last."""
+    """Mesh and fields of a results file of one rank, or of a joined one. Steps count from 0; -1 is
+    the last."""
 
     def __init__(self, path):
         self.file = netCDF4.Dataset(path)

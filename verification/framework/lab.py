@@ -1,4 +1,5 @@
-"""The environment in which a case is evaluated: it runs the program, collects checks and draws plots."""
+"""The environment in which a case is evaluated: it runs the program, collects checks and draws
+plots."""
 import tomllib
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +17,8 @@ class Lab:
         self.deck = tomllib.loads(self.deck_path.read_text())  # as in the file, without overrides
 
     def run(self, label, settings=None, **how):
-        """Runs the case's deck into the folder `label` with overrides {key: value}; see Program.run for `how`."""
+        """Runs the case's deck into the folder `label` with overrides {key: value}; see Program.run
+        for `how`."""
         run = self.program.run(how.pop("deck", self.deck_path), self.folder / label, settings, **how)
         if not self.outcome.program and (run.folder / "report.json").exists():
             self.outcome.program = {key: run.report[key] for key in
@@ -24,8 +26,9 @@ class Lab:
         return run
 
     def check(self, computed, exact, threshold, name="", error=None, orders=()):
-        """Compares a value with the exact one. The first check is the case's own line; the others need names. If `error` is not
-        given, it is relative to `exact`, or absolute if that is zero."""
+        """Compares a value with the exact one. The first check is the case's own line; the others
+        need names. If `error` is not given, it is relative to `exact`, or absolute if that is
+        zero."""
         computed, exact = float(computed), float(exact)
         if error is None:
             error = abs(computed - exact) / (abs(exact) or 1)
@@ -36,8 +39,8 @@ class Lab:
         self.check(bool(condition), 1, 0, name)
 
     def check_order(self, sizes, errors, least, name="order", exact=None):
-        """Checks that the exponent p of error = C size^p, fitted to all meshes, is at least `least`. The exponents between
-        successive meshes are printed."""
+        """Checks that the exponent p of error = C size^p, fitted to all meshes, is at least
+        `least`. The exponents between successive meshes are printed."""
         order = fitted_order(sizes, errors)
         exact = least if exact is None else exact
         self.check(order, exact, exact - least, name, max(0.0, exact - order), observed_orders(sizes, errors))
@@ -59,7 +62,8 @@ class Lab:
 
     @contextmanager
     def figure(self, caption, name="", panels=1, width=7.0):
-        """Context of one plot: `with lab.figure("...") as axes`. With panels > 1 there is a list of axes."""
+        """Context of one plot: `with lab.figure("...") as axes`. With panels > 1 there is a list of
+        axes."""
         from .figures import new_figure, save
 
         figure, axes = new_figure(panels, width)

@@ -39,14 +39,16 @@ def volumes(nodes, hexes):
 
 
 def nodal_masses(nodes, hexes, density=1.0):
-    """Lumped masses: an eighth of each element's mass at each of its corners. `density` is one number or one per element."""
+    """Lumped masses: an eighth of each element's mass at each of its corners. `density` is one
+    number or one per element."""
     masses = np.zeros(len(nodes))
     np.add.at(masses, hexes, (density * volumes(nodes, hexes) / 8)[:, None])
     return masses
 
 
 def bodies(num_nodes, hexes):
-    """The nodes of each connected part of a mesh; the parts are in the order of their lowest nodes."""
+    """The nodes of each connected part of a mesh; the parts are in the order of their lowest
+    nodes."""
     label, before = np.arange(num_nodes), None
     while not np.array_equal(label, before):
         before = label.copy()
@@ -55,8 +57,8 @@ def bodies(num_nodes, hexes):
 
 
 def box(size, elements, origin=(0, 0, 0), name="block", sets=None):
-    """A block of equal elements in the element block `name`. Its node sets and side sets are `sets`.x0, .x1, .y0, .y1, .z0 and
-    .z1; `sets` is the name by default."""
+    """A block of equal elements in the element block `name`. Its node sets and side sets are
+    `sets`.x0, .x1, .y0, .y1, .z0 and .z1; `sets` is the name by default."""
     return graded_box([np.linspace(o, o + s, n + 1) for o, s, n in zip(origin, size, elements)], name, sets)
 
 
@@ -79,7 +81,8 @@ def graded_box(coordinates, name="block", sets=None):
 
 
 def together(*meshes):
-    """One mesh of several that share no node. Blocks of the same name must be adjacent; sets must have different names."""
+    """One mesh of several that share no node. Blocks of the same name must be adjacent; sets must
+    have different names."""
     union = Mesh(np.concatenate([mesh.nodes for mesh in meshes]), np.empty((0, 8), dtype=np.int64), {})
     first_node = 0
     for mesh in meshes:

@@ -4,7 +4,8 @@ import sys
 
 
 def need(*modules):
-    """Ends the program with exit code 77, which ctest reports as skipped, if a module is missing."""
+    """Ends the program with exit code 77, which ctest reports as skipped, if a module is
+    missing."""
     try:
         for module in modules:
             importlib.import_module(module)

@@ -18,8 +18,8 @@ positive_list.__name__ = "list such as 1,2,4"  # argparse prints it
 
 
 def study_parser(name, doc):
-    """A parser for the options of `./run.sh --study NAME`. It has the two options that run.sh passes to every study: `run_sh`,
-    the script that starts runs, and `program`, the binary."""
+    """A parser for the options of `./run.sh --study NAME`. It has the two options that run.sh
+    passes to every study: `run_sh`, the script that starts runs, and `program`, the binary."""
     parser = argparse.ArgumentParser(prog=f"./run.sh --study {name}", description=doc.splitlines()[0])
     parser.add_argument("--run-sh", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
@@ -27,7 +27,8 @@ def study_parser(name, doc):
 
 
 def add_run_options(parser, name, quick, keep, counts=True):
-    """Adds --quick and --keep with these help texts, the folder -o, and, if `counts`, the ranks -n and threads -t of each run."""
+    """Adds --quick and --keep with these help texts, the folder -o, and, if `counts`, the ranks -n
+    and threads -t of each run."""
     parser.add_argument("--quick", action="store_true", help=quick)
     if counts:
         parser.add_argument("-n", "--ranks", type=positive, default=1, help="MPI ranks of each run (default %(default)s)")

@@ -1,4 +1,5 @@
-"""A child process with its output in a log and a time limit; none of its processes survives the call."""
+"""A child process with its output in a log and a time limit; none of its processes survives the
+call."""
 import os
 import signal
 import subprocess
@@ -6,8 +7,8 @@ from pathlib import Path
 
 
 def execute(command, log, limit, environment=None):
-    """Runs `command` with additional variables in its `environment`. Returns ("ok" | "failed" | "out of time", message, exit
-    code or None)."""
+    """Runs `command` with additional variables in its `environment`. Returns ("ok" | "failed" |
+    "out of time", message, exit code or None)."""
     with open(log, "w") as file:
         # A process group, so that the children of run.sh end with it.
         process = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True,

@@ -1,4 +1,5 @@
-"""Runs of the program through run.sh, as a user starts them: a deck, `--set` overrides, possibly a mesh."""
+"""Runs of the program through run.sh, as a user starts them: a deck, `--set` overrides, possibly a
+mesh."""
 import json
 from dataclasses import dataclass
 from functools import cached_property
@@ -53,8 +54,8 @@ class Program:
     limit: float = 1800  # seconds
 
     def run(self, deck, folder, settings=None, mesh=None, ranks=None, threads=None, expect=0):
-        """Runs `deck` with `settings` {key: value} into `folder`. `mesh` is written there and replaces mesh.file. Raises
-        ProgramError if the exit code is not `expect` (None: any)."""
+        """Runs `deck` with `settings` {key: value} into `folder`. `mesh` is written there and
+        replaces mesh.file. Raises ProgramError if the exit code is not `expect` (None: any)."""
         deck, folder = Path(deck), Path(folder).absolute()
         folder.mkdir(parents=True, exist_ok=True)
         settings = dict(settings or {})

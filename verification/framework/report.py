@@ -1,4 +1,5 @@
-"""The report of a study: one table of all cases, then a section for each case with its tables, plots and notes."""
+"""The report of a study: one table of all cases, then a section for each case with its tables,
+plots and notes."""
 
 
 def table(header, rows):

@@ -3,8 +3,9 @@ import numpy as np
 
 
 def fit_frequency(times, values, guess, width=0.2):
-    """Angular frequency of the oscillation nearest to `guess`: least squares of A cos + B sin + C under a Hann window, which
-    suppresses other modes, by golden section within guess (1 -+ width)."""
+    """Angular frequency of the oscillation nearest to `guess`: least squares of A cos + B sin + C
+    under a Hann window, which suppresses other modes, by golden section within guess (1 -+
+    width)."""
     weight = np.hanning(len(times) + 2)[1:-1]
 
     def misfit(omega):

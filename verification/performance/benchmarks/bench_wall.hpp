@@ -1,5 +1,6 @@
-// The wall W(n) of the search benchmarks (inputs/wall_*.toml): 15 bricks x 29 courses in running bond, each brick 2 x 1 x 1
-// with 2n x n x n elements, 4350 n^2 faces, jittered and drifting as in the decks.
+// The wall W(n) of the search benchmarks (inputs/wall_*.toml): 15 bricks x 29 courses in running
+// bond, each brick 2 x 1 x 1 with 2n x n x n elements, 4350 n^2 faces, jittered and drifting as in
+// the decks.
 #pragma once
 
 #include "contact/surface/search_config.hpp"

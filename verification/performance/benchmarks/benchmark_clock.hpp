@@ -9,8 +9,8 @@
 
 namespace brickwall {
 
-// Wall-clock time in seconds. With BRICKWALL_CPU_TIME set, the CPU time of the process over its threads, which a busy machine
-// disturbs less.
+// Wall-clock time in seconds. With BRICKWALL_CPU_TIME set, the CPU time of the process over its
+// threads, which a busy machine disturbs less.
 inline double now() {
   static const bool by_cpu = std::getenv("BRICKWALL_CPU_TIME");
   if (!by_cpu)

@@ -1,4 +1,5 @@
-// The main function of a benchmark: MPI and Kokkos stand while it runs, and an exception ends it with exit code 1.
+// The main function of a benchmark: MPI and Kokkos stand while it runs, and an exception ends it
+// with exit code 1.
 #pragma once
 
 #include "contact/base/backend.hpp"

@@ -1,8 +1,10 @@
-// Prints the speed of contact enforcement, without search and solver, in candidate pairs per second, rejected pairs included.
-// The scene is a wall of rigid bricks of 16x8x8 elements in running bond that are pressed together, stand flush, or fly apart.
-// Bodies in contact move at constant speed: other forces balance those of the contacts, as the elements' forces do; or nothing
-// balances them, so that the energy-neutral scheme takes each step for the last one of every contact and corrects all forces in
-// every round. BRICKWALL_COURSES is the number of courses, each of about half as many bricks (29 courses are W(8)).
+// Prints the speed of contact enforcement, without search and solver, in candidate pairs per
+// second, rejected pairs included. The scene is a wall of rigid bricks of 16x8x8 elements in
+// running bond that are pressed together, stand flush, or fly apart. Bodies in contact move at
+// constant speed: other forces balance those of the contacts, as the elements' forces do; or
+// nothing balances them, so that the energy-neutral scheme takes each step for the last one of
+// every contact and corrects all forces in every round. BRICKWALL_COURSES is the number of courses,
+// each of about half as many bricks (29 courses are W(8)).
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
@@ -96,7 +98,8 @@ public:
     edges = features;
   }
 
-  // Advances x^n to x^{n+1}, then moves every brick from its first place by this share of its distance to the middle.
+  // Advances x^n to x^{n+1}, then moves every brick from its first place by this share of its
+  // distance to the middle.
   void contract(double share) {
     std::swap(_old, _new);
     _surface.coordinates_old = _old;

@@ -1,5 +1,6 @@
-// Times the kernels of the search one by one on the walls W(2) and W(8) with Google Benchmark, on one rank and OMP_NUM_THREADS
-// threads. Items are faces, nodes, keys or pairs, according to the name. Results are checked: a wrong one fails the run.
+// Times the kernels of the search one by one on the walls W(2) and W(8) with Google Benchmark, on
+// one rank and OMP_NUM_THREADS threads. Items are faces, nodes, keys or pairs, according to the
+// name. Results are checked: a wrong one fails the run.
 #include "contact/base/mpi.hpp"
 #include "contact/search/cluster/cluster_pairs.hpp"
 #include "contact/search/exchange/face_migration.hpp"

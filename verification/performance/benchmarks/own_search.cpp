@@ -13,7 +13,8 @@ auto onHost(const View<T>& view) {
   return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
 }
 
-// Appends (node, face) for each corner of the face that is_owned accepts; the repeated corner of a triangle counts once.
+// Appends (node, face) for each corner of the face that is_owned accepts; the repeated corner of a
+// triangle counts once.
 template <class IsOwned>
 void addCorners(const global_id (&corners)[4], global_id face, const IsOwned& is_owned,
                 std::vector<IdPair>& pairs) {

@@ -10,7 +10,8 @@ namespace brickwall::peers {
 
 class Timings {
 public:
-  // Collective. Runs `work` after a barrier; keeps the wall-clock time of the slowest rank, in seconds.
+  // Collective. Runs `work` after a barrier; keeps the wall-clock time of the slowest rank, in
+  // seconds.
   template <class Work>
   void measure(MPI_Comm comm, const Work& work) {
     barrier(comm);

@@ -5,8 +5,9 @@
 
 namespace brickwall::peers {
 
-// Collective. STREAM triad a = b + s c (McCalpin 1995) on three arrays of `mebibytes` each and rank, all ranks at once.
-// Best of 10, bytes per second summed over the ranks; 24 bytes an entry; the read of the stored cache line is not counted.
+// Collective. STREAM triad a = b + s c (McCalpin 1995) on three arrays of `mebibytes` each and
+// rank, all ranks at once. Best of 10, bytes per second summed over the ranks; 24 bytes an entry;
+// the read of the stored cache line is not counted.
 double triadBandwidth(MPI_Comm comm, int mebibytes);
 
 } // namespace brickwall::peers

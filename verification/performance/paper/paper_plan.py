@@ -1,4 +1,5 @@
-"""The searches that the study of the paper's figures runs, and those that it leaves out, with the reasons.
+"""The searches that the study of the paper's figures runs, and those that it leaves out, with the
+reasons.
 
 Sizes grow: the needs of a smaller wall tell whether a larger one fits into memory and time.
 """
@@ -8,19 +9,21 @@ from study_tables import counted, layout
 PAPER_SIZES = (2, 8, 16, 32, 42, 64)
 METHODS = ("reference", "paper", "cluster")
 NODES_PER_FACE = 2.2  # of the walls, in which bodies share no nodes
-# The reference tests all pairs. One test takes 1.0 to 2.0 ns (W(2), one core of an AMD EPYC, Zen 5).
+# The reference tests all pairs. One test takes 1.0 to 2.0 ns (W(2), one core of an AMD EPYC, Zen
+# 5).
 SECONDS_PER_PAIR = 2e-9
-# The estimate of a run's resident memory until one has been measured: `paper` took 130 MB for the 278,400 faces of W(8) on one
-# rank.
+# The estimate of a run's resident memory until one has been measured: `paper` took 130 MB for the
+# 278,400 faces of W(8) on one rank.
 BYTES_PER_FACE = 600
 BYTES_PER_RANK = 40e6
 
 
 def default_layouts(ranks, threads, cores):
-    """(layouts, left out): ranks x threads as given, by default 1 and the paper's 4 ranks on 1 to all cores.
+    """(layouts, left out): ranks x threads as given, by default 1 and the paper's 4 ranks on 1 to
+    all cores.
 
-    More threads than cores run only if they were given. More ranks than cores run with one thread each, since CPU time
-    without waits still measures their work.
+    More threads than cores run only if they were given. More ranks than cores run with one thread
+    each, since CPU time without waits still measures their work.
     """
     given = threads is not None
     threads = threads or sorted({min(2**i, cores) for i in range(cores.bit_length() + 1)})

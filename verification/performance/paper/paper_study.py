@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """The study of the paper's Figs. 8 to 11: `./run.sh --study paper`.
 
-Runs `brickwall search` over sizes, methods, ranks and threads and writes study.csv, study.json, study.md and plots. A run
-that fails is reported, the others continue, and the exit code is 1. A second call in the same folder reuses the finished runs
-of the same program with the same options.
+Runs `brickwall search` over sizes, methods, ranks and threads and writes study.csv, study.json,
+study.md and plots. A run that fails is reported, the others continue, and the exit code is 1. A
+second call in the same folder reuses the finished runs of the same program with the same options.
 """
 import datetime
 import signal

@@ -1,7 +1,8 @@
 """Runs of `brickwall search`: one case of a study, its folder and its result.
 
-A run leaves search.json (the program's report), log.txt and run.json in a folder of its own. run.json names the program
-and the options, so that a later call of the study reuses the finished runs that have not changed.
+A run leaves search.json (the program's report), log.txt and run.json in a folder of its own.
+run.json names the program and the options, so that a later call of the study reuses the finished
+runs that have not changed.
 """
 import hashlib
 import json
@@ -13,7 +14,8 @@ from pathlib import Path
 from framework.process import execute
 
 INPUTS = Path(__file__).resolve().parents[3] / "inputs"
-# The walls W(n) of the paper's sizes have their own decks; any other wall is one of these with other elements.
+# The walls W(n) of the paper's sizes have their own decks; any other wall is one of these with
+# other elements.
 DECKS = {2: "wall_17k", 8: "wall_278k", 16: "wall_1113k", 32: "wall_4454k", 42: "wall_7673k", 64: "wall_17818k"}
 WARMUP = 2  # searches that are not counted; the same for all runs, so that all end on the same surface
 

@@ -1,7 +1,7 @@
 """Plots of the paper's Figs. 8 to 11 from the rows of a study (study_tables.row_of).
 
-Where the ranks share cores, wall-clock time depends on how the system shared them: the plots then show CPU time per rank without
-waits (mean over ranks, --timing paper), and the axis says so.
+Where the ranks share cores, wall-clock time depends on how the system shared them: the plots then
+show CPU time per rank without waits (mean over ranks, --timing paper), and the axis says so.
 """
 import textwrap
 
@@ -65,7 +65,8 @@ class Figures:
         return sum(row[column(timer, "cpu_mean" if clock == "cpu" else "mean")] for timer in timers)
 
     def _by_faces(self, axis, ranks, timing, value, style, label):
-        """A line for each method against the number of faces, with the smallest number of threads."""
+        """A line for each method against the number of faces, with the smallest number of
+        threads."""
         threads = min(row["threads"] for row in self._pick(ranks=ranks))
         for method in COLOURS:
             points = sorted((row["faces"], value(row)) for row in self._pick(ranks=ranks, threads=threads, method=method,
@@ -109,7 +110,8 @@ class Figures:
         return figure
 
     def _threads(self):
-        """The largest wall among the runs on the smallest number of ranks that have several thread counts."""
+        """The largest wall among the runs on the smallest number of ranks that have several thread
+        counts."""
         counts = {}
         for row in self._pick(timing="normal"):
             counts.setdefault((row["ranks"], row["n"]), set()).add(row["threads"])

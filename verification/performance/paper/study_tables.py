@@ -1,4 +1,5 @@
-"""The tables of a study of searches: study.csv with one row a run, study.json with all data, the tables of study.md."""
+"""The tables of a study of searches: study.csv with one row a run, study.json with all data, the
+tables of study.md."""
 import csv
 import json
 
@@ -21,8 +22,8 @@ def column(timer, what):
 
 
 def row_of(result):
-    """A flat row; times in ms of the slowest rank, or the mean over ranks where the column says so. Columns that were not measured
-    are empty."""
+    """A flat row; times in ms of the slowest rank, or the mean over ranks where the column says so.
+    Columns that were not measured are empty."""
     case, report = result.case, result.report
     row = {"n": case.n, "faces": None, "nodes": None, "method": case.method, "ranks": case.ranks, "threads": case.threads,
            "timing": case.timing, "shuffled": int(case.shuffled), "state": result.state, "message": result.message,
@@ -53,7 +54,8 @@ def row_of(result):
 
 
 def disagreements(rows):
-    """Runs of one wall must have the same counts for all methods and threads; the pairs also for all numbers of ranks."""
+    """Runs of one wall must have the same counts for all methods and threads; the pairs also for
+    all numbers of ranks."""
     faults = []
     for count, equal in (("ghost_faces", ("n", "ranks", "repetitions")), ("candidate_pairs", ("n", "repetitions"))):
         found = {}

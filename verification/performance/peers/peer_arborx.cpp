@@ -1,7 +1,8 @@
-// ArborX 2 builds its bounding volume hierarchy over the face boxes and lists the faces of every node box as offsets and
-// indices. Without a result buffer that takes two traversals: one counts, one writes. With a buffer of `buffer_size` results a
-// node, one traversal does unless a node has more. It runs in float, its faster type, and in double, with queries in Morton
-// order or in the order given.
+// ArborX 2 builds its bounding volume hierarchy over the face boxes and lists the faces of every
+// node box as offsets and indices. Without a result buffer that takes two traversals: one counts,
+// one writes. With a buffer of `buffer_size` results a node, one traversal does unless a node has
+// more. It runs in float, its faster type, and in double, with queries in Morton order or in the
+// order given.
 #include "verification/performance/peers/peers.hpp"
 
 #include <ArborX.hpp>
@@ -17,7 +18,8 @@ struct KeepIndex {
   }
 };
 
-// Rounding to nearest is monotone, so boxes that overlap in double also overlap in float. The converse does not hold.
+// Rounding to nearest is monotone, so boxes that overlap in double also overlap in float. The
+// converse does not hold.
 template <class Real>
 class ArborXSearch : public Peer {
 public:

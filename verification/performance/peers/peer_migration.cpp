@@ -1,6 +1,6 @@
-// Times Brickwall's migration of ghost faces beside Zoltan's (the paper's Fig. 9): both send the same faces of the wall W(n) to
-// the same ranks, the same number of bytes a face, in turns in one process. The ghosts must be equal bit by bit. Needs at least
-// two ranks.
+// Times Brickwall's migration of ghost faces beside Zoltan's (the paper's Fig. 9): both send the
+// same faces of the wall W(n) to the same ranks, the same number of bytes a face, in turns in one
+// process. The ghosts must be equal bit by bit. Needs at least two ranks.
 #include "contact/search/exchange/face_migration.hpp"
 #include "verification/performance/benchmarks/bench_wall.hpp"
 #include "verification/performance/benchmarks/own_search.hpp"

@@ -1,6 +1,6 @@
-// Times Brickwall's contact search and its peers on the same boxes of the wall W(n), in turns in one process, and compares their
-// sets of pairs. Prints medians, ratios and, for Brickwall's steady step, the distance to the memory bandwidth of the same run.
-// PEERS.md defines the figures.
+// Times Brickwall's contact search and its peers on the same boxes of the wall W(n), in turns in
+// one process, and compares their sets of pairs. Prints medians, ratios and, for Brickwall's steady
+// step, the distance to the memory bandwidth of the same run. PEERS.md defines the figures.
 #include "io/wall/shuffle_surface.hpp"
 #include "verification/performance/benchmarks/bench_wall.hpp"
 #include "verification/performance/benchmarks/own_search.hpp"
@@ -105,7 +105,8 @@ void runPeers(const exec_space& space, MPI_Comm comm, const contact::Surface& su
   }
 }
 
-// A search in every step, after some steps that are not counted: the cost of the search in a time step of a run.
+// A search in every step, after some steps that are not counted: the cost of the search in a time
+// step of a run.
 Contest runSteadySteps(MPI_Comm comm, const Options& options, const io::SurfacePart& part) {
   const exec_space space;
   auto wall = movingWall(space, comm, options.n, part);

@@ -1,6 +1,7 @@
-// STKSearch of Trilinos: coarse_search with its k-d tree on boxes of doubles. Its OpenMP loops run on OMP_NUM_THREADS
-// threads, as those of Brickwall. By default it sends a pair to the face's rank too and sorts the list; asked for pairs on the
-// node's rank only, as Brickwall's search returns them, it does neither.
+// STKSearch of Trilinos: coarse_search with its k-d tree on boxes of doubles. Its OpenMP loops run
+// on OMP_NUM_THREADS threads, as those of Brickwall. By default it sends a pair to the face's rank
+// too and sorts the list; asked for pairs on the node's rank only, as Brickwall's search returns
+// them, it does neither.
 #include "contact/base/mpi.hpp"
 #include "verification/performance/peers/peers.hpp"
 

@@ -1,5 +1,5 @@
-# Defines the target brickwall_stk_search from the libraries of the prefix STK_ROOT. Its package file is not used: it would define
-# the targets of a second Kokkos.
+# Defines the target brickwall_stk_search from the libraries of the prefix STK_ROOT. Its package
+# file is not used: it would define the targets of a second Kokkos.
 set(STK_ROOT "" CACHE PATH "Prefix of STKSearch, as cmake/build_stk.sh prints it")
 find_path(STK_INCLUDE_DIR stk_search/CoarseSearch.hpp HINTS ${STK_ROOT} PATH_SUFFIXES include)
 set(_stk_libraries)

@@ -1,4 +1,5 @@
-// Migration of ghost faces by Zoltan_Migrate as in host codes: callbacks size, pack and unpack objects.
+// Migration of ghost faces by Zoltan_Migrate as in host codes: callbacks size, pack and unpack
+// objects.
 #pragma once
 
 #include "contact/surface/surface.hpp"

@@ -1,5 +1,5 @@
-"""Common to the contrasts of stiffness and density: a bar of unit impedance hits another, compared with theory; oblique
-impacts."""
+"""Common to the contrasts of stiffness and density: a bar of unit impedance hits another, compared
+with theory; oblique impacts."""
 import numpy as np
 from _hard import energy_change
 from _impact import impact
@@ -10,7 +10,8 @@ SEEDS = range(4)
 
 
 def bars(lab, other_length):
-    """A bar of unit length, density and modulus meets one of `other_length`; all elements are cubes."""
+    """A bar of unit length, density and modulus meets one of `other_length`; all elements are
+    cubes."""
     mesh = together(box((1, WIDTH, WIDTH), (20, 1, 1), (-1, 0, 0), "low"),
                     box((other_length, WIDTH, WIDTH), (round(other_length / ELEMENT), 1, 1), name="high"))
     run = lab.run("bars", mesh=mesh)

@@ -1,4 +1,5 @@
-"""Common to corner-to-corner and edge-to-edge impacts: two approaching blocks, and their overlap at the first force."""
+"""Common to corner-to-corner and edge-to-edge impacts: two approaching blocks, and their overlap at
+the first force."""
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +10,8 @@ GAP = 0.005  # initial gap, edge lengths
 
 
 def meet(lab, label, low, high, settings=None):
-    """Runs the impact of `high` on `low`. Depths are relative to the element, energies to the initial energy."""
+    """Runs the impact of `high` on `low`. Depths are relative to the element, energies to the
+    initial energy."""
     high = lifted(low, high, -GAP)
     element = low.size[0] / low.elements[0]
     run = lab.run(label, {"initial.velocity[0].velocity": [0, 0, -SPEED], **(settings or {})}, mesh=mesh_of(low, high))
@@ -36,10 +38,11 @@ def row(name, found):
 
 def check_all(lab, found):
     """`found`: {name: result of meet}."""
-    # They approach by 0.5 % of an element a step; without a force they would overlap by half an element.
+    # They approach by 0.5 % of an element a step; without a force they would overlap by half an
+    # element.
     lab.check(max(result.depth for result in found.values()), 0, 0.1)
-    # The final threshold is that of oblique impacts (V17) at a tenth of the speed; at any time it is twice that, since corners
-    # overlap by half an element where their forces fade out.
+    # The final threshold is that of oblique impacts (V17) at a tenth of the speed; at any time it
+    # is twice that, since corners overlap by half an element where their forces fade out.
     lab.check(max(abs(result.final) for result in found.values()), 0, 5e-3, "final_energy")
     lab.check(max(result.largest for result in found.values()), 0, 1e-2, "energy_over_time")
     lab.check(max(result.lost for result in found.values()), 0, 0, "contacts_lost")

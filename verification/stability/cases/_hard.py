@@ -1,4 +1,5 @@
-"""Common to the hard cases: free blocks and their overlap, energies of a run, runs that must stop."""
+"""Common to the hard cases: free blocks and their overlap, energies of a run, runs that must
+stop."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,8 +43,8 @@ class Block:
 
 
 def depth(a, b):
-    """The overlap of two boxes: the shortest distance that separates them, negative if they are apart (separating axes: normals
-    of faces and cross products of edges)."""
+    """The overlap of two boxes: the shortest distance that separates them, negative if they are
+    apart (separating axes: normals of faces and cross products of edges)."""
     axes = [*a.turn.T, *b.turn.T] + [np.cross(p, q) for p in a.turn.T for q in b.turn.T]
     corners_a, corners_b = a.corners(), b.corners()
     depths = []
@@ -56,7 +57,8 @@ def depth(a, b):
 
 
 def lifted(low, high, target_depth):
-    """`high` moved along z until its overlap with `low` is `target_depth`; a negative value is a gap."""
+    """`high` moved along z until its overlap with `low` is `target_depth`; a negative value is a
+    gap."""
     down, up = -10.0, 10.0  # deeper at `down`
     up_block = high.moved((0, 0, up))
     assert depth(low, up_block) < target_depth
@@ -75,8 +77,9 @@ def mesh_of(*blocks):
 
 
 def energy_change(history):
-    """For each row of a history of all steps: the change since the first full step of the energy at the half step before it, less
-    the external work up to there, over the largest kinetic + internal energy."""
+    """For each row of a history of all steps: the change since the first full step of the energy at
+    the half step before it, less the external work up to there, over the largest kinetic + internal
+    energy."""
     energy = history["total_energy"][1:] - history["external_work"][:-1]
     peak = np.max(history["kinetic_energy"] + history["internal_energy"])
     return np.concatenate([[0.0], (energy - energy[0]) / peak])
@@ -89,7 +92,8 @@ def largest_jump(history):
 
 
 def check_stop(lab, run, words, name):
-    """Checks that the run ended with exit code 3 and a message that contains `words`, and left readable results without NaN."""
+    """Checks that the run ended with exit code 3 and a message that contains `words`, and left
+    readable results without NaN."""
     explained = all(word in run.message for word in words)
     clean = run.code == 3 and explained and not run.report["pass"] and all(
         np.isfinite(column).all() for column in run.history.values())

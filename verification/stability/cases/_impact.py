@@ -5,7 +5,8 @@ from framework.meshes import rotation
 
 
 def impact(lab, label, seed, deck, settings=None, speed=0.02, elements_per_length=(4, 4)):
-    """Runs `deck`, whose blocks are "low" and "high"; "high" has the `speed` along -z, in units of the deck."""
+    """Runs `deck`, whose blocks are "low" and "high"; "high" has the `speed` along -z, in units of
+    the deck."""
     random = np.random.default_rng(seed)
     low, high = (Block(name, (0, 0, 0), rotation(random.normal(size=3), random.uniform(0, np.pi)), size,
                        tuple(np.ceil(count * size).astype(int)))

@@ -1,7 +1,8 @@
-"""H1: Elements of aspect ratio 16 to 64, rods and plates. The stable step of a body of one such element has a closed form: with
-G_i = 1/(2 l_i^2), omega^2 = (8/rho) lambda_max[(lambda + 2 mu delta_ij) sqrt(G_i G_j)], dt = 2/omega. For a rod it is
-0.836 l_min/c_d, where volume over largest face gives the unstable value 1. At 0.99 of the bound a free body that vibrates in all its
-modes must keep its energy. Then two piles of such plates collide."""
+"""H1: Elements of aspect ratio 16 to 64, rods and plates. The stable step of a body of one such
+element has a closed form: with G_i = 1/(2 l_i^2), omega^2 = (8/rho) lambda_max[(lambda + 2 mu
+delta_ij) sqrt(G_i G_j)], dt = 2/omega. For a rod it is 0.836 l_min/c_d, where volume over largest
+face gives the unstable value 1. At 0.99 of the bound a free body that vibrates in all its modes
+must keep its energy. Then two piles of such plates collide."""
 import numpy as np
 from framework.meshes import box
 
@@ -23,7 +24,8 @@ def critical_step(shape, poisson=0.3):
 
 def evaluate(lab):
     rows, steps, drifts = [], [], []
-    # A random gradient excites all stretches and shears; on a box they do not excite hourglass modes.
+    # A random gradient excites all stretches and shears; on a box they do not excite hourglass
+    # modes.
     gradient = 1e-4 * np.random.default_rng(1).normal(size=9)
     for name, shape in SHAPES.items():
         run = lab.run(name.replace(" ", "_"), {"initial.deformation[0].gradient": gradient},
@@ -51,7 +53,8 @@ def volume_over_face(shape):
 
 
 def plates(lab):
-    """Two piles of 3 plates, one element thick and 16 or 64 times as wide, collide with an offset."""
+    """Two piles of 3 plates, one element thick and 16 or 64 times as wide, collide with an
+    offset."""
     rows = []
     for aspect in (16, 64):
         run = lab.run(f"piles_{aspect}", deck=lab.deck_path.with_name("h01_piles.toml"),

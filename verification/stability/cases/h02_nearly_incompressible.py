@@ -1,6 +1,7 @@
-"""H2: Poisson's ratio 0.499. A cantilever of 10 x 1 x 1 with two elements through the depth must bend: its first frequency is
-0.01019(1) by converged meshes (E = rho = 1), while elements of 2x2x2 points lock. The stable step of a cube of one element is
-0.578 h/c_d = sqrt((1 - nu)/(1 + nu)) h/c_d in closed form. Then two such blocks collide obliquely."""
+"""H2: Poisson's ratio 0.499. A cantilever of 10 x 1 x 1 with two elements through the depth must
+bend: its first frequency is 0.01019(1) by converged meshes (E = rho = 1), while elements of 2x2x2
+points lock. The stable step of a cube of one element is 0.578 h/c_d = sqrt((1 - nu)/(1 + nu)) h/c_d
+in closed form. Then two such blocks collide obliquely."""
 import numpy as np
 from _hard import energy_change
 from _impact import impact
@@ -27,7 +28,8 @@ def evaluate(lab):
     found, run, times, deflection = frequency(lab, "tlps")
     lab.check(found, CONVERGED, 0.02)
     modulus = (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
-    # The program's step is that of the whole beam; `gain` is its ratio to the step of the worst element.
+    # The program's step is that of the whole beam; `gain` is its ratio to the step of the worst
+    # element.
     gain = run.report["time_step"]["gain"]
     computed = run.history["timestep"][0] / gain / lab.deck["time"]["safety"] / (0.5 / np.sqrt(modulus))
     lab.check(computed, critical_step((1, 1, 1), POISSON), 1e-3, "step")

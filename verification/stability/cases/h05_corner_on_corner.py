@@ -1,6 +1,7 @@
-"""H5: Two cubes of 4 x 4 x 4 elements meet corner to corner at 0.02 c: both upright, both on a corner, and twisted relative to each
-other, each with the axes nearly in line and shifted. A force must act before they overlap by 0.1 elements, and the energy must not
-jump as corners slide over faces, over edges and past each other."""
+"""H5: Two cubes of 4 x 4 x 4 elements meet corner to corner at 0.02 c: both upright, both on a
+corner, and twisted relative to each other, each with the axes nearly in line and shifted. A force
+must act before they overlap by 0.1 elements, and the energy must not jump as corners slide over
+faces, over edges and past each other."""
 from _first_force import HEADER, check_all, draw, meet, row
 from _hard import ON_A_CORNER, Block, turned
 

@@ -1,6 +1,7 @@
-"""H6: Two cubes of 4 x 4 x 4 elements meet edge to edge at 0.02 c. The edges cross in the middle of an element of both, where
-node-to-face contact acts only half an element later. A force must act before they overlap by 0.1 elements, and the energy must not
-jump. At small angles a node penetrates early, and node-to-face contact takes over from the edges."""
+"""H6: Two cubes of 4 x 4 x 4 elements meet edge to edge at 0.02 c. The edges cross in the middle of
+an element of both, where node-to-face contact acts only half an element later. A force must act
+before they overlap by 0.1 elements, and the energy must not jump. At small angles a node penetrates
+early, and node-to-face contact takes over from the edges."""
 from _first_force import HEADER, check_all, draw, meet, row
 from _hard import Block, turned
 
@@ -12,8 +13,8 @@ MIDDLE = 0.125  # middle of the element next to the middle of the edge, which is
 
 
 def crossed(degrees):
-    """A cube with an edge up along x, and one above it with an edge down, rotated by `degrees`; the edges cross in the middle of
-    an element of both."""
+    """A cube with an edge up along x, and one above it with an edge down, rotated by `degrees`; the
+    edges cross in the middle of an element of both."""
     turn = turned(("x", 45), ("z", degrees))
     return Block("low", turn=turned(("x", 45))), Block("high", turn @ (MIDDLE, 0, 0) + (MIDDLE, 0, 0), turn)
 

@@ -1,6 +1,7 @@
-"""H7: Two cubes of 4 x 4 x 4 elements overlap at the start: with flat faces, edge in edge, corner in face. At rest there must never
-be a force. If they approach, contact resists only the further approach; the overlap must store no energy. If they separate, there
-must be no force. Overlaps beyond the reach of the search must be refused."""
+"""H7: Two cubes of 4 x 4 x 4 elements overlap at the start: with flat faces, edge in edge, corner
+in face. At rest there must never be a force. If they approach, contact resists only the further
+approach; the overlap must store no energy. If they separate, there must be no force. Overlaps
+beyond the reach of the search must be refused."""
 import numpy as np
 from _hard import ON_A_CORNER, Block, energy_change, lifted, mesh_of, turned
 
@@ -53,7 +54,8 @@ def evaluate(lab):
 
 
 def check_refusal(lab, run):
-    """Bodies that overlap by more than the reach of contact must be refused; they would pass through each other."""
+    """Bodies that overlap by more than the reach of contact must be refused; they would pass
+    through each other."""
     lab.check(run.code in (2, 3), 1, 0, "too_deep_is_refused")
     if run.code == 0:
         lab.weak_spot("bodies that overlap at the start by more than the reach of the search pass through each other without an error")

@@ -1,7 +1,8 @@
-"""H8: Bricks in running bond, all faces flush and coplanar, without gap and friction. A whole course hits another at 0.01 c: the
-pressure is uniform, so with nu = 0 it is the impact of two bars, and no brick may be pushed along its course, least of all at the
-joints. Then a course of two bricks, shifted by half a brick, hits the other (the overhanging brick tilts), slides along it, presses
-and slides at once, and leaves it."""
+"""H8: Bricks in running bond, all faces flush and coplanar, without gap and friction. A whole
+course hits another at 0.01 c: the pressure is uniform, so with nu = 0 it is the impact of two bars,
+and no brick may be pushed along its course, least of all at the joints. Then a course of two
+bricks, shifted by half a brick, hits the other (the overhanging brick tilts), slides along it,
+presses and slides at once, and leaves it."""
 import numpy as np
 from _hard import energy_change
 from framework.meshes import bodies, nodal_masses
@@ -46,10 +47,12 @@ def level(lab):
     """Impact of a course of a half, a whole and a half brick on two whole bricks."""
     run = lab.run("level", deck=lab.deck_path.with_name("h08_level_course.toml"))
     history = run.history
-    # Faces bend at joints; a node in contact with a side face would leave at the speed of the impact.
+    # Faces bend at joints; a node in contact with a side face would leave at the speed of the
+    # impact.
     lab.check(side_momentum(run) / 0.01, 0, 1e-4, "no_brick_leaves_sideways")
     lab.check(np.abs(energy_change(history)).max(), 0, 2e-3, "energy_of_the_level_impact")
-    # Waves through bricks of height 1 and back, and the spring of the penalty, as in V2 with 4 elements.
+    # Waves through bricks of height 1 and back, and the spring of the penalty, as in V2 with 4
+    # elements.
     pressed = history["time"][history["contacts"] > 100]
     lab.check(np.ptp(pressed), 2.0, 0.3, "contact_time")
 

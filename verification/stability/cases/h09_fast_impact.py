@@ -1,6 +1,7 @@
-"""H9: A cube of one element approaches another so fast that it moves by 0.05 to 0.9 of its size in a stable step: between two steps
-a node, or the whole body, could pass a face. The guard must cut the step so that they collide, with momentum and energy conserved,
-or the run must stop with the reason; without the guard, the cube passes through the other."""
+"""H9: A cube of one element approaches another so fast that it moves by 0.05 to 0.9 of its size in
+a stable step: between two steps a node, or the whole body, could pass a face. The guard must cut
+the step so that they collide, with momentum and energy conserved, or the run must stop with the
+reason; without the guard, the cube passes through the other."""
 import numpy as np
 from _hard import Block, check_stop, energy_change, mesh_of
 
@@ -12,7 +13,8 @@ STEP = 0.506  # stable step of the cube at safety 0.8, rounded down
 
 
 def throw(lab, label, share, settings=None, expect=None):
-    """The cube moves by `share` of its size in a stable step of 0.506 edge lengths/c; the gap is 0.7 of a cube."""
+    """The cube moves by `share` of its size in a stable step of 0.506 edge lengths/c; the gap is
+    0.7 of a cube."""
     speed = share / STEP
     blocks = (Block("low", elements=(1, 1, 1)), Block("high", (0.1, 0.05, 1.7), elements=(1, 1, 1)))
     run = lab.run(label, {"initial.velocity[0].velocity": [0, 0, -speed], "time.end": 3.0 / speed + 1.0, **(settings or {})},
@@ -35,8 +37,9 @@ def evaluate(lab):
         momentum = np.abs(run.vector("momentum")[:, 2] + speed).max() / speed
         rows.append([share, speed, run.code, history["timestep"][0], history["timestep"].min(), height(run),
                      np.abs(energy).max(), momentum, int(history["contacts"].max())])
-        # A run that ends normally must not have cubes that passed through each other; one that stops must give the reason. At the speed
-        # of sound a cube of one element that is hit at a corner folds and tumbles past the other one.
+        # A run that ends normally must not have cubes that passed through each other; one that
+        # stops must give the reason. At the speed of sound a cube of one element that is hit at a
+        # corner folds and tumbles past the other one.
         passed_through += run.code == 0 and height(run) < 0.3 and speed < 0.5
         if run.code == 0 and speed >= 0.5 and height(run) < 0.3:
             lab.weak_spot(f"at {speed:.2g} c cubes of one element fold where they meet and tumble past each other")

@@ -1,6 +1,7 @@
-"""H10: Two cubes of 4 x 4 x 4 elements with a gap of 0.001 to 0.09 elements, less than the reach of the search (0.1): candidates, but
-not in contact. At rest and while they separate there must be no force: neither prestress nor adhesion. While the gap closes at
-0.005 c, there must be no force in any step before it is closed, and a force in the step in which it closes. The scenes are face to
+"""H10: Two cubes of 4 x 4 x 4 elements with a gap of 0.001 to 0.09 elements, less than the reach of
+the search (0.1): candidates, but not in contact. At rest and while they separate there must be no
+force: neither prestress nor adhesion. While the gap closes at 0.005 c, there must be no force in
+any step before it is closed, and a force in the step in which it closes. The scenes are face to
 face and edge to edge."""
 import numpy as np
 from _hard import Block, energy_change, lifted, mesh_of, turned

@@ -1,7 +1,8 @@
-"""H11: A clamped block of 12 x 12 x 8 elements is displaced at one node by a tenth of an element. This is the worst load for
-one-point elements, which have twelve zero-energy modes. The share of the hourglass energy is reported, and the fields are compared
-with those of elements of 2x2x2 points: there must be no checkerboard, a displacement that alternates along the surface and does not
-decay away from the load, and away from the load the shape of the dent must be the same."""
+"""H11: A clamped block of 12 x 12 x 8 elements is displaced at one node by a tenth of an element.
+This is the worst load for one-point elements, which have twelve zero-energy modes. The share of the
+hourglass energy is reported, and the fields are compared with those of elements of 2x2x2 points:
+there must be no checkerboard, a displacement that alternates along the surface and does not decay
+away from the load, and away from the load the shape of the dent must be the same."""
 import numpy as np
 from _hard import energy_change
 from framework.meshes import box
@@ -29,7 +30,8 @@ def top(run):
 
 
 def checkerboard(surface):
-    """The part that alternates from node to node along both directions [cell]: (u00 - u10 - u01 + u11)/4."""
+    """The part that alternates from node to node along both directions [cell]: (u00 - u10 - u01 +
+    u11)/4."""
     return (surface[:-1, :-1] - surface[1:, :-1] - surface[:-1, 1:] + surface[1:, 1:]) / 4
 
 
@@ -44,7 +46,8 @@ def evaluate(lab):
         x, y = np.meshgrid(*[np.arange(n + 1) for n in SIZE[:2]])
         away = np.hypot(x - where[0], y - where[1]) >= 3
         far, reference = surfaces["tlps"][away], surfaces["full"][away]
-        # The node moves by a tenth of an element under forces that differ; away from it the fields differ by the ratio of these.
+        # The node moves by a tenth of an element under forces that differ; away from it the fields
+        # differ by the ratio of these.
         force = (far @ reference) / (reference @ reference)
         shape = np.abs(far - force * reference).max() / np.abs(far).max()
         cells = np.hypot(x[:-1, :-1] + 0.5 - where[0], y[:-1, :-1] + 0.5 - where[1]) >= 3
@@ -53,7 +56,8 @@ def evaluate(lab):
                      np.abs(energy_change(runs["tlps"].history)).max()])
         profiles[name] = (surfaces, where)
     lab.check(max(row[6] for row in rows), max(row[7] for row in rows), 5e-3, error=max(row[6] - row[7] for row in rows))
-    # A load at one node has a width of h: at a distance of r = 3 h its field is determined to (h/r)^2.
+    # A load at one node has a width of h: at a distance of r = 3 h its field is determined to
+    # (h/r)^2.
     lab.check(max(row[5] for row in rows), 0, 1 / 9, "shape_away_from_the_load")
     lab.check(max(row[8] for row in rows), 0, 1e-3, "energy")
     lab.check(max(row[2] for row in rows), 0, 0.5, "hourglass_share")

@@ -1,6 +1,7 @@
-"""H12: Two free bricks of 2 x 1 x 1 spin side by side for 100,000 steps, with a gap of 0.16 where their corners pass and with search
-and contact on. Central differences do not conserve the energy exactly in finite rotation, but conserve an energy within O(dt^2) of
-it: its mean must not drift. Momenta are exact, the bricks must not grow, and there must be no contact."""
+"""H12: Two free bricks of 2 x 1 x 1 spin side by side for 100,000 steps, with a gap of 0.16 where
+their corners pass and with search and contact on. Central differences do not conserve the energy
+exactly in finite rotation, but conserve an energy within O(dt^2) of it: its mean must not drift.
+Momenta are exact, the bricks must not grow, and there must be no contact."""
 import numpy as np
 from framework.meshes import box, together
 
@@ -29,7 +30,8 @@ def evaluate(lab):
     lab.check(history["ledger_residual"].max(), 0, 1e-12, "ledger")
     lab.check(history["contacts"].max(), 0, 0, "no_contact")
     lengths = np.array([length(run, step) for step in range(len(run.results.times))])
-    # The static extension by rotation is rho w^2 L^2/(12 E); the vibration multiplies it by up to 4.
+    # The static extension by rotation is rho w^2 L^2/(12 E); the vibration multiplies it by up to
+    # 4.
     stretch = 0.0894427**2 * 4 / 12
     lab.check(lengths[1:].max() / 2 - 1, 0, 4 * stretch, "growth", error=abs(lengths[1:] / 2 - 1).max())
     turns = 0.0894427 * history["time"][-1] / (2 * np.pi)

@@ -1,7 +1,9 @@
-"""H13: A light block between heavy ones of a thousand times its mass: it is smaller (elements a tenth as long, or a single element
-on the middle of a face) or less dense. When a heavy block hits it, it must leave at no more than 2 V, apart from its vibration. When
-two heavy blocks squeeze it until they come to rest, a friction of 0.3 must hold it. (Without friction it may leave sideways: the dent
-in faces of coarse elements has a slope of half a percent, enough for a thousandth of the mass.)"""
+"""H13: A light block between heavy ones of a thousand times its mass: it is smaller (elements a
+tenth as long, or a single element on the middle of a face) or less dense. When a heavy block hits
+it, it must leave at no more than 2 V, apart from its vibration. When two heavy blocks squeeze it
+until they come to rest, a friction of 0.3 must hold it. (Without friction it may leave sideways:
+the dent in faces of coarse elements has a slope of half a percent, enough for a thousandth of the
+mass.)"""
 import numpy as np
 from _hard import energy_change
 from framework.meshes import box, nodal_masses, together
@@ -14,7 +16,8 @@ HIT, SQUEEZE = 0.01, 0.002
 
 
 def scene(kind):
-    """(mesh, settings, density of the light block). Heavy cubes of 4^3 elements, a gap of 0.001 on either side."""
+    """(mesh, settings, density of the light block). Heavy cubes of 4^3 elements, a gap of 0.001 on
+    either side."""
     edge, elements, settings = {"a tenth of the size": (0.1, (4, 4, 4), {}),
                                 "a tenth of the size, one element": (0.1, (1, 1, 1), {}),
                                 "a thousandth of the density": (1.0, (4, 4, 4), {"material.light.density": 1e-3})}[kind]

@@ -1,10 +1,12 @@
-"""H14: The time step at 0.95 to 1.01 of the true bound. A plate of one element (a << b, nu = 0, St.Venant-Kirchhoff) is held in its
-thickness, so its fastest mode is the shear across it, omega^2 = (8/rho) G_1 (mu + S), G_1 = 1/(2 a^2). Under a stretch F of the
-thickness S = mu (F^2 - 1), so chi = omega dt/2 = F/sqrt(2) at the step a/c of the unstretched plate. The stretch is applied within
-the first step, so that chi is set exactly, also beyond 1, before the first check of the step. Central differences from x = 0 at the
-speed v0 then give v^{n+1/2} = v0 cos((n + 1/2) theta)/cos(theta/2), cos theta = 1 - 2 chi^2: the kinetic energy stays below
-K_0/(1 - chi^2) for chi < 1, is (2 n + 1)^2 K_0 at 1, and beyond grows by 4 arcosh(chi) in the exponent each step. A scheme with
-hidden damping has no such sharp limit. With checks the program must detect the stretch and shorten its step."""
+"""H14: The time step at 0.95 to 1.01 of the true bound. A plate of one element (a << b, nu = 0,
+St.Venant-Kirchhoff) is held in its thickness, so its fastest mode is the shear across it, omega^2 =
+(8/rho) G_1 (mu + S), G_1 = 1/(2 a^2). Under a stretch F of the thickness S = mu (F^2 - 1), so chi =
+omega dt/2 = F/sqrt(2) at the step a/c of the unstretched plate. The stretch is applied within the
+first step, so that chi is set exactly, also beyond 1, before the first check of the step. Central
+differences from x = 0 at the speed v0 then give v^{n+1/2} = v0 cos((n + 1/2) theta)/cos(theta/2),
+cos theta = 1 - 2 chi^2: the kinetic energy stays below K_0/(1 - chi^2) for chi < 1, is (2 n + 1)^2
+K_0 at 1, and beyond grows by 4 arcosh(chi) in the exponent each step. A scheme with hidden damping
+has no such sharp limit. With checks the program must detect the stretch and shorten its step."""
 import numpy as np
 from _hard import check_stop
 from framework.meshes import box
@@ -60,13 +62,14 @@ def evaluate(lab):
 
 
 def stop(lab):
-    """Beyond the bound the run must stop with the reason; checks of the step must keep it below the bound."""
+    """Beyond the bound the run must stop with the reason; checks of the step must keep it below the
+    bound."""
     # The stretch of 43 % in one step is itself an energy error of this order.
     beyond = run_at(lab, "stopped", 1.01, 4000, {"limits.energy_error": 0.5}, expect=None)
     check_stop(lab, beyond, ["in step"], "stops_beyond_the_bound")
     checked = run_at(lab, "checked", 1.01, 4000, {"time.check_interval": 5})
     steps = checked.history["timestep"]
-    # The bound does not depend on held nodes: the stiffness against stretching is E (3 F^2 - 1)/2. A shortened step has a
-    # reserve of a tenth.
+    # The bound does not depend on held nodes: the stiffness against stretching is E (3 F^2 - 1)/2.
+    # A shortened step has a reserve of a tenth.
     lab.check(steps[-1] / THICKNESS, 0.9 / np.sqrt((6 * 1.01**2 - 1) / 2), 1e-3, "checks_shorten_the_step")
     lab.check(checked.history["kinetic_energy"][10:].max() < 1e3 * checked.history["kinetic_energy"][10], 1, 0, "checks_keep_it_stable")

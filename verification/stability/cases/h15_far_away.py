@@ -1,8 +1,10 @@
-"""H15: Positions with the resolution of floats. The program computes in doubles only. The effect of floats on contact shows far from
-the origin: at 2^29 edge lengths, doubles have the spacing of floats near it (2^-23 for positions about 1). All coordinates are
-multiples of 2^-10, so the bodies are equal bit by bit. Elements depend on displacements only: a free vibrating block must not differ
-by a bit. Contact depends on positions X + u: an impact there and one at 2^10 edge lengths must equal that at the origin to rounding,
-with penetrations of about 1e-3, and blocks at rest on each other must not chatter."""
+"""H15: Positions with the resolution of floats. The program computes in doubles only. The effect of
+floats on contact shows far from the origin: at 2^29 edge lengths, doubles have the spacing of
+floats near it (2^-23 for positions about 1). All coordinates are multiples of 2^-10, so the bodies
+are equal bit by bit. Elements depend on displacements only: a free vibrating block must not differ
+by a bit. Contact depends on positions X + u: an impact there and one at 2^10 edge lengths must
+equal that at the origin to rounding, with penetrations of about 1e-3, and blocks at rest on each
+other must not chatter."""
 import numpy as np
 from _hard import Block, energy_change, mesh_of
 
@@ -42,7 +44,8 @@ def evaluate(lab):
                      rest.history["kinetic_energy"].max()])
     lab.check(rows[2][2], 0, 0)
     for row in rows[1:]:
-        # Penetrations of about 1e-3 are rounded to the spacing of positions; forces are proportional to them.
+        # Penetrations of about 1e-3 are rounded to the spacing of positions; forces are
+        # proportional to them.
         lab.check(row[3], 0, max(1e3 * row[1], 1e-12), f"impact_at_{row[0].replace('^', '_')}")
     lab.check(max(row[5] for row in rows), 0, 5e-3, "energy_of_impacts")
     lab.check(max(row[7] for row in rows), 0, 0, "rest_stays_rest")

@@ -1,8 +1,9 @@
-"""H16: A wall of 4 x 5 bricks in running bond, friction 0.6, stands under its own weight for 20,000 steps; each brick touches up to
-six others, and joints open and close all the time. The weight acts at once, and nothing but friction dissipates: the energy must not
-drift, bricks must not creep along their joints, displacements must not ratchet. With mass-proportional damping the wall must come to
-rest, and each course must carry exactly the weight above it. Runs without friction and with the plain penalty scheme are for
-comparison."""
+"""H16: A wall of 4 x 5 bricks in running bond, friction 0.6, stands under its own weight for 20,000
+steps; each brick touches up to six others, and joints open and close all the time. The weight acts
+at once, and nothing but friction dissipates: the energy must not drift, bricks must not creep along
+their joints, displacements must not ratchet. With mass-proportional damping the wall must come to
+rest, and each course must carry exactly the weight above it. Runs without friction and with the
+plain penalty scheme are for comparison."""
 import numpy as np
 from _hard import energy_change
 from framework.meshes import bodies, nodal_masses
@@ -52,8 +53,9 @@ def evaluate(lab):
     wall = by_name["friction 0.6"]
     lab.check(wall[1], 0, 3e-3)
     lab.check(wall[2], 0, 1e-3, "drift_of_the_second_half")
-    # The first oscillation lifts the uppermost bricks, which land with an offset. From then on friction must hold them: their motion
-    # must be a part of the settlement rho g H^2/(2 E), with which the wall oscillates.
+    # The first oscillation lifts the uppermost bricks, which land with an offset. From then on
+    # friction must hold them: their motion must be a part of the settlement rho g H^2/(2 E), with
+    # which the wall oscillates.
     courses = (settings.get("wall.bricks") or lab.deck["wall"]["bricks"])[2]
     settlement = DENSITY * GRAVITY * (HEIGHT * courses)**2 / (2 * MODULUS)
     lab.check(wall[6] / settlement, 0, 0.5, "creep_over_settlement")
@@ -72,7 +74,8 @@ def evaluate(lab):
 
 
 def check_rest(lab, wall, row):
-    """At rest each joint carries the weight above it: the contact forces on the courses above sum to their weight."""
+    """At rest each joint carries the weight above it: the contact forces on the courses above sum
+    to their weight."""
     results = wall.run.results
     forces = results.nodal("force_contact")
     errors = []

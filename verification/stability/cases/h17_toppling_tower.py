@@ -1,8 +1,10 @@
-"""H17: A tower of six bricks, each twisted relative to the one below, topples onto a slab with friction 0.4: bricks slide off each
-other, land on corners and edges, tumble and come to rest on each other, with about ten thousand activations of contacts in thirteen
-thousand steps. The energy including frictional dissipation must stay, as must the momenta including the reactions, and no two bricks,
-as boxes fitted to them, may overlap by more than the compliance of contact explains. Other twists give other heaps. Runs without
-edge-to-edge contact, with the plain penalty scheme, and without friction are for comparison."""
+"""H17: A tower of six bricks, each twisted relative to the one below, topples onto a slab with
+friction 0.4: bricks slide off each other, land on corners and edges, tumble and come to rest on
+each other, with about ten thousand activations of contacts in thirteen thousand steps. The energy
+including frictional dissipation must stay, as must the momenta including the reactions, and no two
+bricks, as boxes fitted to them, may overlap by more than the compliance of contact explains. Other
+twists give other heaps. Runs without edge-to-edge contact, with the plain penalty scheme, and
+without friction are for comparison."""
 import numpy as np
 from _hard import Block, depth, energy_change
 from framework.meshes import bodies, box, rotation, together
@@ -29,7 +31,8 @@ def tower(count, twist, tilt=18.0):
 
 
 def fitted(nodes, reference):
-    """(centre, rotation) of a brick that has moved from `reference` to `nodes`, by least squares (Kabsch)."""
+    """(centre, rotation) of a brick that has moved from `reference` to `nodes`, by least squares
+    (Kabsch)."""
     center, old_center = nodes.mean(axis=0), reference.mean(axis=0)
     u, _, v = np.linalg.svd((reference - old_center).T @ (nodes - center))
     return center, (u @ np.diag([1, 1, np.sign(np.linalg.det(u @ v))]) @ v).T
@@ -74,7 +77,8 @@ def evaluate(lab):
         energy = curves[name] = (history["time"], energy_change(history))
         into, when = deepest(run, twist, count)
         jumps = np.abs(np.diff(energy[1]))
-        # The energy of a half step depends on its length; a row contains the length of the next step.
+        # The energy of a half step depends on its length; a row contains the length of the next
+        # step.
         is_cut = np.diff(history["timestep"], prepend=history["timestep"][0])[:-1] != 0
         activations = np.maximum(np.diff(history["contacts"]), 0).sum()
         rows.append([name, energy[1][-1], np.abs(energy[1]).max(), jumps[~is_cut].max(), jumps[is_cut].max(initial=0.0), into, float(when), int(activations),
@@ -83,8 +87,8 @@ def evaluate(lab):
     judged = [row for row in rows if row[0] in ("twist 7", "twist 23", "twist 41")]
     lab.check(max(row[2] for row in judged), 0, 5e-3)
     lab.check(max(row[3] for row in judged), 0, 1e-3, "energy_in_one_step")
-    # A brick of M = 4 kg falls by at most 0.6 m, v = 3.4 m/s; the softest contact, of edges, has k = s m/(2 dt^2) = 8e5 N/m and a
-    # penetration of v sqrt(M/k) = 7.6 mm.
+    # A brick of M = 4 kg falls by at most 0.6 m, v = 3.4 m/s; the softest contact, of edges, has k
+    # = s m/(2 dt^2) = 8e5 N/m and a penetration of v sqrt(M/k) = 7.6 mm.
     lab.check(max(row[5] for row in judged), 0, 0.15, "overlap_of_bricks")
     lab.check(max(row[9] for row in rows), 0, 1e-12, "momentum")
     lab.check(max(row[10] for row in rows), 0, 1e-12, "angular_momentum")

@@ -1,6 +1,7 @@
-"""H18: A course of bricks slides without friction over the flush head joints of the course below. Its weight presses each brick
-below its neighbour by 1e-9 of a length. The lower edges of the bricks must not catch there: nodes and faces of bodies that share no
-more than an edge are not in contact."""
+"""H18: A course of bricks slides without friction over the flush head joints of the course below.
+Its weight presses each brick below its neighbour by 1e-9 of a length. The lower edges of the bricks
+must not catch there: nodes and faces of bodies that share no more than an edge are not in
+contact."""
 import numpy as np
 from _hard import energy_change
 
