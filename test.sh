@@ -13,15 +13,15 @@ if command -v clang-format >/dev/null; then
     git ls-files -z '*.cpp' '*.hpp' 2>/dev/null ||
       find contact mechanics io miniapp tests verification -name '*.[ch]pp' -print0
   } | xargs -0 clang-format --dry-run -Werror || format=wrong
-  [[ $format == right ]] || echo "test.sh: the format is wrong in the places above; clang-format -i mends it"
+  [[ $format == right ]] || echo "test.sh: the format is wrong in the places above; clang-format -i corrects it"
 else
-  echo "test.sh: clang-format is not here; the format is not checked"
+  echo "test.sh: clang-format is not installed; the format is not checked"
 fi
 
 passed=true
 ctest --preset default --parallel 2 "$@" || passed=false
 if [[ $format == wrong ]]; then
-  echo "test.sh: the format is wrong; the places are named above the tests"
+  echo "test.sh: the format is wrong; the places are listed above the tests"
   exit 1
 fi
 $passed

@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Builds parts of Debian's Trilinos source package, once, into a cache outside the source tree;
 # sourced by build_trilinos.sh and build_stk.sh.
 #
@@ -6,6 +7,7 @@
 # anew. JOBS (default: all cores) limits the number of compilers that run at once.
 
 # Options that all parts share.
+# shellcheck disable=SC2034
 trilinos_options=(
   -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON
   -DCMAKE_CXX_STANDARD=17 -DKokkos_CXX_STANDARD=17
