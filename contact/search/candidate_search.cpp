@@ -59,7 +59,7 @@ void keepSweptBoxes(const exec_space& space, const Surface& surface,
 
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
     : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
-      _local(withMargin(config, margin)) {
+      _local(_global) {
   configure(config);
 }
 
@@ -77,7 +77,6 @@ void CandidateSearch::configure(const SearchConfig& config) {
   _config = config;
   const SearchConfig wide = withMargin(config, _margin);
   _global.configure(wide);
-  _local.configure(wide);
   _local.setStepTest({_margin > 0, config.node_tolerance, config.face_tolerance});
   _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
                                                   wide.face_tolerance - config.face_tolerance);
@@ -91,7 +90,7 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Sur
                                               double motion) {
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
   if (!_has_pairs)
-    _local.findCandidatePairs(space, surface, _global);
+    _local.findCandidatePairs(space, surface);
   _has_pairs = true;
   return _local.pairs();
 }
@@ -106,7 +105,7 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   ++_updates;
   bool may_keep = false;
   if (_margin > 0) {
-    const Region region("measureMotion");
+    const Region region("contact::measureMotion");
     const double here =
         hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL; // of no nodes it is below
     may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
@@ -125,7 +124,7 @@ bool CandidateSearch::hasListsOf(const Surface& surface) const {
 double CandidateSearch::largestMotion(const exec_space& space, const Surface& surface) const {
   if (_margin == 0 || !hasListsOf(surface))
     return HUGE_VAL;
-  const Region region("measureMotion");
+  const Region region("contact::measureMotion");
   return motionOutOf(space, _searched_at, surface);
 }
 

@@ -33,6 +33,8 @@ public:
   // larger by it and kept until nodes have left their swept boxes by half of it; 0 searches in every step. Throws InputError
   // for a tolerance or a margin that is negative or not finite.
   CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
+  CandidateSearch(const CandidateSearch&) = delete;
+  CandidateSearch& operator=(const CandidateSearch&) = delete;
 
   // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin the pairs are those of
   // a search in this step and more, which CandidatePairs::step_test tells apart; the order of rows is that of the last
@@ -58,7 +60,7 @@ public:
   // its coordinates has changed. On one rank or more.
   void forget() {
     _has_lists = false;
-    _global.clusters().orderAgain();
+    _global.forget();
   }
 
   // The tolerances of SearchConfig from the next update() on, the same on all ranks; it searches if they have changed.

@@ -7,7 +7,7 @@
 namespace brickwall::contact {
 namespace {
 
-// What phase 1 reduces over the nodes: the rank box and the nodes that have no place.
+// The reduction over the nodes: the rank box, and the nodes with coordinates that are not finite.
 struct NodeReduction {
   Box box;
   std::int64_t num_invalid = 0;
@@ -27,7 +27,7 @@ KOKKOS_INLINE_FUNCTION bool isFinite(const Vec3& x) {
 
 void constructNodeBoxes(const exec_space& space, const Surface& surface, double tolerance,
                         SurfaceBoxes& boxes) {
-  const Region region("search::node boxes");
+  const Region region("contact::search::node boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   const auto ids = surface.node_ids;
   const auto owned = surface.node_is_owned;
@@ -37,7 +37,7 @@ void constructNodeBoxes(const exec_space& space, const Surface& surface, double 
       "contact::constructBoxes::nodes", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, NodeReduction& all) {
         const Vec3 a = rowOf(x_old, node), b = rowOf(x_new, node);
-        if (!isFinite(a) || !isFinite(b)) { // a face may use the node even where it is not owned
+        if (!isFinite(a) || !isFinite(b)) { // counted on every rank that has it: a face may use it
           ++all.num_invalid;
           all.first_invalid = minOf(all.first_invalid, ids(node));
         }
@@ -54,7 +54,7 @@ void constructNodeBoxes(const exec_space& space, const Surface& surface, double 
 
 void constructFaceBoxes(const exec_space& space, const Surface& surface, double tolerance,
                         SurfaceBoxes& boxes) {
-  const Region region("search::face boxes");
+  const Region region("contact::search::face boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   const auto face_to_nodes = surface.face_to_nodes;
   const auto face_boxes = boxes.face_boxes;
@@ -73,7 +73,7 @@ void constructFaceBoxes(const exec_space& space, const Surface& surface, double 
 
 void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes) {
-  const Region region("constructBoxes");
+  const Region region("contact::constructBoxes");
   {
     const Region allocation("search::allocation");
     growTo(space, boxes.node_boxes, surface.num_nodes);

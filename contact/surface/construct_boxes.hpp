@@ -1,4 +1,4 @@
-// Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes that hold them.
+// Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes that contain them.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -7,14 +7,18 @@
 
 namespace brickwall::contact {
 
-struct SurfaceBoxes {
-  // B_n [node]; the empty box where not owned
-  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes", 0};
-  View<Box*> face_boxes{"contact::SurfaceBoxes::faces", 0}; // B_f [face]
+// What a rank sends to all others in phase 2.
+struct OwnRankBoxes {
   Box node_box; // Bbar_n
   Box face_box; // Bbar_f
   std::int64_t num_invalid = 0; // nodes with a coordinate that is NaN or infinite
-  global_id first_invalid = 0; // smallest global id of those
+  global_id first_invalid = 0; // smallest global id of these
+};
+
+struct SurfaceBoxes : OwnRankBoxes {
+  // B_n [node]; the empty box where not owned
+  View<Box*> node_boxes{"contact::SurfaceBoxes::nodes", 0};
+  View<Box*> face_boxes{"contact::SurfaceBoxes::faces", 0}; // B_f [face]
 };
 
 // Box of a node over the step.
@@ -26,7 +30,7 @@ KOKKOS_INLINE_FUNCTION Box nodeBox(const Vec3& x_old, const Vec3& x_new, double 
   return box;
 }
 
-// Box of a face over the step. Every method's face boxes are these, the same bits.
+// Box of a face over the step. All search methods use these boxes, bit for bit.
 KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
                                    const View<const double* [3]>& x_new,
                                    const View<const int* [4]>& face_to_nodes, std::int64_t face,
@@ -41,7 +45,7 @@ KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
   return box;
 }
 
-// Box of a ghost over the step, its coordinates [ghost][3 * corner + xyz]: the same bits as its owner's.
+// Box of a ghost over the step, with coordinates [ghost][3 * corner + xyz]: the same bits as on its owner.
 KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
                                     const GhostFaces::CornerCoordinates& x_new, std::int64_t ghost,
                                     double tolerance) {
@@ -54,7 +58,7 @@ KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
   return box;
 }
 
-// Fills `boxes` from the surface. Invalid coordinates are counted, not thrown: the ranks decide in phase 2.
+// Fills `boxes` from the surface. Coordinates that are not finite are counted; the ranks decide together in phase 2.
 void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes);
 

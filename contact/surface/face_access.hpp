@@ -1,8 +1,8 @@
 // One way to read a candidate face, whether it is this rank's own or a ghost: both give the same bits.
 #pragma once
 
-#include "contact/enforcement/law/contact_history.hpp"
 #include "contact/surface/construct_boxes.hpp"
+#include "contact/surface/contact_point.hpp"
 #include "contact/surface/projection.hpp"
 #include "contact/surface/surface.hpp"
 

@@ -2,13 +2,13 @@
 // make, and what the results writer writes. Global ids are 0-based here (files add one).
 #pragma once
 
+#include "contact/base/backend.hpp"
+
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace brickwall::io {
-
-using global_id = std::int64_t;
 
 // Element block. The list of blocks is the same, in the same order, on every rank.
 struct Block {

@@ -145,7 +145,7 @@ private:
   }
 
   static constexpr const char* whole = "search";
-  static constexpr const char* global = "findGhosts";
+  static constexpr const char* global = "contact::findGhosts";
   static constexpr const char* local = "search::local search";
 
   MPI_Comm _comm;

@@ -3,24 +3,12 @@
 #pragma once
 
 #include "contact/base/vec3.hpp"
+#include "contact/surface/contact_point.hpp"
 
 namespace brickwall::contact {
 
 // Most bodies that one node can touch at once; more are counted and reported.
 constexpr int max_interactions = 8;
-
-// The point that pushes a face: a surface node, or a point of the edge between two of them.
-struct ContactPoint {
-  int node[2] = {-1, -1}; // surface nodes
-  double share = 0; // of the second node; 0 for a node
-
-  KOKKOS_INLINE_FUNCTION bool isNode() const { return node[0] == node[1]; }
-};
-KOKKOS_INLINE_FUNCTION ContactPoint atNode(int node) {
-  ContactPoint point;
-  point.node[0] = point.node[1] = node;
-  return point;
-}
 
 // One node (or edge) against one body. P is the penetration, n the outward normal of the face.
 struct Interaction {

@@ -123,7 +123,7 @@ void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& 
                                         const PartnerLists& blocks_to_test,
                                         const PartnerMessages& node_boxes,
                                         BlockGhostSearch& search) {
-  const Region region("searchLocalFacesAgainstRemoteNodes");
+  const Region region("contact::searchLocalFacesAgainstRemoteNodes");
   const Region timer("search::search 2");
   auto& lists = search.faces_to_send;
   lists.ranks = blocks_to_test.ranks;

@@ -129,12 +129,12 @@ void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
 
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
-  const Region region("findPartnersAndCandidates");
+  const Region region("contact::findPartnersAndCandidates");
   {
     const Region timer("search::partners");
-    findPartners(clusters.nodeBox(), rank_boxes.face_boxes, rank_boxes.rank,
+    findPartners(clusters.rankBoxes().node_box, rank_boxes.face_boxes, rank_boxes.rank,
                  candidates.nodes_to_send.ranks);
-    findPartners(clusters.faceBox(), rank_boxes.node_boxes, rank_boxes.rank,
+    findPartners(clusters.rankBoxes().face_box, rank_boxes.node_boxes, rank_boxes.rank,
                  candidates.blocks_to_test.ranks);
   }
   const Region timer("search::searches 0 and 1");

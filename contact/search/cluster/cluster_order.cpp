@@ -4,7 +4,7 @@
 #include "contact/search/exchange/partner_lists.hpp"
 #include "contact/search/spatial/hilbert.hpp"
 #include "contact/search/spatial/radix_sort.hpp"
-#include "contact/surface/row_order.hpp"
+#include "contact/surface/candidate_rows.hpp"
 
 #include <algorithm>
 #include <vector>

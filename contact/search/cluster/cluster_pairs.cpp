@@ -143,15 +143,13 @@ void ClusterPairs::find(const exec_space& space, const Surface& surface, const G
     return counts;
   };
   ++pairs.version;
-  _counts = search(false);
-  if (_counts.overflowed > 0) {
-    checkedInt(_counts.largest + _counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
+  const PairCounts counts = search(false);
+  if (counts.overflowed > 0) {
+    checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     makeRoom(space, order.num_clusters, pairs);
-    const PairCounts repeated = search(true);
-    _counts.blocks += repeated.blocks;
-    _counts.faces += repeated.faces;
+    search(true);
   }
-  pairs.count = _counts.pairs;
+  pairs.count = counts.pairs;
   pairs.num_rows = surface.num_nodes;
 }
 

@@ -5,18 +5,14 @@
 
 namespace brickwall::contact {
 
-// Work of the last search on this rank.
+// The result of a search on this rank.
 struct PairCounts {
   std::int64_t pairs = 0;
-  std::int64_t blocks = 0; // blocks of eight faces looked at, for a cluster of nodes each
-  std::int64_t faces = 0; // faces tested against a cluster of nodes
-  std::int64_t overflowed = 0; // clusters whose rows did not fit the place they had
-  std::int64_t largest = 0; // pairs of one cluster, of those with long rows or ghosts
+  std::int64_t overflowed = 0; // clusters whose rows exceeded their capacity
+  std::int64_t largest = 0; // most pairs of one cluster, among those with long rows or ghosts
 
   KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
     pairs += b.pairs;
-    blocks += b.blocks;
-    faces += b.faces;
     overflowed += b.overflowed;
     largest = maxOf(largest, b.largest);
     return *this;
@@ -31,8 +27,6 @@ public:
   void find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
             const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
 
-  const PairCounts& counts() const { return _counts; }
-
 private:
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
   void makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
@@ -43,7 +37,6 @@ private:
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]
   std::int64_t _used = 0; // entries of pairs.faces that belong to a cluster
   std::int64_t _ordering = -1; // of the clusters, that the rows are laid out for
-  PairCounts _counts;
 };
 
 } // namespace brickwall::contact

@@ -4,9 +4,8 @@
 
 #include "contact/search/cluster/cluster_pairs.hpp"
 #include "contact/search/cluster/cluster_walk.hpp"
-#include "contact/surface/candidate_rules.hpp"
+#include "contact/surface/candidate_rows.hpp"
 #include "contact/surface/face_access.hpp"
-#include "contact/surface/row_order.hpp"
 
 namespace brickwall::contact {
 
@@ -148,9 +147,9 @@ struct FindRows {
                owned);
     Hits hits;
     visitBlocks(face_tree, nodes.all, near_faces,
-                [&](const std::int64_t block) { testOwnFaces(nodes, first, block, hits, sums); });
+                [&](const std::int64_t block) { testOwnFaces(nodes, first, block, hits); });
     visitBlocks(ghost_tree, nodes.all, near_ghosts,
-                [&](const std::int64_t block) { meetGhosts(nodes, block, hits, sums); });
+                [&](const std::int64_t block) { testGhosts(nodes, block, hits); });
     const bool is_long = hits.count > max_hits;
     if (!is_long)
       resolveFloatTies(nodes, first, hits);
@@ -233,8 +232,7 @@ struct FindRows {
   }
 
   KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
-                                           Hits& hits, PairCounts& sums) const {
-    ++sums.blocks;
+                                           Hits& hits) const {
     if (hits.count > max_hits)
       return;
     const float* const boxes = face_tree.block(0, block);
@@ -242,21 +240,18 @@ struct FindRows {
     bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
     for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
       const int lane = lowestBit(lanes);
-      ++sums.faces;
       append(hits, static_cast<int>(block) * block_size + lane,
              lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size) & ~own[lane]);
     }
   }
 
-  KOKKOS_INLINE_FUNCTION void meetGhosts(const NodeCluster& nodes, std::int64_t block, Hits& hits,
-                                         PairCounts& sums) const {
-    ++sums.blocks;
+  KOKKOS_INLINE_FUNCTION void testGhosts(const NodeCluster& nodes, std::int64_t block,
+                                         Hits& hits) const {
     if (hits.count > max_hits)
       return;
     const float* const boxes = ghost_tree.block(0, block);
     for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
       const int lane = lowestBit(lanes);
-      ++sums.faces;
       const unsigned near = lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size);
       hits.are_own &= near == 0;
       append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane, near);
@@ -308,16 +303,15 @@ struct FindRows {
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
                                           const Visit& visit) const {
-    PairCounts uncounted;
     Hits hits;
     walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
-      testOwnFaces(nodes, first, block, hits, uncounted);
+      testOwnFaces(nodes, first, block, hits);
       visitHits(nodes, first, hits, visit);
     });
     walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
-      meetGhosts(nodes, block, hits, uncounted);
+      testGhosts(nodes, block, hits);
       visitHits(nodes, first, hits, visit);
     });
   }

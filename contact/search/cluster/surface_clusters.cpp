@@ -228,18 +228,19 @@ void SurfaceClusters::order(const exec_space& space, const Surface& surface,
 
 // A surface that has left its place as a whole takes the origin along, so that floats stay fine.
 void SurfaceClusters::followSurface() {
-  if (_face_box.empty())
+  const Box& box = _rank_boxes.face_box;
+  if (box.empty())
     return;
-  const Vec3 centre = _face_box.centroid();
+  const Vec3 centre = box.centroid();
   for (int d = 0; d < 3; ++d)
-    if (std::fabs(centre[d] - _order.origin[d]) > 4 * (_face_box.upper[d] - _face_box.lower[d]) &&
+    if (std::fabs(centre[d] - _order.origin[d]) > 4 * (box.upper[d] - box.lower[d]) &&
         std::isfinite(centre[d]))
       _order.origin[d] = centre[d];
 }
 
 void SurfaceClusters::update(const exec_space& space, const Surface& surface,
                              const SearchConfig& config) {
-  const Region region("constructBoxes");
+  const Region region("contact::constructBoxes");
   // Bricks that part stretch the blocks that span them, and queries cost the more; a quarter more is worth a sort.
   constexpr double worn_out = 1.25;
   const bool same_bounds = config.node_tolerance == config.face_tolerance;
@@ -251,16 +252,18 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
     followSurface();
   {
     const Region timer("search::node boxes");
-    _sums = Sums();
+    Sums sums;
     Kokkos::parallel_reduce(
         "contact::SurfaceClusters::nodes", rangePolicy(space, _order.num_clusters),
         RefitCluster{surface.coordinates_old, surface.coordinates_new, _order.node_order,
                      _order.owned, surface.node_ids, _corner_bounds, _node_bounds, _cluster_bounds,
                      _order.origin, config.node_tolerance, config.face_tolerance, surface.num_nodes,
                      _same_bounds},
-        PlusReducer<Sums>(_sums));
+        PlusReducer<Sums>(sums));
     space.fence();
-    _node_box = boxAround(_sums.owned_nodes, _order.origin);
+    _rank_boxes.node_box = boxAround(sums.owned_nodes, _order.origin);
+    _rank_boxes.num_invalid = sums.num_invalid;
+    _rank_boxes.first_invalid = sums.first_invalid;
   }
   const Region timer("search::face boxes");
   const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};
@@ -280,7 +283,7 @@ void SurfaceClusters::update(const exec_space& space, const Surface& surface,
     _extent_when_ordered = _extent;
   }
   _forest.refitUpperLevels(space, 2);
-  _face_box = boxAround(boundsOfTree(space, _forest.tree(0)), _order.origin);
+  _rank_boxes.face_box = boxAround(boundsOfTree(space, _forest.tree(0)), _order.origin);
 }
 
 } // namespace brickwall::contact

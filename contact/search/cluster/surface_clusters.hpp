@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/search/cluster/cluster_order.hpp"
-#include "contact/surface/search_config.hpp"
+#include "contact/surface/construct_boxes.hpp"
 
 namespace brickwall::contact {
 
@@ -17,24 +17,17 @@ public:
   void orderAgain() { _is_ordered = false; }
 
   const ClusterOrder& order() const { return _order; }
-  // [node position][6] FloatBounds sides of every node's swept point +- face_tolerance: what face boxes are made of. The
-  // View has two floats more.
-  const View<float*>& cornerBounds() const { return _corner_bounds; }
-  // The same with node_tolerance: node boxes, owned or not.
+  // [node position][6] FloatBounds sides of every node box, whether the node is owned or not. The View has two floats more.
   const View<float*>& nodeBounds() const { return _same_bounds ? _corner_bounds : _node_bounds; }
-  const View<float*>& clusterBounds() const {
-    return _cluster_bounds;
-  } // [cluster][6], owned nodes only
+  // [cluster][6], owned nodes only
+  const View<float*>& clusterBounds() const { return _cluster_bounds; }
   const BoxTree& faceTree() const { return _forest.tree(0); } // items are faces, by position
 
-  // Boxes that hold Bbar_n and Bbar_f, tolerances included: a rounding of a float larger.
-  const Box& nodeBox() const { return _node_box; }
-  const Box& faceBox() const { return _face_box; }
-  std::int64_t numInvalid() const { return _sums.num_invalid; } // nodes that are not finite
-  global_id firstInvalid() const { return _sums.first_invalid; } // smallest global id of those
+  // The boxes contain Bbar_n and Bbar_f, tolerances included; they are larger by the rounding to floats.
+  const OwnRankBoxes& rankBoxes() const { return _rank_boxes; }
   std::int64_t numOrderings() const { return _num_orderings; }
 
-  // What is reduced over the nodes in every step. Public for the kernels only.
+  // The reduction over the nodes in every step. Public for the kernels only.
   struct Sums {
     FloatBounds owned_nodes; // with node_tolerance
     std::int64_t num_invalid = 0;
@@ -53,15 +46,16 @@ private:
   void order(const exec_space& space, const Surface& surface, const SearchConfig& config);
   void followSurface();
 
-  Surface
-      _surface; // of the last ordering: keeps managed Views alive, so that their addresses tell surfaces apart
+  // Of the last ordering. Keeps managed Views alive, so that surfaces can be told apart by the addresses of their Views.
+  Surface _surface;
   ClusterOrder _order;
   BoxForest _forest;
+  // [node position][6] FloatBounds sides of every node's swept point +- face_tolerance, from which the face boxes are made. The
+  // View has two floats more.
   View<float*> _corner_bounds{"contact::SurfaceClusters::corner_bounds", 0};
   View<float*> _node_bounds{"contact::SurfaceClusters::node_bounds", 0};
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
-  Sums _sums;
-  Box _node_box, _face_box;
+  OwnRankBoxes _rank_boxes;
   // Summed extents of the blocks of faces, length; one block counts at most _most_extent.
   double _extent = 0, _extent_when_ordered = 0, _most_extent = 0;
   std::int64_t _num_orderings = 0;

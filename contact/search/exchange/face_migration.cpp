@@ -1,5 +1,6 @@
 #include "contact/search/exchange/face_migration.hpp"
 
+#include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/vec3.hpp"
@@ -7,7 +8,7 @@
 namespace brickwall::contact {
 namespace {
 
-// A face as message words; attributes follow.
+// A face as message words; its attributes follow.
 enum Word : int { face_id, body, corner_ids, x_old = 6, x_new = 18, attributes = 30 };
 
 void packFaces(const exec_space& space, const Surface& surface, const PartnerLists& lists,
@@ -83,51 +84,22 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
 
 void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
-                  int num_attributes, SearchMethod method, FaceMigration& migration) {
-  const Region region("migrateFaces");
+                  int num_attributes, bool announces_sizes, FaceMigration& migration) {
+  const Region region("contact::migrateFaces");
   const Region timer("search::migration");
   auto& messages = migration.messages;
   const int width = attributes + num_attributes;
   packFaces(space, surface, faces_to_send, num_attributes, messages.buffers);
-  if (method == SearchMethod::cluster) {
-    messages.exchangeOfAnySize(space, comm, tags::face_migration, width, faces_to_send.ranks,
-                               faces_to_send.offsets, senders);
+  if (announces_sizes) {
+    messages.announceSizes(comm, tags::face_counts, faces_to_send.ranks, faces_to_send.offsets,
+                           senders);
+    messages.forward(space, comm, tags::face_migration, width);
   } else {
-    messages.agreeOnSizes(comm, tags::face_counts, faces_to_send.ranks, faces_to_send.offsets,
-                          senders);
-    messages.exchange(space, comm, tags::face_migration, width);
+    messages.forwardOfAnySize(space, comm, tags::face_migration, width, faces_to_send.ranks,
+                              faces_to_send.offsets, senders);
   }
   growGhosts(space, messages.receiveOffsets().back(), num_attributes, migration.ghosts);
   unpackFaces(space, num_attributes, messages.buffers, migration.ghosts);
-}
-
-void reverseSumGhostValues(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                           const View<const int* [4]>& face_to_nodes,
-                           const View<const std::int64_t* [12]>& ghost_values,
-                           FaceMigration& migration, const View<std::int64_t* [3]>& node_values) {
-  const Region region("reverseSumGhostValues");
-  auto& buffers = migration.messages.buffers;
-  const std::int64_t num_ghosts = migration.ghosts.count, num_sent = faces_sent.size();
-  growTo(space, buffers.send, num_ghosts * 12);
-  const auto to_owner = buffers.send;
-  Kokkos::parallel_for(
-      "contact::reverseSumGhostValues::pack", rangePolicy(space, num_ghosts),
-      KOKKOS_LAMBDA(const std::int64_t ghost) {
-        for (int i = 0; i < 12; ++i)
-          to_owner(ghost * 12 + i) = ghost_values(ghost, i);
-      });
-  migration.messages.exchangeReverse(space, comm, tags::ghost_reactions, 12);
-  const auto returned = buffers.receive;
-  const View<const int*> faces = faces_sent.rows;
-  Kokkos::parallel_for(
-      "contact::reverseSumGhostValues::add", rangePolicy(space, num_sent),
-      KOKKOS_LAMBDA(const std::int64_t n) {
-        const int face = faces(n);
-        for (int j = 0; j < 4; ++j)
-          for (int d = 0; d < 3; ++d) // most are 0
-            if (const std::int64_t value = returned(12 * n + 3 * j + d); value != 0)
-              Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
-      });
 }
 
 } // namespace brickwall::contact

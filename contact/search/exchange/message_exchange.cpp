@@ -5,9 +5,9 @@
 namespace brickwall::contact {
 
 const std::vector<std::int64_t>&
-PartnerMessages::agreeOnSizes(MPI_Comm comm, int tag, const std::vector<int>& receivers,
-                              const std::vector<std::int64_t>& send_offsets,
-                              const std::vector<int>& senders) {
+PartnerMessages::announceSizes(MPI_Comm comm, int tag, const std::vector<int>& receivers,
+                               const std::vector<std::int64_t>& send_offsets,
+                               const std::vector<int>& senders) {
   setPartners(receivers, send_offsets, senders);
   _counts.resize(receivers.size() + senders.size());
   _requests.clear();
@@ -31,7 +31,7 @@ PartnerMessages::agreeOnSizes(MPI_Comm comm, int tag, const std::vector<int>& re
   return _receive_offsets;
 }
 
-const std::vector<std::int64_t>& PartnerMessages::exchangeOfAnySize(
+const std::vector<std::int64_t>& PartnerMessages::forwardOfAnySize(
     const exec_space& space, MPI_Comm comm, int tag, int width, const std::vector<int>& receivers,
     const std::vector<std::int64_t>& send_offsets, const std::vector<int>& senders) {
   setPartners(receivers, send_offsets, senders);
@@ -45,19 +45,19 @@ const std::vector<std::int64_t>& PartnerMessages::exchangeOfAnySize(
   return _receive_offsets;
 }
 
-void PartnerMessages::exchange(const exec_space& space, MPI_Comm comm, int tag, int width) {
+void PartnerMessages::forward(const exec_space& space, MPI_Comm comm, int tag, int width) {
   spread(_receivers, _send_offsets, width, _send_words);
   spread(_senders, _receive_offsets, width, _receive_words);
   buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
 }
 
-void PartnerMessages::exchangeReverse(const exec_space& space, MPI_Comm comm, int tag, int width) {
+void PartnerMessages::reverse(const exec_space& space, MPI_Comm comm, int tag, int width) {
   spread(_senders, _receive_offsets, width, _send_words);
   spread(_receivers, _send_offsets, width, _receive_words);
   buffers.exchange(space, comm, tag, _partners, _send_words, _receive_words);
 }
 
-// The merged list lasts as long as the partners do.
+// The merged list is kept as long as the partners stay the same.
 void PartnerMessages::setPartners(const std::vector<int>& receivers,
                                   const std::vector<std::int64_t>& send_offsets,
                                   const std::vector<int>& senders) {
@@ -71,7 +71,7 @@ void PartnerMessages::setPartners(const std::vector<int>& receivers,
                  std::back_inserter(_partners));
 }
 
-// Offsets of `ranks`' rows become offsets of words for all partners; those not in `ranks` get none.
+// Turns the row offsets of `ranks` into word offsets of all partners; partners not in `ranks` get no words.
 void PartnerMessages::spread(const std::vector<int>& ranks,
                              const std::vector<std::int64_t>& offsets, int width,
                              std::vector<std::int64_t>& words) const {

@@ -23,7 +23,7 @@ void packBoxes(const exec_space& space, const Surface& surface, double tolerance
   const View<const int*> nodes = lists.rows;
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
-      "contact::exchangeNodeBoxes::packNodes", rangePolicy(space, lists.size()),
+      "contact::exchangeNodeBoxes::pack_nodes", rangePolicy(space, lists.size()),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = nodes(i);
         packBox(nodeBox(rowOf(x_old, node), rowOf(x_new, node), tolerance), &words(i * box_words));
@@ -56,14 +56,14 @@ void unpackBoxes(const exec_space& space, RemoteNodeBoxes& remote) {
 void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxes& boxes,
                        const PartnerLists& nodes_to_send, const std::vector<int>& senders,
                        RemoteNodeBoxes& remote) {
-  const Region region("exchangeNodeBoxes");
+  const Region region("contact::exchangeNodeBoxes");
   const Region timer("search::node-box exchange");
   auto& messages = remote.messages;
   remote.ranks = senders;
-  remote.offsets = messages.agreeOnSizes(comm, tags::node_box_counts, nodes_to_send.ranks,
-                                         nodes_to_send.offsets, senders);
+  remote.offsets = messages.announceSizes(comm, tags::node_box_counts, nodes_to_send.ranks,
+                                          nodes_to_send.offsets, senders);
   packBoxes(space, boxes.node_boxes, nodes_to_send, messages.buffers);
-  messages.exchange(space, comm, tags::node_boxes, box_words);
+  messages.forward(space, comm, tags::node_boxes, box_words);
 
   checkedInt(remote.size(), "node boxes received");
   unpackBoxes(space, remote);
@@ -72,11 +72,11 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
 void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
                        double node_tolerance, const PartnerLists& nodes_to_send,
                        const std::vector<int>& senders, PartnerMessages& messages) {
-  const Region region("exchangeNodeBoxes");
+  const Region region("contact::exchangeNodeBoxes");
   const Region timer("search::node-box exchange");
   packBoxes(space, surface, node_tolerance, nodes_to_send, messages.buffers);
-  messages.exchangeOfAnySize(space, comm, tags::node_boxes, box_words, nodes_to_send.ranks,
-                             nodes_to_send.offsets, senders);
+  messages.forwardOfAnySize(space, comm, tags::node_boxes, box_words, nodes_to_send.ranks,
+                            nodes_to_send.offsets, senders);
   checkedInt(messages.receiveOffsets().back(), "node boxes received");
 }
 

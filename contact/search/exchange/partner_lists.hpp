@@ -11,8 +11,8 @@ namespace brickwall::contact {
 struct PartnerLists {
   std::vector<int> ranks; // partners, ascending
   std::vector<std::int64_t> offsets{0}; // [partner + 1] into rows
-  View<int*> rows{"contact::PartnerLists::rows",
-                  0}; // by partner, within in the method's order; may be longer
+  // By partner, within one in an order that depends on the method; the View may be longer.
+  View<int*> rows{"contact::PartnerLists::rows", 0};
 
   std::int64_t size() const { return offsets.back(); }
 };
@@ -42,7 +42,7 @@ void copyToHost(const exec_space& space, const View<T*>& from, std::int64_t n, s
   space.fence();
 }
 
-// Copies a host vector to the first entries of a device View, which grows. Fences.
+// Copies a host vector to the first entries of a device View, which is grown where needed. Fences.
 template <class T>
 void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>& to) {
   growTo(space, to, static_cast<std::int64_t>(from.size()));
@@ -53,8 +53,8 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
   space.fence();
 }
 
-// Offsets of lists of which some entries were kept: `starts` [partner + 1] are those of all entries, positions(entry) that of an
-// entry among the kept. Fences.
+// Sets kept.offsets where only some entries of a list were kept. `starts` [partner + 1] are the offsets of all entries,
+// positions(entry) is the number of entries kept before this one. Fences.
 inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t*>& positions,
                           const View<std::int64_t*>& starts, PartnerLists& kept) {
   const auto num_partners = static_cast<std::int64_t>(kept.ranks.size());

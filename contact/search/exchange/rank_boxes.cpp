@@ -1,16 +1,16 @@
 #include "contact/search/exchange/rank_boxes.hpp"
 
 #include "contact/base/region.hpp"
-#include "contact/search/exchange/box_words.hpp"
+#include "contact/search/exchange/node_box_exchange.hpp"
 
 namespace brickwall::contact {
 namespace {
 
-// What a rank tells all others, as message words.
+// The data of one rank as message words.
 enum Word : int { node_box, face_box = 6, num_invalid = 12, first_invalid, attributes, num_words };
 constexpr std::int64_t no_faces = -1;
 
-// All ranks see the same words, so all throw or none does.
+// All ranks read the same words: all of them throw, or none does.
 void throwIfNotFinite(const std::vector<std::int64_t>& words, int size) {
   std::int64_t total = 0, node = INT64_MAX;
   int rank = 0;
@@ -47,21 +47,21 @@ int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
 
 void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes& own,
                        RankBoxes& all) {
-  const Region region("exchangeRankBoxes");
+  const Region region("contact::exchangeRankBoxes");
   const Region timer("search::rank-box exchange");
   all.rank = rankOf(comm);
   all.size = sizeOf(comm);
-  std::int64_t told[num_words];
-  packBox(own.node_box, told + node_box);
-  packBox(own.face_box, told + face_box);
-  told[num_invalid] = own.num_invalid;
-  told[first_invalid] = own.first_invalid;
-  told[attributes] = surface.num_faces > 0
+  std::int64_t sent[num_words];
+  packBox(own.node_box, sent + node_box);
+  packBox(own.face_box, sent + face_box);
+  sent[num_invalid] = own.num_invalid;
+  sent[first_invalid] = own.first_invalid;
+  sent[attributes] = surface.num_faces > 0
                          ? static_cast<std::int64_t>(surface.face_attributes.extent(1))
                          : no_faces;
   all._words.resize(static_cast<std::size_t>(all.size) * num_words);
   checkMpi(
-      MPI_Allgather(told, num_words, MPI_INT64_T, all._words.data(), num_words, MPI_INT64_T, comm),
+      MPI_Allgather(sent, num_words, MPI_INT64_T, all._words.data(), num_words, MPI_INT64_T, comm),
       "MPI_Allgather");
   throwIfNotFinite(all._words, all.size);
   all.num_attributes = agreedAttributes(all._words, all.size);
@@ -72,20 +72,6 @@ void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes
     all.node_boxes[q] = unpackBox(of_rank + node_box);
     all.face_boxes[q] = unpackBox(of_rank + face_box);
   }
-}
-
-void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceBoxes& boxes,
-                       RankBoxes& all) {
-  exchangeRankBoxes(
-      comm, surface,
-      OwnRankBoxes{boxes.node_box, boxes.face_box, boxes.num_invalid, boxes.first_invalid}, all);
-}
-void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const SurfaceClusters& clusters,
-                       RankBoxes& all) {
-  exchangeRankBoxes(comm, surface,
-                    OwnRankBoxes{clusters.nodeBox(), clusters.faceBox(), clusters.numInvalid(),
-                                 clusters.firstInvalid()},
-                    all);
 }
 
 void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,

@@ -1,8 +1,6 @@
 #include "contact/search/paper/face_ghost_search.hpp"
 
 #include "contact/base/count_scan_fill.hpp"
-#include "contact/base/region.hpp"
-#include "contact/search/paper/reference_search.hpp"
 
 namespace brickwall::contact {
 namespace {
@@ -16,7 +14,7 @@ struct FaceOverlapsNode {
   }
 };
 
-// positions(entry) = 1 if any pair of the entry is with a node of the entry's own partner.
+// positions(entry) = 1 if the entry overlaps a node box of its own partner, otherwise 0.
 void flagEntries(const exec_space& space, const PartnerLists& faces_to_test,
                  const RemoteNodeBoxes& remote, FaceGhostSearch& search) {
   const auto begin = search.results.begin, count = search.results.count;
@@ -26,7 +24,7 @@ void flagEntries(const exec_space& space, const PartnerLists& faces_to_test,
   const View<const std::int64_t*> starts = search.starts;
   const auto num_partners = static_cast<int>(faces_to_test.ranks.size());
   Kokkos::parallel_for(
-      "contact::faceGhostSearch::filter", rangePolicy(space, faces_to_test.size()),
+      "contact::findFacesToSend::filter", rangePolicy(space, faces_to_test.size()),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         const int partner = partnerOf(starts, num_partners, entry);
         std::int64_t flag = 0;
@@ -38,34 +36,33 @@ void flagEntries(const exec_space& space, const PartnerLists& faces_to_test,
 
 // Keeps the flagged entries, in their order.
 void compactEntries(const exec_space& space, const PartnerLists& faces_to_test,
-                    FaceGhostSearch& search) {
+                    FaceGhostSearch& search, PartnerLists& faces_to_send) {
   const std::int64_t num_entries = faces_to_test.size();
   const auto positions = search.positions;
   const std::int64_t num_kept =
-      scanCounts(space, "contact::faceGhostSearch::scan", positions, num_entries);
-  growTo(space, search.faces_to_send.rows, num_kept);
+      scanCounts(space, "contact::findFacesToSend::scan", positions, num_entries);
+  growTo(space, faces_to_send.rows, num_kept);
   const View<const int*> faces = faces_to_test.rows;
-  const auto kept = search.faces_to_send.rows;
+  const auto kept = faces_to_send.rows;
   Kokkos::parallel_for(
-      "contact::faceGhostSearch::compact", rangePolicy(space, num_entries),
+      "contact::findFacesToSend::compact", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         if (positions(entry + 1) > positions(entry))
           kept(positions(entry)) = faces(entry);
       });
-  offsetsOfKept(space, positions, search.starts, search.faces_to_send);
+  offsetsOfKept(space, positions, search.starts, faces_to_send);
 }
 
-// Rows whose successor of the same partner has a smaller face id.
+// Number of rows whose successor, of the same partner, has a smaller face id.
 std::int64_t countDescents(const exec_space& space, const View<const global_id*>& ids,
-                           FaceGhostSearch& search) {
-  const auto& lists = search.faces_to_send;
+                           const PartnerLists& lists, FaceGhostSearch& search) {
   copyToDevice(space, lists.offsets, search.starts);
   const View<const std::int64_t*> starts = search.starts;
   const View<const int*> faces = lists.rows;
   const auto num_partners = static_cast<int>(lists.ranks.size());
   std::int64_t descents = 0;
   Kokkos::parallel_reduce(
-      "contact::faceGhostSearch::descents",
+      "contact::orderByFaceId::descents",
       rangePolicy(space, maxOf(lists.size() - 1, std::int64_t(0))),
       KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum) {
         if (ids(faces(i)) > ids(faces(i + 1)) &&
@@ -77,12 +74,32 @@ std::int64_t countDescents(const exec_space& space, const View<const global_id*>
   return descents;
 }
 
-// Ghosts arrive in the order they are sent in: by face id, which local face order need not be.
-void orderByFaceId(const exec_space& space, const Surface& surface, FaceGhostSearch& search) {
-  const View<const global_id*> ids = surface.face_ids;
-  if (countDescents(space, ids, search) == 0)
+} // namespace
+
+std::int64_t findFacesToSend(const exec_space& space, const View<const Box*>& face_boxes,
+                             const PartnerLists& faces_to_test, const RemoteNodeBoxes& remote,
+                             FaceGhostSearch& search, PartnerLists& faces_to_send) {
+  const auto num_entries = static_cast<int>(faces_to_test.size());
+  buildTree(space, remote.boxes, static_cast<int>(remote.size()), remote.all, search.tree);
+  const BoxOfListed box_of{face_boxes, faces_to_test.rows};
+  const bool sorted = worthSorting(num_entries, remote.size());
+  if (sorted)
+    sortQueries(space, box_of, num_entries, remote.all, search.order);
+  const std::int64_t num_pairs =
+      queryTree(space, "contact::findFacesToSend::query", search.tree, num_entries, box_of,
+                FaceOverlapsNode{face_boxes, faces_to_test.rows, remote.boxes},
+                sorted ? &search.order : nullptr, search.results);
+  growTo(space, search.positions, num_entries + 1);
+  copyToDevice(space, faces_to_test.offsets, search.starts);
+  flagEntries(space, faces_to_test, remote, search);
+  compactEntries(space, faces_to_test, search, faces_to_send);
+  return num_pairs;
+}
+
+void orderByFaceId(const exec_space& space, const View<const global_id*>& ids,
+                   FaceGhostSearch& search, PartnerLists& lists) {
+  if (countDescents(space, ids, lists, search) == 0)
     return;
-  const auto& lists = search.faces_to_send;
   const auto faces = lists.rows;
   for (std::size_t p = 0; p < lists.ranks.size(); ++p) {
     const std::int64_t first = lists.offsets[p], n = lists.offsets[p + 1] - first;
@@ -90,54 +107,16 @@ void orderByFaceId(const exec_space& space, const Surface& surface, FaceGhostSea
     const auto keys = search.by_id.keys;
     const auto values = search.by_id.values;
     Kokkos::parallel_for(
-        "contact::faceGhostSearch::ids", rangePolicy(space, n),
-        KOKKOS_LAMBDA(const std::int64_t i) {
+        "contact::orderByFaceId::keys", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
           keys(i) = static_cast<std::uint64_t>(ids(faces(first + i)));
           values(i) = faces(first + i);
         });
     sortByKey(space, n, 63, search.by_id);
     const auto sorted = search.by_id.values;
     Kokkos::parallel_for(
-        "contact::faceGhostSearch::ordered", rangePolicy(space, n),
+        "contact::orderByFaceId::copy", rangePolicy(space, n),
         KOKKOS_LAMBDA(const std::int64_t i) { faces(first + i) = sorted(i); });
   }
-}
-
-} // namespace
-
-void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
-                                        const SurfaceBoxes& boxes,
-                                        const PartnerLists& faces_to_test,
-                                        const RemoteNodeBoxes& remote, SearchMethod method,
-                                        FaceGhostSearch& search) {
-  const Region region("searchLocalFacesAgainstRemoteNodes");
-  const Region timer("search::search 2");
-  auto& lists = search.faces_to_send;
-  lists.ranks = faces_to_test.ranks;
-  lists.offsets.assign(lists.ranks.size() + 1, 0);
-  search.overlapping_pairs = 0;
-  const auto num_entries = static_cast<int>(faces_to_test.size());
-  if (num_entries == 0 || remote.size() == 0)
-    return;
-  if (method == SearchMethod::reference) {
-    search.overlapping_pairs =
-        referenceFaceGhosts(space, boxes.face_boxes, faces_to_test, remote, lists);
-  } else {
-    buildTree(space, remote.boxes, static_cast<int>(remote.size()), remote.all, search.tree);
-    const BoxOfListed box_of{boxes.face_boxes, faces_to_test.rows};
-    const bool sorted = worthSorting(num_entries, remote.size());
-    if (sorted)
-      sortQueries(space, box_of, num_entries, remote.all, search.order);
-    search.overlapping_pairs =
-        queryTree(space, "contact::faceGhostSearch::query", search.tree, num_entries, box_of,
-                  FaceOverlapsNode{boxes.face_boxes, faces_to_test.rows, remote.boxes},
-                  sorted ? &search.order : nullptr, search.results);
-    growTo(space, search.positions, num_entries + 1);
-    copyToDevice(space, faces_to_test.offsets, search.starts);
-    flagEntries(space, faces_to_test, remote, search);
-    compactEntries(space, faces_to_test, search);
-  }
-  orderByFaceId(space, surface, search);
 }
 
 } // namespace brickwall::contact

@@ -1,7 +1,6 @@
 #include "contact/search/paper/ghosting_candidates.hpp"
 
 #include "contact/base/region.hpp"
-#include "contact/search/paper/reference_search.hpp"
 
 namespace brickwall::contact {
 namespace {
@@ -14,7 +13,7 @@ struct OverlapsRankBox {
   }
 };
 
-// Results by row become lists by partner: one key (partner, row) for each, sorted.
+// Turns results by row into lists by partner, by sorting a key (partner, row) for each result.
 void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch& search,
                    PartnerLists& lists) {
   const auto num_partners = static_cast<std::int64_t>(lists.ranks.size());
@@ -24,7 +23,7 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
   const auto begin = search.results.begin, count = search.results.count;
   const auto partners = search.results.items;
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::keys", rangePolicy(space, num_rows),
+      "contact::findGhostingCandidates::keys", rangePolicy(space, num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) {
         for (std::int64_t i = begin(row); i < begin(row) + count(row); ++i)
           keys(i) = static_cast<std::uint64_t>(partners(i) * num_rows + row);
@@ -38,12 +37,12 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
   const auto rows = lists.rows;
   const auto starts = search.starts;
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::rows", rangePolicy(space, num_pairs),
+      "contact::findGhostingCandidates::rows", rangePolicy(space, num_pairs),
       KOKKOS_LAMBDA(const std::int64_t i) {
         rows(i) = static_cast<int>(sorted(i) % static_cast<std::uint64_t>(num_rows));
       });
   Kokkos::parallel_for(
-      "contact::ghostingCandidates::starts", rangePolicy(space, num_partners + 1),
+      "contact::findGhostingCandidates::starts", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t partner) {
         const auto first_key = static_cast<std::uint64_t>(partner * num_rows);
         std::int64_t low = 0, high = num_pairs; // first key not below first_key
@@ -60,50 +59,23 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
   copyToHost(space, search.starts, num_partners + 1, lists.offsets);
 }
 
-// Rows whose box meets the box of a partner's rank; boxes_of_ranks are Bbar of the other kind.
-void findCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
-                    const std::vector<Box>& boxes_of_ranks, SearchMethod method,
-                    RankBoxSearch& search, PartnerLists& lists) {
-  lists.offsets.assign(lists.ranks.size() + 1, 0);
-  if (lists.ranks.empty())
-    return;
-  search.host_boxes.clear();
-  Box all;
-  for (const int q : lists.ranks) {
-    search.host_boxes.push_back(boxes_of_ranks[q]);
-    all.include(boxes_of_ranks[q]);
-  }
-  if (method == SearchMethod::reference)
-    return referenceCandidates(space, boxes, num_rows, search.host_boxes, lists);
-  {
-    const Region copies("search::host-device copies");
-    copyToDevice(space, search.host_boxes, search.rank_boxes);
-  }
-  buildTree(space, search.rank_boxes, static_cast<int>(lists.ranks.size()), all, search.tree);
-  const OverlapsRankBox accept{boxes, search.rank_boxes};
-  queryTree(space, "contact::ghostingCandidates::query", search.tree, num_rows, BoxOfRow{boxes},
-            accept, nullptr, search.results); // the large set is not sorted (paper, section 5)
-  listByPartner(space, num_rows, search, lists);
-}
-
 } // namespace
 
-void findPartnersAndCandidates(const exec_space& space, const Surface& surface,
-                               const SurfaceBoxes& boxes, const RankBoxes& rank_boxes,
-                               SearchMethod method, GhostingCandidates& candidates) {
-  const Region region("findPartnersAndCandidates");
-  auto& nodes = candidates.nodes_to_send;
-  auto& faces = candidates.faces_to_test;
+void findGhostingCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
+                            const std::vector<Box>& rank_boxes, RankBoxSearch& search,
+                            PartnerLists& lists) {
+  Box all;
+  for (const Box& box : rank_boxes)
+    all.include(box);
   {
-    const Region timer("search::partners");
-    findPartners(boxes.node_box, rank_boxes.face_boxes, rank_boxes.rank, nodes.ranks);
-    findPartners(boxes.face_box, rank_boxes.node_boxes, rank_boxes.rank, faces.ranks);
+    const Region copies("search::host-device copies");
+    copyToDevice(space, rank_boxes, search.rank_boxes);
   }
-  const Region timer("search::searches 0 and 1");
-  findCandidates(space, boxes.node_boxes, surface.num_nodes, rank_boxes.face_boxes, method,
-                 candidates.node_search, nodes);
-  findCandidates(space, boxes.face_boxes, surface.num_faces, rank_boxes.node_boxes, method,
-                 candidates.face_search, faces);
+  buildTree(space, search.rank_boxes, static_cast<int>(rank_boxes.size()), all, search.tree);
+  const OverlapsRankBox accept{boxes, search.rank_boxes};
+  queryTree(space, "contact::findGhostingCandidates::query", search.tree, num_rows, BoxOfRow{boxes},
+            accept, nullptr, search.results); // the large set is not sorted (paper, section 5)
+  listByPartner(space, num_rows, search, lists);
 }
 
 } // namespace brickwall::contact

@@ -1,13 +1,13 @@
 #include "contact/search/paper/reference_search.hpp"
 
 #include "contact/base/to_device.hpp"
-#include "contact/surface/candidate_rules.hpp"
+#include "contact/surface/candidate_rows.hpp"
 
 namespace brickwall::contact {
-namespace {} // namespace
 
-void referenceCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
-                         const std::vector<Box>& rank_boxes, PartnerLists& lists) {
+void ReferenceSearch::findCandidates(const exec_space& space, const View<const Box*>& boxes,
+                                     int num_rows, const std::vector<Box>& rank_boxes,
+                                     RankBoxSearch&, PartnerLists& lists) {
   const auto host_boxes = toHost(boxes);
   std::vector<int> rows;
   for (std::size_t p = 0; p < rank_boxes.size(); ++p) {
@@ -19,11 +19,11 @@ void referenceCandidates(const exec_space& space, const View<const Box*>& boxes,
   copyToDevice(space, rows, lists.rows);
 }
 
-std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>& face_boxes,
-                                 const PartnerLists& faces_to_test, const RemoteNodeBoxes& remote,
-                                 PartnerLists& faces_to_send) {
+std::int64_t ReferenceSearch::findFaces(const exec_space& space) {
+  const PartnerLists& faces_to_test = _faces_to_test;
+  const RemoteNodeBoxes& remote = _remote_nodes;
   const auto faces = toHost(faces_to_test.rows);
-  const auto boxes = toHost(face_boxes);
+  const auto boxes = toHost(_boxes.face_boxes);
   const auto nodes = toHost(remote.boxes);
   std::vector<int> kept;
   for (std::size_t p = 0; p < faces_to_test.ranks.size(); ++p) {
@@ -35,16 +35,16 @@ std::int64_t referenceFaceGhosts(const exec_space& space, const View<const Box*>
       if (overlaps)
         kept.push_back(faces(i));
     }
-    faces_to_send.offsets[p + 1] = static_cast<std::int64_t>(kept.size());
+    _faces_to_send.offsets[p + 1] = static_cast<std::int64_t>(kept.size());
   }
-  copyToDevice(space, kept, faces_to_send.rows);
-  return faces_to_send.size();
+  copyToDevice(space, kept, _faces_to_send.rows);
+  return _faces_to_send.size();
 }
 
-void referencePairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
-                    const View<const Box*>& node_boxes, const View<const Box*>& face_boxes,
-                    bool drop_same_body, View<std::int64_t*>& row_offsets, CandidatePairs& pairs) {
-  const auto nodes = toHost(node_boxes), faces = toHost(face_boxes);
+void ReferenceSearch::findRows(const exec_space& space, const Surface& surface,
+                               const GhostFaces& ghosts, const View<const Box*>& face_boxes,
+                               const Box&, bool drop_same_body) {
+  const auto nodes = toHost(View<const Box*>(_boxes.node_boxes)), faces = toHost(face_boxes);
   const auto owned = toHost(surface.node_is_owned);
   const PairRules<Kokkos::HostSpace> rules(surface, ghosts, drop_same_body);
   const int num_faces = surface.num_faces + ghosts.count;
@@ -56,8 +56,8 @@ void referencePairs(const exec_space& space, const Surface& surface, const Ghost
         found.push_back(face);
     offsets.push_back(static_cast<std::int64_t>(found.size()));
   }
-  copyToDevice(space, offsets, row_offsets);
-  copyToDevice(space, found, pairs.faces);
+  copyToDevice(space, offsets, _offsets);
+  copyToDevice(space, found, _pairs.faces);
 }
 
 } // namespace brickwall::contact

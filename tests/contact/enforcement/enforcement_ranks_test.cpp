@@ -174,9 +174,9 @@ TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
     tolerances.node_tolerance = tolerances.face_tolerance = 0.15;
     tolerances.drop_same_body = true;
     GlobalSearch search(MPI_COMM_WORLD, tolerances);
-    LocalSearch local(tolerances);
+    LocalSearch local(search);
     const GhostFaces& ghosts = search.findGhosts(space, surface);
-    const auto& pairs = local.findCandidatePairs(space, surface, search);
+    const auto& pairs = local.findCandidatePairs(space, surface);
     run.enforcement.enforce(space, surface, ghosts, pairs, dt);
     const ContactForces& forces = run.enforcement.forces();
     search.reverseSum(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);

@@ -164,21 +164,15 @@ TEST(GhostSearchTest, SendersAndReceiversAgreeOnPartners) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const SurfaceCase c = makeCase(seed, sizeOf(comm));
     const LocalSurface local = localSurface(c, rankOf(comm));
-    RankBoxes rank_boxes;
-    for (const SearchMethod method : {SearchMethod::paper, SearchMethod::reference}) {
-      SurfaceBoxes boxes;
-      GhostingCandidates candidates;
-      constructBoxes(space, local.surface, configOf(c, method), boxes);
-      exchangeRankBoxes(comm, local.surface, boxes, rank_boxes);
-      findPartnersAndCandidates(space, local.surface, boxes, rank_boxes, method, candidates);
-      expectPartnersAgree(candidates.nodes_to_send, candidates.faces_to_test, c);
+    for (const SearchMethod method : all_methods) {
+      const SearchConfig config = configOf(c, method);
+      const auto phases = makeSearchPhases(method);
+      RankBoxes rank_boxes;
+      exchangeRankBoxes(comm, local.surface, phases->constructBoxes(space, local.surface, config),
+                        rank_boxes);
+      phases->findPartnersAndCandidates(space, local.surface, rank_boxes);
+      expectPartnersAgree(phases->nodesToSend(), phases->facesToTest(), c);
     }
-    SurfaceClusters clusters;
-    ClusterCandidates candidates;
-    clusters.update(space, local.surface, configOf(c, SearchMethod::cluster));
-    exchangeRankBoxes(comm, local.surface, clusters, rank_boxes);
-    findPartnersAndCandidates(space, clusters, rank_boxes, candidates);
-    expectPartnersAgree(candidates.nodes_to_send, candidates.blocks_to_test, c);
   }
 }
 

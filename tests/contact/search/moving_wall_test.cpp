@@ -56,10 +56,10 @@ std::map<int, std::vector<global_id>> rowsByNode(const Surface& surface, const G
 struct Searches {
   GlobalSearch global;
   LocalSearch local;
-  explicit Searches(const SearchConfig& config) : global(comm, config), local(config) {}
+  explicit Searches(const SearchConfig& config) : global(comm, config), local(global) {}
   const CandidatePairs& search(const exec_space& space, const Surface& surface) {
     global.findGhosts(space, surface);
-    return local.findCandidatePairs(space, surface, global);
+    return local.findCandidatePairs(space, surface);
   }
 };
 
@@ -86,7 +86,7 @@ TEST(MovingWallTest, RefittedTreesFindWhatNewOnesFind) {
                                          rowsByNode(moved, anew.global.ghosts(), expected)))
           << c.name() << ", step " << step;
     }
-    orderings += lasting.global.clusters().numOrderings();
+    orderings += lasting.global.numOrderings();
   }
   EXPECT_GT(allReduce(comm, pairs_found, MPI_SUM), 10000);
   EXPECT_GT(allReduce(comm, orderings, MPI_SUM),

@@ -61,7 +61,7 @@ bool checkStep(const SurfaceCase& c, GlobalSearch& global, LocalSearch& local_se
   const LocalSurface local = localSurface(c, rank);
   const Expected expected = expectedOnRank(c, local, rank);
   const GhostFaces& ghosts = global.findGhosts(space, local.surface);
-  const CandidatePairs& pairs = local_search.findCandidatePairs(space, local.surface, global);
+  const CandidatePairs& pairs = local_search.findCandidatePairs(space, local.surface);
   space.fence();
   if (counts) {
     counts->ghosts += ghosts.count;
@@ -81,7 +81,7 @@ TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
     for (const SearchMethod method : all_methods) {
       const SurfaceCase c = makeCase(seed, sizeOf(comm));
       GlobalSearch global(comm, configOf(c, method));
-      LocalSearch local(configOf(c, method));
+      LocalSearch local(global);
       ASSERT_TRUE(checkStep(c, global, local, &counts)) << c.name();
     }
   // The cases are not hollow.
@@ -95,7 +95,7 @@ TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
   SurfaceCase first = makeCase(0, sizeOf(comm));
   for (const SearchMethod method : all_methods) {
     GlobalSearch global(comm, configOf(first, method));
-    LocalSearch local(configOf(first, method));
+    LocalSearch local(global);
     for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty ones in turn
       SurfaceCase c = makeCase(seed, sizeOf(comm));
       c.node_tolerance = first.node_tolerance;
@@ -115,7 +115,7 @@ TEST(SearchTest, LongRowsOfCoincidentFacesAreComplete) {
   distribute(c, random, sizeOf(comm));
   for (const SearchMethod method : all_methods) {
     GlobalSearch global(comm, configOf(c, method));
-    LocalSearch local(configOf(c, method));
+    LocalSearch local(global);
     EXPECT_TRUE(checkStep(c, global, local));
   }
 }
@@ -127,10 +127,10 @@ TEST(SearchTest, ASteadyStepAllocatesNothing) {
   const SurfaceCase c = makeCase(30, sizeOf(comm));
   const LocalSurface surface = localSurface(c, rankOf(comm));
   GlobalSearch global(comm, configOf(c, SearchMethod::paper));
-  LocalSearch local(configOf(c, SearchMethod::paper));
+  LocalSearch local(global);
   const auto step = [&] {
     global.findGhosts(space, surface.surface);
-    local.findCandidatePairs(space, surface.surface, global);
+    local.findCandidatePairs(space, surface.surface);
   };
   Kokkos::Tools::Experimental::set_allocate_data_callback([](Kokkos_Profiling_SpaceHandle,
                                                              const char*, const void*,

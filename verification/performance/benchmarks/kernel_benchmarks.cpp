@@ -182,8 +182,7 @@ void migrateToSelf(benchmark::State& state) {
   copyToDevice(wall.space, all, faces.rows);
   FaceMigration migration;
   repeat(state, wall.space, n, [&] {
-    migrateFaces(wall.space, MPI_COMM_SELF, wall.surface, faces, {0}, 0, SearchMethod::cluster,
-                 migration);
+    migrateFaces(wall.space, MPI_COMM_SELF, wall.surface, faces, {0}, 0, false, migration);
   });
   expect(state, migration.ghosts.count == n, "faces were lost");
 }

@@ -27,7 +27,7 @@ void addCorners(const global_id (&corners)[4], global_id face, const IsOwned& is
 
 void OwnSearch::search(const exec_space& space, const contact::Surface& surface) {
   _global.findGhosts(space, surface);
-  _local.findCandidatePairs(space, surface, _global);
+  _local.findCandidatePairs(space, surface);
   space.fence();
 }
 

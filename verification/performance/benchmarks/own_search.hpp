@@ -11,7 +11,7 @@ namespace brickwall::peers {
 class OwnSearch {
 public:
   OwnSearch(MPI_Comm comm, const contact::SearchConfig& config)
-      : _global(comm, config), _local(config) {}
+      : _global(comm, config), _local(_global) {}
 
   // Collective. One step from coordinates to candidate pairs: boxes, ghosts, local search. Fences.
   void search(const exec_space& space, const contact::Surface& surface);

@@ -1,0 +1,138 @@
+#include "contact/search/paper/paper_search.hpp"
+
+#include "contact/base/region.hpp"
+
+namespace brickwall::contact {
+namespace {
+
+// Joins the boxes of own faces and ghosts in one array, and includes those of the ghosts in `all`.
+void appendGhostBoxes(const exec_space& space, const View<const Box*>& own, int num_own,
+                      const GhostFaces& ghosts, double tolerance, const View<Box*>& joined,
+                      Box& all) {
+  const auto x_old = ghosts.coordinates_old, x_new = ghosts.coordinates_new;
+  Box ghost_box;
+  Kokkos::parallel_for(
+      "contact::PaperSearch::own_boxes", rangePolicy(space, num_own),
+      KOKKOS_LAMBDA(const std::int64_t face) { joined(face) = own(face); });
+  Kokkos::parallel_reduce(
+      "contact::PaperSearch::ghost_boxes", rangePolicy(space, ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost, Box& sum) {
+        const Box box = ghostBox(x_old, x_new, ghost, tolerance);
+        joined(num_own + ghost) = box;
+        sum.include(box);
+      },
+      PlusReducer<Box>(ghost_box));
+  space.fence();
+  all.include(ghost_box);
+}
+
+void sortRows(const exec_space& space, const PairRules<memory_space>& rules,
+              const CandidatePairs& pairs) {
+  const auto faces = pairs.faces;
+  Kokkos::parallel_for(
+      "contact::PaperSearch::sort_rows", rangePolicy(space, pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) {
+        const std::int64_t first = pairs.begin(row), n = pairs.end(row) - first;
+        if (n > 1)
+          sortRow(&faces(first), n, [&](const int a, const int b) { return rules.before(a, b); });
+      });
+}
+
+} // namespace
+
+OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const Surface& surface,
+                                         const SearchConfig& config) {
+  contact::constructBoxes(space, surface, config, _boxes);
+  return _boxes;
+}
+
+void PaperSearch::findPartnersAndCandidates(const exec_space& space, const Surface& surface,
+                                            const RankBoxes& rank_boxes) {
+  const Region region("contact::findPartnersAndCandidates");
+  {
+    const Region timer("search::partners");
+    findPartners(_boxes.node_box, rank_boxes.face_boxes, rank_boxes.rank, _nodes_to_send.ranks);
+    findPartners(_boxes.face_box, rank_boxes.node_boxes, rank_boxes.rank, _faces_to_test.ranks);
+  }
+  const Region timer("search::searches 0 and 1");
+  listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.face_boxes, _node_search,
+                 _nodes_to_send);
+  listCandidates(space, _boxes.face_boxes, surface.num_faces, rank_boxes.node_boxes, _face_search,
+                 _faces_to_test);
+}
+
+// boxes_of_ranks [rank] are those of the other kind: of faces for nodes, of nodes for faces.
+void PaperSearch::listCandidates(const exec_space& space, const View<const Box*>& boxes,
+                                 int num_rows, const std::vector<Box>& boxes_of_ranks,
+                                 RankBoxSearch& search, PartnerLists& lists) {
+  lists.offsets.assign(lists.ranks.size() + 1, 0);
+  _partner_boxes.clear();
+  for (const int q : lists.ranks)
+    _partner_boxes.push_back(boxes_of_ranks[q]);
+  if (!lists.ranks.empty())
+    findCandidates(space, boxes, num_rows, _partner_boxes, search, lists);
+}
+
+void PaperSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface&,
+                                    const SearchConfig&) {
+  contact::exchangeNodeBoxes(space, comm, _boxes, _nodes_to_send, _faces_to_test.ranks,
+                             _remote_nodes);
+}
+
+void PaperSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
+                                                     const Surface& surface, const SearchConfig&) {
+  const Region region("contact::searchLocalFacesAgainstRemoteNodes");
+  const Region timer("search::search 2");
+  _faces_to_send.ranks = _faces_to_test.ranks;
+  _faces_to_send.offsets.assign(_faces_to_send.ranks.size() + 1, 0);
+  _overlapping_pairs = 0;
+  if (_faces_to_test.size() == 0 || _remote_nodes.size() == 0)
+    return;
+  _overlapping_pairs = findFaces(space);
+  orderByFaceId(space, surface.face_ids, _ghost_search, _faces_to_send);
+}
+
+void PaperSearch::findPairs(const exec_space& space, const Surface& surface,
+                            const GhostFaces& ghosts, const SearchConfig& config) {
+  View<const Box*> face_boxes = _boxes.face_boxes;
+  Box all = _boxes.face_box;
+  if (ghosts.count > 0) {
+    growTo(space, _face_boxes, surface.num_faces + ghosts.count);
+    appendGhostBoxes(space, _boxes.face_boxes, surface.num_faces, ghosts, config.face_tolerance,
+                     _face_boxes, all);
+    face_boxes = _face_boxes;
+  }
+  findRows(space, surface, ghosts, face_boxes, all, config.drop_same_body);
+  layOutRowsByNode(space, surface.num_nodes, _offsets, _pairs);
+  _pairs.version = 0;
+  sortRows(space, PairRules<memory_space>(surface, ghosts, config.drop_same_body), _pairs);
+}
+
+void PaperSearch::findCandidates(const exec_space& space, const View<const Box*>& boxes,
+                                 int num_rows, const std::vector<Box>& rank_boxes,
+                                 RankBoxSearch& search, PartnerLists& lists) {
+  findGhostingCandidates(space, boxes, num_rows, rank_boxes, search, lists);
+}
+
+std::int64_t PaperSearch::findFaces(const exec_space& space) {
+  return findFacesToSend(space, _boxes.face_boxes, _faces_to_test, _remote_nodes, _ghost_search,
+                         _faces_to_send);
+}
+
+void PaperSearch::findRows(const exec_space& space, const Surface& surface,
+                           const GhostFaces& ghosts, const View<const Box*>& face_boxes,
+                           const Box& all, bool drop_same_body) {
+  findPairsByTree(
+      space, _boxes.node_boxes, surface.num_nodes, face_boxes, surface.num_faces + ghosts.count,
+      all, PairRules<memory_space>(surface, ghosts, drop_same_body), _tree_pairs, _offsets, _pairs);
+}
+
+SearchStatistics PaperSearch::countWork() const {
+  SearchStatistics counts;
+  counts.node_boxes_sent = _nodes_to_send.size();
+  counts.candidate_faces = _faces_to_test.size();
+  counts.overlapping_pairs = _overlapping_pairs;
+  return counts;
+}
+
+} // namespace brickwall::contact
