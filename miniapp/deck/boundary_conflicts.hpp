@@ -16,12 +16,13 @@ struct Boundary {
 };
 std::vector<Boundary> boundariesOf(const Config& config);
 
-// The components that both motions prescribe, but differently, such as "x, z"; "" if there are none.
+// The components that both motions prescribe, but differently, such as "x, z"; "" if there are
+// none.
 std::string differingComponents(const PrescribedVelocityConfig& a,
                                 const PrescribedVelocityConfig& b);
 
-// Adds a fault to `deck` for each boundary condition that prescribes a motion of a component of a node set other than that
-// of an earlier entry. The fault names both places.
+// Adds a fault to `deck` for each boundary condition that prescribes a motion of a component of a
+// node set other than that of an earlier entry. The fault names both places.
 void complainOfConflicts(const Config& config, io::Deck& deck);
 
 } // namespace brickwall::miniapp

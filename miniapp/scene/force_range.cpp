@@ -12,7 +12,7 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// (lambda + 2 mu) h^2 of this rank's weakest element of each block, and of its strongest of all.
+// (lambda + 2 mu) h^2 of this rank's weakest element of each block and of its strongest element.
 struct ForceRange {
   std::vector<double> weakest; // [block]
   double strongest = 0;
@@ -55,11 +55,10 @@ std::vector<std::string> checkForceRange(MPI_Comm comm, const io::MeshPart& part
     std::ostringstream text;
     text.precision(2);
     text << "element block '" << part.blocks[block].name
-         << "': forces of its weakest element at a strain of one, (lambda + 2 mu) h^2, are "
-            "resolved to "
-         << rounding
-         << " of themselves only, because one quantum serves all blocks and the strongest "
-         << "element is " << range.strongest / range.weakest[block] << " times as strong";
+         << "': the relative resolution of the forces of its weakest element at a strain of one, "
+            "(lambda + 2 mu) h^2, is only "
+         << rounding << ", because one quantum serves all blocks and the strongest element is "
+         << range.strongest / range.weakest[block] << " times as strong";
     if (rounding > too_coarse_forces)
       throw InputError(text.str() +
                        "; expected at most 1e-6: make the strong elements smaller or softer, or "

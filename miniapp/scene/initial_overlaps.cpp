@@ -17,8 +17,9 @@ namespace {
 std::string advice(double reach) {
   std::ostringstream message;
   message << "; expected no more than " << reach
-          << ", 2 contact.tolerance of the shortest edge, for contact sees no deeper. Move them "
-             "apart, or raise contact.tolerance: contact then counts from the overlap on";
+          << ", 2 contact.tolerance times the shortest edge, the depth that contact can resolve. "
+             "Move the bodies apart, or raise contact.tolerance: contact then acts on further "
+             "penetration only";
   return message.str();
 }
 
@@ -35,8 +36,7 @@ std::string describe(const Config& config, const contact::ElementOverlap& overla
   message << "bodies overlap at the start: " << elementName(overlap.element) << " of "
           << bodyName(config, overlap.body) << ", centre (" << overlap.centre.x << ", "
           << overlap.centre.y << ", " << overlap.centre.z << "), and " << elementName(overlap.other)
-          << " of " << bodyName(config, overlap.other_body) << " stand " << overlap.depth
-          << " deep in each other";
+          << " of " << bodyName(config, overlap.other_body) << " overlap by " << overlap.depth;
   return message.str();
 }
 
@@ -52,12 +52,13 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
         elems.push_back(elem);
         elem_bodies.push_back(range.body);
       }
-  const auto chosen = toDevice<View<int*>>(space, "overlaps::elements", elems);
-  const auto corners = allocate<View<double**>>(space, "overlaps::corners", elems.size(), 24);
-  const auto ids = allocate<View<global_id*>>(space, "overlaps::ids", elems.size());
+  const auto chosen = toDevice<View<int*>>(space, "miniapp::overlaps::elements", elems);
+  const auto corners =
+      allocate<View<double**>>(space, "miniapp::overlaps::corners", elems.size(), 24);
+  const auto ids = allocate<View<global_id*>>(space, "miniapp::overlaps::ids", elems.size());
   const mechanics::MeshViews views = mechanics::viewsOf(mesh);
   Kokkos::parallel_for(
-      "overlaps::gatherElements", rangePolicy(space, static_cast<std::int64_t>(elems.size())),
+      "miniapp::gatherElements", rangePolicy(space, static_cast<std::int64_t>(elems.size())),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int elem = chosen(i);
         ids(i) = views.elem_ids(elem);
@@ -72,7 +73,7 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
   elements.count = static_cast<int>(elems.size());
   elements.corners = corners;
   elements.ids = ids;
-  elements.bodies = toDevice<View<global_id*>>(space, "overlaps::bodies", elem_bodies);
+  elements.bodies = toDevice<View<global_id*>>(space, "miniapp::overlaps::bodies", elem_bodies);
   return elements;
 }
 

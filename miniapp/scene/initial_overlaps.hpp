@@ -1,4 +1,4 @@
-// Refuses scenes whose bodies stand in each other at the start deeper than contact sees.
+// Refuses scenes whose bodies overlap at the start more deeply than contact can resolve.
 #pragma once
 
 #include "contact/surface/surface.hpp"
@@ -6,8 +6,9 @@
 
 namespace brickwall::miniapp {
 
-// Contact would not see them, and let the bodies pass through each other. `surface` is at X + `displacement`. Throws InputError on
-// all ranks, naming the bodies and how deep and where they overlap. Collective.
+// Contact would not detect such overlaps, and the bodies would pass through each other. `surface`
+// is at X + `displacement`. Throws InputError on all ranks, naming the bodies, depth and place of
+// the overlap. Collective.
 void refuseDeepOverlaps(const exec_space& space, MPI_Comm comm, const Config& config,
                         const Scene& scene, const contact::Surface& surface,
                         const View<const double* [3]>& displacement);

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double gauss_point = 0.57735026918962576451; // 1/sqrt(3)
 
-// How a side set stands to the centre of a gaussian.
+// A side set relative to the centre of a gaussian.
 struct Target {
-  double nearest = HUGE_VAL; // distance of a point that a load is taken at
-  double force_error = 0; // of the worst face that is not a radius farther away
+  double nearest = HUGE_VAL; // distance of the nearest integration point
+  double force_error = 0; // of the worst face within a radius of the nearest one
   double longest_edge = 0; // of that face
 };
 
@@ -62,7 +62,7 @@ struct Face {
   Vec3 X[4];
 
   double edge(int corner) const { return norm(X[(corner + 1) % 4] - X[corner]); }
-  // Of the nearest Gauss point.
+  // Distance of the nearest Gauss point.
   double distanceOf(const Vec3& centre) const {
     double nearest = HUGE_VAL;
     for (const double xi : {-gauss_point, gauss_point})
@@ -105,34 +105,34 @@ Target targetOf(MPI_Comm comm, const io::MeshPart& part, const PressureConfig& l
   return target;
 }
 
-// What is wrong with a load, "" if nothing is.
+// The reason why a load cannot act as intended; "" if there is none.
 std::string doubtOf(const PressureConfig& load, const Target& target, double end) {
-  constexpr double force_error = 0.05, // told of when above
-      faint = 1e-9; // of the peak, the same
+  constexpr double max_force_error = 0.05, min_share_of_peak = 1e-9;
   std::ostringstream doubt;
   const bool is_gaussian = load.distribution == Distribution::gaussian;
   const double delay = is_gaussian && load.wave_speed > 0 ? target.nearest / load.wave_speed : 0;
   const double radii = target.nearest / load.radius;
   if (!(load.pulse.start < end))
-    doubt << "does nothing: it starts at " << load.pulse.start << ", time.end is " << end;
+    doubt << "does nothing: it starts at " << load.pulse.start << ", but time.end is " << end;
   else if (!(load.pulse.start + delay < end))
     doubt << "does nothing: its wave reaches the nearest face of \"" << load.side_set << "\" at "
-          << load.pulse.start + delay << ", time.end is " << end;
-  else if (is_gaussian && target.force_error > force_error)
+          << load.pulse.start + delay << ", but time.end is " << end;
+  else if (is_gaussian && target.force_error > max_force_error)
     doubt << "is finer than the mesh: found radius " << load.radius << " on faces of up to "
           << target.longest_edge << ", where its force may err by more than 5 %; expected at least "
           << 0.55 * target.longest_edge;
-  else if (is_gaussian && std::exp(-radii * radii) < faint)
-    doubt << "does next to nothing: the nearest face of \"" << load.side_set << "\" is "
+  else if (is_gaussian && std::exp(-radii * radii) < min_share_of_peak)
+    doubt << "has almost no effect: the nearest face of \"" << load.side_set << "\" is "
           << target.nearest << " away from its center, " << radii << " times its radius";
   return doubt.str();
 }
 
 } // namespace
 
-// By Poisson's sum: a point rule of pitch h has the integral times 1 + 2 sum_k exp(-(pi k R/h)^2) cos(pi k/sqrt(3)) cos(2 pi k
-// x_0/h) along each axis, the first cosine for the places of the two Gauss points. Where the terms from the third on count, the
-// error is beyond 100 %.
+// By Poisson's summation formula, along each axis a point rule of pitch h gives the integral times
+// 1 + 2 sum_k exp(-(pi k R/h)^2) cos(pi k/sqrt(3)) cos(2 pi k x_0/h); the first cosine is due to
+// the positions of the two Gauss points. The terms from the third on matter only where the error
+// exceeds 100 %.
 double gaussianForceError(double a, double b, double radius) {
   constexpr double pi = 3.14159265358979323846, first = 0.2406, second = 0.8842;
   const auto along = [&](double edge) {
@@ -151,7 +151,7 @@ std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
     if (load.distribution == Distribution::gaussian)
       target = config.wall ? targetOf(*config.wall, load) : targetOf(comm, part, load);
     if (load.distribution == Distribution::gaussian && target.nearest == HUGE_VAL)
-      continue; // a set without members is told of
+      continue; // an empty set has its own warning
     const std::string doubt = doubtOf(load, target, config.time.end);
     if (!doubt.empty())
       warnings.push_back("load.pressure[" + std::to_string(i) + "] " + doubt);
@@ -159,8 +159,8 @@ std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
   for (std::size_t i = 0; i < config.prescribed.size(); ++i)
     if (config.prescribed[i].pulse.start >= config.time.end) {
       std::ostringstream text;
-      text << "boundary.velocity[" << i << "] holds its nodes: it starts at "
-           << config.prescribed[i].pulse.start << ", time.end is " << config.time.end;
+      text << "boundary.velocity[" << i << "] only holds its nodes: it starts at "
+           << config.prescribed[i].pulse.start << ", but time.end is " << config.time.end;
       warnings.push_back(text.str());
     }
   return warnings;

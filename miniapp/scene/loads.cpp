@@ -36,7 +36,7 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   return shape;
 }
 
-// Local elements that an entry names.
+// Marks the local elements that an entry selects.
 std::vector<unsigned char> chosenElements(const Config& config, const Scene& scene,
                                           const InitialSelection& entry) {
   const auto& part = scene.part;
@@ -95,7 +95,7 @@ std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, cons
     if (entry.distribution == Distribution::gaussian) {
       pressure.gaussian = true;
       pressure.centre = toVec3(entry.center);
-      pressure.radius = entry.radius / std::sqrt(2.0); // the deck's radius is that of exp(-1)
+      pressure.radius = entry.radius / std::sqrt(2.0); // the deck defines the radius by exp(-1)
       if (entry.wave_speed > 0)
         pressure.speed = entry.wave_speed;
     }
@@ -121,7 +121,7 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
   const auto at_start = boundary.during({});
   const auto velocity = state.velocity;
   Kokkos::parallel_for(
-      "miniapp::prescribedInitialVelocity", rangePolicy(space, scene.mesh.num_nodes),
+      "miniapp::setInitialVelocities", rangePolicy(space, scene.mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           if (at_start.motion(node, d))

@@ -1,4 +1,4 @@
-// What the deck says of loads, boundaries and initial conditions, applied to the sets of the mesh.
+// Loads, boundary conditions and initial conditions of the deck, applied to the sets of the mesh.
 #pragma once
 
 #include "mechanics/loads/boundary_conditions.hpp"
@@ -22,15 +22,15 @@ std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
 std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, const Config& config,
                                                    const Scene& scene);
 
-// [[initial.velocity]], later ones over earlier; prescribed components keep their own. Collective. Throws InputError
-// for an unknown block, brick or body.
+// [[initial.velocity]]; later entries override earlier ones, prescribed motions override both.
+// Throws InputError for an unknown block, brick or body. Collective.
 void setInitialVelocities(const exec_space& space, const Config& config, const Scene& scene,
                           mechanics::SharedNodeSum& shared,
                           const mechanics::BoundaryConditions& boundary,
                           const mechanics::NodalState& state);
 
-// [[initial.deformation]], later ones over earlier. Prescribed components too: they keep the displacement that they start
-// with. Collective. Throws InputError as above.
+// [[initial.deformation]]; later entries override earlier ones. It also sets prescribed components,
+// which then move from this displacement. Throws InputError as above. Collective.
 void setInitialDeformations(const exec_space& space, const Config& config, const Scene& scene,
                             mechanics::SharedNodeSum& shared, const mechanics::NodalState& state);
 

@@ -41,25 +41,28 @@ mechanics::HexMesh toHexMesh(const exec_space& space, const io::MeshPart& part,
   mechanics::HexMesh mesh;
   mesh.num_nodes = part.numNodes();
   mesh.num_elems = part.numElems();
-  mesh.elem_to_nodes = toDevice<View<int* [8]>>(space, "mesh::elem_to_nodes", part.elem_nodes);
-  mesh.elem_ids = toDevice<View<global_id*>>(space, "mesh::elem_ids", part.elem_ids);
-  mesh.node_ids = toDevice<View<global_id*>>(space, "mesh::node_ids", part.node_ids);
-  mesh.node_is_owned = toDevice<View<unsigned char*>>(space, "mesh::node_is_owned", node_is_owned);
-  mesh.elem_block = toDevice<View<int*>>(space, "mesh::elem_block", part.elem_block);
-  mesh.materials = toDevice<View<mechanics::Material*>>(space, "mesh::materials", materials);
+  mesh.elem_to_nodes =
+      toDevice<View<int* [8]>>(space, "miniapp::mesh::elem_to_nodes", part.elem_nodes);
+  mesh.elem_ids = toDevice<View<global_id*>>(space, "miniapp::mesh::elem_ids", part.elem_ids);
+  mesh.node_ids = toDevice<View<global_id*>>(space, "miniapp::mesh::node_ids", part.node_ids);
+  mesh.node_is_owned =
+      toDevice<View<unsigned char*>>(space, "miniapp::mesh::node_is_owned", node_is_owned);
+  mesh.elem_block = toDevice<View<int*>>(space, "miniapp::mesh::elem_block", part.elem_block);
+  mesh.materials =
+      toDevice<View<mechanics::Material*>>(space, "miniapp::mesh::materials", materials);
   mesh.reference_coordinates =
-      toDevice<View<double* [3]>>(space, "mesh::reference_coordinates", part.coordinates);
+      toDevice<View<double* [3]>>(space, "miniapp::mesh::reference_coordinates", part.coordinates);
   mesh.bodies = bodyRanges(part.elem_body);
   return mesh;
 }
 
-void refuseEdgesOfNoLength(const exec_space& space, MPI_Comm comm, const Scene& scene) {
+void refuseEdgesOfZeroLength(const exec_space& space, MPI_Comm comm, const Scene& scene) {
   const auto face_to_nodes = scene.skin.face_to_nodes;
   const auto ids = scene.skin.face_ids;
   const auto X = scene.mesh.reference_coordinates;
   global_id first = INT64_MAX;
   Kokkos::parallel_reduce(
-      "miniapp::refuseEdgesOfNoLength", rangePolicy(space, scene.skin.num_faces),
+      "miniapp::refuseEdgesOfZeroLength", rangePolicy(space, scene.skin.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face, global_id& least) {
         for (int corner = 0; corner < 4; ++corner)
           if (!(norm(rowOf(X, face_to_nodes(face, (corner + 1) % 4)) -
@@ -70,7 +73,7 @@ void refuseEdgesOfNoLength(const exec_space& space, MPI_Comm comm, const Scene& 
   first = allReduce(comm, first, MPI_MIN);
   if (first != INT64_MAX)
     throw InputError("the mesh has an edge of length zero on " + faceName(first) +
-                     "; expected hexahedra with eight corners apart");
+                     "; expected hexahedra with eight distinct corners");
 }
 
 void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
@@ -91,7 +94,7 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
   scene.shortest_edge = allReduce(comm, shortest, MPI_MIN);
   scene.longest_edge = allReduce(comm, longest, MPI_MAX);
   if (!(scene.shortest_edge > 0))
-    refuseEdgesOfNoLength(space, comm, scene);
+    refuseEdgesOfZeroLength(space, comm, scene);
 }
 
 template <class Set>
@@ -111,7 +114,7 @@ const Set& findByName(const std::vector<Set>& sets, const std::string& name,
                    (known.empty() ? "none" : known) + ")");
 }
 
-// A deck names one set; of several that share the name it would not say which.
+// A deck names one set; if several sets have that name, the choice would be ambiguous.
 template <class Set>
 void refuseSharedName(const Config& config, const std::vector<Set>& sets, const Set& found,
                       const std::string& kind) {
@@ -127,7 +130,7 @@ void refuseSharedName(const Config& config, const std::vector<Set>& sets, const 
                      found.name + "' (ids " + ids + "); expected a name of one " + kind);
 }
 
-// All names in the deck that the mesh lacks or has twice, in one error.
+// Reports all names in the deck that the mesh lacks or has twice in one error.
 void checkNames(const Config& config, const io::MeshPart& part) {
   std::string faults;
   const auto look = [&](const std::string& where, const auto& find) {
@@ -168,14 +171,14 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     throw InputError(faults);
 }
 
-// What is on a set without members does nothing, and its deck says nothing of it.
+// Conditions on empty sets have no effect.
 std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io::MeshPart& part) {
   std::vector<std::string> warnings;
   const auto warnIfEmpty = [&](const char* where, const char* kind, const std::string& name,
                                std::size_t members) {
     if (allReduce(comm, static_cast<std::int64_t>(members), MPI_SUM) == 0)
-      warnings.push_back(std::string("[[") + where + "]] does nothing: the mesh has nothing in " +
-                         kind + " \"" + name + "\"");
+      warnings.push_back(std::string("[[") + where + "]] has no effect: " + kind + " \"" + name +
+                         "\" is empty");
   };
   for (const auto& load : config.pressures)
     warnIfEmpty("load.pressure", "side set", load.side_set,
@@ -249,7 +252,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   try {
     scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
     measureSkinEdges(space, comm, scene);
-  } catch (const InputError& error) { // all ranks have it
+  } catch (const InputError& error) { // on all ranks
     throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);

@@ -1,4 +1,4 @@
-// The moving wall surface of `brickwall search`: every brick drifts a little each step, nothing deforms.
+// The moving wall surface of `brickwall search`: in each step every brick is displaced rigidly.
 #pragma once
 
 #include "contact/surface/surface.hpp"
@@ -11,14 +11,16 @@ namespace brickwall::miniapp {
 
 class SearchSurface {
 public:
-  // `drift`: largest motion of a brick per axis and step, length. The part is copied to the device.
+  // `drift` is the largest motion of a brick per axis and step, length. Copies the part to the
+  // device.
   SearchSurface(const exec_space& space, const io::SurfacePart& part, int rank, double drift,
                 std::uint64_t seed);
 
-  // x^n := x^{n+1}; every brick then moves by a vector hashed from (seed, brick, step): the same on any rank count.
+  // x^n := x^{n+1}; every brick then moves by a vector hashed from (seed, brick, step), independent
+  // of the number of ranks.
   void move(const exec_space& space, std::int64_t step);
 
-  // Coordinates change with move(), the rest never.
+  // Only its coordinates change, with move().
   contact::Surface surface() const;
 
 private:

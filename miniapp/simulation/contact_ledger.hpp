@@ -1,4 +1,4 @@
-// What contact tells the energy ledger of each step.
+// Contact's entries in the energy ledger of a step.
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"
@@ -8,7 +8,8 @@ namespace brickwall::miniapp {
 
 class ContactLedger {
 public:
-  // This rank's share of the balance after a step's enforcement. Friction took from the bodies what it stores and what is gone.
+  // This rank's share of the balance after a step's enforcement. The energy that friction has taken
+  // from the bodies is partly stored, and the rest is dissipated.
   mechanics::ContactEnergySums add(const contact::EnforcementSums& step) {
     mechanics::ContactEnergySums shares;
     LimbSum& stored = shares.sum[mechanics::contact_friction_stored_half];
@@ -24,9 +25,9 @@ public:
     shares.sum[mechanics::contact_edge_stored_half] = step.edges.terms.sum[contact::spring_stored];
     shares.sum[mechanics::contact_edge_work] = _edge_work;
     shares.sum[mechanics::contact_damping_dissipated] = _taken_by_damping;
-    LimbSum& gone = shares.sum[mechanics::contact_friction_dissipated];
-    gone = _taken_by_friction;
-    subtract(stored, gone);
+    LimbSum& dissipated = shares.sum[mechanics::contact_friction_dissipated];
+    dissipated = _taken_by_friction;
+    subtract(stored, dissipated);
     return shares;
   }
 

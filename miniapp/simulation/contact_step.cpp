@@ -9,8 +9,9 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// Relative to the shortest element edge. Lists of edges are kept even if those of nodes are rebuilt in each step: contact does
-// not depend on the margin, and few of the additional pairs come near each other.
+// Relative to the shortest element edge. Lists of edges are kept even if those of nodes are rebuilt
+// in each step: contact does not depend on the margin, and few of the additional pairs come near
+// each other.
 constexpr double edge_margin = 0.2;
 
 contact::EnforcementConfig enforcementConfig(const Config& config, double shortest_edge,
@@ -68,8 +69,9 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
     _edges.reset(); // all bodies are smooth
 }
 
-// A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as far as the deepest loaded contact
-// may fade out beyond an edge (its depth times depths_to_end, with a margin), but not farther than the shortest edge.
+// A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as
+// far as the deepest loaded contact may fade out beyond an edge (its depth times depths_to_end,
+// with a margin), but not farther than the shortest edge.
 double ContactStep::toleranceFor(double deepest) const {
   constexpr double depths_to_end = contact::FadeRegion::depths_to_end;
   const double reach = 0.5 * ((depths_to_end + 0.2) * deepest +
@@ -77,7 +79,8 @@ double ContactStep::toleranceFor(double deepest) const {
   return deepest > 0 ? minOf(reach, 0.5 * _scene.shortest_edge) : 0;
 }
 
-// The tolerance grows with a reserve and shrinks late, because each change discards the lists of candidates.
+// The tolerance grows with a reserve and shrinks late, because each change discards the lists of
+// candidates.
 void ContactStep::growSearchTolerance(const contact::EnforcementSums& sums) {
   const double needed = toleranceFor(allReduce(_comm, deepest(sums), MPI_MAX));
   if (needed > _search_tolerance)

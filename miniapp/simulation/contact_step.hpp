@@ -1,5 +1,6 @@
-// Contact within a time step: the surface follows the mesh, the search finds candidates, the enforcement turns them into
-// forces. Also the tolerance of the search, the tunnelling guard and counts for reports.
+// Contact within a time step: the surface follows the mesh, the search finds candidates, the
+// enforcement turns them into forces. Also the tolerance of the search, the tunnelling guard and
+// counts for reports.
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
@@ -29,8 +30,9 @@ inline double maxPenetration(const contact::EnforcementSums& sums) {
 
 class ContactStep {
 public:
-  // The surface is at X + `displacement`; `dt` is the reference step of contact. `config` and `scene` must outlive the object.
-  // Throws InputError on all ranks if bodies overlap too deeply. Collective.
+  // The surface is at X + `displacement`; `dt` is the reference step of contact. `config` and
+  // `scene` must outlive the object. Throws InputError on all ranks if bodies overlap too deeply.
+  // Collective.
   ContactStep(const exec_space& space, MPI_Comm comm, const Config& config, const Scene& scene,
               const mechanics::BoundaryConditions& boundary,
               const View<const double* [3]>& displacement, double dt, const Quantum& force_quantum,
@@ -55,12 +57,12 @@ public:
 
   // The fastest pair among the candidates; pairs slower than `limit` may be ignored. Collective.
   contact::PairMotion fastestPair(double limit) const;
-  // Shortens the reference step for `pair`, which was found after a drift of length `dt` from the positions at `clock`. Returns
-  // the longest admissible drift (TunnellingGuard::shorten).
+  // Shortens the reference step for `pair`, which was found after a drift of length `dt` from the
+  // positions at `clock`. Returns the longest admissible drift (TunnellingGuard::shorten).
   double shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock);
 
-  // Contact forces of the step, added to `forces` as totals. `forces` holds the totals of all other forces. Returns this rank's
-  // sums. Collective.
+  // Contact forces of the step, added to `forces` as totals. `forces` holds the totals of all other
+  // forces. Returns this rank's sums. Collective.
   contact::EnforcementSums enforce(const contact::StepLengths& steps,
                                    const mechanics::NodalForces& forces,
                                    const mechanics::NodalState& state,
@@ -88,8 +90,8 @@ public:
   std::int64_t lost() const { return _lost; } // this rank's
   std::int64_t missedPairs() const { return _missed_pairs; } // of all ranks
   double penetration() const { return _penetration; } // this rank's
-  // The largest penetration of all ranks: exact if it exceeds a limit for the first time by the `host_counts` of the step,
-  // otherwise a lower bound. Collective.
+  // The largest penetration of all ranks: exact if it exceeds a limit for the first time by the
+  // `host_counts` of the step, otherwise a lower bound. Collective.
   double agreeOnPenetration(const std::int64_t* host_counts);
 
 private:

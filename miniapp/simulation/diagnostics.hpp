@@ -25,15 +25,17 @@ ContactCounts contactCounts(const Simulation& simulation); // collective
 
 std::int64_t numSearches(const Simulation& simulation); // since the start
 
-// Values of the gauges after a step, for limits. The penetration is exact when it exceeds a limit for the first time, otherwise a
-// lower bound. Collective.
+// Values of the gauges after a step, for limits. The penetration is exact when it exceeds a limit
+// for the first time, otherwise a lower bound. Collective.
 GaugeValues gauges(Simulation& simulation);
 
-// The nonlinear part of the strain that linear materials neglect (mechanics/ledger/small_strain.hpp), evaluated every
-// check_interval steps and at the end; 0 in other steps and without linear materials. Collective.
+// The nonlinear part of the strain that linear materials neglect
+// (mechanics/ledger/small_strain.hpp), evaluated every check_interval steps and at the end; 0 in
+// other steps and without linear materials. Collective.
 mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation);
 
-// Sums modulo 2^64 of hashes of all bits of the state (contact/base/hash.hpp); independent of the number of ranks.
+// Sums modulo 2^64 of hashes of all bits of the state (contact/base/hash.hpp); independent of the
+// number of ranks.
 struct Checksums {
   std::uint64_t nodes = 0; // displacement and velocity of every node
   std::uint64_t contacts =
@@ -52,7 +54,8 @@ struct SpecialElements {
 };
 SpecialElements specialElements(const Simulation& simulation); // collective
 
-// Speed of a node relative to a face up to which the tunnelling guard does not act; HUGE_VAL without a guard.
+// Speed of a node relative to a face up to which the tunnelling guard does not act; HUGE_VAL
+// without a guard.
 double sureSpeed(const Simulation& simulation);
 
 } // namespace brickwall::miniapp

@@ -30,7 +30,8 @@ void Simulation::runVerbs(bool moves) {
 void Simulation::moveNodes() {
   saveStateForGuard();
   const Region region("step::moveNodes");
-  // Free bricks drift within their sweep, unless the check of the stable step needs the positions earlier.
+  // Free bricks drift within their sweep, unless the check of the stable step needs the positions
+  // earlier.
   _step.free_bricks_have_drifted = _free_bricks.any() && _steps.checksStability(clock().step + 1);
   if (_step.free_bricks_have_drifted || movingNodes().all || !host_accessible)
     mechanics::drift(_space, clock().dt, _state);
@@ -63,8 +64,9 @@ void Simulation::saveStateForGuard() {
   _before_drift.clock = clock();
 }
 
-// If a pair has moved by more than contact can resolve, undoes the drift, shortens the step permanently and drifts again; or
-// throws PhysicsError on all ranks in the state of the previous step.
+// If a pair has moved by more than contact can resolve, undoes the drift, shortens the step
+// permanently and drifts again; or throws PhysicsError on all ranks in the state of the previous
+// step.
 void Simulation::guardAgainstTunnelling() {
   if (!_step.is_guarded)
     return;
@@ -86,9 +88,10 @@ void Simulation::guardAgainstTunnelling() {
   }
 }
 
-// Shortens the next drift and the kick before it: half of the drift's reduction is undone with the forces of that kick, as if the
-// length had been known. Only the loads keep their mean over the longer kick. The depth of a node is its speed times the
-// reference step, which the guard has shortened as well: contacts that become active from here on are stiffer.
+// Shortens the next drift and the kick before it: half of the drift's reduction is undone with the
+// forces of that kick, as if the length had been known. Only the loads keep their mean over the
+// longer kick. The depth of a node is its speed times the reference step, which the guard has
+// shortened as well: contacts that become active from here on are stiffer.
 void Simulation::shortenDrift(double longest) {
   const double dt = clock().dt;
   if (longest >= dt)
@@ -137,8 +140,8 @@ void Simulation::limitStepForCompression() {
   _steps.shortenIfUnstable(_state.displacement);
 }
 
-// A kick spans the time from the exact end of the previous one, so that no part of a pulse is lost or counted twice, to the
-// middle of the next step.
+// A kick spans the time from the exact end of the previous one, so that no part of a pulse is lost
+// or counted twice, to the middle of the next step.
 mechanics::TimeSpan Simulation::nextLoadSpan() const {
   return {_step.load_span.end, clock().time + 0.5 * clock().dt};
 }
@@ -230,8 +233,9 @@ void Simulation::bookEnergies() {
   }
 }
 
-// Undoes the kick and the drift that led to a failure, so that the last valid state can be written with its forces; only those
-// of contact remain. Forces that failed were never added, so the others are finite.
+// Undoes the kick and the drift that led to a failure, so that the last valid state can be written
+// with its forces; only those of contact remain. Forces that failed were never added, so the others
+// are finite.
 void Simulation::stepBack() {
   const double dt = clock().dt_before;
   undoKickAndDrift(_space, _scene.mesh, _boundary, {clock().time - dt, clock().time},

@@ -22,12 +22,14 @@ namespace brickwall::miniapp {
 
 class Simulation {
 public:
-  // Positions and velocities are the initial ones, forces are zero. `config` and `scene` must outlive the simulation. Collective.
+  // Positions and velocities are the initial ones, forces are zero. `config` and `scene` must
+  // outlive the simulation. Collective.
   Simulation(MPI_Comm comm, const Config& config, const Scene& scene);
 
   // Forces of the initial state and the half step v^{1/2} = v^0 + dt/2 a^0. Collective.
   void start() { runVerbs(false); }
-  // One step t^n -> t^{n+1}. Throws PhysicsError on all ranks; the state is then that of the previous step. Collective.
+  // One step t^n -> t^{n+1}. Throws PhysicsError on all ranks; the state is then that of the
+  // previous step. Collective.
   void step() { runVerbs(true); }
   bool isDone() const { return _steps.isDone(); }
 

@@ -1,4 +1,5 @@
-// Set-up of a simulation: state, forces, loads, free and resting bodies, length of the steps, contact.
+// Set-up of a simulation: state, forces, loads, free and resting bodies, length of the steps,
+// contact.
 #include "contact/base/mpi.hpp"
 #include "mechanics/ledger/turned_rounding.hpp"
 #include "mechanics/mesh/lumped_mass.hpp"
@@ -83,8 +84,9 @@ void Simulation::findFreeBricks() {
     _other_nodes = _free_bricks.otherNodes();
 }
 
-// Forces reach a body through its surface and through loads, which may act on sides inside it; they reach this rank's part of a
-// body also through shared nodes. Without contact few bodies ever start to move, so nothing is gained.
+// Forces reach a body through its surface and through loads, which may act on sides inside it; they
+// reach this rank's part of a body also through shared nodes. Without contact few bodies ever start
+// to move, so nothing is gained.
 void Simulation::findRestingBodies() {
   if (!_config.spare.resting_bodies || !_config.contact.enabled)
     return;

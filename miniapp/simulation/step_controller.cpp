@@ -14,9 +14,10 @@ void StepController::plan(mechanics::ElementKind kind,
   planSteps(longestStepAtStart(displacement));
 }
 
-// One limit is for free bodies, the other one for bodies with contact on their whole surface. Contact is never that severe, so
-// the second limit keeps little margin for bodies that stiffen as they deform. Cuts should be rare, since each changes the
-// energy slightly; bodies are never exactly at rest. A step may therefore use half of the margin, and under contact all of it.
+// One limit is for free bodies, the other one for bodies with contact on their whole surface.
+// Contact is never that severe, so the second limit keeps little margin for bodies that stiffen as
+// they deform. Cuts should be rare, since each changes the energy slightly; bodies are never
+// exactly at rest. A step may therefore use half of the margin, and under contact all of it.
 void StepController::setLimits(mechanics::ElementKind kind) {
   constexpr double share_in_contact = 0.97;
   const ContactConfig& contact = _config.contact;

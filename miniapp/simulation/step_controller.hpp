@@ -1,6 +1,6 @@
-// Lengths of the steps: planned at the start and shortened where the deformed bodies, or the tunnelling guard, need shorter
-// ones. A step length that changes from step to step would itself be unstable (Skeel 1993), so each cut is permanent and large
-// enough to last.
+// Lengths of the steps: planned at the start and shortened where the deformed bodies, or the
+// tunnelling guard, need shorter ones. A step length that changes from step to step would itself be
+// unstable (Skeel 1993), so each cut is permanent and large enough to last.
 #pragma once
 
 #include "mechanics/force/internal_force.hpp"
@@ -52,10 +52,11 @@ struct StepGain {
   std::int64_t body_types = 0;
 };
 
-// One bound of the step: dt = share times the stable step under the load. The step is cut when the stable step falls below
-// dt/largest_share.
+// One bound of the step: dt = share times the stable step under the load. The step is cut when the
+// stable step falls below dt/largest_share.
 struct StepLimit {
-  // The step allows for this rate of compression. The initial value costs a few per cent of the step.
+  // The step allows for this rate of compression. The initial value costs a few per cent of the
+  // step.
   mechanics::StabilityTerms load = {{}, 0.01, 0};
   mechanics::ElementsAtRest elements; // under the load, at the start of the run
   mechanics::RestFrequency rest; // of the bodies under the load's contact
@@ -68,8 +69,8 @@ public:
   StepController(MPI_Comm comm, const Config& config, const Scene& scene)
       : _comm(comm), _config(config), _scene(scene) {}
 
-  // Finds the limits and plans steps of equal length until the end time. Throws InputError if the initial deformation is
-  // unstable or if the number of steps is not representable. Collective.
+  // Finds the limits and plans steps of equal length until the end time. Throws InputError if the
+  // initial deformation is unstable or if the number of steps is not representable. Collective.
   void plan(mechanics::ElementKind kind, const View<const double* [3]>& displacement);
 
   const Clock& clock() const { return _clock; }
@@ -84,10 +85,12 @@ public:
   void restore(const Clock& clock) { _clock = clock; }
   void stepBack() { _clock.stepBack(); }
 
-  // Cuts the step if it is too long for the deformed bodies. To be called between drift and kick, so that the kick spans half
-  // of either step and the ledger knows the length of the next drift. Collective.
+  // Cuts the step if it is too long for the deformed bodies. To be called between drift and kick,
+  // so that the kick spans half of either step and the ledger knows the length of the next drift.
+  // Collective.
   void shortenIfUnstable(const View<const double* [3]>& displacement);
-  // Returns whether the limits now allow for a larger `rate` of compression (of all ranks) than before.
+  // Returns whether the limits now allow for a larger `rate` of compression (of all ranks) than
+  // before.
   bool allowForCompression(double rate);
   // Plans steps no longer than `longest` from the present time.
   void shorten(double longest, StepCut::Reason reason);

@@ -10,8 +10,9 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// A node of mass m and speed v is stopped by the force sqrt(k m) v = sqrt(s) m v/dt with k = s m/dt^2 and s = contact.penalty. Half
-// of the range of forces suffices for s (range/(2 F))^2, where F is the force found.
+// A node of mass m and speed v is stopped by the force sqrt(k m) v = sqrt(s) m v/dt with k = s
+// m/dt^2 and s = contact.penalty. Half of the range of forces suffices for s (range/(2 F))^2, where
+// F is the force found.
 std::string remedyFor(double excess, const Simulation& simulation) {
   std::ostringstream message;
   for (const StepCut& cut : simulation.steps().cuts())

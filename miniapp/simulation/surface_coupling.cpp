@@ -9,8 +9,8 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// Mass per area by which a face resists contact: rho h_n/2. The element's thickness h_n is the distance between the centres of
-// the face and of the opposite side along the face's normal.
+// Mass per area by which a face resists contact: rho h_n/2. The element's thickness h_n is the
+// distance between the centres of the face and of the opposite side along the face's normal.
 KOKKOS_INLINE_FUNCTION double surfaceMass(const Vec3 (&face)[4], const Vec3& element_centre,
                                           double density) {
   const Vec3 centre = 0.25 * (face[0] + face[1] + face[2] + face[3]);

@@ -1,4 +1,5 @@
-// Connects the volume mesh and the contact surface: coordinates and masses go to the surface, contact forces come back.
+// Connects the volume mesh and the contact surface: coordinates and masses go to the surface,
+// contact forces come back.
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"
@@ -29,17 +30,18 @@ public:
   contact::Surface surface() const;
   const View<const double*>& nodeMass() const { return _node_mass; } // [surface node]
 
-  // Turns this rank's partial contact forces into totals, which are equal on all ranks that share a node: forces on ghosts are
-  // summed at their owners, then shared nodes are summed. Collective.
+  // Turns this rank's partial contact forces into totals, which are equal on all ranks that share a
+  // node: forces on ghosts are summed at their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
-  // Stores the totals of sumContactForces() at the listed surface nodes in the columns contact_force.
+  // Stores the totals of sumContactForces() at the listed surface nodes in the columns
+  // contact_force.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
                           const contact::ContactForces& forces,
                           const mechanics::NodalForces& target) const;
 
-  // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in `forces` (totals), gravity and
-  // damping; 0 where prescribed.
+  // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in
+  // `forces` (totals), gravity and damping; 0 where prescribed.
   const View<double* [3]>& accelerations(const exec_space& space, const contact::NodeList& list,
                                          const mechanics::NodalForces& forces,
                                          const mechanics::NodalState& state, double dt,

@@ -34,9 +34,9 @@ TunnellingGuard::TunnellingGuard(const Config& config, double reach, double refe
 
 double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
                                 std::int64_t step, double time) {
-  const double spare = actsEarly(is_early) ? 0.8 : 1; // 3/4 of it is below early_share
-  const double sure =
-      spare * _allowed / (pair.motion / dt); // the reference step in which it would be
+  const double reserve = actsEarly(is_early) ? 0.8 : 1; // 3/4 of it is below early_share
+  // the reference step in which the pair moves by the allowed motion
+  const double sure = reserve * _allowed / (pair.motion / dt);
   const bool is_too_short = 0.5 * sure < _shortest_step;
   if (_action == GuardAction::cut && !is_too_short) {
     _reference_step = 0.75 * sure;
@@ -44,13 +44,13 @@ double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool
   }
   std::ostringstream message;
   message << "contact could be missed in step " << step + 1 << " (from time " << time
-          << "): " << describe(pair) << "; contact is sure up to " << allowedMotion(dt) << ". ";
+          << "): " << describe(pair) << "; contact is reliable up to " << allowedMotion(dt) << ". ";
   if (is_too_short)
-    message << "The step would have to fall from " << dt << " to " << 0.5 * sure
+    message << "The step would have to decrease from " << dt << " to " << 0.5 * sure
             << ", below 1/1000 of the stable one. Slow the bodies down or raise contact.tolerance";
   else
     message << "contact.guard = \"cut\" shortens the step; a larger contact.tolerance or a smaller "
-               "time.safety may do too";
+               "time.safety may also suffice";
   throw PhysicsError(message.str());
 }
 

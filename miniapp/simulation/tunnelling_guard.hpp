@@ -1,9 +1,12 @@
-// Watches that no node passes a face unseen: decides which steps to look at, how fast is too fast, and what then.
+// Prevents nodes from passing through faces undetected: decides which steps to test, which relative
+// motion is too fast, and how to respond.
 //
-// The boxes of the search are swept over the step, so a node is found before it enters a body, and from then on as long as it
-// is not deeper in it than `reach` = node + face tolerance. A node that comes closer to a face by d in each reference step,
-// whose length sets the stiffness of contact, gets at most max(2, 1/s) d deep: a free node of s = .5 goes 1.5 d deep, one that is
-// pushed by a mesh chi/s d (physics of a penalty s m/dt^2). So contact is sure for d <= `allowed` = reach min(1/2, s).
+// The boxes of the search are swept over the step. A node is therefore found before it enters a
+// body, and afterwards as long as it is not deeper in it than `reach` = node + face tolerance. The
+// stiffness of contact is s m/dt^2 with the penalty s and the reference step dt. If a node
+// approaches a face by d in each reference step, its depth is at most max(2, 1/s) d: a free node
+// with s = 0.5 becomes 1.5 d deep, one that is pushed by a mesh chi/s d. Contact is therefore
+// reliable for d <= `allowed` = reach min(1/2, s).
 #pragma once
 
 #include "contact/search/audit/pair_motion.hpp"
@@ -17,31 +20,34 @@ namespace brickwall::miniapp {
 class TunnellingGuard {
 public:
   TunnellingGuard() = default; // off
-  // `reach`: the tolerances of the search, added; `reference_step` of contact at the start, which is a stable one.
+  // `reach` is the sum of the tolerances of the search, `reference_step` the reference step of
+  // contact at the start, a stable step.
   TunnellingGuard(const Config& config, double reach, double reference_step);
 
-  // For a kick: counts the nodes that move by more than a third of what is allowed against the mean. If there are none, no
-  // pair moves by more than two thirds of what is allowed.
+  // For a kick: counts the nodes that move by more than a third of the allowed motion relative to
+  // the mean. If there are none, no pair moves by more than two thirds of the allowed motion.
   mechanics::SpeedTest speedTest(const Vec3& mean_velocity) const {
     return {mean_velocity, early_share / 2 * _allowed / _reference_step};
   }
 
-  // Of one node against one face in a step of length dt, length.
+  // Allowed motion of one node relative to one face in a step dt, length.
   double allowedMotion(double dt) const { return _allowed * (dt / _reference_step); }
-  // The motion at which to act. While nothing is in contact a cut costs no energy, and speeds may double in an impact: so then,
-  // early, at two thirds of that.
+  // Motion above which the guard acts. While nothing is in contact (`is_early`), a cut costs no
+  // energy and speeds may double in an impact: the guard then acts at two thirds of the allowed
+  // motion.
   double tolerableMotion(double dt, bool is_early) const {
     return (actsEarly(is_early) ? early_share : 1) * allowedMotion(dt);
   }
 
-  // For a pair that moves by more than that in a step of dt: shortens the reference step so that it moves by 3/4 of what is
-  // allowed in it (.6, early), and returns the step, dt or less, in which it moves by half (.4). Throws PhysicsError, naming
-  // the pair, where the deck says so or where the step would be shorter than 1/1000 of the stable one. `step` and `time` are
-  // those of the positions before the drift.
+  // For a pair that moves by more than tolerableMotion() in a step dt: shortens the reference step
+  // so that the pair moves by 3/4 of the allowed motion in it (0.6 if `is_early`), and returns the
+  // step, at most dt, in which it moves by half of it (0.4). Throws PhysicsError, naming the pair,
+  // if the deck asks for it or if the step would be shorter than 1/1000 of the stable one. `step`
+  // and `time` are those of the positions before the drift.
   double shorten(double dt, const contact::PairMotion& pair, bool is_early, std::int64_t step,
                  double time);
 
-  // dt_ref of contact, >= every step to come.
+  // Reference step of contact; not shorter than any later step.
   double referenceStep() const { return _reference_step; }
 
 private:

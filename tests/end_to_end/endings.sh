@@ -74,7 +74,7 @@ for ranks in 1 3; do
   expect "bodies that overlap beyond the reach of contact are refused" 2 \
     'node [0-9]+ .*of body 0 \(brick \[0, 0, 0\]: course 0, .*\) is 0\.04 deep in body 1 \(.*\), .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
   expect "flush crossing bars without penetrating nodes are refused" 2 \
-    'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* stand 0\.5 deep in each other' \
+    'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* overlap by 0\.5' \
     $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
   expect "one element runs" 0 '^PASS' $ranks run "$inputs/one_brick.toml" --set 'wall.elements=[1,1,1]' --steps 20

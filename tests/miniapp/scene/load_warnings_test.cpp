@@ -1,4 +1,4 @@
-// Loads that can not come out as their deck means them.
+// Loads that cannot act as intended.
 #include "mechanics/loads/pressure_load.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "tests/miniapp/scene/mesh_scene.hpp"
@@ -6,7 +6,8 @@
 namespace brickwall::miniapp::testing {
 namespace {
 
-// Warnings of one load on the front of a brick of 4 x 4 x 4 unit elements until time 8, as a mesh and as a wall.
+// Warnings for one load on the front of a brick of 4 x 4 x 4 unit elements until time 8, as a mesh
+// and as a wall.
 std::vector<std::string> warningsOf(const std::string& load, bool as_wall) {
   const std::string block = "[[load.pressure]]\npeak = 1.0\nside_set = \"front\"\n" + load;
   const MeshFile mesh(oneBrick({4, 4, 4}), [](io::MeshPart&) {});
@@ -31,7 +32,7 @@ void expectWarning(const std::string& load, const std::string& words) {
 
 const std::string gaussian = "duration = 1.0\ndistribution = \"gaussian\"\n";
 
-TEST(LoadWarnings, TellOfPulsesThatComeTooLate) {
+TEST(LoadWarnings, ReportPulsesThatBeginTooLate) {
   expectWarning("duration = 1.0\nstart = 7.9\n", "");
   expectWarning("duration = 1.0\nstart = 8.0\n", "it starts at 8");
   const std::string away = gaussian + "center = [2, -3, 2]\nradius = 4.0\n";
@@ -41,23 +42,25 @@ TEST(LoadWarnings, TellOfPulsesThatComeTooLate) {
   expectWarning(away + "wave_speed = 1e-320\n", "its wave reaches");
 }
 
-TEST(LoadWarnings, TellOfPrescribedVelocitiesThatComeTooLate) {
+TEST(LoadWarnings, ReportPrescribedVelocitiesThatBeginTooLate) {
   const std::string step = "duration = 1.0\n[[boundary.velocity]]\nnode_set = \"back\"\n"
                            "velocity = [0, 1, 0]\n";
   expectWarning(step + "start = 7.9\n", "");
-  expectWarning(step + "start = 8.0\n", "boundary.velocity[0] holds its nodes: it starts at 8");
+  expectWarning(step + "start = 8.0\n",
+                "boundary.velocity[0] only holds its nodes: it starts at 8");
 }
 
-TEST(LoadWarnings, TellOfGaussiansFinerThanTheFacesOrFarAway) {
+TEST(LoadWarnings, ReportGaussiansThatAreFinerThanTheFacesOrFarAway) {
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.56\n", "");
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.54\n", "is finer than the mesh");
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 1e-9\n", "is finer than the mesh");
   expectWarning(gaussian + "center = [2, -10, 2]\nradius = 2.5\n", "");
-  expectWarning(gaussian + "center = [2, -10, 2]\nradius = 2.0\n", "does next to nothing");
+  expectWarning(gaussian + "center = [2, -10, 2]\nradius = 2.0\n", "has almost no effect");
 }
 
-// The bound against the loads themselves: a gaussian anywhere on a large flat grid of faces of a x b.
-TEST(LoadWarnings, TheBoundOfAGaussiansForceIsThatOfItsLoads) {
+// The bound is compared with the loads of a gaussian at several positions on a large flat grid of
+// faces of a x b.
+TEST(LoadWarnings, TheBoundOfAGaussiansForceErrorIsSharp) {
   constexpr double a = 1, b = 0.7, pi = 3.14159265358979323846;
   for (const double radius : {0.4, 0.5, 0.6}) {
     double worst = 0;
@@ -83,12 +86,12 @@ TEST(LoadWarnings, TheBoundOfAGaussiansForceIsThatOfItsLoads) {
         worst = std::max(worst, std::fabs(force / (pi * radius * radius) - 1));
       }
     const double bound = gaussianForceError(a, b, radius);
-    EXPECT_LE(worst, bound * (1 + 1e-3)); // the cosines have four digits
-    EXPECT_GE(worst, 0.9 * bound) << radius; // the second terms of the sum need not add up
+    EXPECT_LE(worst, bound * (1 + 1e-3)); // the constants have four digits
+    EXPECT_GE(worst, 0.9 * bound) << radius; // the second terms need not have the same sign
   }
 }
 
-TEST(MeshScene, ANameOfTwoSetsIsRefusedWhereTheDeckNamesIt) {
+TEST(MeshScene, ANameOfTwoSetsIsRefusedIfTheDeckUsesIt) {
   const MeshFile mesh(oneBrick({2, 2, 2}), [](io::MeshPart& part) {
     part.side_sets[1].name = part.side_sets[0].name;
     part.node_sets[1].name = part.node_sets[0].name;

@@ -1,4 +1,4 @@
-// Scenes from mesh files that a test makes: a generated wall whose sets, corners and blocks the test changes.
+// Scenes from mesh files: a generated wall whose sets, corners and blocks a test changes.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -14,7 +14,7 @@
 
 namespace brickwall::miniapp::testing {
 
-// A mesh file in a folder of its own, written by rank 0 and removed with the last rank. Collective.
+// A mesh file in a temporary folder, written by rank 0 and removed at the end. Collective.
 class MeshFile {
 public:
   template <class Change>
@@ -27,7 +27,7 @@ public:
     MPI_Barrier(MPI_COMM_WORLD);
   }
   std::string path() const { return _folder / "mesh.exo"; }
-  // The deck of this mesh, of one material, with `blocks` added.
+  // A deck with this mesh, one material and the text `blocks`.
   Config config(const std::string& blocks) const {
     return parseConfig("[mesh]\nfile = \"" + path() +
                            "\"\n[material.brick]\ndensity = 1.0\nyoungs_modulus = 1.0\n"
@@ -40,7 +40,7 @@ private:
   brickwall::testing::TemporaryFolder _folder{MPI_COMM_WORLD};
 };
 
-// What makes a scene of it fail, "" if nothing does.
+// The error message of a scene and simulation with this deck; "" without an error.
 inline std::string faultOf(const Config& config) {
   try {
     const Scene scene = makeScene(exec_space(), MPI_COMM_WORLD, config);

@@ -1,12 +1,12 @@
-// What simulations make of meshes with sets and elements that no wall has.
+// Simulations of meshes with sets and elements that generated walls do not have.
 #include "miniapp/scene/force_range.hpp"
 #include "tests/miniapp/scene/mesh_scene.hpp"
 
 namespace brickwall::miniapp::testing {
 namespace {
 
-// Two sides of the inmost element of 3 x 3 x 3: no node of theirs is on the surface.
-io::SideSet sidesOfTheInmost() {
+// Two sides of the central element of 3 x 3 x 3; none of their nodes is on the surface.
+io::SideSet sidesOfTheCentralElement() {
   io::SideSet inner;
   inner.id = 77;
   inner.name = "inner";
@@ -28,9 +28,10 @@ Outcome outcomeOf(MPI_Comm comm, const Config& config) {
   return {checksums(simulation), simulation.balance().external_work};
 }
 
-TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyRanks) {
-  const MeshFile mesh(oneBrick({3, 3, 3}),
-                      [](io::MeshPart& part) { part.side_sets.push_back(sidesOfTheInmost()); });
+TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyNumberOfRanks) {
+  const MeshFile mesh(oneBrick({3, 3, 3}), [](io::MeshPart& part) {
+    part.side_sets.push_back(sidesOfTheCentralElement());
+  });
   const std::string load =
       "[[load.pressure]]\nside_set = \"inner\"\npeak = 1e-3\nshape = \"step\"\n";
   const Outcome alone = outcomeOf(MPI_COMM_SELF, mesh.config(load));
@@ -42,7 +43,7 @@ TEST(MeshScene, APressureInsideABodyMovesItTheSameOnAnyRanks) {
   }
 }
 
-// Nodes at x = 0 ("left") and at y = 0 ("front"), which share an edge, and "nothing".
+// Node sets at x = 0 ("left") and at y = 0 ("front_nodes"), which share an edge, and an empty one.
 void addNodeSets(io::MeshPart& part) {
   io::NodeSet left, front, nothing;
   left.id = 201, left.name = "left";
@@ -57,7 +58,7 @@ void addNodeSets(io::MeshPart& part) {
   part.node_sets = {left, front, nothing};
 }
 
-TEST(MeshScene, SetsThatShareNodesAreRefusedWhereTheirMotionsDiffer) {
+TEST(MeshScene, SetsThatShareNodesAreRefusedIfTheirMotionsDiffer) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const std::string fixed = "[[boundary.fixed]]\nnode_set = \"left\"\n";
   const auto moved = [&](const char* motion) {
@@ -76,7 +77,7 @@ TEST(MeshScene, SetsThatShareNodesAreRefusedWhereTheirMotionsDiffer) {
             "");
 }
 
-TEST(MeshScene, SetsWithoutMembersAreWarnedOf) {
+TEST(MeshScene, EmptySetsCauseWarnings) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const Scene scene =
       makeScene(exec_space(), MPI_COMM_WORLD,
@@ -86,8 +87,8 @@ TEST(MeshScene, SetsWithoutMembersAreWarnedOf) {
   EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
 }
 
-// Two bricks, the second a block of its own, `stiffer` times as stiff as the first: forces are rounded to 2^-54 to 2^-53 of its
-// strength.
+// Two bricks in two blocks, the second one `stiffer` times as stiff. Forces are rounded to between
+// 2^-54 and 2^-53 of the force of the stiff block.
 std::vector<std::string> warningsOfContrast(double stiffer) {
   io::WallConfig wall = oneBrick({2, 2, 2});
   wall.bricks = {2, 1, 1};
@@ -101,7 +102,7 @@ std::vector<std::string> warningsOfContrast(double stiffer) {
   return checkForceRange(MPI_COMM_WORLD, part, {soft, stiff});
 }
 
-TEST(MeshScene, ForcesTooCoarseForASoftBlockAreWarnedOfAndRefused) {
+TEST(MeshScene, ForcesTooCoarseForASoftBlockCauseAWarningOrAnError) {
   const double limit = coarse_forces * std::ldexp(1.0, 53),
                refused = too_coarse_forces * std::ldexp(1.0, 53);
   EXPECT_TRUE(warningsOfContrast(0.99 * limit).empty());
@@ -112,21 +113,22 @@ TEST(MeshScene, ForcesTooCoarseForASoftBlockAreWarnedOfAndRefused) {
   EXPECT_THROW(warningsOfContrast(2.01 * refused), InputError);
 }
 
-TEST(MeshScene, AnEdgeOfNoLengthIsNamedWithFileAndElement) {
-  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart& part) { // the second becomes a wedge
-    const auto node = [&](int corner) { return 3 * part.elem_nodes[8 + corner]; };
-    for (const int corner : {2, 6}) // of one coordinate with its neighbour along y
-      for (int d = 0; d < 3; ++d)
-        part.coordinates[node(corner) + d] = part.coordinates[node(corner - 1) + d];
-  });
+TEST(MeshScene, AnEdgeOfZeroLengthIsReportedWithFileAndElement) {
+  const MeshFile mesh(
+      oneBrick({2, 1, 1}), [](io::MeshPart& part) { // collapses an edge of the second element
+        const auto node = [&](int corner) { return 3 * part.elem_nodes[8 + corner]; };
+        for (const int corner : {2, 6}) // moved onto the neighbour along y
+          for (int d = 0; d < 3; ++d)
+            part.coordinates[node(corner) + d] = part.coordinates[node(corner - 1) + d];
+      });
   const std::string fault = faultOf(mesh.config(""));
   EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
   EXPECT_NE(fault.find("of the element with 1-based id 2"), std::string::npos) << fault;
 }
 
-TEST(MeshScene, ASideOfThreeElementsIsNamedWithFileAndElement) {
+TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
   const MeshFile mesh(oneBrick({3, 1, 1}),
-                      [](io::MeshPart& part) { // the third on the first's place
+                      [](io::MeshPart& part) { // the third in the place of the first
                         for (int corner = 0; corner < 8; ++corner)
                           part.elem_nodes[16 + corner] = part.elem_nodes[corner];
                       });
@@ -135,7 +137,7 @@ TEST(MeshScene, ASideOfThreeElementsIsNamedWithFileAndElement) {
   EXPECT_NE(fault.find(" of the element with 1-based id "), std::string::npos) << fault;
 }
 
-TEST(MeshScene, AStepTooShortForANumberIsAFaultOfTheDeck) {
+TEST(MeshScene, AStepThatIsNotRepresentableIsAnInputError) {
   const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart&) {});
   Config config = mesh.config("");
   config.materials[0].material.density = 1e-300;

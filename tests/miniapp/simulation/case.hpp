@@ -1,4 +1,4 @@
-// What the verification cases share: a simulation from a deck's text, and sums over the nodes of a body.
+// A simulation from the text of a deck, with sums over the nodes of a body.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -40,7 +40,7 @@ struct Case {
         Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
     return sumOverBody(body, [&](int node) { return mass(node) * v(node, component); });
   }
-  // Of the body's centre of mass.
+  // Displacement of the body's centre of mass.
   double meanDisplacement(global_id body, int component) const {
     const auto u =
         Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);

@@ -1,5 +1,6 @@
-// A step that is shortened in the middle of a run (kicks last (dt^- + dt^+)/2): the centre of a brick
-// in free fall goes by g t^2/2 exactly, whatever the lengths of the steps, if each kick spans half of either step.
+// A step that is shortened in the middle of a run. If each kick spans half of the steps before and
+// after it, (dt^- + dt^+)/2, the centre of a brick in free fall moves by exactly g t^2/2 for any
+// lengths of the steps.
 #include "tests/miniapp/simulation/case.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,8 @@ using brickwall::verification::Case;
 using brickwall::verification::printResult;
 
 TEST(ShortenedStep, LeavesFreeFallExact) {
-  // The dead load squeezes the brick along y alone: St.Venant-Kirchhoff stiffens where it rebounds.
+  // The dead load compresses the brick along y only. The St.Venant-Kirchhoff material stiffens in
+  // the rebound.
   Case brick(
       "[wall]\nbricks = [1, 1, 1]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
       "[material.brick]\nmodel = \"svk\"\ndensity = 2000\nyoungs_modulus = 20e9\n"
@@ -29,7 +31,8 @@ TEST(ShortenedStep, LeavesFreeFallExact) {
   EXPECT_LT(simulation.clock().dt, 0.95 * first_dt);
   EXPECT_NEAR(time, 1e-3, 1e-15);
 
-  // Internal and contact forces sum to exactly zero; what is left is the rounding of about 250 sums.
+  // Internal and contact forces sum to exactly zero, so the error is the rounding of about 250
+  // sums.
   const double exact = -0.5 * 1e4 * time * time;
   const double error = std::fabs(brick.meanDisplacement(0, 2) / exact - 1);
   printResult("shortened_step.fall", brick.meanDisplacement(0, 2), exact, error, 1e-12);

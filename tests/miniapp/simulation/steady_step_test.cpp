@@ -1,4 +1,4 @@
-// A steady step allocates no memory for data: every View of the step is kept by its owner.
+// A steady step allocates no View: every buffer of the step is kept by its owner.
 #include "tests/miniapp/simulation/case.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ void countAllocation(Kokkos_Profiling_SpaceHandle, const char*, const void*, std
   ++allocations;
 }
 
-// Views allocated in 50 steps.
+// Number of Views allocated in 50 steps.
 std::int64_t allocationsOf(Case& wall) {
   allocations = 0;
   Kokkos::Tools::Experimental::set_allocate_data_callback(countAllocation);
@@ -22,8 +22,9 @@ std::int64_t allocationsOf(Case& wall) {
   return allocations;
 }
 
-TEST(SteadyStep, AllocatesNoView) {
-  // Bricks that press each other and slide: faces, edges, friction, viscosity, loads; searched in every step or not.
+TEST(SteadyStep, OfBricksInContactAllocatesNoView) {
+  // Bricks that press against each other and slide, with edges, friction, viscosity and loads;
+  // lists of candidates are kept or rebuilt in every step.
   for (const char* search : {"", "[search]\nreuse = { margin = 0.0 }\n"}) {
     Case wall(
         std::string("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
@@ -45,7 +46,6 @@ TEST(SteadyStep, AllocatesNoView) {
   }
 }
 
-// Bricks that step by themselves.
 TEST(SteadyStep, OfFreeBricksAllocatesNoView) {
   Case wall("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
             "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\n"

@@ -1,4 +1,4 @@
-// When the guard against tunnelling acts, and how far it cuts the step.
+// Thresholds of the tunnelling guard, and the steps that it chooses.
 #include "contact/base/error.hpp"
 #include "miniapp/simulation/tunnelling_guard.hpp"
 
@@ -24,7 +24,7 @@ contact::PairMotion movingBy(double motion) {
   return pair;
 }
 
-TEST(TunnellingGuard, ActsAtWhatIsSureAndEarlyAtTwoThirdsOfIt) {
+TEST(TunnellingGuard, ActsAtTheAllowedMotionAndEarlyAtTwoThirdsOfIt) {
   const auto guard = guardThat(GuardAction::cut);
   EXPECT_DOUBLE_EQ(guard.allowedMotion(step), reach / 2);
   EXPECT_DOUBLE_EQ(guard.allowedMotion(step / 4), reach / 8);
@@ -33,9 +33,9 @@ TEST(TunnellingGuard, ActsAtWhatIsSureAndEarlyAtTwoThirdsOfIt) {
   EXPECT_DOUBLE_EQ(guardThat(GuardAction::stop).tolerableMotion(step, true), reach / 2);
 }
 
-TEST(TunnellingGuard, ACutLeavesThePairBelowWhatItActsAt) {
+TEST(TunnellingGuard, ACutMovesThePairBelowTheThreshold) {
   for (const bool is_early : {false, true})
-    for (const double speed : {0.07, 0.1, 0.3, 2.0}) { // length a time
+    for (const double speed : {0.07, 0.1, 0.3, 2.0}) { // length/time
       auto guard = guardThat(GuardAction::cut);
       if (!(speed * step > guard.tolerableMotion(step, is_early)))
         continue;
@@ -48,7 +48,7 @@ TEST(TunnellingGuard, ACutLeavesThePairBelowWhatItActsAt) {
     }
 }
 
-TEST(TunnellingGuard, StopsWhereTheStepWouldVanish) {
+TEST(TunnellingGuard, RefusesAStepThatIsTooShort) {
   auto guard = guardThat(GuardAction::cut);
   EXPECT_THROW(guard.shorten(step, movingBy(1e3), false, 1, 0.0), PhysicsError);
 }

@@ -1,6 +1,7 @@
-// A brick thrown so fast that it moves by half its length in a step of the elements' length (v/c = .8): the tunnelling guard
-// must catch it. What a guard does may leave no trace but a shorter step: books closed, free flight exact, the same bits on
-// any ranks and with lists of candidates that are kept.
+// A brick so fast (v/c = 0.8) that it moves by half its length in a stable step. The tunnelling
+// guard must detect the contact, and its only effect may be a shorter step: the ledger closes, free
+// flight is exact, and the bits depend neither on the number of ranks nor on whether lists of
+// candidates are kept.
 #include "tests/miniapp/simulation/case.hpp"
 
 #include <gtest/gtest.h>
@@ -16,8 +17,9 @@ using brickwall::PhysicsError;
 using brickwall::verification::Case;
 using brickwall::verification::printResult;
 
-// Two cubes of side 1 with a gap of .3; the left one is thrown at the right one. c = 1. Contact is so soft that the step is that
-// of free cubes. `more`: keys of [contact], then further blocks.
+// Two cubes of side 1 with a gap of 0.3 and the wave speed c = 1; the left one flies towards the
+// right one. Contact is so soft that the step is that of free cubes. `more` holds keys of
+// [contact], then further blocks.
 std::string thrown(double speed, const std::string& more = "") {
   return "[wall]\nbricks = [2, 1, 1]\nbrick = [1, 1, 1]\nelements = [1, 1, 1]\ngap = 0.3\nends = "
          "\"ragged\"\n[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
@@ -25,7 +27,7 @@ std::string thrown(double speed, const std::string& more = "") {
          std::to_string(speed) +
          ", 0, 0]\n[time]\nend = 4.0\nsafety = 0.8\n[contact]\npenalty = 0.5\n" + more;
 }
-const double fast = 0.625; // half a brick in a step of .8
+const double fast = 0.625; // half a brick in a step of 0.8
 
 void run(Case& bricks) {
   bricks.simulation.start();
@@ -48,7 +50,7 @@ std::map<std::int64_t, std::array<double, 6>> stateOf(const Case& bricks) {
   return values;
 }
 
-// How often the kernel over pairs is launched.
+// Counts launches of the kernel over pairs.
 int pair_kernels = 0;
 void countKernel(const char* name, std::uint32_t, std::uint64_t*) {
   pair_kernels += std::strcmp(name, "contact::fastestPair") == 0;
@@ -61,13 +63,13 @@ struct KernelCounter {
   ~KernelCounter() { Kokkos::Tools::Experimental::set_begin_parallel_reduce_callback(nullptr); }
 };
 
-TEST(TunnellingGuard, CatchesABrickThatMovesByHalfItsLengthInAStep) {
+TEST(TunnellingGuard, DetectsABrickThatMovesByHalfItsLengthInAStep) {
   Case bricks(thrown(fast));
   auto& simulation = bricks.simulation;
   EXPECT_NEAR(simulation.clock().dt * fast, 0.5, 1e-12);
   run(bricks);
   const auto& balance = simulation.balance();
-  // Equal bodies swap their momenta but for what goes into vibration.
+  // Equal bodies exchange their momenta, except for the part that becomes vibration.
   printResult("tunnelling.swap", bricks.momentum(1, 0), fast,
               std::fabs(bricks.momentum(1, 0) / fast - 1), 0.1);
   EXPECT_LT(std::fabs(bricks.momentum(1, 0) / fast - 1), 0.1);
@@ -82,19 +84,19 @@ TEST(TunnellingGuard, CatchesABrickThatMovesByHalfItsLengthInAStep) {
   EXPECT_EQ(simulation.steps().cuts()[0].reason, brickwall::miniapp::StepCut::Reason::tunnelling);
 }
 
-TEST(TunnellingGuard, LetsItBounceOffAFixedWall) {
+TEST(TunnellingGuard, LetsTheBrickBounceOffAFixedWall) {
   Case bricks(thrown(fast, "[[boundary.fixed]]\nnode_set = \"right_end\"\n"));
   run(bricks);
   const auto& balance = bricks.simulation.balance();
   EXPECT_LT(bricks.momentum(0, 0), -0.8 * fast);
-  EXPECT_LE(balance.momentum_error, 1e-13); // with the reactions
+  EXPECT_LE(balance.momentum_error, 1e-13); // the reactions included
   EXPECT_LE(balance.ledger_residual, 1e-12);
   EXPECT_LE(balance.energy_error, 2e-3);
 }
 
-// What the guard is for: a brick that moves by 1.6 of its length in a step is found on the far side of the other one, too deep to
-// be pushed back without making energy.
-TEST(TunnellingGuard, IsNeeded) {
+// Without the guard, a brick that moves by 1.6 of its length in a step is found on the far side of
+// the other brick, too deep to be pushed back without creating energy.
+TEST(TunnellingGuard, IsNeededForFastBricks) {
   Case bricks(thrown(3.2 * fast, "guard = \"off\"\n[limits]\ncontact_error = 10\n"));
   run(bricks);
   EXPECT_GT(gauges(bricks.simulation)[brickwall::miniapp::gauge_contact], 0.1);
@@ -105,7 +107,7 @@ TEST(TunnellingGuard, IsNeeded) {
   EXPECT_FALSE(guarded.simulation.steps().cuts().empty());
 }
 
-std::string whyItStops(Case& bricks) {
+std::string errorOfStep(Case& bricks) {
   try {
     bricks.simulation.step();
   } catch (const PhysicsError& error) {
@@ -114,32 +116,32 @@ std::string whyItStops(Case& bricks) {
   return "";
 }
 
-TEST(TunnellingGuard, StopsInTheStateBeforeAndNamesThePair) {
+TEST(TunnellingGuard, StopsInThePreviousStateAndNamesThePair) {
   Case bricks(
       thrown(0.15, "guard = \"stop\"\nedges = false\n[gravity]\nacceleration = [0, 0.01, 0.02]\n"));
   auto& simulation = bricks.simulation;
   simulation.start();
-  simulation.step(); // .12 of the gap of .3, too far for boxes that reach .1
+  simulation.step(); // moves by 0.12, too far for boxes that reach 0.1
   const auto before = stateOf(bricks);
   const double time = simulation.clock().time;
-  const std::string message = whyItStops(bricks);
+  const std::string message = errorOfStep(bricks);
   for (const char* part : {"node ", "of body 0", "of body 1", "moves by 0.12 against face ",
-                           "in one step; contact is sure up to 0.05. "})
+                           "in one step; contact is reliable up to 0.05. "})
     EXPECT_NE(message.find(part), std::string::npos) << message;
   EXPECT_EQ(simulation.clock().step, 1);
   EXPECT_EQ(simulation.clock().time, time);
-  EXPECT_EQ(stateOf(bricks), before); // to the last bit
+  EXPECT_EQ(stateOf(bricks), before);
 }
 
-// A thousandth of the stable step is not enough for 1000 times the speed of sound.
-TEST(TunnellingGuard, GivesUpWhereTheStepWouldVanish) {
+// At 1000 times the speed of sound even a thousandth of the stable step is too long.
+TEST(TunnellingGuard, StopsIfTheStepWouldBecomeTooShort) {
   Case bricks(thrown(1000, "tolerance = 0.45\n"));
   bricks.simulation.start();
-  const std::string message = whyItStops(bricks);
+  const std::string message = errorOfStep(bricks);
   EXPECT_NE(message.find("below 1/1000 of the stable one"), std::string::npos) << message;
 }
 
-TEST(TunnellingGuard, CostsNoKernelWhereNothingIsFast) {
+TEST(TunnellingGuard, LaunchesNoKernelIfNothingIsFast) {
   const KernelCounter counter;
   {
     Case bricks(thrown(0.02, ""));
@@ -147,7 +149,7 @@ TEST(TunnellingGuard, CostsNoKernelWhereNothingIsFast) {
     EXPECT_EQ(bricks.simulation.guardedSteps(), 0);
   }
   EXPECT_EQ(pair_kernels, 0);
-  { // fast together: no pair is
+  { // both bricks are fast, but not relative to each other
     Case bricks(thrown(fast, "[[initial.velocity]]\nvelocity = [10, 0, 0]\n"));
     run(bricks);
   }
@@ -160,10 +162,9 @@ TEST(TunnellingGuard, CostsNoKernelWhereNothingIsFast) {
   EXPECT_GT(pair_kernels, 0);
 }
 
-// Under gravity the fall of the centre is g t^2/2 exactly, though a kick has been made for a longer step.
-// Two heavy bricks fall on a light one that rests and is left out of the step: the mean of all velocities is theirs, and against
-// it the light one is fast.
-TEST(TunnellingGuard, WatchesWhatRests) {
+// Two heavy bricks fall on a light one that is at rest and is skipped in the step. The mean
+// velocity is that of the heavy bricks, and relative to it the light one is fast.
+TEST(TunnellingGuard, TestsBodiesAtRest) {
   const std::string deck =
       "[wall]\nbricks = [1, 1, 2]\nbrick = [2, 1, 1]\nelements = [2, 1, 1]\ngap = 0.3\n"
       "[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
@@ -180,6 +181,7 @@ TEST(TunnellingGuard, WatchesWhatRests) {
   EXPECT_EQ(stateOf(resting), stateOf(all));
 }
 
+// Under gravity the centre falls by exactly g t^2/2, although a kick was made for a longer step.
 TEST(TunnellingGuard, LeavesFreeFallExact) {
   Case bricks(thrown(fast, "[gravity]\nacceleration = [0, 0, -0.05]\n"));
   run(bricks);
@@ -194,7 +196,7 @@ TEST(TunnellingGuard, LeavesFreeFallExact) {
   EXPECT_LE(bricks.simulation.balance().angular_momentum_error, 1e-12);
 }
 
-TEST(TunnellingGuard, DecidesAlikeOnAnyRanksAndWithAnyMargin) {
+TEST(TunnellingGuard, DecidesTheSameOnAnyNumberOfRanksAndWithAnyMargin) {
   const std::string deck =
       "[wall]\nbricks = [2, 1, 2]\nbrick = [1, 0.5, 0.5]\nelements = [4, 2, 2]\ngap = 0.1\n"
       "ends = \"ragged\"\n[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = "
