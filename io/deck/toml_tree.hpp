@@ -39,8 +39,8 @@ struct TomlNode {
 
 // Not TOML: where, what was found, what a reader of TOML expected there.
 struct TomlSyntaxError : std::runtime_error {
-  TomlSyntaxError(Position where, const std::string& found, const std::string& expected_)
-      : std::runtime_error(found), at(where), expected(expected_) {}
+  TomlSyntaxError(Position where, const std::string& found, const std::string& expectation)
+      : std::runtime_error(found), at(where), expected(expectation) {}
   Position at;
   std::string expected;
 };

@@ -14,9 +14,8 @@ struct AuditedFaces {
 };
 
 AuditedFaces describeOwnFaces(const exec_space& space, const Surface& surface, double tolerance) {
-  const AuditedFaces own{
-      allocate<View<Box*>>(space, "contact::audit::boxes", surface.num_faces),
-      allocate<View<global_id* [6]>>(space, "contact::audit::ids", surface.num_faces)};
+  AuditedFaces own{allocate<View<Box*>>(space, "contact::audit::boxes", surface.num_faces),
+                   allocate<View<global_id* [6]>>(space, "contact::audit::ids", surface.num_faces)};
   Kokkos::parallel_for(
       "contact::audit::describe", rangePolicy(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
