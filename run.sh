@@ -68,7 +68,7 @@ output=
 preset=default
 program=
 picture=yes
-oversubscribe=no
+oversubscribe=${BRICKWALL_OVERSUBSCRIBE:-no} # a study passes it on to its runs
 writes=yes
 program_options=()
 study=
@@ -149,6 +149,7 @@ if [[ -n $study ]]; then
   [[ -z $ranks ]] || study_options+=(-n "$ranks")
   [[ -z $threads ]] || study_options+=(-t "$threads")
   [[ -z $output ]] || study_options+=(-o "$output")
+  export BRICKWALL_OVERSUBSCRIBE=$oversubscribe
   exec /usr/bin/python3 "${driver[@]}" "${study_options[@]}" ${program_options[@]+"${program_options[@]}"}
 fi
 deck=${deck:-$root/inputs/brick_wall.toml}
