@@ -48,7 +48,7 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
   SearchConfig config;
   config.drop_same_body = true;
   CandidateSearch search(comm, config);
-  search.update(space, surfaceOfBoxes(space, boxes, ids, ids, View<const double**>()));
+  search.update(space, surfaceOfBoxes(space, boxes, ids, ids, ConstAttributeWords()));
   const CandidatePairs pairs = search.pairs();
   const View<char*> meets("contact::bodies::meets", count);
   Kokkos::parallel_for(
@@ -68,7 +68,7 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
 
 Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
                        const View<const global_id*>& ids, const View<const global_id*>& groups,
-                       const View<const double**>& attributes) {
+                       const ConstAttributeWords& attributes) {
   const int count = checkedInt(static_cast<std::int64_t>(boxes.extent(0)), "boxes of a search");
   // As if each box's low corner had moved to its high one in the step.
   const auto low = allocate<View<double* [3]>>(space, "contact::boxes::low", count);

@@ -14,7 +14,7 @@ namespace brickwall::contact {
 // face has row i of `attributes`.
 Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
                        const View<const global_id*>& ids, const View<const global_id*>& groups,
-                       const View<const double**>& attributes);
+                       const ConstAttributeWords& attributes);
 
 // `box` smaller by `least`, so that it overlaps another one made smaller alike if the two overlapped by `least` or more; never
 // smaller than a point.

@@ -43,14 +43,6 @@ struct FindDeepest {
   }
 };
 
-KOKKOS_INLINE_FUNCTION Hexahedron elementOf(const FaceAccess& elements, int element) {
-  Hexahedron hex;
-  for (int i = 0; i < 8; ++i)
-    for (int d = 0; d < 3; ++d)
-      hex.corner[i][d] = elements.attribute(element, 3 * i + d);
-  return hex;
-}
-
 // Elements are nodes and faces of the surface of their boxes.
 struct FindDeepestElements {
   FaceAccess elements;
@@ -59,13 +51,13 @@ struct FindDeepestElements {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
     const int own = pairs.node(row);
-    const Hexahedron hex = elementOf(elements, own);
+    const Hexahedron& hex = elements.attributes<Hexahedron>(own);
     const double warp = hexahedron::largestWarp(hex);
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
       const int face = pairs.faces(pair);
       if (elements.id(face) < elements.id(own)) // the other one's row has the pair, too
         continue;
-      const Hexahedron other = elementOf(elements, face);
+      const Hexahedron& other = elements.attributes<Hexahedron>(face);
       const double shallow = least + 0.5 * (warp + hexahedron::largestWarp(other));
       LeadingPair one;
       one.value = overlapDepth(hex, other, shallow);
@@ -78,22 +70,34 @@ struct FindDeepestElements {
 
 View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, double least) {
   const auto boxes = allocate<View<Box*>>(space, "contact::elements::boxes", elements.count);
-  const auto corners = elements.corners;
+  const auto hexahedra = elements.hexahedra;
   Kokkos::parallel_for(
       "contact::elements::boxes", rangePolicy(space, elements.count),
       KOKKOS_LAMBDA(const std::int64_t element) {
         Box box;
         for (int i = 0; i < 8; ++i)
-          box.include(Vec3{corners(element, 3 * i), corners(element, 3 * i + 1),
-                           corners(element, 3 * i + 2)});
+          box.include(hexahedra(element).corner[i]);
         boxes(element) = shrunk(box, least);
       });
   return boxes;
 }
 
+// What the search sends along with an element.
+AttributeWords attributesOf(const exec_space& space, const BodyElements& elements) {
+  const auto words =
+      allocateAttributes<Hexahedron>(space, "contact::elements::hexahedra", elements.count);
+  const auto hexahedra = elements.hexahedra;
+  Kokkos::parallel_for(
+      "contact::elements::attributes", rangePolicy(space, elements.count),
+      KOKKOS_LAMBDA(const std::int64_t element) {
+        attributesAt<Hexahedron>(words, element) = hexahedra(element);
+      });
+  return words;
+}
+
 // Of the element of this id, which one rank has.
 Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elements, global_id id) {
-  const auto corners = elements.corners;
+  const auto hexahedra = elements.hexahedra;
   const auto ids = elements.ids;
   double centre[3];
   for (int d = 0; d < 3; ++d) {
@@ -105,7 +109,7 @@ Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elemen
             return;
           all = 0;
           for (int i = 0; i < 8; ++i)
-            all += 0.125 * corners(element, 3 * i + d);
+            all += 0.125 * hexahedra(element).corner[i][d];
         },
         Kokkos::Max<double>(centre[d]));
   }
@@ -140,7 +144,7 @@ ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
   if (allReduce(comm, elements.count, MPI_MAX) == 0)
     return deepest;
   const Surface surface = surfaceOfBoxes(space, boxesOf(space, elements, least), elements.ids,
-                                         elements.bodies, elements.corners);
+                                         elements.bodies, attributesOf(space, elements));
   SearchConfig config;
   config.drop_same_body = true;
   CandidateSearch search(comm, config);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/vec3.hpp"
+#include "contact/overlap/hex_overlap.hpp"
 #include "contact/surface/leading_pair.hpp"
 #include "contact/surface/surface.hpp"
 
@@ -23,7 +24,7 @@ InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surf
 // Elements of this rank that may stand in elements of other bodies, hexahedra.
 struct BodyElements {
   int count = 0;
-  View<const double**> corners; // [element][3 * corner + xyz], Exodus order, length
+  View<const Hexahedron*> hexahedra; // [element] corners in Exodus order, length
   View<const global_id*> ids, bodies; // [element]
 };
 

@@ -26,13 +26,14 @@ struct FaceAccess {
     return isOwn(face) ? surface.node_ids(surface.face_to_nodes(face, j))
                        : ghosts.corner_ids(ghostOf(face), j);
   }
-  KOKKOS_INLINE_FUNCTION bool hasAttribute(int column) const {
-    return static_cast<int>(surface.face_attributes.extent(1)) > column;
+  // The attributes of a face, which are of type T.
+  template <class T = FaceAttributes>
+  KOKKOS_FORCEINLINE_FUNCTION const T& attributes(int face) const {
+    return isOwn(face) ? attributesAt<T>(surface.face_attributes, face)
+                       : attributesAt<const T>(ghosts.attributes, ghostOf(face));
   }
-  // Any host attribute, such as the mass of a corner or mu.
-  KOKKOS_INLINE_FUNCTION double attribute(int face, int column) const {
-    return isOwn(face) ? surface.face_attributes(face, column)
-                       : ghosts.attributes(ghostOf(face), column);
+  KOKKOS_INLINE_FUNCTION double cornerMass(int face, int j) const {
+    return attributes<CornerMasses>(face).corner_mass[j];
   }
   // Corner values of own faces from `of_nodes` [node][3], of ghosts from `of_ghosts` [ghost][3 * corner + xyz].
   template <class NodeView, class GhostView>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/backend.hpp"
+#include "contact/surface/face_attributes.hpp"
 
 namespace brickwall::contact {
 
@@ -19,8 +20,7 @@ struct Surface {
   View<const unsigned char*> node_is_owned; // [node]
   View<const global_id*> node_body; // [node] bodies share no node
   View<const global_id*> face_body; // [face]
-  // [face][any number] host data that ghosts carry along; may be empty
-  View<const double**> face_attributes;
+  ConstAttributeWords face_attributes; // data of the host that ghosts carry along; may be empty
 };
 
 // Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then of face id (methods
@@ -36,7 +36,7 @@ struct GhostFaces {
   CornerIds corner_ids{"contact::GhostFaces::corner_ids", 0}; // global node ids
   CornerCoordinates coordinates_old{"contact::GhostFaces::coordinates_old", 0}; // x^n
   CornerCoordinates coordinates_new{"contact::GhostFaces::coordinates_new", 0}; // x^{n+1}
-  View<double**> attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost][as face_attributes]
+  AttributeWords attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost] as face_attributes
 
   // To be assigned: allocates nothing, not even names.
   static GhostFaces none() { return {0, {}, {}, {}, {}, {}, {}}; }

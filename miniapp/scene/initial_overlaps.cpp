@@ -53,8 +53,8 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
         elem_bodies.push_back(range.body);
       }
   const auto chosen = toDevice<View<int*>>(space, "miniapp::overlaps::elements", elems);
-  const auto corners =
-      allocate<View<double**>>(space, "miniapp::overlaps::corners", elems.size(), 24);
+  const auto hexahedra =
+      allocate<View<contact::Hexahedron*>>(space, "miniapp::overlaps::hexahedra", elems.size());
   const auto ids = allocate<View<global_id*>>(space, "miniapp::overlaps::ids", elems.size());
   const mechanics::MeshViews views = mechanics::viewsOf(mesh);
   Kokkos::parallel_for(
@@ -64,14 +64,13 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
         ids(i) = views.elem_ids(elem);
         for (int corner = 0; corner < 8; ++corner) {
           const int node = views.elem_to_nodes(elem, corner);
-          for (int d = 0; d < 3; ++d)
-            corners(i, 3 * corner + d) =
-                views.reference_coordinates(node, d) + displacement(node, d);
+          hexahedra(i).corner[corner] =
+              rowOf(views.reference_coordinates, node) + rowOf(displacement, node);
         }
       });
   contact::BodyElements elements;
   elements.count = static_cast<int>(elems.size());
-  elements.corners = corners;
+  elements.hexahedra = hexahedra;
   elements.ids = ids;
   elements.bodies = toDevice<View<global_id*>>(space, "miniapp::overlaps::bodies", elem_bodies);
   return elements;

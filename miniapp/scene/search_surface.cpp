@@ -42,8 +42,6 @@ SearchSurface::SearchSurface(const exec_space& space, const io::SurfacePart& par
     is_owned.push_back(owner == rank);
   _surface.node_is_owned =
       toDevice<View<unsigned char*>>(space, "miniapp::SearchSurface::node_is_owned", is_owned);
-  _surface.face_attributes =
-      View<double**>("miniapp::SearchSurface::attributes", _surface.num_faces, 0);
 }
 
 void SearchSurface::move(const exec_space& space, std::int64_t step) {

@@ -73,7 +73,7 @@ void fillNodes(const exec_space& space, const Scene& scene, contact::Surface& su
 
 // Ids, corners, bodies and attributes of faces; the attribute of true edges is set later.
 void fillFaces(const exec_space& space, const Scene& scene, const View<const double*>& node_mass,
-               const View<double**>& attributes, contact::Surface& surface) {
+               const contact::AttributeWords& attributes, contact::Surface& surface) {
   const auto elem_body = toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::elem_body",
                                                     scene.part.elem_body);
   const auto body = allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::face_body",
@@ -92,13 +92,14 @@ void fillFaces(const exec_space& space, const Scene& scene, const View<const dou
         Vec3 centre;
         for (int corner = 0; corner < 8; ++corner)
           centre += 0.125 * rowOf(X, elem_to_nodes(elem, corner));
+        contact::FaceAttributes& values =
+            contact::attributesAt<contact::FaceAttributes>(attributes, face);
         Vec3 corners[4];
         for (int corner = 0; corner < 4; ++corner) {
           corners[corner] = rowOf(X, face_to_nodes(face, corner));
-          attributes(face, corner) = node_mass(face_to_surface_nodes(face, corner));
+          values.corner_mass[corner] = node_mass(face_to_surface_nodes(face, corner));
         }
-        attributes(face, contact::NodeFaces::surface_mass_column) =
-            surfaceMass(corners, centre, materials(elem_block(elem)).density);
+        values.surface_mass = surfaceMass(corners, centre, materials(elem_block(elem)).density);
         body(face) = elem_body(elem);
       });
   space.fence();
@@ -119,8 +120,8 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
       _new(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::x_new",
                                        scene.skin.num_nodes)),
       _node_mass(contactMass(space, scene, boundary)),
-      _attributes(allocate<View<double**>>(space, "miniapp::SurfaceCoupling::face_attributes",
-                                           scene.skin.num_faces, contact::NodeFaces::num_columns)),
+      _attributes(contact::allocateAttributes<contact::FaceAttributes>(
+          space, "miniapp::SurfaceCoupling::face_attributes", scene.skin.num_faces)),
       _contact_forces(allocate<View<std::int64_t**>>(
           space, "miniapp::SurfaceCoupling::contact_forces", scene.mesh.num_nodes, 3)),
       _accelerations(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::accelerations",
@@ -137,7 +138,8 @@ void SurfaceCoupling::setTrueEdges(const exec_space& space,
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::setTrueEdges", rangePolicy(space, _surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
-        attributes(face, contact::NodeFaces::true_edges_column) = masks(face);
+        contact::attributesAt<contact::FaceAttributes>(attributes, face).feature_edges =
+            masks(face);
       });
 }
 

@@ -53,7 +53,7 @@ private:
   View<const double* [3]> _reference; // X [mesh node][xyz], length
   View<double*[3]> _old, _new; // x^n and x^{n+1} [surface node][xyz], length
   View<const double*> _node_mass; // [surface node]
-  View<double**> _attributes; // [face] 4 corner masses, mu, true edges
+  contact::AttributeWords _attributes; // contact::FaceAttributes of each face
   View<std::int64_t**> _contact_forces; // [mesh node][xyz], quanta
   View<double* [3]> _accelerations; // [surface node][xyz]
 };

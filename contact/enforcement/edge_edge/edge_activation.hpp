@@ -183,7 +183,6 @@ struct EdgeBirths {
   const FaceAccess& faces;
   const EdgeRecords& records;
   EdgeBirthLimits limits;
-  int cosine_column, sine_column, width_column; // of face attributes
   unsigned rows = 0; // bit r: row r has such a pair
   edge_births::Waiting<Real> near, crossed;
 
@@ -208,7 +207,8 @@ private:
         faces.prefetchRow(faces.surface.coordinates_new, faces.surface.face_to_nodes(edge, j));
   }
   KOKKOS_FORCEINLINE_FUNCTION double narrowerSide(int edge) const {
-    return minOf(faces.attribute(edge, width_column), faces.attribute(edge, width_column + 1));
+    const EdgeAttributes& attributes = faces.attributes<EdgeAttributes>(edge);
+    return minOf(attributes.width[0], attributes.width[1]);
   }
   KOKKOS_INLINE_FUNCTION void testNear() {
     edge_births::PointsOfPairs<Real, 2> ends;
@@ -232,10 +232,10 @@ private:
       const int own = crossed.own[crossed.at(lane)], other = crossed.other[crossed.at(lane)];
       edge_births::takeCorners(faces, own, lane, pairs.corners.own);
       edge_births::takeCorners(faces, other, lane, pairs.corners.other);
-      pairs.cosine[0][lane] = faces.attribute(own, cosine_column);
-      pairs.sine[0][lane] = faces.attribute(own, sine_column);
-      pairs.cosine[1][lane] = faces.attribute(other, cosine_column);
-      pairs.sine[1][lane] = faces.attribute(other, sine_column);
+      pairs.cosine[0][lane] = faces.attributes<EdgeAttributes>(own).cosine;
+      pairs.sine[0][lane] = faces.attributes<EdgeAttributes>(own).sine;
+      pairs.cosine[1][lane] = faces.attributes<EdgeAttributes>(other).cosine;
+      pairs.sine[1][lane] = faces.attributes<EdgeAttributes>(other).sine;
       pairs.narrower[0][lane] = narrowerSide(own);
       pairs.narrower[1][lane] = narrowerSide(other);
     }

@@ -16,13 +16,13 @@ namespace brickwall::contact {
 struct EdgeCone {
   Vec3 tangent, first, second; // unit vectors: t, n_1, n_2
 
-  KOKKOS_INLINE_FUNCTION EdgeCone(const Quad& quad, double cosine, double sine) {
+  KOKKOS_INLINE_FUNCTION EdgeCone(const Quad& quad, const EdgeAttributes& edge) {
     const Vec3 way = quad.corner[1] - quad.corner[0];
     tangent = (1 / norm(way)) * way;
     const Vec3 area = areaVector(quad);
     const Vec3 flat = area - dot(area, tangent) * tangent;
     first = (1 / norm(flat)) * flat;
-    second = cosine * first + sine * cross(tangent, first);
+    second = edge.cosine * first + edge.sine * cross(tangent, first);
   }
   // How far a unit vector across the edge lies inside the cone: the lesser sine of its angles to both normals (1 beyond a right
   // angle); negative outside.
@@ -59,9 +59,6 @@ struct EdgeEdgeKinematics {
   static constexpr bool books_spring_work = true;
   static constexpr bool knows_motion = false; // look() works out last_motion alone
   static constexpr bool tests_rows_together = true; // by rowsThatMayActivate()
-  // Of face attributes, behind the corner masses: FeatureEdge's.
-  static constexpr int cosine_column = 4, sine_column = 5, goes_on_column = 6, width_column = 7,
-                       num_columns = 9;
   // Edges of smaller sines, between each other or to a face, are left to nodes and faces: a node half a cell away is then inside
   // before the depth is a twentieth of a cell.
   static constexpr double least_sine = 0.05;
@@ -123,8 +120,7 @@ struct EdgeEdgeKinematics {
                                                       unsigned wanted) const {
     const EdgeBirthLimits limits{least_sine, 0.5 * lateral_tolerance, deepest_birth,
                                  1 + 2 * beyondSide()};
-    EdgeBirths<Lanes> births{faces, records, limits, cosine_column, sine_column, width_column,
-                             0,     {},      {}};
+    EdgeBirths<Lanes> births{faces, records, limits, 0, {}, {}};
     for (int r = 0; r < count; ++r) {
       if (!(wanted >> r & 1u))
         continue;
@@ -179,8 +175,7 @@ struct EdgeEdgeKinematics {
     const double limit = hit.previous < 0 ? deepest_birth : deepest;
     if (!(depth * depth < limit * limit * minOf(aa, bb)))
       return false;
-    const EdgeCone cone_b(faces.quad(other), faces.attribute(other, cosine_column),
-                          faces.attribute(other, sine_column));
+    const EdgeCone cone_b(faces.quad(other), faces.attributes<EdgeAttributes>(other));
     if (dot(normal, cone_b.first + cone_b.second) < 0) {
       normal = -normal;
       depth = -depth;
@@ -190,8 +185,7 @@ struct EdgeEdgeKinematics {
         !isOn(goesOn(faces, other), t, depth, std::sqrt(bb), is_kept,
               is_held ? overhang : lateral_tolerance))
       return false;
-    const EdgeCone cone_a(faces.quad(own), faces.attribute(own, cosine_column),
-                          faces.attribute(own, sine_column));
+    const EdgeCone cone_a(faces.quad(own), faces.attributes<EdgeAttributes>(own));
     const double in_a = cone_a.depthOf(-normal), in_b = cone_b.depthOf(normal);
     const bool leads_out =
         is_kept ? minOf(in_a, in_b) > -full_outside
@@ -217,7 +211,7 @@ struct EdgeEdgeKinematics {
     const bool of_first = dot(n, cone.first) > dot(n, cone.second);
     const Vec3 inward =
         of_first ? cross(cone.first, cone.tangent) : cross(cone.tangent, cone.second);
-    const double width = faces.attribute(edge, width_column + (of_first ? 0 : 1));
+    const double width = faces.attributes<EdgeAttributes>(edge).width[of_first ? 0 : 1];
     const double along = dot(other_way, inward);
     const double one_end = -at * along, other_end = (1 - at) * along;
     return minOf(one_end, other_end) < -beyondSide() * width &&
@@ -266,7 +260,7 @@ struct EdgeEdgeKinematics {
     return s >= -(goes_on & 1 ? over : at_end) && s <= 1 + (goes_on & 2 ? over : at_end);
   }
   KOKKOS_INLINE_FUNCTION static int goesOn(const FaceAccess& faces, int edge) {
-    return static_cast<int>(faces.attribute(edge, goes_on_column));
+    return static_cast<int>(faces.attributes<EdgeAttributes>(edge).goes_on);
   }
   KOKKOS_INLINE_FUNCTION FadeWeight endTaper(int goes_on, double s, double depth,
                                              double length) const {

@@ -5,6 +5,13 @@
 
 namespace brickwall::contact {
 
+// Attributes of an edge as a face of the surface of edges; the masses are those of the corners of the face that lists it.
+struct EdgeAttributes : CornerMasses {
+  double cosine, sine; // of the angle between the outward normals of its two faces
+  std::int64_t goes_on; // FeatureEdge::goes_on
+  double width[2]; // FeatureEdge::width, length
+};
+
 struct EdgeRecord {
   double end[2][3]; // at x^{n+1} [first or second][xyz], length
   global_id body, id;

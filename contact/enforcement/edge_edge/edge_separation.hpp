@@ -17,8 +17,7 @@ struct TurningEdge {
   double limit; // of s
 
   KOKKOS_INLINE_FUNCTION TurningEdge(const FaceAccess& faces, int edge)
-      : quad(faces.quad(edge)), cone(quad, faces.attribute(edge, EdgeEdgeKinematics::cosine_column),
-                                     faces.attribute(edge, EdgeEdgeKinematics::sine_column)) {
+      : quad(faces.quad(edge)), cone(quad, faces.attributes<EdgeAttributes>(edge)) {
     way = quad.corner[1] - quad.corner[0];
     const double length = norm(way);
     turn = 2 / length;

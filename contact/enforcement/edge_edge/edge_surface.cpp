@@ -113,21 +113,23 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
           v(e) = face_body(edges.convex[e].face);
       },
       num_edges);
-  s.face_attributes = filled<View<double**>>(
+  s.face_attributes = filled<AttributeWords>(
       space, "contact::EdgeContact::attributes",
       [&](auto& v) {
         for (int e = 0; e < num_edges; ++e) {
           const FeatureEdge& edge = edges.convex[e];
+          const CornerMasses& face = attributesAt<CornerMasses>(attributes, edge.face);
+          EdgeAttributes& attributes_of_edge = attributesAt<EdgeAttributes>(v, e);
           for (int j = 0; j < 4; ++j)
-            v(e, j) = attributes(edge.face, (edge.edge + j) % 4);
-          v(e, EdgeEdgeKinematics::cosine_column) = edge.cosine;
-          v(e, EdgeEdgeKinematics::sine_column) = edge.sine;
-          v(e, EdgeEdgeKinematics::goes_on_column) = edge.goes_on;
+            attributes_of_edge.corner_mass[j] = face.corner_mass[(edge.edge + j) % 4];
+          attributes_of_edge.cosine = edge.cosine;
+          attributes_of_edge.sine = edge.sine;
+          attributes_of_edge.goes_on = edge.goes_on;
           for (int side = 0; side < 2; ++side)
-            v(e, EdgeEdgeKinematics::width_column + side) = edge.width[side];
+            attributes_of_edge.width[side] = edge.width[side];
         }
       },
-      num_edges, EdgeEdgeKinematics::num_columns);
+      num_edges, words_of<EdgeAttributes>);
   made.corner_to_node = filled<View<int*>>(
       space, "contact::EdgeContact::corner_to_node",
       [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, num_corners);

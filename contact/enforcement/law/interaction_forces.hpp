@@ -89,7 +89,7 @@ struct InteractionForces {
     double inverse_mass = touch.inverseMass(pair.point);
     for (int j = 0; j < 4; ++j)
       if (pair.weight[j] != 0)
-        inverse_mass += pair.weight[j] * pair.weight[j] / faces.attribute(face, j);
+        inverse_mass += pair.weight[j] * pair.weight[j] / faces.cornerMass(face, j);
     return inverse_mass;
   }
 

@@ -45,7 +45,7 @@ struct Gathered {
         corner[j][d][lane] = now[j][d];
         corner_motion[j][d][lane] = motion[d];
       }
-      corner_mass[j][lane] = faces.attribute(face, j);
+      corner_mass[j][lane] = faces.cornerMass(face, j);
       last_weight[j][lane] = last.weight[j];
     }
     const Vec3 motion = faces.nodeMotion(at);
@@ -143,7 +143,7 @@ KOKKOS_INLINE_FUNCTION void projectOne(const FaceAccess& faces,
   for (int j = 0; j < 4; ++j) {
     const double weight = contact.point.weight[j];
     if (weight != 0)
-      contact.inverse_mass += weight * weight / faces.attribute(contact.face, j);
+      contact.inverse_mass += weight * weight / faces.cornerMass(contact.face, j);
   }
 }
 

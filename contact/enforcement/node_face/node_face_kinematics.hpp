@@ -158,10 +158,13 @@ struct NodeFaceKinematics {
   KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const FaceContact& hit) const {
     const bool is_past[2] = {std::fabs(hit.place[0]) > past_edge,
                              std::fabs(hit.place[1]) > past_edge};
-    if (!(is_past[0] || is_past[1]) || !faces.hasAttribute(NodeFaces::true_edges_column))
+    if (!(is_past[0] || is_past[1]))
+      return false;
+    const std::int64_t edges = faces.attributes(hit.face).feature_edges;
+    if (edges == FaceAttributes::unknown)
       return false;
     FadeRegion reach;
-    reach.mask = static_cast<int>(faces.attribute(hit.face, NodeFaces::true_edges_column));
+    reach.mask = static_cast<int>(edges);
     return (is_past[0] && !reach.isTrue(0, hit.place[0])) ||
            (is_past[1] && !reach.isTrue(1, hit.place[1]));
   }
@@ -233,7 +236,7 @@ struct NodeFaceKinematics {
       if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
         ++sharing;
     const Tributary part = tributary(now.node, records(recordOf(hit.face)).plane.normal);
-    const double face_mass = faces.attribute(hit.face, NodeFaces::surface_mass_column);
+    const double face_mass = faces.attributes(hit.face).surface_mass;
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
     const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
@@ -279,8 +282,9 @@ struct NodeFaceKinematics {
     FadeRegion reach;
     reach.lateral_tolerance = lateral_tolerance;
     reach.edge_tolerance = edge_tolerance;
-    if (faces.hasAttribute(NodeFaces::true_edges_column))
-      reach.mask = static_cast<int>(faces.attribute(face, NodeFaces::true_edges_column));
+    const std::int64_t edges = faces.attributes(face).feature_edges;
+    if (edges != FaceAttributes::unknown)
+      reach.mask = static_cast<int>(edges);
     reach.measure(quad);
     return reach;
   }

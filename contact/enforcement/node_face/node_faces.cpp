@@ -38,7 +38,9 @@ struct HostSurface {
     forCorners(face, [&](int) { ++corners; });
     return 1.0 / corners;
   }
-  double surfaceMass(int face) const { return attributes(face, NodeFaces::surface_mass_column); }
+  double surfaceMass(int face) const {
+    return attributesAt<FaceAttributes>(attributes, face).surface_mass;
+  }
 
   int num_nodes, num_faces;
   HostCopy<decltype(Surface::face_to_nodes)> face_to_nodes;
@@ -103,10 +105,11 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
     : _num_faces(surface.num_faces) {
   const HostSurface host(surface);
   rethrowOnAllRanks(comm, [&] {
-    if (surface.num_faces > 0 && surface.face_attributes.extent(1) <= surface_mass_column)
-      throw Error(ExitCode::internal, "NodeFaces: face_attributes has " +
+    if (surface.num_faces > 0 && surface.face_attributes.extent(1) != words_of<FaceAttributes>)
+      throw Error(ExitCode::internal, "NodeFaces: the attributes of a face have " +
                                           std::to_string(surface.face_attributes.extent(1)) +
-                                          " columns, needs 4 corner masses and the surface mass");
+                                          " words, those of FaceAttributes have " +
+                                          std::to_string(words_of<FaceAttributes>));
   });
   const int size = sizeOf(comm);
   const auto owners = findOwners(comm, host);

@@ -37,12 +37,6 @@ struct RecordsWanted {
 
 class NodeFaces {
 public:
-  // Column of Surface::face_attributes that holds mu; columns 0..3 are the corner masses.
-  static constexpr int surface_mass_column = 4;
-  // Optional: bit j is set where edge j (corner j to j + 1) has no coplanar neighbour in the body (edge_fading.hpp).
-  static constexpr int true_edges_column = 5;
-  static constexpr int num_columns = 6;
-
   NodeFaces() = default;
   // Collective. Uses ids, ownership, connectivity and the attribute mu of `surface`. Throws (on all
   // ranks) when a node is owned by no rank that has it on its surface, since its contact would then

@@ -37,7 +37,7 @@ void packFaces(const exec_space& space, const Surface& surface, const PartnerLis
           }
         }
         for (int a = 0; a < num_attributes; ++a)
-          to[attributes + a] = toWord(values(face, a));
+          to[attributes + a] = values(face, a);
       });
 }
 
@@ -51,7 +51,7 @@ void growGhosts(const exec_space& space, std::int64_t n, int num_attributes, Gho
   growTo(space, ghosts.coordinates_new, n);
   if (static_cast<int>(ghosts.attributes.extent(1)) != num_attributes)
     ghosts.attributes =
-        allocate<View<double**>>(space, "contact::GhostFaces::attributes", n, num_attributes);
+        allocate<AttributeWords>(space, "contact::GhostFaces::attributes", n, num_attributes);
   growTo(space, ghosts.attributes, n);
 }
 
@@ -76,7 +76,7 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
           fromWord(from[x_new + i], new_coordinates(ghost, i));
         }
         for (int a = 0; a < num_attributes; ++a)
-          fromWord(from[attributes + a], values(ghost, a));
+          values(ghost, a) = from[attributes + a];
       });
 }
 

@@ -92,20 +92,16 @@ public:
   View<const double*> gap;
 
 private:
-  View<double**> withTrueEdges(const View<const double**>& attributes,
+  AttributeWords withTrueEdges(const ConstAttributeWords& attributes,
                                const View<const global_id*>& face_ids) const {
-    const std::size_t count = attributes.extent(0);
-    const View<double**> wide("test::attributes", count, NodeFaces::num_columns);
-    const auto host = Kokkos::create_mirror_view(wide);
-    const auto from = onHost(attributes);
+    const AttributeWords known("test::attributes", attributes.extent(0), attributes.extent(1));
+    const auto host = Kokkos::create_mirror_view(known);
+    Kokkos::deep_copy(host, attributes);
     const auto ids = onHost(face_ids);
-    for (std::size_t f = 0; f < count; ++f) {
-      for (int column = 0; column < NodeFaces::true_edges_column; ++column)
-        host(f, column) = from(f, column);
-      host(f, NodeFaces::true_edges_column) = _true_edges.at(ids(f));
-    }
-    Kokkos::deep_copy(wide, host);
-    return wide;
+    for (std::size_t f = 0; f < host.extent(0); ++f)
+      attributesAt<FaceAttributes>(host, f).feature_edges = _true_edges.at(ids(f));
+    Kokkos::deep_copy(known, host);
+    return known;
   }
 
   Scheme _scheme;

@@ -23,9 +23,9 @@ BodyElements meetingElements(const Scene& scene, MPI_Comm comm, const Cut& cut) 
     if (cut(static_cast<int>(e)) == rankOf(comm) &&
         std::binary_search(bodies.begin(), bodies.end(), scene.node_body[scene.elements[e][0]]))
       chosen.push_back(static_cast<int>(e));
-  const View<double**> corners("test::corners", chosen.size(), 24);
+  const View<Hexahedron*> hexahedra("test::hexahedra", chosen.size());
   const View<global_id*> ids("test::ids", chosen.size()), of_bodies("test::bodies", chosen.size());
-  const auto host_corners = Kokkos::create_mirror_view(corners);
+  const auto host = Kokkos::create_mirror_view(hexahedra);
   const auto host_ids = Kokkos::create_mirror_view(ids);
   const auto host_bodies = Kokkos::create_mirror_view(of_bodies);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -33,14 +33,14 @@ BodyElements meetingElements(const Scene& scene, MPI_Comm comm, const Cut& cut) 
     host_ids(i) = chosen[i];
     host_bodies(i) = scene.node_body[nodes[0]];
     for (int k = 0; k < 24; ++k)
-      host_corners(i, k) = scene.x_new[nodes[k / 3]][k % 3];
+      host(i).corner[k / 3][k % 3] = scene.x_new[nodes[k / 3]][k % 3];
   }
-  Kokkos::deep_copy(corners, host_corners);
+  Kokkos::deep_copy(hexahedra, host);
   Kokkos::deep_copy(ids, host_ids);
   Kokkos::deep_copy(of_bodies, host_bodies);
   BodyElements elements;
   elements.count = static_cast<int>(chosen.size());
-  elements.corners = corners;
+  elements.hexahedra = hexahedra;
   elements.ids = ids;
   elements.bodies = of_bodies;
   return elements;

@@ -332,7 +332,7 @@ TEST(GhostSearchTest, DifferentNumbersOfFaceAttributesAreRefusedTogether) {
   }
   LocalSurface local = localSurface(c, rank);
   if (rank == 1)
-    local.surface.face_attributes = View<double**>("test", local.faces.size(), 1);
+    local.surface.face_attributes = AttributeWords("test", local.faces.size(), 1);
   for (const SearchMethod method : all_methods) {
     GlobalSearch search(comm, configOf(c, method));
     EXPECT_THROW(search.findGhosts(space, local.surface), InputError) << nameOf(method);

@@ -2,6 +2,7 @@
 // data types.
 #pragma once
 
+#include "contact/base/exchange_plan.hpp"
 #include "contact/surface/surface.hpp"
 
 #include <algorithm>
@@ -338,8 +339,8 @@ inline LocalSurface localSurface(const SurfaceCase& c, int rank) {
       nn, 1, [&](auto i, auto) { return static_cast<unsigned char>(node(i).owner == rank); });
   s.node_body = viewOf<Ids>(nn, 1, [&](auto i, auto) { return node(i).body; });
   s.face_body = viewOf<Ids>(nf, 1, [&](auto i, auto) { return face(i).body; });
-  s.face_attributes = viewOf<View<const double**>>(nf, num_test_attributes, [&](auto i, auto a) {
-    return testAttribute(face(i).id, static_cast<int>(a));
+  s.face_attributes = viewOf<ConstAttributeWords>(nf, num_test_attributes, [&](auto i, auto a) {
+    return toWord(testAttribute(face(i).id, static_cast<int>(a)));
   });
   return local;
 }

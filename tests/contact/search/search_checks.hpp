@@ -65,7 +65,7 @@ public:
             same && _x_old(g, 3 * k + d) == node.x_old[d] && _x_new(g, 3 * k + d) == node.x_new[d];
     }
     for (int a = 0; a < num_test_attributes; ++a)
-      same = same && _attributes(g, a) == testAttribute(face.id, a);
+      same = same && _attributes(g, a) == toWord(testAttribute(face.id, a));
     return same;
   }
 
@@ -73,7 +73,7 @@ private:
   View<global_id*>::HostMirror _bodies;
   GhostFaces::CornerIds::HostMirror _corners;
   GhostFaces::CornerCoordinates::HostMirror _x_old, _x_new;
-  View<double**>::HostMirror _attributes;
+  AttributeWords::HostMirror _attributes;
 };
 
 // The ghosts are the expected faces with their data, owner by owner; of one owner by face id, but for the cluster method,

@@ -76,12 +76,13 @@ public:
         "node_is_owned", num_nodes, [&](auto& v, std::size_t i) { v(i) = 1; });
     _mass = filled<View<double*>>("mass", num_nodes,
                                   [&](auto& v, std::size_t i) { v(i) = scene.mass[_nodes[i]]; });
-    const View<double**> attributes("attributes", num_faces, NodeFaces::num_columns);
+    const AttributeWords attributes("attributes", num_faces, words_of<FaceAttributes>);
     const auto host = Kokkos::create_mirror_view(attributes);
     for (std::size_t f = 0; f < num_faces; ++f) {
+      FaceAttributes& values = attributesAt<FaceAttributes>(host, f);
       for (int j = 0; j < 4; ++j)
-        host(f, j) = scene.mass[scene.faces[f].nodes[j]];
-      host(f, NodeFaces::surface_mass_column) = scene.faces[f].surface_mass;
+        values.corner_mass[j] = scene.mass[scene.faces[f].nodes[j]];
+      values.surface_mass = scene.faces[f].surface_mass;
     }
     Kokkos::deep_copy(attributes, host);
     _surface.face_attributes = attributes;
@@ -93,7 +94,7 @@ public:
     contract(0);
     const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, _surface);
     for (std::size_t f = 0; f < num_faces; ++f)
-      host(f, NodeFaces::true_edges_column) = features.true_edges[f];
+      attributesAt<FaceAttributes>(host, f).feature_edges = features.true_edges[f];
     Kokkos::deep_copy(attributes, host);
     edges = features;
   }

@@ -28,10 +28,10 @@ private:
 
 // Faces with four nodes each of their own, then `more` nodes.
 struct LoneFaces {
-  LoneFaces(int n, int more, int num_attributes)
+  LoneFaces(int n, int more, int words)
       : count(n), x_old("x_old", 4 * n + more), x_new("x_new", 4 * n + more),
         to_nodes("to_nodes", n), body("body", n), ids("ids", n),
-        attributes("attributes", n, num_attributes) {
+        attributes("attributes", n, words) {
     surface.num_nodes = 4 * n + more;
     surface.num_faces = n;
     surface.coordinates_old = x_old;
@@ -52,11 +52,12 @@ struct LoneFaces {
       x_old(node, d) = before[d];
     }
   }
+  EdgeAttributes& edge(int e) { return attributesAt<EdgeAttributes>(attributes, e); }
   int count;
   View<double*[3]> x_old, x_new;
   View<int* [4]> to_nodes;
   View<global_id*> body, ids;
-  View<double**> attributes;
+  AttributeWords attributes;
   Surface surface;
 };
 
@@ -85,9 +86,6 @@ std::vector<bool> mayPenetrate(const LoneFaces& edges, int num_pairs, const Pair
                              {EdgeEdgeKinematics::least_sine, 0.5 * 0.05,
                               EdgeEdgeKinematics::deepest_birth,
                               1 + EdgeEdgeKinematics::beyond_side * 0.05},
-                             EdgeEdgeKinematics::cosine_column,
-                             EdgeEdgeKinematics::sine_column,
-                             EdgeEdgeKinematics::width_column,
                              0,
                              {},
                              {}};
@@ -105,7 +103,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
     GTEST_SKIP() << "on a host";
   Random random;
   constexpr int n = 40000; // pairs
-  LoneFaces edges(2 * n, 2 * n, EdgeEdgeKinematics::num_columns);
+  LoneFaces edges(2 * n, 2 * n, words_of<EdgeAttributes>);
   const double c = std::sqrt(0.5);
   const Vec3 ridge[4] = {{-0.5, 0, 0}, {0.5, 0, 0}, {0.5, c, -c}, {-0.5, c, -c}};
   for (int pair = 0; pair < n; ++pair) {
@@ -119,12 +117,11 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
       edges.set(8 * pair + 4 + j, x, x + Vec3{0, 0, pair % 5 ? 0.7 : 0.0});
     }
     for (int e = 2 * pair; e < 2 * pair + 2; ++e) {
-      edges.attributes(e, EdgeEdgeKinematics::cosine_column) = 0;
-      edges.attributes(e, EdgeEdgeKinematics::sine_column) = 1;
-      edges.attributes(e, EdgeEdgeKinematics::goes_on_column) = pair % 4;
+      edges.edge(e).cosine = 0;
+      edges.edge(e).sine = 1;
+      edges.edge(e).goes_on = pair % 4;
       for (int side = 0; side < 2; ++side) // of one pair in four so narrow that it may be spanned
-        edges.attributes(e, EdgeEdgeKinematics::width_column + side) =
-            pair % 4 == 1 ? random(0.01, 0.5) : 10;
+        edges.edge(e).width[side] = pair % 4 == 1 ? random(0.01, 0.5) : 10;
     }
   }
   EdgeEdgeKinematics touch;
@@ -146,7 +143,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
     if (touches && pair % 4 == 1) {
       for (int e = 2 * pair; e < 2 * pair + 2; ++e)
         for (int side = 0; side < 2; ++side)
-          edges.attributes(e, EdgeEdgeKinematics::width_column + side) = 10;
+          edges.edge(e).width[side] = 10;
       spanning += !touch.test(faces, node, other, ContactTest::activate, hit);
     }
     rejected += !may_touch[pair];
@@ -159,7 +156,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
 TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
   if (!host_accessible)
     GTEST_SKIP() << "on a host";
-  LoneFaces edges(3, 3, EdgeEdgeKinematics::num_columns);
+  LoneFaces edges(3, 3, words_of<EdgeAttributes>);
   const Vec3 along_x[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, -1}, {0, 1, -1}};
   for (int j = 0; j < 4; ++j) {
     edges.set(j, along_x[j], along_x[j]);
@@ -168,10 +165,10 @@ TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
     edges.set(8 + j, across, across);
   }
   for (int e = 0; e < 3; ++e) {
-    edges.attributes(e, EdgeEdgeKinematics::cosine_column) = 0;
-    edges.attributes(e, EdgeEdgeKinematics::sine_column) = 1;
-    edges.attributes(e, EdgeEdgeKinematics::width_column) = std::sqrt(2.0);
-    edges.attributes(e, EdgeEdgeKinematics::width_column + 1) = 1;
+    edges.edge(e).cosine = 0;
+    edges.edge(e).sine = 1;
+    edges.edge(e).width[0] = std::sqrt(2.0);
+    edges.edge(e).width[1] = 1;
   }
   const std::vector<bool> may_touch = mayPenetrate(edges, 2, [](int pair) {
     return std::array<int, 2>{0, 1 + pair};
@@ -197,7 +194,7 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
     GTEST_SKIP() << "on a host";
   Random random;
   constexpr int n = 4003;
-  LoneFaces quads(n, n, 4);
+  LoneFaces quads(n, n, words_of<FaceAttributes>);
   View<double*> mass("mass", quads.surface.num_nodes);
   ContactHistory history;
   history.interactions = View<Interaction*>("interactions", n);
@@ -206,7 +203,8 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
     for (int j = 0; j < 4; ++j) {
       const Vec3 x = cornerOf(f % 5, j, random);
       quads.set(4 * f + j, x, x + random.vector(0.01));
-      quads.attributes(f, j) = f % 7 ? random(0.5, 2) : HUGE_VAL;
+      attributesAt<FaceAttributes>(quads.attributes, f).corner_mass[j] =
+          f % 7 ? random(0.5, 2) : HUGE_VAL;
       history.interactions(f).weight[j] = random(0, 1);
     }
     const int node = 4 * n + f;
@@ -237,7 +235,7 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
     for (int j = 0; j < 4; ++j) {
       EXPECT_EQ(contact.point.weight[j], point.weight[j]) << contact.face;
       if (point.weight[j] != 0)
-        inverse_mass += point.weight[j] * point.weight[j] / quads.attributes(contact.face, j);
+        inverse_mass += point.weight[j] * point.weight[j] / faces.cornerMass(contact.face, j);
     }
     for (int d = 0; d < 3; ++d) {
       EXPECT_EQ(contact.point.normal[d], point.normal[d]) << contact.face;

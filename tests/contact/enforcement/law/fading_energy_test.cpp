@@ -77,18 +77,15 @@ private:
       face.surface_mass = 1e6; // the mass of the node decides on the stiffness
     return scene;
   }
-  static View<double**> withTrueEdges(const Surface& surface) {
+  static AttributeWords withTrueEdges(const Surface& surface) {
     const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, surface);
-    const View<double**> wide("test::attributes", surface.num_faces, NodeFaces::num_columns);
-    const auto host = Kokkos::create_mirror_view(wide);
-    const auto from = onHost(surface.face_attributes);
-    for (int f = 0; f < surface.num_faces; ++f) {
-      for (int column = 0; column < NodeFaces::true_edges_column; ++column)
-        host(f, column) = from(f, column);
-      host(f, NodeFaces::true_edges_column) = features.true_edges[f];
-    }
-    Kokkos::deep_copy(wide, host);
-    return wide;
+    const AttributeWords known("test::attributes", surface.num_faces, words_of<FaceAttributes>);
+    const auto host = Kokkos::create_mirror_view(known);
+    Kokkos::deep_copy(host, surface.face_attributes);
+    for (int f = 0; f < surface.num_faces; ++f)
+      attributesAt<FaceAttributes>(host, f).feature_edges = features.true_edges[f];
+    Kokkos::deep_copy(known, host);
+    return known;
   }
 
   Scene _scene;

@@ -212,7 +212,7 @@ private:
     const View<unsigned char*> owned("test::owned", num_nodes);
     const View<global_id*> node_body("test::node_body", num_nodes),
         face_body("test::face_body", num_faces);
-    const View<double**> attributes("test::attributes", num_faces, 5);
+    const AttributeWords attributes("test::attributes", num_faces, words_of<FaceAttributes>);
     const View<double*> mass("test::mass", num_nodes);
     fill(node_ids, [&](auto& v, int i) { v(i) = _nodes[i]; });
     fill(owned, [&](auto& v, int i) { v(i) = owner[_nodes[i]] == _rank; });
@@ -245,16 +245,19 @@ private:
     _ghost_faces.corner_ids = View<global_id* [4]>("test::ghost_corner_ids", num_ghosts);
     _ghost_faces.coordinates_old = View<double* [12]>("test::ghost_old", num_ghosts);
     _ghost_faces.coordinates_new = View<double* [12]>("test::ghost_new", num_ghosts);
-    _ghost_faces.attributes = View<double**>("test::ghost_attributes", num_ghosts, 5);
+    _ghost_faces.attributes =
+        AttributeWords("test::ghost_attributes", num_ghosts, words_of<FaceAttributes>);
     fill(_ghost_faces.face_ids, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].id; });
     fill(_ghost_faces.bodies, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].body; });
     fill(_ghost_faces.attributes, [&](auto& v, int g) { setAttributes(scene, _ghosts[g], v, g); });
   }
   template <class ViewType>
   static void setAttributes(const Scene& scene, int face, const ViewType& view, int row) {
+    FaceAttributes attributes;
     for (int j = 0; j < 4; ++j)
-      view(row, j) = scene.mass[scene.faces[face].nodes[j]];
-    view(row, 4) = scene.faces[face].surface_mass;
+      attributes.corner_mass[j] = scene.mass[scene.faces[face].nodes[j]];
+    attributes.surface_mass = scene.faces[face].surface_mass;
+    attributesAt<FaceAttributes>(view, row) = attributes;
   }
   template <class ViewType, class Set>
   static void fill(const ViewType& view, const Set& set) {

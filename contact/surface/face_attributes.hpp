@@ -1,0 +1,49 @@
+// Data of the host that faces carry along to their ghosts: one plain struct for each face, stored and sent as 64-bit words, so
+// that the search need not know what they are.
+#pragma once
+
+#include "contact/base/backend.hpp"
+
+#include <type_traits>
+
+namespace brickwall::contact {
+
+// [face][word]; the words of a face are contiguous.
+using AttributeWords = Kokkos::View<std::int64_t**, Kokkos::LayoutRight, memory_space>;
+using ConstAttributeWords = Kokkos::View<const std::int64_t**, Kokkos::LayoutRight, memory_space>;
+
+template <class T>
+constexpr int words_of = static_cast<int>(sizeof(T) / sizeof(std::int64_t));
+
+// Attributes of type T for `count` faces, not initialised.
+template <class T>
+AttributeWords allocateAttributes(const exec_space& space, const std::string& label,
+                                  std::int64_t count) {
+  return allocate<AttributeWords>(space, label, count, words_of<T>);
+}
+
+// Row `face` of `words`, in any memory space, as the struct that it holds.
+template <class T, class Words>
+KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t face) {
+  static_assert(std::is_trivially_copyable<T>::value && sizeof(T) % sizeof(std::int64_t) == 0);
+  using Const = std::is_const<typename Words::value_type>;
+  using Struct = typename std::conditional<Const::value, const T, T>::type;
+  return *reinterpret_cast<Struct*>(&words(face, 0));
+}
+
+// The attributes of all faces in contact begin with these.
+struct CornerMasses {
+  double corner_mass[4] = {
+      0, 0, 0, 0}; // mass of each corner's node; infinite where its motion is prescribed
+};
+
+// Attributes of the faces of a surface.
+struct FaceAttributes : CornerMasses {
+  static constexpr std::int64_t unknown = -1;
+
+  double surface_mass = 0; // mu = rho h_n/2, mass/area
+  // Bit j: edge j, from corner j to the next, is a feature edge: it has no coplanar neighbour in the body (edge_fading.hpp).
+  std::int64_t feature_edges = unknown;
+};
+
+} // namespace brickwall::contact
