@@ -45,7 +45,8 @@ brickwall_install_component(
          contact/base/vec3.hpp)
 brickwall_install_component(
   contact ROOM contact EXCEPT contact/base TARGETS brickwall_contact
-  PUBLIC contact/surface
+  PUBLIC contact/contact.hpp
+         contact/surface
          contact/search/candidate_search.hpp
          contact/search/global_search.hpp
          contact/search/local_search.hpp

@@ -48,7 +48,7 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
   SearchConfig config;
   config.drop_same_body = true;
   CandidateSearch search(comm, config);
-  search.update(space, surfaceOfBoxes(space, boxes, ids, ids, ConstAttributeWords()));
+  search.update(space, sweptBoxes(space, boxes, ids, ids, ConstAttributeWords()));
   const CandidatePairs pairs = search.pairs();
   const View<char*> meets("contact::bodies::meets", count);
   Kokkos::parallel_for(
@@ -66,17 +66,16 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
 
 } // namespace
 
-Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
-                       const View<const global_id*>& ids, const View<const global_id*>& groups,
-                       const ConstAttributeWords& attributes) {
+SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
+                      const View<const global_id*>& ids, const View<const global_id*>& groups,
+                      const ConstAttributeWords& attributes) {
   const int count = checkedInt(static_cast<std::int64_t>(boxes.extent(0)), "boxes of a search");
-  // As if each box's low corner had moved to its high one in the step.
   const auto low = allocate<View<double* [3]>>(space, "contact::boxes::low", count);
   const auto high = allocate<View<double* [3]>>(space, "contact::boxes::high", count);
   const auto nodes = allocate<View<int* [4]>>(space, "contact::boxes::nodes", count);
   const auto owned = allocate<View<unsigned char*>>(space, "contact::boxes::owned", count);
   Kokkos::parallel_for(
-      "contact::surfaceOfBoxes", rangePolicy(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::sweptBoxes", rangePolicy(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d) {
           low(i, d) = boxes(i).lower[d];
           high(i, d) = boxes(i).upper[d];
@@ -85,16 +84,16 @@ Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
           nodes(i, j) = static_cast<int>(i);
         owned(i) = 1;
       });
-  Surface surface;
-  surface.num_nodes = surface.num_faces = count;
-  surface.coordinates_old = low;
-  surface.coordinates_new = high;
-  surface.face_to_nodes = nodes;
-  surface.node_ids = surface.face_ids = ids;
-  surface.node_is_owned = owned;
-  surface.node_body = surface.face_body = groups;
-  surface.face_attributes = attributes;
-  return surface;
+  SweptBoxes swept;
+  swept.num_nodes = swept.num_faces = count;
+  swept.coordinates_old = low;
+  swept.coordinates_new = high;
+  swept.face_to_nodes = nodes;
+  swept.node_ids = swept.face_ids = ids;
+  swept.node_is_owned = owned;
+  swept.node_body = swept.face_body = groups;
+  swept.face_attributes = attributes;
+  return swept;
 }
 
 std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,

@@ -10,11 +10,11 @@
 
 namespace brickwall::contact {
 
-// Boxes [box] as a surface for CandidateSearch: node i and face i have the extent of box i, its id and its group as body, and the
-// face has row i of `attributes`.
-Surface surfaceOfBoxes(const exec_space& space, const View<const Box*>& boxes,
-                       const View<const global_id*>& ids, const View<const global_id*>& groups,
-                       const ConstAttributeWords& attributes);
+// Boxes [box] as input of CandidateSearch: node i and face i have the extent of box i, its id, and its group as body; the face has
+// row i of `attributes`.
+SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
+                      const View<const global_id*>& ids, const View<const global_id*>& groups,
+                      const ConstAttributeWords& attributes);
 
 // `box` smaller by `least`, so that it overlaps another one made smaller alike if the two overlapped by `least` or more; never
 // smaller than a point.

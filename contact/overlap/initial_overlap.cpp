@@ -43,7 +43,7 @@ struct FindDeepest {
   }
 };
 
-// Elements are nodes and faces of the surface of their boxes.
+// Node i and face i of the search are the box of element i.
 struct FindDeepestElements {
   FaceAccess elements;
   CandidatePairs pairs;
@@ -143,8 +143,8 @@ ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
   ElementOverlap deepest;
   if (allReduce(comm, elements.count, MPI_MAX) == 0)
     return deepest;
-  const Surface surface = surfaceOfBoxes(space, boxesOf(space, elements, least), elements.ids,
-                                         elements.bodies, attributesOf(space, elements));
+  const SweptBoxes surface = sweptBoxes(space, boxesOf(space, elements, least), elements.ids,
+                                        elements.bodies, attributesOf(space, elements));
   SearchConfig config;
   config.drop_same_body = true;
   CandidateSearch search(comm, config);

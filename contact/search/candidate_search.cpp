@@ -29,7 +29,7 @@ SearchConfig withMargin(SearchConfig config, double margin) {
 
 // By how much nodes of this rank have left the swept boxes of the last search, in either configuration of the step.
 double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes,
-                   const Surface& surface) {
+                   const SweptBoxes& surface) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   double largest = 0;
   Kokkos::parallel_reduce(
@@ -42,7 +42,7 @@ double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes
   return largest;
 }
 
-void keepSweptBoxes(const exec_space& space, const Surface& surface,
+void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
                     const View<double* [6]>& searched_at) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
@@ -82,11 +82,11 @@ void CandidateSearch::configure(const SearchConfig& config) {
                                                   wide.face_tolerance - config.face_tolerance);
 }
 
-const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface) {
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface) {
   return update(space, surface, largestMotion(space, surface));
 }
 
-const CandidatePairs& CandidateSearch::update(const exec_space& space, const Surface& surface,
+const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface,
                                               double motion) {
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
   if (!_has_pairs)
@@ -95,12 +95,13 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Sur
   return _local.pairs();
 }
 
-const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface) {
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space,
+                                                const SweptBoxes& surface) {
   return updateGhosts(space, surface, largestMotion(space, surface));
 }
 
 // A coordinate that is not finite makes all ranks search, and so tell.
-const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const Surface& surface,
+const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                                 double motion) {
   ++_updates;
   bool may_keep = false;
@@ -117,18 +118,18 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   return _global.ghosts();
 }
 
-bool CandidateSearch::hasListsOf(const Surface& surface) const {
+bool CandidateSearch::hasListsOf(const SweptBoxes& surface) const {
   return _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
 }
 
-double CandidateSearch::largestMotion(const exec_space& space, const Surface& surface) const {
+double CandidateSearch::largestMotion(const exec_space& space, const SweptBoxes& surface) const {
   if (_margin == 0 || !hasListsOf(surface))
     return HUGE_VAL;
   const Region region("contact::measureMotion");
   return motionOutOf(space, _searched_at, surface);
 }
 
-void CandidateSearch::findGhosts(const exec_space& space, const Surface& surface) {
+void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
   _has_lists = _has_pairs = false; // in case of a throw
   _global.findGhosts(space, surface);
   if (_margin > 0) {

@@ -42,19 +42,19 @@ public:
   // coordinates once, reduces one number over ranks and sends one message per partner. Between calls only coordinates may
   // change, in any way, unless forget() is called. Throws PhysicsError on all ranks together, naming node and rank, when a
   // coordinate is not finite.
-  const CandidatePairs& update(const exec_space& space, const Surface& surface);
+  const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface);
 
   // Collective. The same for a host that has read the coordinates anyway: `motion` is by how much nodes of this rank have left
   // sweptBoxes() in either configuration of the step, along an axis where that is most (excursionOutside() of all nodes; any number if
   // there are no such boxes).
-  const CandidatePairs& update(const exec_space& space, const Surface& surface, double motion);
+  const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface, double motion);
   // [node][low xyz, high xyz] of the last search, as far as its lists may be kept; else of no nodes.
   View<const double* [6]> sweptBoxes() const {
     return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
   }
 
   // Collective. The same without pairs, for hosts that need no more than the ghosts.
-  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface);
+  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface);
 
   // The next update() searches on all ranks, whatever the motion, and makes the order of the surface anew: something besides
   // its coordinates has changed. On one rank or more.
@@ -75,19 +75,19 @@ public:
                   const View<std::int64_t* [3]>& node_values) {
     _global.reverseSum(space, face_to_nodes, ghost_values, node_values);
   }
-  void forward(const exec_space& space, const Surface& surface,
+  void forward(const exec_space& space, const SweptBoxes& surface,
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values) {
     _global.forward(space, surface, node_values, ghost_values);
   }
 
   // Collective. Pairs over all ranks that pairs() lack, by a look at all pairs (pair_audit.hpp); `surface` as in the last
   // update().
-  std::int64_t countMissedPairs(const exec_space& space, const Surface& surface) const {
+  std::int64_t countMissedPairs(const exec_space& space, const SweptBoxes& surface) const {
     return contact::countMissedPairs(space, _comm, surface, ghosts(), pairs(), _config);
   }
 
   // The faces of this rank that the last search sent as ghosts, with their destinations. Not collective; host copies.
-  std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const {
+  std::vector<SentFace> sentFaces(const exec_space& space, const SweptBoxes& surface) const {
     return _global.sentFaces(space, surface);
   }
 
@@ -98,10 +98,10 @@ public:
 
 private:
   void configure(const SearchConfig& config);
-  bool hasListsOf(const Surface& surface) const;
-  double largestMotion(const exec_space& space, const Surface& surface) const;
-  const GhostFaces& updateGhosts(const exec_space& space, const Surface& surface, double motion);
-  void findGhosts(const exec_space& space, const Surface& surface);
+  bool hasListsOf(const SweptBoxes& surface) const;
+  double largestMotion(const exec_space& space, const SweptBoxes& surface) const;
+  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface, double motion);
+  void findGhosts(const exec_space& space, const SweptBoxes& surface);
 
   MPI_Comm _comm;
   SearchConfig _config; // of a step, without the margin

@@ -29,7 +29,7 @@ GlobalSearch::GlobalSearch(MPI_Comm comm, const SearchConfig& config)
                        ", needs a finite length >= 0");
 }
 
-const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const Surface& surface) {
+const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
   const Region region("contact::findGhosts");
   const OwnRankBoxes own = _phases->constructBoxes(space, surface, _config);
   exchangeRankBoxes(_comm, surface, own, _rank_boxes);
@@ -48,19 +48,19 @@ void GlobalSearch::reverseSum(const exec_space& space, const View<const int* [4]
                       node_values);
 }
 
-void GlobalSearch::forward(const exec_space& space, const Surface& surface,
+void GlobalSearch::forward(const exec_space& space, const SweptBoxes& surface,
                            const View<const double* [3]>& node_values,
                            const View<double* [12]>& ghost_values) {
   contact::forward(space, _comm, _phases->facesToSend(), surface.face_to_nodes, node_values,
                    _migration, ghost_values);
 }
 
-void GlobalSearch::forwardCoordinates(const exec_space& space, const Surface& surface) {
+void GlobalSearch::forwardCoordinates(const exec_space& space, const SweptBoxes& surface) {
   contact::forwardCoordinates(space, _comm, _phases->facesToSend(), surface, _migration);
 }
 
 std::vector<SentFace> GlobalSearch::sentFaces(const exec_space& space,
-                                              const Surface& surface) const {
+                                              const SweptBoxes& surface) const {
   const PartnerLists& lists = _phases->facesToSend();
   const View<const int*> faces = lists.rows;
   const View<const global_id*> ids = surface.face_ids;

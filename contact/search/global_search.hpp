@@ -31,7 +31,7 @@ public:
 
   // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the next call.
   // Throws PhysicsError on all ranks together, naming node and rank, when a coordinate is not finite.
-  const GhostFaces& findGhosts(const exec_space& space, const Surface& surface);
+  const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface);
 
   // Collective. Adds the values of each ghost to the nodes of its owner's face: node_values(node of corner j, xyz) +=
   // ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in quanta. `face_to_nodes` [own face] may number
@@ -42,16 +42,16 @@ public:
 
   // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner, xyz), for the ghosts of
   // the last findGhosts().
-  void forward(const exec_space& space, const Surface& surface,
+  void forward(const exec_space& space, const SweptBoxes& surface,
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values);
 
   // Collective among partners. Copies the present coordinates x^n and x^{n+1} of the owners' surfaces to ghosts(); all else of
   // the surfaces must be as in the last findGhosts().
-  void forwardCoordinates(const exec_space& space, const Surface& surface);
+  void forwardCoordinates(const exec_space& space, const SweptBoxes& surface);
 
   // The faces that the last findGhosts() sent, by destination, and for each destination in the order of its ghosts; `surface` as
   // in that call. Not collective; copies the faces sent to the host.
-  std::vector<SentFace> sentFaces(const exec_space& space, const Surface& surface) const;
+  std::vector<SentFace> sentFaces(const exec_space& space, const SweptBoxes& surface) const;
 
   const GhostFaces& ghosts() const { return _migration.ghosts; }
   SearchStatistics statistics() const; // of the last findGhosts() on this rank

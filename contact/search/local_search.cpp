@@ -5,7 +5,7 @@
 namespace brickwall::contact {
 
 const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
-                                                      const Surface& surface) {
+                                                      const SweptBoxes& surface) {
   const Region region("contact::findCandidatePairs");
   const Region timer("search::local search");
   _global._phases->findPairs(space, surface, _global.ghosts(), _global.config());

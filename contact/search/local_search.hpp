@@ -14,7 +14,7 @@ public:
   // The candidate pairs of this step; valid until the next call. A node's own faces (those that list its global id
   // as a corner) are never listed; with drop_same_body neither are faces of the node's body. The global search has found the
   // ghosts of this step. Not collective.
-  const CandidatePairs& findCandidatePairs(const exec_space& space, const Surface& surface);
+  const CandidatePairs& findCandidatePairs(const exec_space& space, const SweptBoxes& surface);
 
   const CandidatePairs& pairs() const { return _global._phases->pairs(); }
   // The step test that pairs() carry from now on.

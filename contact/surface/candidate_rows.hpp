@@ -10,7 +10,7 @@ namespace brickwall::contact {
 template <class Space>
 class PairRules {
 public:
-  PairRules(const Surface& surface, const GhostFaces& ghosts, bool drop_same_body)
+  PairRules(const SweptBoxes& surface, const GhostFaces& ghosts, bool drop_same_body)
       : _num_faces(surface.num_faces), _drop_same_body(drop_same_body),
         _face_to_nodes(accessible(surface.face_to_nodes)), _node_ids(accessible(surface.node_ids)),
         _node_body(accessible(surface.node_body)), _face_body(accessible(surface.face_body)),

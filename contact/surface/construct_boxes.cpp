@@ -25,7 +25,7 @@ KOKKOS_INLINE_FUNCTION bool isFinite(const Vec3& x) {
   return std::fabs(x.x) <= DBL_MAX && std::fabs(x.y) <= DBL_MAX && std::fabs(x.z) <= DBL_MAX;
 }
 
-void constructNodeBoxes(const exec_space& space, const Surface& surface, double tolerance,
+void constructNodeBoxes(const exec_space& space, const SweptBoxes& surface, double tolerance,
                         SurfaceBoxes& boxes) {
   const Region region("contact::search::node boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
@@ -52,7 +52,7 @@ void constructNodeBoxes(const exec_space& space, const Surface& surface, double 
   boxes.first_invalid = result.first_invalid;
 }
 
-void constructFaceBoxes(const exec_space& space, const Surface& surface, double tolerance,
+void constructFaceBoxes(const exec_space& space, const SweptBoxes& surface, double tolerance,
                         SurfaceBoxes& boxes) {
   const Region region("contact::search::face boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
@@ -71,7 +71,7 @@ void constructFaceBoxes(const exec_space& space, const Surface& surface, double 
 
 } // namespace
 
-void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
+void constructBoxes(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes) {
   const Region region("contact::constructBoxes");
   {

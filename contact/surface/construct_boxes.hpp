@@ -59,7 +59,7 @@ KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
 }
 
 // Fills `boxes` from the surface. Coordinates that are not finite are counted; the ranks decide together in phase 2.
-void constructBoxes(const exec_space& space, const Surface& surface, const SearchConfig& config,
+void constructBoxes(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes);
 
 } // namespace brickwall::contact

@@ -10,7 +10,7 @@ namespace brickwall::contact {
 
 // Faces by candidate index: own below num_faces, else ghosts (CandidatePairs). For kernels.
 struct FaceAccess {
-  Surface surface;
+  SweptBoxes surface;
   GhostFaces ghosts;
 
   KOKKOS_INLINE_FUNCTION bool isOwn(int face) const { return face < surface.num_faces; }

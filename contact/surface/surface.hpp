@@ -6,13 +6,15 @@
 
 namespace brickwall::contact {
 
-// This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1). The arrays are the host
-// code's; the search only reads them. A node that several ranks share is owned by exactly one of them.
-struct Surface {
+// The input of the search: boxes swept over the step, one for each node, and faces, whose boxes are the hulls of those of their
+// corners. Node boxes look for partners among the faces of all ranks. The arrays belong to the host code; the search only reads
+// them. A node that several ranks share is owned by exactly one of them.
+struct SweptBoxes {
   int num_nodes = 0;
   int num_faces = 0;
-  View<const double* [3]> coordinates_old; // x^n     [node][xyz], length
-  View<const double* [3]> coordinates_new; // x^{n+1} [node][xyz], length
+  // Two opposite corners of the box of each node [node][xyz], length. Of a node that moves they are x^n and x^{n+1}.
+  View<const double* [3]> coordinates_old;
+  View<const double* [3]> coordinates_new;
   // [face][corner], outward normal by the right-hand rule; a triangle repeats a corner
   View<const int* [4]> face_to_nodes;
   View<const global_id*> node_ids; // [node]
@@ -22,6 +24,10 @@ struct Surface {
   View<const global_id*> face_body; // [face]
   ConstAttributeWords face_attributes; // data of the host that ghosts carry along; may be empty
 };
+
+// This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1), which move from x^n to x^{n+1}. Contact
+// enforcement needs FaceAttributes.
+struct Surface : SweptBoxes {};
 
 // Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then of face id (methods
 // `paper` and `reference`) or as the owner keeps its faces (`cluster`: an order that lasts until the owner sorts anew).

@@ -3,7 +3,7 @@
 
 namespace brickwall::contact {
 
-StationaryNodes::StationaryNodes(const std::string& label, const Surface& surface,
+StationaryNodes::StationaryNodes(const std::string& label, const SweptBoxes& surface,
                                  const View<const int*>& point_to_node)
     : _point_to_node(point_to_node),
       _nodes(label + "::still_nodes", point_to_node.data() ? surface.num_nodes : 0),
@@ -13,7 +13,7 @@ StationaryNodes::StationaryNodes(const std::string& label, const Surface& surfac
   _flags.known_apart = View<unsigned char*>(label + "::clear_rows", surface.num_nodes);
 }
 
-void StationaryNodes::update(const exec_space& space, const Surface& surface,
+void StationaryNodes::update(const exec_space& space, const SweptBoxes& surface,
                              const SurfaceMotion& motion, const StepTest& test) {
   const bool has_grown = test.node_tolerance > _last_test.node_tolerance ||
                          test.face_tolerance > _last_test.face_tolerance;
@@ -27,7 +27,7 @@ void StationaryNodes::update(const exec_space& space, const Surface& surface,
     setFlags(space, surface, motion);
 }
 
-void StationaryNodes::setFlags(const exec_space& space, const Surface& surface,
+void StationaryNodes::setFlags(const exec_space& space, const SweptBoxes& surface,
                                const SurfaceMotion& motion) {
   const auto still = motion.stillNodes();
   const auto to_node = _point_to_node;

@@ -35,12 +35,12 @@ public:
   StationaryNodes() = default;
   // Flags of the nodes and faces of `surface`. With a list `point_to_node` its first nodes are those of another surface, whose
   // motion update() is told, and node point_to_node.extent(0) + f stands for face f.
-  StationaryNodes(const std::string& label, const Surface& surface,
+  StationaryNodes(const std::string& label, const SweptBoxes& surface,
                   const View<const int*>& point_to_node = {});
 
   // `motion` has seen this step. `test`: tolerances of the search that found this step's pairs; if they have grown, nothing is
   // clear.
-  void update(const exec_space& space, const Surface& surface, const SurfaceMotion& motion,
+  void update(const exec_space& space, const SweptBoxes& surface, const SurfaceMotion& motion,
               const StepTest& test);
 
   const StationaryFlags& flags() const { return _flags; }
@@ -49,7 +49,7 @@ public:
   bool isUnchanged() const { return _is_unchanged; }
 
   // A part of update(), public only for its kernels.
-  void setFlags(const exec_space& space, const Surface& surface, const SurfaceMotion& motion);
+  void setFlags(const exec_space& space, const SweptBoxes& surface, const SurfaceMotion& motion);
 
 private:
   View<const int*> _point_to_node;

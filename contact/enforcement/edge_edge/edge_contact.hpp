@@ -79,7 +79,7 @@ private:
 
   // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low
   // corner, x^{n+1} its high one. Faces: the edges.
-  Surface _edges;
+  SweptBoxes _edges;
   int _num_corners = 0;
   View<const int*> _corner_to_node; // [corner] node of the host's surface
   View<const int* [4]> _edge_to_nodes; // [edge][corner] likewise

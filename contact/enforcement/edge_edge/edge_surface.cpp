@@ -54,7 +54,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   };
   EdgeSurface made;
   made.num_corners = num_corners;
-  Surface& s = made.surface;
+  SweptBoxes& s = made.surface;
   s.num_nodes = num_nodes;
   s.num_faces = num_edges;
   s.face_to_nodes = filled<View<int* [4]>>(

@@ -8,7 +8,7 @@ namespace brickwall::contact {
 
 struct EdgeSurface {
   // Nodes: the corners of the faces that list edges, then one for each edge. Faces: the edges. Without coordinates.
-  Surface surface;
+  SweptBoxes surface;
   int num_corners = 0;
   View<int*> corner_to_node; // [corner] node of the other surface, ascending
   View<int* [4]> edge_to_nodes; // [edge][corner] nodes of the other surface

@@ -35,7 +35,7 @@ struct Gathered {
   KOKKOS_INLINE_FUNCTION void gather(int lane, const FaceAccess& faces,
                                      const View<const double*>& mass, const Interaction& last,
                                      int at, int face) {
-    const Surface& surface = faces.surface;
+    const SweptBoxes& surface = faces.surface;
     Vec3 now[4], before[4];
     faces.corners(face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
     faces.corners(face, surface.coordinates_old, faces.ghosts.coordinates_old, before);

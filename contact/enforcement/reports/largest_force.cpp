@@ -10,7 +10,7 @@ KOKKOS_INLINE_FUNCTION double forceOf(const Interaction& pair) {
 }
 
 // `ids` [row - first_row]: what pushes.
-LargestForce largestOf(const exec_space& space, MPI_Comm comm, const Surface& surface,
+LargestForce largestOf(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        const View<const global_id*>& ids, int first_row,
                        const ContactHistory& history) {
   const auto interactions = history.interactions;
@@ -33,12 +33,12 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const Surface& su
 
 } // namespace
 
-LargestForce largestForce(const exec_space& space, MPI_Comm comm, const Surface& surface,
+LargestForce largestForce(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                           const ContactHistory& history) {
   return largestOf(space, comm, surface, surface.node_ids, 0, history);
 }
 
-LargestForce largestEdgeForce(const exec_space& space, MPI_Comm comm, const Surface& edges,
+LargestForce largestEdgeForce(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
                               int num_corners, const ContactHistory& history) {
   LargestForce largest = largestOf(space, comm, edges, edges.face_ids, num_corners, history);
   largest.is_of_edges = true;

@@ -16,11 +16,11 @@ struct LargestForce : PairIds {
 };
 
 // Of all interactions of all ranks, before or after their corrections; of equals that of the lowest ids. Collective.
-LargestForce largestForce(const exec_space& space, MPI_Comm comm, const Surface& surface,
+LargestForce largestForce(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                           const ContactHistory& history);
 
 // The same of edges: the surface and history of an EdgeContact, where row num_corners + e stands for edge e.
-LargestForce largestEdgeForce(const exec_space& space, MPI_Comm comm, const Surface& edges,
+LargestForce largestEdgeForce(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
                               int num_corners, const ContactHistory& history);
 
 } // namespace brickwall::contact

@@ -87,7 +87,7 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
 } // namespace
 
 InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
-                               const Surface& surface, int num_nodes, int face_corners,
+                               const SweptBoxes& surface, int num_nodes, int face_corners,
                                const EnforcementConfig& config, const Quantum& quantum)
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),

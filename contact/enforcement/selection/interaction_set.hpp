@@ -36,7 +36,7 @@ public:
   InteractionSet() = default;
   // Forces act on the first `num_nodes` of the surface. `face_corners`: 4, or 2 where only the first two corners of a face carry
   // weight.
-  InteractionSet(const exec_space& space, const std::string& label, const Surface& surface,
+  InteractionSet(const exec_space& space, const std::string& label, const SweptBoxes& surface,
                  int num_nodes, int face_corners, const EnforcementConfig& config,
                  const Quantum& quantum);
 

@@ -36,8 +36,8 @@ void TouchedNodes::listAll(const exec_space& space) {
   _list = NodeList::allOf(_num_nodes);
 }
 
-void TouchedNodes::add(const exec_space& space, const Surface& surface, const ContactHistory& pairs,
-                       const View<const int*>& to_node) {
+void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
+                       const ContactHistory& pairs, const View<const int*>& to_node) {
   if (pairs.count == 0 || _list.isAll())
     return;
   if (most_share * (_num_listed + nodes_of_pair * pairs.count) > _num_nodes) {

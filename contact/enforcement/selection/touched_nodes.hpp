@@ -19,7 +19,7 @@ public:
   void listAll(const exec_space& space);
   // Adds the nodes of the interactions of `pairs` (its history's `count` first ones): pushing points and all corners of own faces of
   // `surface`, each as to_node(it) if there is such a list, else as it is. Where they may be many, all are listed.
-  void add(const exec_space& space, const Surface& surface, const ContactHistory& pairs,
+  void add(const exec_space& space, const SweptBoxes& surface, const ContactHistory& pairs,
            const View<const int*>& to_node = {});
 
   const NodeList& list() const { return _list; }

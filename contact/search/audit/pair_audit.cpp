@@ -13,7 +13,8 @@ struct AuditedFaces {
   View<global_id* [6]> ids; // face, body, four corners
 };
 
-AuditedFaces describeOwnFaces(const exec_space& space, const Surface& surface, double tolerance) {
+AuditedFaces describeOwnFaces(const exec_space& space, const SweptBoxes& surface,
+                              double tolerance) {
   AuditedFaces own{allocate<View<Box*>>(space, "contact::audit::boxes", surface.num_faces),
                    allocate<View<global_id* [6]>>(space, "contact::audit::ids", surface.num_faces)};
   Kokkos::parallel_for(
@@ -50,7 +51,7 @@ struct CountMissed {
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, std::int64_t& missed) const {
     const int node = pairs.node(row);
-    const Surface& surface = faces.surface;
+    const SweptBoxes& surface = faces.surface;
     if (!surface.node_is_owned(node))
       return;
     const Box box = nodeBox(rowOf(surface.coordinates_old, node),
@@ -80,7 +81,7 @@ struct CountMissed {
 
 } // namespace
 
-std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Surface& surface,
+std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const CandidatePairs& pairs,
                               const SearchConfig& config) {
   const Region region("contact::auditPairs");

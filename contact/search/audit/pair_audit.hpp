@@ -15,7 +15,7 @@ namespace brickwall::contact {
 // exclude, but which `pairs` does not list (or, of kept lists, which its step test would not let through). Shares with the
 // searches only the definition of a box. Every rank's faces go to all ranks in turn: memory for those of the largest rank.
 // Collective.
-std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Surface& surface,
+std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const CandidatePairs& pairs,
                               const SearchConfig& config);
 

@@ -76,12 +76,12 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
 
 } // namespace
 
-PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const Surface& surface,
+PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        const GhostFaces& ghosts, const CandidatePairs& pairs, double limit) {
   return fastestOf(space, comm, NodeAndFace{{surface, ghosts}}, pairs, limit);
 }
 
-PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const Surface& edges,
+PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
                            int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
                            double limit) {
   PairMotion fastest =

@@ -19,11 +19,11 @@ struct PairMotion : PairIds {
 
 // The fastest of all candidate pairs of this step on all ranks, the same on every rank and for any margin of the search.
 // Collective: one reduction of one number, and some more where the motion is beyond `limit`.
-PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const Surface& surface,
+PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        const GhostFaces& ghosts, const CandidatePairs& pairs, double limit);
 
 // The same of edges: the surface, ghosts and pairs of an EdgeContact, where row num_corners + e stands for edge e.
-PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const Surface& edges,
+PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
                            int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
                            double limit);
 

@@ -4,7 +4,7 @@
 
 namespace brickwall::contact {
 
-std::vector<IdPair> candidateIds(const exec_space& space, const Surface& surface,
+std::vector<IdPair> candidateIds(const exec_space& space, const SweptBoxes& surface,
                                  const GhostFaces& ghosts, const CandidatePairs& pairs) {
   space.fence();
   const auto row_nodes = toHost(pairs.row_nodes), row_begin = toHost(pairs.row_begin);

@@ -13,7 +13,7 @@ struct IdPair {
 };
 
 // The candidate pairs of this rank's owned nodes, rows in their order. Not collective; copies everything to the host.
-std::vector<IdPair> candidateIds(const exec_space& space, const Surface& surface,
+std::vector<IdPair> candidateIds(const exec_space& space, const SweptBoxes& surface,
                                  const GhostFaces& ghosts, const CandidatePairs& pairs);
 
 } // namespace brickwall::contact

@@ -118,7 +118,7 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
 
 } // namespace
 
-void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxes& surface,
                                         const SurfaceClusters& clusters, double face_tolerance,
                                         const PartnerLists& blocks_to_test,
                                         const PartnerMessages& node_boxes,

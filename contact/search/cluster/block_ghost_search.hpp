@@ -22,7 +22,7 @@ struct BlockGhostSearch {
 // Not collective. `node_boxes` are the messages of phase 4, senders in the order of blocks_to_test.ranks. Face f of a block
 // listed for q is exported to q if and only if its box overlaps one of q's node boxes, in doubles: floats that are equal
 // are looked up again. Cost is that of the blocks near q, about the logarithm of q's boxes for each.
-void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxes& surface,
                                         const SurfaceClusters& clusters, double face_tolerance,
                                         const PartnerLists& blocks_to_test,
                                         const PartnerMessages& node_boxes,

@@ -66,7 +66,7 @@ struct Curve {
   }
 };
 
-Curve layCurve(const exec_space& space, const Surface& surface, ClusterOrder& order) {
+Curve layCurve(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
   const bool by_faces = surface.num_faces > 0;
   const std::int64_t n = by_faces ? surface.num_faces : surface.num_nodes;
   const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
@@ -93,7 +93,7 @@ Curve layCurve(const exec_space& space, const Surface& surface, ClusterOrder& or
 }
 
 // face_order: along the curve.
-void orderFaces(const exec_space& space, const Surface& surface, const Curve& curve,
+void orderFaces(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                 ClusterOrder& order) {
   const std::int64_t n = surface.num_faces;
   const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
@@ -113,7 +113,7 @@ void orderFaces(const exec_space& space, const Surface& surface, const Curve& cu
 }
 
 // Nodes of no face follow the others, along the curve.
-void placeLoneNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+void placeLoneNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                     const View<std::int64_t*>& first, int used, const View<int*>& places) {
   const std::int64_t num_lone = surface.num_nodes - used;
   if (num_lone == 0)
@@ -142,7 +142,7 @@ void placeLoneNodes(const exec_space& space, const Surface& surface, const Curve
 }
 
 // [node] position of the node: by the first face, in order, that has it as a corner; nodes of no face come last.
-View<int*> placeNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+View<int*> placeNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                       const ClusterOrder& order) {
   const std::int64_t num_faces = surface.num_faces, num_nodes = surface.num_nodes;
   const auto face_to_nodes = surface.face_to_nodes;
@@ -181,7 +181,7 @@ View<int*> placeNodes(const exec_space& space, const Surface& surface, const Cur
 }
 
 // node_order, owned and corners from the nodes' places.
-void orderNodes(const exec_space& space, const Surface& surface, const Curve& curve,
+void orderNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                 ClusterOrder& order) {
   const int num_nodes = surface.num_nodes, num_faces = surface.num_faces;
   const View<int*> places = placeNodes(space, surface, curve, order);
@@ -225,7 +225,7 @@ void orderNodes(const exec_space& space, const Surface& surface, const Curve& cu
 }
 
 // Host faces that come before their predecessor by (body, id).
-std::int64_t countDescents(const exec_space& space, const Surface& surface) {
+std::int64_t countDescents(const exec_space& space, const SweptBoxes& surface) {
   const auto bodies = surface.face_body, ids = surface.face_ids;
   std::int64_t descents = 0;
   Kokkos::parallel_reduce(
@@ -265,7 +265,7 @@ void sortById(const exec_space& space, const View<const global_id*>& ids, std::i
 }
 
 // face_rank, if the host's order is another.
-void rankFaces(const exec_space& space, const Surface& surface, ClusterOrder& order) {
+void rankFaces(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
   if (countDescents(space, surface) == 0)
     return;
   const std::int64_t n = surface.num_faces;
@@ -316,7 +316,7 @@ Box boxWithoutOutliers(const exec_space& space, const View<const Vec3*>& points,
   return box;
 }
 
-ClusterOrder orderSurface(const exec_space& space, const Surface& surface) {
+ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface) {
   ClusterOrder order;
   const Curve curve = layCurve(space, surface, order);
   orderFaces(space, surface, curve, order);

@@ -22,7 +22,7 @@ struct ClusterOrder {
 
 // Orders the surface at coordinates_new. Points far from all others are clipped, so that they do not coarsen the curve;
 // coordinates that are not finite do no harm. Scratch of 24 bytes a face and 12 a node lives during the call only.
-ClusterOrder orderSurface(const exec_space& space, const Surface& surface);
+ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface);
 
 // The box that the curve is laid through: that of a sample of the points, without outliers (points further off than the
 // extent of the middle 31/32 of the sample, in each direction).

@@ -115,9 +115,9 @@ void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, Candidate
   _used += more;
 }
 
-void ClusterPairs::find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
-                        const SurfaceClusters& clusters, const SearchConfig& config,
-                        CandidatePairs& pairs) {
+void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
+                        const GhostFaces& ghosts, const SurfaceClusters& clusters,
+                        const SearchConfig& config, CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
   checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
   if (_ordering != clusters.numOrderings())

@@ -24,7 +24,7 @@ public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes its rows to the place
   // that the last search left it, at first four faces a node, then an eighth more than it needed; those that outgrow it
   // get a new one and are searched again.
-  void find(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+  void find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
             const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
 
 private:

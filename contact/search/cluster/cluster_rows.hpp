@@ -55,7 +55,7 @@ struct BlockList {
 
 // Everything that a search reads, and the decision about one pair.
 struct PairTest {
-  Surface surface;
+  SweptBoxes surface;
   GhostFaces ghosts;
   ClusterOrder order;
   DeviceRules rules;

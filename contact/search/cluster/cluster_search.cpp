@@ -4,32 +4,32 @@
 
 namespace brickwall::contact {
 
-OwnRankBoxes ClusterSearch::constructBoxes(const exec_space& space, const Surface& surface,
+OwnRankBoxes ClusterSearch::constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                            const SearchConfig& config) {
   _clusters.update(space, surface, config);
   return _clusters.rankBoxes();
 }
 
-void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const Surface&,
+void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes&,
                                               const RankBoxes& rank_boxes) {
   contact::findPartnersAndCandidates(space, _clusters, rank_boxes, _candidates);
 }
 
 void ClusterSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm,
-                                      const Surface& surface, const SearchConfig& config) {
+                                      const SweptBoxes& surface, const SearchConfig& config) {
   contact::exchangeNodeBoxes(space, comm, surface, config.node_tolerance, _candidates.nodes_to_send,
                              _candidates.blocks_to_test.ranks, _node_boxes);
 }
 
 void ClusterSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
-                                                       const Surface& surface,
+                                                       const SweptBoxes& surface,
                                                        const SearchConfig& config) {
   contact::searchLocalFacesAgainstRemoteNodes(space, surface, _clusters, config.face_tolerance,
                                               _candidates.blocks_to_test, _node_boxes,
                                               _ghost_search);
 }
 
-void ClusterSearch::findPairs(const exec_space& space, const Surface& surface,
+void ClusterSearch::findPairs(const exec_space& space, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const SearchConfig& config) {
   _cluster_pairs.find(space, surface, ghosts, _clusters, config, _pairs);
 }

@@ -12,15 +12,15 @@ namespace brickwall::contact {
 
 class ClusterSearch final : public SearchPhases {
 public:
-  OwnRankBoxes constructBoxes(const exec_space& space, const Surface& surface,
+  OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                               const SearchConfig& config) override;
-  void findPartnersAndCandidates(const exec_space& space, const Surface& surface,
+  void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                  const RankBoxes& rank_boxes) override;
-  void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+  void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                          const SearchConfig& config) override;
-  void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+  void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxes& surface,
                                           const SearchConfig& config) override;
-  void findPairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+  void findPairs(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
                  const SearchConfig& config) override;
 
   const PartnerLists& nodesToSend() const override { return _candidates.nodes_to_send; }

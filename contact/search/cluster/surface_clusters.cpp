@@ -192,7 +192,7 @@ double refitFaces(const exec_space& space, const RefitBlock& refit, double most)
 
 } // namespace
 
-bool SurfaceClusters::isNew(const Surface& surface) const {
+bool SurfaceClusters::isNew(const SweptBoxes& surface) const {
   return surface.num_nodes != _surface.num_nodes || surface.num_faces != _surface.num_faces ||
          surface.face_to_nodes.data() != _surface.face_to_nodes.data() ||
          surface.node_is_owned.data() != _surface.node_is_owned.data() ||
@@ -201,7 +201,7 @@ bool SurfaceClusters::isNew(const Surface& surface) const {
          surface.face_body.data() != _surface.face_body.data();
 }
 
-void SurfaceClusters::order(const exec_space& space, const Surface& surface,
+void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
                             const SearchConfig& config) {
   const Region timer("search::initialization");
   _is_ordered = false; // in case of a throw
@@ -238,7 +238,7 @@ void SurfaceClusters::followSurface() {
       _order.origin[d] = centre[d];
 }
 
-void SurfaceClusters::update(const exec_space& space, const Surface& surface,
+void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
                              const SearchConfig& config) {
   const Region region("contact::constructBoxes");
   // Bricks that part stretch the blocks that span them, and queries cost the more; a quarter more is worth a sort.

@@ -11,7 +11,7 @@ class SurfaceClusters {
 public:
   // Phase 1. Orders the surface if it is new (other sizes or Views than at the last call) or if its order has worn out,
   // then refits all boxes. Not collective. Nodes that are not finite are counted; their faces have no box.
-  void update(const exec_space& space, const Surface& surface, const SearchConfig& config);
+  void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
 
   // Something of the surface besides its coordinates has changed in place, or unmanaged Views have been allocated again.
   void orderAgain() { _is_ordered = false; }
@@ -42,12 +42,12 @@ public:
   };
 
 private:
-  bool isNew(const Surface& surface) const;
-  void order(const exec_space& space, const Surface& surface, const SearchConfig& config);
+  bool isNew(const SweptBoxes& surface) const;
+  void order(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
   void followSurface();
 
   // Of the last ordering. Keeps managed Views alive, so that surfaces can be told apart by the addresses of their Views.
-  Surface _surface;
+  SweptBoxes _surface;
   ClusterOrder _order;
   BoxForest _forest;
   // [node position][6] FloatBounds sides of every node's swept point +- face_tolerance, from which the face boxes are made. The

@@ -11,7 +11,7 @@ namespace {
 // A face as message words; its attributes follow.
 enum Word : int { face_id, body, corner_ids, x_old = 6, x_new = 18, attributes = 30 };
 
-void packFaces(const exec_space& space, const Surface& surface, const PartnerLists& lists,
+void packFaces(const exec_space& space, const SweptBoxes& surface, const PartnerLists& lists,
                int num_attributes, MessageBuffers& buffers) {
   const int width = attributes + num_attributes;
   growTo(space, buffers.send, lists.size() * width);
@@ -82,7 +82,7 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
 
 } // namespace
 
-void migrateFaces(const exec_space& space, MPI_Comm comm, const Surface& surface,
+void migrateFaces(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
                   int num_attributes, bool announces_sizes, FaceMigration& migration) {
   const Region region("contact::migrateFaces");

@@ -49,7 +49,7 @@ void forward(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_s
 }
 
 void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                        const Surface& surface, FaceMigration& migration) {
+                        const SweptBoxes& surface, FaceMigration& migration) {
   const Region region("contact::forwardCoordinates");
   auto& messages = migration.messages;
   const GhostFaces& ghosts = migration.ghosts;

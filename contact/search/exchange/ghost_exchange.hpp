@@ -14,7 +14,7 @@ void forward(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_s
 
 // Collective among partners. Copies x^n and x^{n+1} of the owners' surfaces to migration.ghosts.
 void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
-                        const Surface& surface, FaceMigration& migration);
+                        const SweptBoxes& surface, FaceMigration& migration);
 
 // Collective among partners. node_values(corner j of the face, :) += ghost_values(ghost, 3 * j + :) for all ghosts of own faces.
 void reverseSum(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,

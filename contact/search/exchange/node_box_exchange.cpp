@@ -16,7 +16,7 @@ void packBoxes(const exec_space& space, const View<const Box*>& boxes, const Par
       KOKKOS_LAMBDA(const std::int64_t i) { packBox(boxes(rows(i)), &words(i * box_words)); });
 }
 
-void packBoxes(const exec_space& space, const Surface& surface, double tolerance,
+void packBoxes(const exec_space& space, const SweptBoxes& surface, double tolerance,
                const PartnerLists& lists, MessageBuffers& buffers) {
   growTo(space, buffers.send, lists.size() * box_words);
   const auto words = buffers.send;
@@ -69,7 +69,7 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
   unpackBoxes(space, remote);
 }
 
-void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        double node_tolerance, const PartnerLists& nodes_to_send,
                        const std::vector<int>& senders, PartnerMessages& messages) {
   const Region region("contact::exchangeNodeBoxes");

@@ -49,7 +49,7 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
 
 // Collective among partners. The same for the cluster search, in one message per partner: the boxes of the listed nodes, in the
 // order of the list. The boxes received are receivedNodeBox(messages.buffers.receive, i), i as in messages.receiveOffsets().
-void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        double node_tolerance, const PartnerLists& nodes_to_send,
                        const std::vector<int>& senders, PartnerMessages& messages);
 

@@ -45,7 +45,7 @@ int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
 
 } // namespace
 
-void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes& own,
+void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
                        RankBoxes& all) {
   const Region region("contact::exchangeRankBoxes");
   const Region timer("search::rank-box exchange");

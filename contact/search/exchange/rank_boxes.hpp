@@ -18,13 +18,13 @@ struct RankBoxes {
   int num_attributes = 0;
 
 private:
-  friend void exchangeRankBoxes(MPI_Comm, const Surface&, const OwnRankBoxes&, RankBoxes&);
+  friend void exchangeRankBoxes(MPI_Comm, const SweptBoxes&, const OwnRankBoxes&, RankBoxes&);
   std::vector<std::int64_t> _words; // [rank][word] as gathered
 };
 
 // Collective. Throws PhysicsError on all ranks if any has a coordinate that is not finite (naming the smallest node id and the
 // rank that has it), InputError if the numbers of face attributes differ.
-void exchangeRankBoxes(MPI_Comm comm, const Surface& surface, const OwnRankBoxes& own,
+void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
                        RankBoxes& all);
 
 // Partners: the ranks other than this one whose box, in `boxes` [rank], overlaps `own`. Ascending.

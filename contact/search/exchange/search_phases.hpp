@@ -17,22 +17,23 @@ public:
   virtual ~SearchPhases() = default;
 
   // Phase 1: boxes of nodes and faces over the step. Invalid coordinates are counted; the ranks decide together in phase 2.
-  virtual OwnRankBoxes constructBoxes(const exec_space& space, const Surface& surface,
+  virtual OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                       const SearchConfig& config) = 0;
   // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces that may be ghosted (L_gfs). Rank r
   // is in Q_snd of q if and only if q is in Q_rcv of r, since both read the same rank boxes. Not collective.
-  virtual void findPartnersAndCandidates(const exec_space& space, const Surface& surface,
+  virtual void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                          const RankBoxes& rank_boxes) = 0;
   // Phase 4: the node boxes of the partners (L_gnr). Collective among partners.
-  virtual void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+  virtual void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                                  const SearchConfig& config) = 0;
   // Phase 5: the faces to send (L_ges): face f of L_gfs^q if and only if its box overlaps a box of L_gnr^q. Not collective.
-  virtual void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+  virtual void searchLocalFacesAgainstRemoteNodes(const exec_space& space,
+                                                  const SweptBoxes& surface,
                                                   const SearchConfig& config) = 0;
 
   // The candidate pairs of the step in pairs(), all but `step_test`. Not collective.
-  virtual void findPairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
-                         const SearchConfig& config) = 0;
+  virtual void findPairs(const exec_space& space, const SweptBoxes& surface,
+                         const GhostFaces& ghosts, const SearchConfig& config) = 0;
 
   virtual const PartnerLists& nodesToSend() const = 0; // ranks Q_snd
   virtual const PartnerLists& facesToTest() const = 0; // ranks Q_rcv; rows are the method's own

@@ -40,13 +40,13 @@ void sortRows(const exec_space& space, const PairRules<memory_space>& rules,
 
 } // namespace
 
-OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const Surface& surface,
+OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                          const SearchConfig& config) {
   contact::constructBoxes(space, surface, config, _boxes);
   return _boxes;
 }
 
-void PaperSearch::findPartnersAndCandidates(const exec_space& space, const Surface& surface,
+void PaperSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                             const RankBoxes& rank_boxes) {
   const Region region("contact::findPartnersAndCandidates");
   {
@@ -73,14 +73,15 @@ void PaperSearch::listCandidates(const exec_space& space, const View<const Box*>
     findCandidates(space, boxes, num_rows, _partner_boxes, search, lists);
 }
 
-void PaperSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface&,
+void PaperSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes&,
                                     const SearchConfig&) {
   contact::exchangeNodeBoxes(space, comm, _boxes, _nodes_to_send, _faces_to_test.ranks,
                              _remote_nodes);
 }
 
 void PaperSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
-                                                     const Surface& surface, const SearchConfig&) {
+                                                     const SweptBoxes& surface,
+                                                     const SearchConfig&) {
   const Region region("contact::searchLocalFacesAgainstRemoteNodes");
   const Region timer("search::search 2");
   _faces_to_send.ranks = _faces_to_test.ranks;
@@ -92,7 +93,7 @@ void PaperSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
   orderByFaceId(space, surface.face_ids, _ghost_search, _faces_to_send);
 }
 
-void PaperSearch::findPairs(const exec_space& space, const Surface& surface,
+void PaperSearch::findPairs(const exec_space& space, const SweptBoxes& surface,
                             const GhostFaces& ghosts, const SearchConfig& config) {
   View<const Box*> face_boxes = _boxes.face_boxes;
   Box all = _boxes.face_box;
@@ -119,7 +120,7 @@ std::int64_t PaperSearch::findFaces(const exec_space& space) {
                          _faces_to_send);
 }
 
-void PaperSearch::findRows(const exec_space& space, const Surface& surface,
+void PaperSearch::findRows(const exec_space& space, const SweptBoxes& surface,
                            const GhostFaces& ghosts, const View<const Box*>& face_boxes,
                            const Box& all, bool drop_same_body) {
   findPairsByTree(

@@ -12,15 +12,15 @@ namespace brickwall::contact {
 // Ghosts come by owner rank, then by face id. A steady step allocates nothing.
 class PaperSearch : public SearchPhases {
 public:
-  OwnRankBoxes constructBoxes(const exec_space& space, const Surface& surface,
+  OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                               const SearchConfig& config) override;
-  void findPartnersAndCandidates(const exec_space& space, const Surface& surface,
+  void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                  const RankBoxes& rank_boxes) override;
-  void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const Surface& surface,
+  void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                          const SearchConfig& config) override;
-  void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const Surface& surface,
+  void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxes& surface,
                                           const SearchConfig& config) override;
-  void findPairs(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+  void findPairs(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
                  const SearchConfig& config) override;
 
   const PartnerLists& nodesToSend() const override { return _nodes_to_send; }
@@ -36,8 +36,9 @@ protected:
                               const std::vector<Box>& rank_boxes, RankBoxSearch& search,
                               PartnerLists& lists);
   virtual std::int64_t findFaces(const exec_space& space);
-  virtual void findRows(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
-                        const View<const Box*>& face_boxes, const Box& all, bool drop_same_body);
+  virtual void findRows(const exec_space& space, const SweptBoxes& surface,
+                        const GhostFaces& ghosts, const View<const Box*>& face_boxes,
+                        const Box& all, bool drop_same_body);
 
   SurfaceBoxes _boxes; // phase 1
   PartnerLists _nodes_to_send, _faces_to_test; // phase 3

@@ -41,7 +41,7 @@ std::int64_t ReferenceSearch::findFaces(const exec_space& space) {
   return _faces_to_send.size();
 }
 
-void ReferenceSearch::findRows(const exec_space& space, const Surface& surface,
+void ReferenceSearch::findRows(const exec_space& space, const SweptBoxes& surface,
                                const GhostFaces& ghosts, const View<const Box*>& face_boxes,
                                const Box&, bool drop_same_body) {
   const auto nodes = toHost(View<const Box*>(_boxes.node_boxes)), faces = toHost(face_boxes);

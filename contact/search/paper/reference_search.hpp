@@ -13,7 +13,7 @@ protected:
                       PartnerLists& lists) override;
   // Counts a face once for each partner: the loop stops at the first overlap.
   std::int64_t findFaces(const exec_space& space) override;
-  void findRows(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
+  void findRows(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
                 const View<const Box*>& face_boxes, const Box& all, bool drop_same_body) override;
 };
 
