@@ -190,7 +190,7 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
 namespace {
 
 // Corners of an own face at x^{n+1}.
-KOKKOS_INLINE_FUNCTION Quad ownQuad(const Surface& surface, int face) {
+KOKKOS_INLINE_FUNCTION Quad ownQuad(const SweptBoxes& surface, int face) {
   Quad quad;
   for (int j = 0; j < 4; ++j)
     quad.corner[j] = rowOf(surface.coordinates_new, surface.face_to_nodes(face, j));
@@ -199,9 +199,9 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const Surface& surface, int face) {
 
 } // namespace
 
-void NodeFaces::updateRecords(const exec_space& space, const Surface& surface,
+void NodeFaces::updateRecords(const exec_space& space, const SweptBoxes& surface,
                               const RecordsWanted& wanted, const View<FaceRecord*>& records) {
-  const Surface s = surface;
+  const SweptBoxes s = surface;
   Kokkos::parallel_for(
       "contact::NodeFaces::ownRecords", rangePolicy(space, _num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {

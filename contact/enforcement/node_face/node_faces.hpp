@@ -48,8 +48,8 @@ public:
 
   // Collective. Fills records(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
   // only the normal and the area. The bits are those of the face's own rank. Own faces that are not wanted are left out.
-  void updateRecords(const exec_space& space, const Surface& surface, const RecordsWanted& wanted,
-                     const View<FaceRecord*>& records);
+  void updateRecords(const exec_space& space, const SweptBoxes& surface,
+                     const RecordsWanted& wanted, const View<FaceRecord*>& records);
 
 private:
   NodeFaceLists _lists;

@@ -15,7 +15,7 @@ constexpr int num_nodes = 40, num_faces = 15, num_pairs = 203; // not a multiple
 class RandomContacts {
 public:
   explicit RandomContacts(unsigned seed, double force_scale = 1) : _random(seed) {
-    Surface& surface = _faces.surface;
+    SweptBoxes& surface = _faces.surface;
     surface.num_nodes = num_nodes;
     surface.num_faces = num_faces - 3;
     const View<int* [4]> face_to_nodes("face_to_nodes", surface.num_faces);
