@@ -1,4 +1,4 @@
-// brickwall: MPI and Kokkos up, one command, down again. The only place that turns an exception into a message and an
+// The program: starts MPI and Kokkos, runs one command, ends them. The only place that turns an exception into a message and an
 // exit code.
 #include "contact/base/backend.hpp"
 #include "contact/base/error.hpp"
@@ -16,6 +16,9 @@ using namespace brickwall::miniapp;
 
 int runCommand(MPI_Comm comm, const Options& options) {
   const Config config = readConfig(comm, options.deck, options.overrides);
+  if (rankOf(comm) == 0)
+    for (const std::string& warning : config.warnings)
+      std::cout << "warning: " << warning << std::endl;
   switch (options.command) {
   case Command::check:
     return checkScene(comm, config, options);
@@ -34,16 +37,24 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   checkMpi(MPI_Comm_dup(comm, &guard), "MPI_Comm_dup");
   std::vector<std::string> words = options.kokkos_arguments;
   words.insert(words.begin(), program);
+  if (options.command == Command::check || options.command == Command::mesh)
+    words.emplace_back("--kokkos-disable-warnings"); // on the binding of threads: for speed only
   std::vector<char*> arguments;
   for (std::string& word : words)
     arguments.push_back(word.data());
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
   letToolsSkipFences();
-  Kokkos::initialize(count, arguments.data());
   int code = 0;
   try {
-    if (count > 1) // Kokkos takes out what it knows
+    Kokkos::initialize(count, arguments.data());
+  } catch (const std::exception& error) { // a faulty --kokkos- argument
+    code = reportFailure(guard, InputError(std::string("Kokkos: ") + error.what()));
+    MPI_Comm_free(&guard);
+    return code;
+  }
+  try {
+    if (count > 1) // Kokkos removes the arguments that it knows
       throw InputError(std::string("Kokkos does not know ") + arguments[1]);
     code = runCommand(comm, options);
   } catch (const std::exception& error) {
@@ -54,7 +65,7 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   return code;
 }
 
-// `code`, or that of output where what was printed has not gone out: a full disk is told only now.
+// `code`, or that of a failed output if standard output cannot be written: a full disk shows only here.
 int withOutputFlushed(int code) {
   std::cout << std::flush;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout)

@@ -20,11 +20,11 @@ from matplotlib.colors import LinearSegmentedColormap
 HEX_SIDES = np.array(
     [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]]
 )
-# SI, as decks are unless they say otherwise.
+# SI units, unless the deck states others.
 UNITS = {"displacement": "m", "velocity": "m/s", "force_contact": "N", "stress": "Pa", "pressure": "Pa",
          "energy_density": "J/m³", "contact_gap": "m"}
 BACKGROUND = "#ffffff"
-# From sand to burnt brick to plum: lightness falls evenly, so it also reads in grey.
+# From sand to burnt brick to plum: the lightness falls evenly, so that the map also works in grey.
 BRICK_COLOURS = LinearSegmentedColormap.from_list(
     "brick", ["#efe3cf", "#f3c48a", "#ea9152", "#d1603d", "#a8324a", "#6d1c55", "#35124a"]
 )
@@ -44,7 +44,7 @@ class Results:
         self.times = np.array(variables["time_whole"][:]) if "time_whole" in variables else np.zeros(0)
         self.step = step if step >= 0 else len(self.times) + step
         if len(self.times) and not 0 <= self.step < len(self.times):
-            sys.exit(f"{path}: step {step} of {len(self.times)} asked for")
+            sys.exit(f"{path}: step {step} of {len(self.times)} requested")
         self.nodal_names = self._names("name_nod_var")
         self.element_names = self._names("name_elem_var")
         self.blocks = []  # (block number, connectivity [element][8])
@@ -64,7 +64,7 @@ class Results:
         return [b"".join(row).split(b"\0")[0].decode().strip() for row in self.file.variables[name][:]]
 
     def title(self):
-        """The file's title; epu drops it, but the deck in the information records has it too."""
+        """The title of the file; epu drops it, but the information records hold the deck with its title."""
         for record in self._names("info_records"):
             key, _, value = record.partition("=")
             if key.strip() == "title":
@@ -91,7 +91,7 @@ class Results:
         return np.stack([self.nodal(name) for name in names], axis=1)
 
     def field(self, name, faces, owners):
-        """One value a face, and the field's label."""
+        """One value per face, and the label of the field."""
         vector = self.vector(name)
         unit = next((u for prefix, u in UNITS.items() if name.startswith(prefix)), "")
         unit = f" ({unit})" if unit else ""
@@ -103,11 +103,11 @@ class Results:
         if name in self.element_names:
             return self.element(name)[owners], label + unit
         vectors = sorted({n[:-2] for n in self.nodal_names if n.endswith("_x")})
-        sys.exit(f"no field {name}; there are: {', '.join(vectors + self.nodal_names + self.element_names)}")
+        sys.exit(f"no field {name}; the file has: {', '.join(vectors + self.nodal_names + self.element_names)}")
 
 
 def exterior_faces(hexes):
-    """Faces that one hexahedron alone has: [face][corner], and the hexahedron of each."""
+    """Faces of exactly one hexahedron: [face][corner], and the hexahedron of each."""
     faces = hexes[:, HEX_SIDES].reshape(-1, 4)
     key = np.sort(faces, axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
@@ -135,7 +135,7 @@ def outline_edges(faces, normals):
 
 
 def quarter(flat, depth):
-    """Each face as four, so that near and far are told apart more finely: corners [piece][4][2], depth [piece]."""
+    """Each face in four pieces, for a finer order of depth: corners [piece][4][2], depth [piece]."""
     both = np.concatenate([flat, depth[:, :, None]], axis=2)
     middle = both.mean(axis=1, keepdims=True)
     after = (both + np.roll(both, -1, axis=1)) / 2
@@ -254,7 +254,7 @@ def draw(results, options):
 
 
 def draw_shadow(axes, camera, points, faces, light, ground):
-    """The shadow on the ground, of a light that stands higher than the key light: it grounds the picture."""
+    """The shadow on the ground of a light that is higher than the key light."""
     light = light / np.linalg.norm(light)
     light = light + np.array([0, 0, 1.2])
     shadow = points - ((points[:, 2] - ground) / light[2])[:, None] * light
@@ -276,8 +276,8 @@ def parse(arguments):
         return float(low), float(high)
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", help="Exodus file of one rank, or joined")
-    parser.add_argument("--output", help="picture, default beside the results (.png)")
+    parser.add_argument("results", help="Exodus file of one rank, or the joined file")
+    parser.add_argument("--output", help="file of the picture (default: beside the results, .png)")
     parser.add_argument(
         "--field",
         default="displacement",
@@ -291,10 +291,10 @@ def parse(arguments):
         type=view,
         default=(62.0, 18.0),
         metavar="AZIMUTH,ELEVATION",
-        help="where the eye stands, degrees: azimuth from x towards y, elevation from the ground (default 62,18; "
+        help="position of the eye in degrees: azimuth from x towards y, elevation from the ground (default 62,18; "
         "--view=-60,20 for the front)",
     )
-    parser.add_argument("--range", type=limits, metavar="LOW,HIGH", help="limits of the colours (default: of the field)")
+    parser.add_argument("--range", type=limits, metavar="LOW,HIGH", help="limits of the colours (default: those of the field)")
     parser.add_argument("--colours", help="a colour map of matplotlib, e.g. viridis (default: sand to plum)")
     parser.add_argument("--mesh", action="store_true", help="shows the element edges")
     parser.add_argument("--outline", type=float, default=0.9, help="width of the brick outlines (default %(default)s)")

@@ -23,11 +23,11 @@ from framework.options import add_run_options, positive, study_parser
 from framework.program import Program, ProgramError
 
 INPUTS = ROOT.parent / "inputs"
-RESTING = ("elements of bodies at rest", {"spare.resting_bodies": False})
-STATIONARY = ("contact of stationary surfaces", {"spare.still_contact": False})
-LATTICES = ("connectivity of lattices", {"spare.lattices": False})
+RESTING = ("elements of bodies at rest", {"skip.resting_bodies": False})
+STATIONARY = ("contact of stationary surfaces", {"skip.stationary_contact": False})
+LATTICES = ("connectivity of lattices", {"skip.lattices": False})
 SELF = ("contact of a body with itself", {"contact.self": "always"})
-FREE = ("forces of free bricks", {"spare.free_bricks": False})
+FREE = ("forces of free bricks", {"skip.free_bricks": False})
 # name, deck, settings of all runs, parts to restore
 SCENES = (
     ("default wall", "brick_wall.toml", {"time.steps": 400}, (RESTING, STATIONARY, LATTICES, SELF)),

@@ -5,15 +5,16 @@
 #include "io/deck/deck_checker.hpp"
 #include "io/deck/deck_faults.hpp"
 #include "io/deck/deck_overrides.hpp"
+#include "io/deck/deck_renames.hpp"
+#include "io/deck/deck_spelling.hpp"
 #include "io/deck/toml_tree.hpp"
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <unordered_map>
 
 namespace brickwall::io {
 
@@ -22,12 +23,11 @@ struct Deck::Contents {
   Schema schema; // the blocks point into it
   DeckFaults faults;
   std::vector<DeckBlock> blocks;
+  std::unordered_map<std::string, std::size_t> block_of_instance;
 
   const DeckBlock* findBlock(const std::string& instance) const {
-    for (const DeckBlock& block : blocks)
-      if (block.instance == instance)
-        return &block;
-    return nullptr;
+    const auto found = block_of_instance.find(instance);
+    return found == block_of_instance.end() ? nullptr : &blocks[found->second];
   }
   DeckValue& value(const std::string& block, const std::string& key) {
     if (const DeckBlock* found = findBlock(block))
@@ -56,85 +56,10 @@ std::string readDeckFile(const std::string& path) {
     text.resize(static_cast<std::size_t>(file.gcount()));
   }
   if (!file && !file.eof())
-    throw InputError(path + ": can not read the deck: " + std::strerror(errno));
+    throw InputError(path + ": cannot read the deck: " + std::strerror(errno));
   if (text.size() > largest)
     throw InputError(path + ": found more than 4 MiB, expected a deck (a TOML file)");
   return text;
-}
-
-// Shortest spelling that reads back to the same bits, as TOML wants a real.
-std::string spellReal(double value) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
-  std::string out(digits, end);
-  if (out.find_first_of(".e") == std::string::npos)
-    out += ".0";
-  return out;
-}
-
-std::string spellText(const std::string& value) {
-  static const char* hex = "0123456789ABCDEF";
-  std::string out = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\')
-      out += std::string("\\") + c;
-    else if (static_cast<unsigned char>(c) < 32 || c == 127)
-      out += std::string("\\u00") + hex[(c >> 4) & 15] + hex[c & 15];
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
-std::string spellName(const std::string& name) {
-  const bool bare = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz"
-                                                            "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                            "0123456789_-") == std::string::npos;
-  return bare ? name : spellText(name);
-}
-
-std::string spellEntry(const DeckValue::Entry& entry, ValueType type) {
-  switch (type) {
-  case ValueType::boolean:
-    return entry.boolean ? "true" : "false";
-  case ValueType::integer:
-    return std::to_string(entry.integer);
-  case ValueType::real:
-    return spellReal(entry.real);
-  case ValueType::word:
-  case ValueType::text:
-    break;
-  }
-  return spellText(entry.text);
-}
-
-std::string spellValue(const DeckValue& value) {
-  const KeyRule& rule = *value.rule;
-  if (rule.length == KeyRule::scalar)
-    return spellEntry(value.entries.front(), rule.type);
-  std::string out = "[";
-  for (std::size_t i = 0; i < value.entries.size(); ++i)
-    out += (i ? ", " : "") + spellEntry(value.entries[i], rule.type);
-  return out + "]";
-}
-
-std::string spellHeader(const DeckBlock& block) {
-  switch (block.rule->kind) {
-  case BlockKind::top:
-    return "";
-  case BlockKind::single:
-    return "\n[" + block.rule->name + "]\n";
-  case BlockKind::named:
-    return "\n[" + block.rule->name + "." + spellName(block.name) + "]\n";
-  case BlockKind::repeated:
-    break;
-  }
-  return "\n[[" + block.rule->name + "]]\n";
-}
-
-bool anyRequired(const BlockRule& rule) {
-  return std::any_of(rule.keys.begin(), rule.keys.end(),
-                     [](const KeyRule& key) { return key.required; });
 }
 
 DeckValue::Entry firstOf(const DeckValue& value) {
@@ -162,7 +87,7 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
                  const std::vector<std::string>& overrides, const Schema& schema) {
   const std::string text = normalizeText(raw_text);
   auto contents = std::unique_ptr<Contents>(
-      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}});
+      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}, {}});
   DeckFaults& faults = contents->faults;
   TomlNode root;
   try {
@@ -171,13 +96,17 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
     faults.add(error.at, "", error.what(), error.expected);
     throw InputError(faults.message());
   }
+  renameInTree(contents->schema, root, faults); // overrides find the present names
   for (std::size_t i = 0; i < overrides.size(); ++i)
     applyOverride(overrides[i], static_cast<int>(i), contents->schema, root, faults);
+  renameInTree(contents->schema, root, faults); // in their values
   if (root.members.empty() && faults.count() == 0) {
     faults.add({1, 1, 1, -1}, "", "an empty deck", "TOML tables such as [wall]");
     throw InputError(faults.message());
   }
   contents->blocks = checkDeck(root, contents->schema, faults);
+  for (std::size_t b = 0; b < contents->blocks.size(); ++b)
+    contents->block_of_instance.emplace(contents->blocks[b].instance, b);
   return Deck(std::move(contents));
 }
 
@@ -278,6 +207,9 @@ int Deck::faults() const {
 std::string Deck::message() const {
   return _contents->faults.message();
 }
+std::vector<std::string> Deck::warnings() const {
+  return _contents->faults.warnings();
+}
 void Deck::finish() const {
   if (faults() > 0)
     throw InputError(message());
@@ -290,20 +222,10 @@ void Deck::finish(MPI_Comm comm) const {
 }
 
 std::string Deck::resolved() const {
-  std::ostringstream out;
-  out << "# resolved deck: all defaults filled in\n";
-  for (const DeckBlock& block : _contents->blocks) {
-    if (!block.is_given && anyRequired(*block.rule))
-      continue; // such as [mesh] beside [wall]
-    std::ostringstream keys;
-    for (const DeckValue& value : block.values)
-      if (value.is_good)
-        keys << value.rule->name << " = " << spellValue(value)
-             << (value.rule->unit.empty() ? "" : " # " + value.rule->unit) << "\n";
-    if (block.is_given || !keys.str().empty())
-      out << spellHeader(block) << keys.str();
-  }
-  return out.str();
+  std::string out = "# resolved deck: all defaults filled in\n";
+  for (const DeckBlock& block : _contents->blocks)
+    out += spellBlock(block);
+  return out;
 }
 
 const std::string& Deck::path() const {

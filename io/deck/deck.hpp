@@ -1,6 +1,6 @@
 // An input deck: TOML text checked against a table of known blocks and keys. All faults of a deck
-// are found in one pass and told together, sorted by line, each with file:line, excerpt, what was
-// found and what is expected. Own checks of the host code join the same list: complain(), then
+// are found in one pass and reported together, sorted by line, each with file:line, an excerpt, the
+// value found and the value expected. Checks of the host code join the same list: complain(), then
 // finish().
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace brickwall::io {
@@ -22,7 +23,7 @@ enum class ValueType {
   text // any string
 };
 
-// One known key. Rules are written as chains: real("gap", "m", "...").byDefault("0.0").atLeast(0).
+// One known key. Rules are written as chains: real("gap", "m", "...").byDefault(0.0).atLeast(0).
 struct KeyRule {
   static constexpr int scalar = 0;
   static constexpr int any_length = -1;
@@ -33,14 +34,21 @@ struct KeyRule {
   std::string unit; // "" for pure numbers
   std::string help; // one line
   std::string fallback; // default, spelled as for --set: TOML, words and texts bare; "" for none
+  std::string former_name; // accepted with a warning; "" for none
   bool required = false;
   double lower = -std::numeric_limits<double>::infinity(); // bounds of every entry
   double upper = std::numeric_limits<double>::infinity();
   bool lower_is_open = false, upper_is_open = false; // true: the bound itself is not allowed
   std::vector<std::string> words;
+  // Former word and present word, for words that are accepted with a warning.
+  std::vector<std::pair<std::string, std::string>> former_words;
 
-  KeyRule& mustBeGiven();
+  KeyRule& in(const std::string& unit_name);
+  KeyRule& mustBeGiven(); // drops the default
+  KeyRule& optional(); // likewise
   KeyRule& byDefault(const std::string& toml);
+  KeyRule& byDefault(double value); // none where it is not finite
+  KeyRule& formerly(const std::string& former);
   KeyRule& list(int entries);
   KeyRule& atLeast(double bound);
   KeyRule& above(double bound);
@@ -48,7 +56,7 @@ struct KeyRule {
   KeyRule& below(double bound);
 };
 
-// A key without default that is not required is optional: Deck::has() tells whether it is there.
+// A key without default that is not required is optional: Deck::has() says whether it is given.
 KeyRule boolean(const std::string& name, const std::string& help);
 KeyRule integer(const std::string& name, const std::string& help);
 KeyRule real(const std::string& name, const std::string& unit, const std::string& help);
@@ -68,14 +76,16 @@ struct BlockRule {
   std::string name;
   BlockKind kind = BlockKind::single;
   std::string help; // one line
-  std::vector<KeyRule> keys;
-  // Of a `single` block: must be given. Required keys count in given blocks only.
+  std::vector<KeyRule> keys = {};
+  // A `single` block that must be given. Required keys count in given blocks only.
   bool required = false;
+  // Former last component of `name`, accepted with a warning; "" for none. Not for `repeated` blocks.
+  std::string former_name = {};
 };
 
 using Schema = std::vector<BlockRule>;
 
-// What a value of the rule is, as in a message: "a list of 3 integers each at least 1".
+// The values that a rule allows, as in a message: "a list of 3 integers each at least 1".
 std::string describeValue(const KeyRule& rule);
 
 // The text of `help`, one key a line with type, unit, default and range: for `brickwall --keys` and
@@ -87,13 +97,13 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 // A checked deck. Values are looked up by block instance and key; an instance is spelled "wall",
 // "material.brick" or "load.pressure[0]" (names() and count() list them). Looking up a key that the
-// schema lacks throws Error (a bug of the caller); a key whose value is faulty or missing yields
+// schema lacks throws Error (an error of the caller); a key whose value is faulty or missing yields
 // its default, or zero, "" or an empty list, so that checking goes on to the end.
 class Deck {
 public:
   // Collective: rank 0 reads the file, every rank gets the text. `overrides` are "block.key=value"
   // as in --set: "load.pressure[0].peak=1e6" or "load.pressure.0.peak=1e6"; values are TOML, bare
-  // words are strings. Throws InputError at once when the file can not be read or is no TOML; other
+  // words are strings. Throws InputError at once when the file cannot be read or is not TOML; other
   // faults wait for finish().
   static Deck read(MPI_Comm comm, const std::string& path,
                    const std::vector<std::string>& overrides, const Schema& schema);
@@ -126,9 +136,9 @@ public:
   // and `expected` complete the sentences "found ..." and "expected ...".
   void complain(const std::string& block, const std::string& key, const std::string& found,
                 const std::string& expected);
-  // Where a block stands, to be named in a message: `a.toml:12`, or the --set that gave it.
+  // Place of a block, for a message: `a.toml:12`, or the --set that gave it.
   std::string placeOf(const std::string& block) const;
-  // Replaces a text, e.g. a relative path by the absolute one, also in resolved().
+  // Replaces a text, such as a relative path by the absolute path, also in resolved().
   void assignText(const std::string& block, const std::string& key, const std::string& value);
   // Gives a key that the deck leaves out a value that depends on other keys, also in resolved().
   void assignReal(const std::string& block, const std::string& key, double value);
@@ -140,6 +150,8 @@ public:
   void finish(MPI_Comm comm) const;
   // All faults as finish() throws them; "" if there are none.
   std::string message() const;
+  // One line for each former name in the deck or the overrides, in the order of the faults.
+  std::vector<std::string> warnings() const;
 
   // The deck with all defaults filled in, as TOML that resolves to itself. Needs a deck without
   // faults.

@@ -1,5 +1,5 @@
-// See deck_checker.hpp. The tree is walked twice: once to find what the schema does not know, once by the schema to
-// read what it knows.
+// See deck_checker.hpp. The tree is walked twice: once to find names that the schema lacks, once by the schema to
+// read the values.
 #include "io/deck/deck_checker.hpp"
 
 #include "io/deck/deck_overrides.hpp"
@@ -53,7 +53,7 @@ std::string joined(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;
 }
 
-// As a deck gives it.
+// As in a deck.
 std::string headerOf(const BlockRule& block) {
   switch (block.kind) {
   case BlockKind::repeated:
@@ -70,7 +70,7 @@ bool isTables(const TomlNode& node) {
          node.entries.front().kind == Kind::table;
 }
 
-// Finds what the schema does not know.
+// Finds the names that the schema lacks.
 class UnknownNames {
 public:
   UnknownNames(const Schema& schema, DeckFaults& faults) : _schema(schema), _faults(faults) {}
@@ -154,7 +154,7 @@ private:
     }
   }
 
-  // What may stand in a block: its keys, then the tables inside it.
+  // Names that a block may contain: its keys, then the tables inside it.
   std::vector<std::string> namesIn(const BlockRule& block) const {
     std::vector<std::string> names = keyNames(&block);
     const std::string begin = block.name + ".";
@@ -187,7 +187,7 @@ private:
     if (prefix.empty())
       for (const std::string& key : keyNames(topBlock(_schema)))
         known.push_back(key);
-    // A block may also be meant by its last name alone: [fixed] for [[boundary.fixed]], [[load.gravity]] for [gravity].
+    // The last name alone may also mean a block: [fixed] for [[boundary.fixed]], [[load.gravity]] for [gravity].
     std::string nearest = nearestName(joined(prefix, name), known);
     for (const BlockRule& block : _schema)
       if (nearest.empty() && block.kind != BlockKind::top &&
@@ -351,7 +351,7 @@ std::vector<DeckBlock> checkDeck(const TomlNode& root, const Schema& schema, Dec
     const TomlNode* node = findNode(root, rule.name);
     if (rule.kind == BlockKind::top || rule.kind == BlockKind::single) {
       if (node && node->kind != Kind::table)
-        node = nullptr; // told already
+        node = nullptr; // reported already
       const std::string header = rule.name.empty() ? "" : "[" + rule.name + "]";
       if (!node && rule.required)
         faults.add(end, "", "no block " + header, header + "  " + rule.help);

@@ -1,4 +1,3 @@
-// See deck_faults.hpp.
 #include "io/deck/deck_faults.hpp"
 
 #include <algorithm>
@@ -15,18 +14,18 @@ std::string printable(std::string text) {
   return text;
 }
 
-// Marks `length` bytes from `column` under the line; tabs stay tabs, UTF-8 tails take no place.
+// Marks `length` bytes from `column` under the line; tabs stay tabs, UTF-8 continuation bytes take no place.
 std::string marksUnder(const std::string& line, int column, int length) {
-  const auto isTail = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
+  const auto isContinuation = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
   const std::size_t begin = std::min<std::size_t>(std::max(column - 1, 0), line.size());
   const std::size_t end = std::min<std::size_t>(begin + std::max(length, 1), line.size());
   std::string marks;
   for (std::size_t i = 0; i < begin; ++i)
-    if (!isTail(line[i]))
+    if (!isContinuation(line[i]))
       marks += line[i] == '\t' ? '\t' : ' ';
   std::string carets;
   for (std::size_t i = begin; i < end; ++i)
-    if (!isTail(line[i]))
+    if (!isContinuation(line[i]))
       carets += '^';
   return marks + (carets.empty() ? "^" : carets);
 }
@@ -44,12 +43,16 @@ void DeckFaults::add(const Position& at, const std::string& subject, const std::
   _faults.push_back(std::move(fault));
 }
 
+void DeckFaults::warn(const Position& at, const std::string& text) {
+  _warnings.push_back({at, "", text, "", ""});
+}
+
 std::string DeckFaults::placeOf(const Position& at) const {
   return at.option >= 0 ? "--set " + _overrides.at(static_cast<std::size_t>(at.option))
                         : _path + ":" + std::to_string(at.line);
 }
 
-std::string DeckFaults::tell(const Fault& fault) const {
+std::string DeckFaults::describe(const Fault& fault) const {
   const bool from_option = fault.at.option >= 0;
   std::string out = placeOf(fault.at) + ": ";
   if (!fault.subject.empty())
@@ -62,7 +65,7 @@ std::string DeckFaults::tell(const Fault& fault) const {
   out = printable(out) + "\n";
   if (!from_option && fault.at.line <= numLines()) {
     std::string line = _lines[static_cast<std::size_t>(fault.at.line - 1)];
-    if (line.size() > 160) // a line that long is no deck's; the marks show its begin
+    if (line.size() > 160) // too long for a terminal
       line.resize(160);
     const std::string number = std::to_string(fault.at.line);
     out += "  " + number + " | " + printable(line) + "\n";
@@ -72,24 +75,32 @@ std::string DeckFaults::tell(const Fault& fault) const {
   return out;
 }
 
-std::string DeckFaults::message() const {
-  std::vector<const Fault*> sorted;
-  for (const Fault& fault : _faults)
-    sorted.push_back(&fault);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Fault* a, const Fault* b) {
-    const auto place = [](const Fault* f) {
+std::vector<DeckFaults::Fault> DeckFaults::sorted(std::vector<Fault> faults) {
+  std::stable_sort(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) {
+    const auto place = [](const Fault& f) {
       // Overrides come last, in their own order.
-      return std::make_tuple(f->at.option, f->at.option < 0 ? f->at.line : 0,
-                             f->at.option < 0 ? f->at.column : 0);
+      return std::make_tuple(f.at.option, f.at.option < 0 ? f.at.line : 0,
+                             f.at.option < 0 ? f.at.column : 0);
     };
     return place(a) < place(b);
   });
+  return faults;
+}
+
+std::string DeckFaults::message() const {
   std::string out;
-  for (const Fault* fault : sorted)
-    out += tell(*fault);
+  for (const Fault& fault : sorted(_faults))
+    out += describe(fault);
   if (!out.empty())
-    out.pop_back(); // the last line end is the printer's
+    out.pop_back(); // the caller prints the last line end
   return out;
+}
+
+std::vector<std::string> DeckFaults::warnings() const {
+  std::vector<std::string> lines;
+  for (const Fault& warning : sorted(_warnings))
+    lines.push_back(printable(placeOf(warning.at) + ": " + warning.found));
+  return lines;
 }
 
 } // namespace brickwall::io

@@ -1,5 +1,6 @@
-// See deck_overrides.hpp.
 #include "io/deck/deck_overrides.hpp"
+
+#include "io/deck/deck_renames.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -47,19 +48,6 @@ std::optional<std::size_t> asIndex(const std::string& name) {
   if (name.empty() || name.size() > 6 || name.find_first_not_of("0123456789") != std::string::npos)
     return std::nullopt;
   return std::stoul(name);
-}
-
-std::vector<std::string> splitDots(const std::string& name) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  while (!name.empty()) {
-    const std::size_t end = name.find('.', begin);
-    parts.push_back(name.substr(begin, end == std::string::npos ? end : end - begin));
-    if (end == std::string::npos)
-      break;
-    begin = end + 1;
-  }
-  return parts;
 }
 
 const KeyRule* findRule(const Schema& schema, const std::vector<std::string>& path) {
@@ -112,7 +100,10 @@ TomlNode parseLooseValue(const std::string& spelling, const KeyRule* rule) {
     try {
       return parseTomlValue(spelling);
     } catch (const TomlSyntaxError&) {
-      // a bare word: for a text its value, else of the wrong type, which the checker tells
+      if (first != std::string::npos && (spelling[first] == '[' || spelling[first] == '{' ||
+                                         hasNumberWithoutLeadingDigit(spelling)))
+        throw;
+      // a bare word: the value of a text, otherwise of the wrong type, which the checker reports
     }
   }
   TomlNode node;
@@ -125,13 +116,13 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
                    DeckFaults& faults) {
   const Position here{1, 1, 1, index};
   const std::size_t equals = text.find('=');
-  const auto path = equals == std::string::npos
-                        ? std::nullopt
-                        : splitPath(withoutOuterBlanks(text.substr(0, equals)));
+  auto path = equals == std::string::npos ? std::nullopt
+                                          : splitPath(withoutOuterBlanks(text.substr(0, equals)));
   if (!path) {
     faults.add(here, "", "\"" + text + "\"", "block.key=value, such as time.safety=0.9");
     return;
   }
+  renameInPath(schema, here, *path, faults);
   TomlNode* node = &root;
   for (std::size_t i = 0; i < path->size(); ++i) {
     const std::string& name = (*path)[i];
@@ -159,8 +150,12 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
       return;
     }
   }
-  *node = parseLooseValue(withoutOuterBlanks(text.substr(equals + 1)), findRule(schema, *path));
-  setPosition(*node, index);
+  try {
+    *node = parseLooseValue(withoutOuterBlanks(text.substr(equals + 1)), findRule(schema, *path));
+    setPosition(*node, index);
+  } catch (const TomlSyntaxError& error) {
+    faults.add(here, "", error.what(), error.expected);
+  }
 }
 
 } // namespace brickwall::io

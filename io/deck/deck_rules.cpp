@@ -1,17 +1,46 @@
-// Rules of a deck's keys: how they are written down, described, and searched for the nearest name.
+// Rules of keys: their construction, their description, and the nearest name.
 #include "io/deck/deck.hpp"
+#include "io/deck/deck_spelling.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <sstream>
 
 namespace brickwall::io {
 
+KeyRule& KeyRule::in(const std::string& unit_name) {
+  unit = unit_name;
+  return *this;
+}
 KeyRule& KeyRule::mustBeGiven() {
   required = true;
+  return optional();
+}
+KeyRule& KeyRule::optional() {
+  fallback.clear();
   return *this;
 }
 KeyRule& KeyRule::byDefault(const std::string& spelling) {
   fallback = spelling;
+  return *this;
+}
+KeyRule& KeyRule::byDefault(double value) {
+  // The shorter of 0.01 and 1e-2: for people, who also read it in `brickwall --keys`.
+  char digits[32];
+  const auto end =
+      std::to_chars(digits, digits + sizeof(digits), value, std::chars_format::scientific).ptr;
+  std::string scientific(digits, end);
+  const std::size_t zero = scientific.find("e-0");
+  if (zero != std::string::npos)
+    scientific.erase(zero + 2, 1);
+  const std::string plain = spellReal(value);
+  return byDefault(!std::isfinite(value)              ? ""
+                   : scientific.size() < plain.size() ? scientific
+                                                      : plain);
+}
+KeyRule& KeyRule::formerly(const std::string& former) {
+  former_name = former;
   return *this;
 }
 KeyRule& KeyRule::list(int entries) {
@@ -165,7 +194,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
     std::vector<std::size_t> row(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j)
       row[j] = j;
-    // Longer names are near nothing.
+    // Longer names are near no other.
     const std::size_t length = std::min<std::size_t>(name.size(), 100);
     for (std::size_t i = 0; i < length; ++i) {
       std::size_t diagonal = row[0];

@@ -1,5 +1,5 @@
-// Reads TOML with toml11 3.7.1 and mends its known faults: numbers too large are seen from their spelling, members
-// keep the order of the text, and syntax errors become a position and two short sentences.
+// Reads TOML with toml11 3.7.1 and corrects its known faults: numbers that are too large are recognised by their spelling,
+// members keep the order of the text, and syntax errors become a position and two short sentences.
 #include "io/deck/toml_tree.hpp"
 
 #include <toml.hpp>
@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 namespace brickwall::io {
@@ -18,7 +19,7 @@ Position positionOf(const toml::value& value) {
           std::max(1, static_cast<int>(at.region())), -1};
 }
 
-// The characters a scalar is written with.
+// The characters of a scalar in the text.
 std::string spellingOf(const toml::value& value) {
   const toml::source_location at = value.location();
   const std::string& line = at.line_str();
@@ -127,11 +128,11 @@ TomlNode convert(const toml::value& value) {
   return node;
 }
 
-// toml11 recurses into brackets: refuse nesting that no deck has before it exhausts the stack.
+// toml11 recurses into brackets: nesting deeper than in any deck is refused before it exhausts the stack.
 void checkNesting(const std::string& text) {
   constexpr int deepest = 64;
   int depth = 0, line = 1, column = 0;
-  std::string quote; // that closes the string we are in
+  std::string quote; // that closes the present string
   bool comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -179,7 +180,7 @@ std::string withoutFunctionName(std::string sentence) {
   return sentence.empty() ? "invalid TOML" : sentence;
 }
 
-// What toml11 found, and its remark at the place: what it expected there, or more of what it found.
+// `found` is the message of toml11, `remark` its note at the place: the value that it expected, or more of the value found.
 TomlSyntaxError toSyntaxError(const Position& at, std::string found, std::string remark) {
   if (found == "the next token is not a valid string")
     found = "a text that does not end on its line or has an unknown escape";
@@ -235,7 +236,10 @@ toml::value parseText(const std::string& text) {
     std::istringstream stream(text);
     return toml::parse(stream, "deck");
   } catch (const toml::exception& error) {
-    throw readMessage(error.what(), lines, lineWithin(error.location().line()));
+    TomlSyntaxError fault = readMessage(error.what(), lines, lineWithin(error.location().line()));
+    if (hasNumberWithoutLeadingDigit(lines[static_cast<std::size_t>(fault.at.line - 1)]))
+      fault.expected = "a digit before the point of a number, such as -0.5 for -.5";
+    throw fault;
   } catch (const std::exception& error) {
     throw readMessage(error.what(), lines, lineWithin(lines.size()));
   }
@@ -295,6 +299,17 @@ std::vector<std::string> splitLines(const std::string& text) {
       return lines;
     begin = end + 1;
   }
+}
+
+bool hasNumberWithoutLeadingDigit(const std::string& text) {
+  const auto isDigit = [&](std::size_t i) {
+    return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])) != 0;
+  };
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '.' && isDigit(i + 1) &&
+        (i == 0 || std::strchr(" \t=[{,+-", text[i - 1]) != nullptr))
+      return true;
+  return false;
 }
 
 TomlNode parseToml(const std::string& text) {

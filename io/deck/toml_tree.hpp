@@ -1,4 +1,4 @@
-// TOML text as a plain tree that remembers where each value stands. toml11 itself stays in toml_tree.cpp.
+// TOML text as a plain tree with the position of each value. toml11 is included by toml_tree.cpp only.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace brickwall::io {
 // A place in the deck, or an override of the command line.
 struct Position {
   int line = 1; // from 1
-  int column = 1; // byte, from 1
+  int column = 1; // in bytes, from 1
   int length = 1; // bytes on that line
   int option = -1; // index of the override; -1: in the deck
 };
@@ -37,7 +37,7 @@ struct TomlNode {
   std::string describe() const;
 };
 
-// Not TOML: where, what was found, what a reader of TOML expected there.
+// A syntax error: its position, the text found, and the text that TOML requires there.
 struct TomlSyntaxError : std::runtime_error {
   TomlSyntaxError(Position where, const std::string& found, const std::string& expectation)
       : std::runtime_error(found), at(where), expected(expectation) {}
@@ -45,7 +45,7 @@ struct TomlSyntaxError : std::runtime_error {
   std::string expected;
 };
 
-// The text without byte-order mark and with "\n" line ends, as parseToml wants it.
+// The text without byte-order mark and with "\n" line ends, as parseToml expects it.
 std::string normalizeText(std::string text);
 
 // The lines of a text, without line ends; at least one.
@@ -53,6 +53,9 @@ std::vector<std::string> splitLines(const std::string& text);
 
 // Throws TomlSyntaxError at the first fault.
 TomlNode parseToml(const std::string& text);
+
+// Whether the text contains a number such as -.5, which TOML writes -0.5.
+bool hasNumberWithoutLeadingDigit(const std::string& text);
 
 // A single value, as after "key ="; throws TomlSyntaxError.
 TomlNode parseTomlValue(const std::string& text);

@@ -1,4 +1,4 @@
-// Reads the header of a netCDF classic file, just far enough to know where its data ends.
+// Reads the header of a netCDF classic file as far as needed to know where the data ends.
 #include "io/exodus/classic_netcdf.hpp"
 
 #include "contact/base/error.hpp"
@@ -15,7 +15,7 @@ namespace brickwall::io {
 namespace {
 
 InputError truncated(const std::string& path) {
-  return InputError(path + ": the file is truncated; it ends within its header");
+  return InputError(path + ": the file is truncated: it ends within its header");
 }
 
 // Big-endian reader of the header.
@@ -54,7 +54,7 @@ private:
 };
 
 std::int64_t typeBytes(int type) {
-  // byte, char, short, int, float, double and the unsigned and 64-bit ones of CDF-5, from 1
+  // byte, char, short, int, float, double and the unsigned and 64-bit types of CDF-5, from 1
   constexpr int bytes[12] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
   return type >= 1 && type <= 11 ? bytes[type] : 1;
 }
@@ -105,7 +105,7 @@ std::vector<Variable> readVariables(Header& header, const std::vector<std::int64
     }
     skipAttributes(header);
     variable.bytes = values * typeBytes(header.tag());
-    header.count(); // the padded size, which large variables do not fit into
+    header.count(); // the padded size, which is too small a field for large variables
     variable.begin = header.offset();
     variables.push_back(variable);
   }
@@ -161,8 +161,8 @@ void checkNotTruncated(const std::string& path) {
   const std::int64_t needed = classicFileBytes(path);
   const auto found = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   if (!error && found < needed)
-    throw InputError(path + ": the file is truncated; it has " + std::to_string(found) +
-                     " bytes, its header says " + std::to_string(needed));
+    throw InputError(path + ": the file is truncated: it has " + std::to_string(found) +
+                     " bytes, its header requires " + std::to_string(needed));
 }
 
 } // namespace brickwall::io

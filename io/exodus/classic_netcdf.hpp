@@ -1,5 +1,5 @@
-// Size check of netCDF classic files (CDF-1, 64-bit offset, CDF-5): the library reads a truncated one as zeros without
-// a word. Format: netCDF Classic Format Specification, Unidata.
+// Size check of netCDF classic files (CDF-1, 64-bit offset, CDF-5): the library reads the missing
+// part of a truncated file as zeros, without an error. Format: netCDF Classic Format Specification, Unidata.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace brickwall::io {
 
-// Bytes that the header of the classic file at `path` says the file has at least: the end of its last variable (and of
+// Least size in bytes of the classic file at `path` according to its header: the end of its last variable (and of
 // its last record). 0 when the file is not of a classic format. Throws InputError when the file cannot be read or ends
 // within its header.
 std::int64_t classicFileBytes(const std::string& path);

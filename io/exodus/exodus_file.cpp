@@ -17,7 +17,7 @@ namespace brickwall::io {
 
 namespace {
 
-// What Exodus or netCDF says about the last failure.
+// The message of Exodus or netCDF for the last failure.
 std::string reason() {
   const char* message = "";
   const char* function = "";
@@ -27,9 +27,9 @@ std::string reason() {
   return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
 }
 
-// Quiet Exodus, and HDF5 without its exit handler: that one crashes when a netCDF-4 file could not be flushed to a full
-// disk, and the exit code would be lost. It must be told before HDF5 is first used; there is no handle to it when the
-// netCDF library was built without it.
+// Silences Exodus, and disables the exit handler of HDF5, which crashes when a netCDF-4 file could not be flushed to a full
+// disk, so that the exit code would be lost. This must precede the first use of HDF5; no handle is found when the netCDF
+// library was built without HDF5.
 void prepareLibraries() {
   static const bool prepared = [] {
     using Function = int (*)();
@@ -42,7 +42,7 @@ void prepareLibraries() {
   ex_opts(0);
 }
 
-// ex_open writes to standard error when it fails, whatever it is told: ask netCDF first.
+// ex_open writes to standard error when it fails, whatever its options are: netCDF opens the file first.
 void checkIsExodus(const std::string& path) {
   int id = -1;
   int code = nc_open(path.c_str(), NC_NOWRITE, &id);
@@ -104,7 +104,7 @@ int ExodusFile::check(int returned, const std::string& what) const {
 
 void ExodusFile::close() {
   if (_id >= 0)
-    check(ex_close(std::exchange(_id, -1)), "the last of the file");
+    check(ex_close(std::exchange(_id, -1)), "the end of the file");
 }
 
 } // namespace brickwall::io

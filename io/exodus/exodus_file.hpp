@@ -7,8 +7,8 @@ namespace brickwall::io {
 
 // Owns an open Exodus id. Calls on it are written
 //   file.check(ex_put_time(file.id(), step, &time), "time of step 3");
-// and throw OutputError (a file being written) or InputError (a file being read) naming file and
-// what failed.
+// and throw OutputError (a file being written) or InputError (a file being read) naming the file and
+// the failed operation.
 class ExodusFile {
 public:
   // `flags` as of ex_create; bytes of a real in the file are 8 or 4. Throws OutputError.
@@ -26,11 +26,11 @@ public:
   int id() const { return _id; }
   const std::string& path() const { return _path; }
 
-  // Passes on what an Exodus call returned; below 0, throws naming the file, `what` and Exodus'
-  // reason.
+  // Returns the result of an Exodus call; below 0, throws an error with the file, `what` and the
+  // reason that Exodus gives.
   int check(int returned, const std::string& what) const;
 
-  // Closes and checks: a full disk shows up here at the latest.
+  // Closes and checks: a full disk shows here at the latest.
   void close();
 
 private:

@@ -16,11 +16,11 @@ struct SetInfo {
   std::int64_t num_entries = 0;
 };
 
-// What every rank reads: the description of the file.
+// Description of the file, which every rank reads.
 struct MeshContents {
   global_id num_nodes = 0; // in the file; elements need not use them all
   global_id num_elems = 0;
-  std::vector<Block> blocks; // not empty ones
+  std::vector<Block> blocks; // without empty blocks
   std::vector<SetInfo> side_sets, node_sets;
 };
 
@@ -37,7 +37,7 @@ struct NodeEntry {
 // This rank's slice of the file.
 struct MeshSlice {
   std::vector<ElemCorners> elems;
-  std::vector<double> coordinates[3]; // of the slice's nodes
+  std::vector<double> coordinates[3]; // of the nodes of the slice
   std::vector<SideEntry> sides;
   std::vector<NodeEntry> nodes;
 };

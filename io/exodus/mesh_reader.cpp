@@ -1,4 +1,4 @@
-// Parallel reader: slices of the file, then everything goes by rendezvous to the ranks that RCB names.
+// Parallel reader: slices of the file, then all data go by rendezvous to the ranks that RCB assigns.
 //
 //   file slice of elements --RCB--> part            (home of an element: the rank that read it)
 //   file slice of nodes    --asked for--> slice, part (home of a node: the rank that read it)
@@ -28,14 +28,14 @@ struct NodeData {
   double x[3];
 };
 
-// Home of the nodes of this rank's slice: numbers those in use and answers questions about them.
+// Home of the nodes in the slice of this rank: numbers the used nodes and answers queries.
 class NodeHome {
 public:
   NodeHome(MPI_Comm comm, const MeshContents& contents, const MeshSlice& slice)
       : _comm(comm), _slices{contents.num_nodes, sizeOf(comm)}, _slice(slice),
         _begin(_slices.begin(rankOf(comm))), _id_of_node(slice.coordinates[0].size(), -1) {}
 
-  // Numbers the nodes that any rank's `nodes` name, in file order over all ranks. Collective; returns how many.
+  // Numbers the nodes in `nodes` of any rank, in file order over all ranks. Collective; returns their number.
   global_id numberUsed(const std::vector<global_id>& nodes) {
     for (const auto& from : exchangeByRank(_comm, byHome(nodes)))
       for (const global_id node : from)
@@ -54,7 +54,7 @@ public:
     return total;
   }
 
-  // Numbers and coordinates of `nodes` (ascending, used), in the same order. The home remembers who asked last.
+  // Numbers and coordinates of `nodes` (ascending, used), in the same order. The home remembers the ranks of the last query.
   // Collective.
   std::vector<NodeData> ask(const std::vector<global_id>& nodes) {
     const auto asked = exchangeByRank(_comm, byHome(nodes));
@@ -75,7 +75,7 @@ public:
     return data;
   }
 
-  // Sends entries of node sets to every rank that asked last for the node, which gets them with the node's new number.
+  // Sends entries of node sets, with the new number of the node, to every rank of the last query for the node.
   // Collective.
   std::vector<NodeEntry> distribute(const std::vector<NodeEntry>& entries) const {
     std::vector<std::vector<NodeEntry>> to_homes(sizeOf(_comm)), to_holders(sizeOf(_comm));
@@ -107,7 +107,7 @@ private:
   const MeshSlice& _slice;
   global_id _begin;
   std::vector<global_id> _id_of_node; // -1: no element uses it
-  std::vector<std::pair<global_id, int>> _holders; // node, rank that asked last
+  std::vector<std::pair<global_id, int>> _holders; // node, rank of the last query
 };
 
 std::vector<global_id> nodesOf(const std::vector<ElemCorners>& elems) {
@@ -117,7 +117,7 @@ std::vector<global_id> nodesOf(const std::vector<ElemCorners>& elems) {
   return nodes;
 }
 
-// Rank that each element of the slice goes to.
+// Rank to which each element of the slice goes.
 std::vector<int> placeElems(MPI_Comm comm, const MeshSlice& slice, NodeHome& home) {
   const std::vector<global_id> nodes = sortedDistinct(nodesOf(slice.elems));
   const std::vector<NodeData> data = home.ask(nodes);
@@ -164,7 +164,7 @@ void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& el
   }
 }
 
-// Side sets go through the element's home, which knows where it sent the element.
+// Side sets go through the home of the element, which knows to which rank the element went.
 void distributeSides(MPI_Comm comm, const MeshContents& contents, const MeshSlice& slice,
                      const std::vector<int>& rank_of_elem, MeshPart& part) {
   const IdSlices slices{contents.num_elems, sizeOf(comm)};
@@ -212,10 +212,10 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
       contents = readContents(file);
       slice = readSlice(file, contents, rank, size);
     } catch (const std::bad_alloc&) {
-      throw InputError(file_name + ": does not fit into memory; damaged, or too large for " +
+      throw InputError(file_name + ": does not fit into memory: damaged, or too large for " +
                        std::to_string(size) + " ranks");
     } catch (const std::length_error&) {
-      throw InputError(file_name + ": is damaged; it holds a negative or impossible count");
+      throw InputError(file_name + ": is damaged: it holds a negative or impossible count");
     }
   });
 

@@ -1,4 +1,4 @@
-// Reads a hex8 mesh from one Exodus file so that each rank ends with its part only.
+// Reads a hex8 mesh from one Exodus file so that each rank holds its part only.
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"
@@ -9,8 +9,8 @@
 
 namespace brickwall::io {
 
-// Every rank reads a slice, RCB over element centroids decides owners, and the slices are sent
-// there. Global element ids are positions in the file; nodes that no element uses are dropped and
+// Every rank reads a slice, RCB over element centroids assigns owners, and the slices are sent
+// to them. Global element ids are positions in the file; nodes that no element uses are dropped and
 // the others numbered in file order. Bodies are connected components. Blocks and sets without a
 // name are called block_<id>, side_set_<id>, node_set_<id>; empty blocks are dropped. Distribution
 // factors, attributes and results in the file are not read.

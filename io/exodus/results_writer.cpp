@@ -1,4 +1,4 @@
-// Exodus results, one file a rank. Everything is defined before any data is written, so that the header never grows
+// Exodus results, one file per rank. All variables are defined before any data are written, so that the header never grows
 // and moves the data.
 #include "io/exodus/results_writer.hpp"
 
@@ -127,7 +127,7 @@ void ResultsWriter::State::putNames(ex_entity_type type, std::vector<std::string
     file.check(ex_put_names(file.id(), type, pointersTo(names).data()), what);
 }
 
-// Blocks and sets without entries here are declared all the same: epu wants the same list in every file.
+// Blocks and sets without entries here are declared as well: epu requires the same list in every file.
 void ResultsWriter::State::declareBlocks(const MeshPart& part) {
   block_begin.assign(part.blocks.size() + 1, 0);
   for (const int block : part.elem_block)
@@ -190,7 +190,7 @@ void ResultsWriter::State::declareVariables(const ResultsConfig& config) {
   putVariableNames(EX_GLOBAL, config.global_names);
   putVariableNames(EX_NODAL, config.nodal_names);
   putVariableNames(EX_ELEM_BLOCK, element_names);
-  // Readers that know it ignore a last step that was cut short (IOSS, ParaView).
+  // Readers that know this attribute (IOSS, ParaView) ignore an incomplete last step.
   if (num_nodal + element_names.size() + num_global > 0) {
     double none_yet = -1;
     file.check(ex_put_double_attribute(file.id(), EX_GLOBAL, 0, last_time_attribute, 1, &none_yet),
@@ -264,7 +264,7 @@ void ResultsWriter::State::writeElementVariable(std::size_t variable,
                      std::to_string(num_steps + 1));
 }
 
-// A full disk shows up here and in close(), not where the values are put.
+// A full disk shows here and in close(), not where the values are put.
 void ResultsWriter::State::flush() {
   file.check(ex_update(file.id()),
              num_steps == 0 ? std::string("the mesh") : "step " + std::to_string(num_steps));
@@ -316,8 +316,8 @@ void ResultsWriter::writeStep(double time, const std::vector<std::vector<double>
   rethrowOnAllRanks(s.comm, [&] {
     const auto demand = [](std::size_t found, std::size_t needed, const char* what) {
       if (found != needed)
-        throw Error(ExitCode::internal, "ResultsWriter::writeStep: " + std::to_string(found) + " " +
-                                            what + ", needed " + std::to_string(needed));
+        throw Error(ExitCode::internal, "ResultsWriter::writeStep: found " + std::to_string(found) +
+                                            " " + what + ", expected " + std::to_string(needed));
     };
     demand(nodal.size(), s.num_nodal, "nodal variables");
     demand(element.size(), s.num_element, "element variables");
@@ -344,7 +344,7 @@ void ResultsWriter::writeStep(double time, const std::vector<std::vector<double>
       s.writeElementVariable(s.num_element + v, s.fixed_element[v]);
     s.num_steps = step;
     s.flush();
-    // After the step's data is out, so that it never names a step that is not.
+    // After the data of the step are flushed, so that it never names an incomplete step.
     s.file.check(
         -std::abs(nc_put_att_double(id, NC_GLOBAL, last_time_attribute, NC_DOUBLE, 1, &time)),
         "the time of the last step");

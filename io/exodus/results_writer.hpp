@@ -1,4 +1,4 @@
-// Writes a mesh and results to Exodus, one file a rank; `epu -auto` joins them to the file of a
+// Writes a mesh and results to Exodus, one file per rank; `epu -auto` joins them to the file of a
 // 1-rank run.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace brickwall::io {
 
 enum class FileFormat {
-  classic, // netCDF 64-bit offset: fastest; netCDF-4 is taken instead where ids outgrow 32 bits
+  offset64, // netCDF 64-bit offset, the fastest; netCDF-4 replaces it where ids outgrow 32 bits
   netcdf4 // HDF5, compressed at level 1
 };
 
@@ -28,24 +28,24 @@ struct ResultsConfig {
   bool write_brick_id = true; // adds the element variable brick_id (body number + 1), last
   bool write_processor_id = false; // adds the element variable processor_id, after it
   bool single_precision = false; // store floats
-  FileFormat format = FileFormat::classic;
+  FileFormat format = FileFormat::offset64;
 };
 
-// Name of this rank's file: `base` itself for one rank, else base.N.r with r zero-padded to the
-// width of N. `base` ends in .exo by custom.
+// Name of this rank's file: `base` itself for one rank, otherwise base.N.r with r zero-padded to the
+// width of N. `base` ends in .exo by convention.
 std::string rankFileName(const std::string& base, int num_ranks, int rank);
 
 class ResultsWriter {
 public:
   // Creates this rank's file (an older one is overwritten) and writes the mesh. Collective. Throws
-  // OutputError on all ranks, naming the file and what failed, when any rank fails.
+  // OutputError on all ranks, naming the file and the failed operation, when any rank fails.
   ResultsWriter(MPI_Comm comm, const std::string& base, const MeshPart& part,
                 const ResultsConfig& config);
-  ~ResultsWriter(); // closes without complaint
+  ~ResultsWriter(); // closes without reporting errors
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;
 
-  // Appends one step and flushes it, so that it stays readable whatever happens next. Values are
+  // Appends one step and flushes it, so that it stays readable if the run is killed. Values are
   // nodal[variable][local node], element[variable][local element], global[variable] in the order of
   // the configured names; globals must be the same on every rank. Collective; throws as above, in
   // this step.
@@ -54,9 +54,9 @@ public:
                  const std::vector<double>& global);
 
   int numSteps() const;
-  const std::string& fileName() const; // this rank's
+  const std::string& fileName() const; // of this rank
 
-  // Closes the file and reports what goes wrong then. Collective; throws as above.
+  // Closes the file and reports errors. Collective; throws as above.
   void close();
 
 private:

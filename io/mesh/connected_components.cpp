@@ -1,4 +1,4 @@
-// Union-find within the rank, then the least element id spreads through shared nodes until nothing changes.
+// Union-find within the rank, then the lowest element id spreads through shared nodes until no label changes.
 #include "io/mesh/connected_components.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -39,7 +39,7 @@ NodeSets joinElementNodes(const MeshPart& part) {
   return sets;
 }
 
-// Lowers the labels of roots to those that sharers of their nodes have. True if any label here changed.
+// Lowers the labels of roots to those of the other sharers of their nodes. True if any label here changed.
 bool lowerLabels(MPI_Comm comm, const MeshPart& part, NodeSets& sets,
                  std::vector<global_id>& label_of_root) {
   std::vector<std::vector<global_id>> to_sharers(sizeOf(comm));
@@ -73,7 +73,7 @@ global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_i
   for (const auto& from : asked)
     mine.insert(mine.end(), from.begin(), from.end());
   mine = sortedDistinct(std::move(mine));
-  // Homes hold ascending slices: the numbers before mine are those of the ranks below.
+  // Homes hold ascending slices: the numbers of lower ranks come before those of this rank.
   std::vector<std::vector<std::int64_t>> count(
       size, std::vector<std::int64_t>(1, static_cast<std::int64_t>(mine.size())));
   const auto counts = exchangeByRank(comm, count);
@@ -87,7 +87,7 @@ global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_i
       label = first + localIndex(mine, label);
   const auto answers = exchangeByRank(comm, asked);
 
-  std::vector<global_id> numbers; // of `distinct`: questions went to homes in ascending order
+  std::vector<global_id> numbers; // of `distinct`: queries went to homes in ascending order
   for (const auto& from : answers)
     numbers.insert(numbers.end(), from.begin(), from.end());
   for (global_id& label : labels)

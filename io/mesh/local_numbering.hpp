@@ -1,4 +1,4 @@
-// Local node numbers: the ascending list of global ids that occur, and each occurrence's place in it.
+// Local node numbers: the ascending list of the global ids in use, and the place of each occurrence in it.
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"
@@ -8,7 +8,7 @@
 
 namespace brickwall::io {
 
-// Place of `id` in the ascending list `ids`, which holds it.
+// Place of `id` in the ascending list `ids`, which contains it.
 inline int localIndex(const std::vector<global_id>& ids, global_id id) {
   return static_cast<int>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
 }

@@ -1,5 +1,5 @@
-// One rank's part of a hexahedral mesh, on the host: what the wall generator and the mesh reader
-// make, and what the results writer writes. Global ids are 0-based here (files add one).
+// One rank's part of a hexahedral mesh, on the host. The wall generator and the mesh reader make it, and the
+// results writer writes it. Global ids are 0-based (in files, 1-based).
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -17,7 +17,7 @@ struct Block {
   global_id num_global_elems = 0; // elements of the block on all ranks
 };
 
-// Sets are the same, in the same order, on every rank; a rank's lists may be empty.
+// Sets are the same, in the same order, on every rank; the lists of a rank may be empty.
 struct SideSet {
   std::int64_t id = 1;
   std::string name;
@@ -27,7 +27,8 @@ struct SideSet {
 struct NodeSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int> nodes; // local, in the order of global id; a shared node stands on every sharer
+  std::vector<int>
+      nodes; // local, in the order of global id; a shared node is in the list of every sharer
 };
 
 // Nodes that this rank shares with one other rank, in the order of global node id: both ranks list
@@ -62,8 +63,7 @@ struct MeshPart {
   int numElems() const { return static_cast<int>(elem_ids.size()); }
 };
 
-// The exterior surface of a wall alone, for `brickwall search`: same ids as the full mesh would
-// have.
+// The exterior surface of a wall alone, for `brickwall search`: with the ids of the full mesh.
 struct SurfacePart {
   std::vector<global_id> node_ids;
   std::vector<double> coordinates; // [node][xyz]

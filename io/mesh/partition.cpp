@@ -17,7 +17,7 @@ namespace {
 static_assert(sizeof(global_id) % sizeof(ZOLTAN_ID_TYPE) == 0);
 constexpr int id_words = sizeof(global_id) / sizeof(ZOLTAN_ID_TYPE);
 
-// A warning (for instance of imbalance) is no failure.
+// A warning (such as of imbalance) is not a failure.
 void checkZoltan(int code, const char* call) {
   if (code != ZOLTAN_OK && code != ZOLTAN_WARN)
     throw Error(ExitCode::internal,
@@ -90,7 +90,7 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
                                  const std::vector<double>& points) {
   const std::int64_t num_points = allReduce(comm, static_cast<std::int64_t>(ids.size()), MPI_SUM);
-  if (sizeOf(comm) == 1 || num_points == 0) // RCB complains when there is nothing to divide
+  if (sizeOf(comm) == 1 || num_points == 0) // RCB fails without points
     return std::vector<int>(ids.size(), 0);
   rethrowOnAllRanks(comm,
                     [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
@@ -106,7 +106,7 @@ std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& id
       Zoltan_LB_Partition(zoltan.get(), &changed, &gid_words, &lid_words, &num_import, &import_gids,
                           &import_lids, &import_ranks, &import_parts, &num_export, &export_gids,
                           &export_lids, &export_ranks, &export_parts);
-  // Only points that leave this rank are listed, in an order of Zoltan's own. (Its list of all parts fails with
+  // Only points that leave this rank are listed, in an order of Zoltan. (Its list of all parts fails with
   // ZOLTAN_FATAL on ranks without points when nothing changes.)
   std::unordered_map<global_id, int> rank_of_leaving;
   for (int i = 0; i < num_export; ++i) {

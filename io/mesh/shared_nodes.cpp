@@ -1,4 +1,4 @@
-// Rendezvous by node id: ranks tell each node's home that they have it; the home tells sharers of each other.
+// Rendezvous by node id: each rank reports its nodes to their homes, and the homes send each sharer the list of the others.
 #include "io/mesh/shared_nodes.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -17,7 +17,7 @@ struct Sharer {
   std::int64_t rank; // 64 bits: no padding goes through MPI
 };
 
-// What the home of a slice of nodes answers to each rank: the other ranks that have its nodes.
+// The answer of the home of a slice of nodes to each rank: the other ranks that share its nodes.
 std::vector<std::vector<Sharer>>
 introduceSharers(const std::vector<std::vector<global_id>>& known) {
   std::vector<std::pair<global_id, int>> claims; // node, rank

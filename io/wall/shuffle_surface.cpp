@@ -8,7 +8,7 @@
 namespace brickwall::io {
 namespace {
 
-// order[new place] = old place: by the hashes of the ids, equal ones by id.
+// order[new place] = old place: by the hashes of the ids, equal hashes by id.
 std::vector<int> hashedOrder(std::uint64_t seed, const std::vector<global_id>& ids) {
   std::vector<std::pair<std::uint64_t, int>> keys;
   keys.reserve(ids.size());

@@ -17,17 +17,17 @@ constexpr int corner_offset[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
 std::int64_t checkedProduct(std::int64_t a, std::int64_t b) {
   std::int64_t product = 0;
   if (__builtin_mul_overflow(a, b, &product))
-    throw InputError("wall: the mesh has more entities than 64-bit ids count");
+    throw InputError("wall: found more entities than 64-bit ids can count");
   return product;
 }
 
-// Exterior faces of a brick of the given elements.
+// Number of exterior faces of a brick with these numbers of elements.
 std::int64_t countBrickFaces(const std::array<std::int64_t, 3>& n) {
   return 2 * (checkedProduct(n[0], n[1]) + checkedProduct(n[1], n[2]) + checkedProduct(n[0], n[2]));
 }
 
 void checkConfig(const WallConfig& config) {
-  // Far above any machine; keeps sums of two counts away from overflow.
+  // Larger than any machine allows; sums of two counts cannot overflow.
   constexpr std::int64_t most = std::int64_t(1) << 40;
   for (int d = 0; d < 3; ++d) {
     if (config.bricks[d] < 1 || config.bricks[d] > most)
@@ -114,7 +114,7 @@ BrickPlace WallLayout::brickPlace(global_id brick) const {
   place.wythe = rest / length;
   place.along = rest % length;
   if (odd && flush) {
-    ++place.along; // the half brick stands before
+    ++place.along; // the half brick comes first
   } else {
     place.first = place.along == 0;
     place.last = place.along == length - 1;
@@ -198,7 +198,7 @@ std::array<double, 3> WallLayout::nodeCoordinates(global_id node) const {
   const auto& e = _config.elements;
   const std::int64_t ex = e[0];
 
-  // Along: half element edges, and half gaps before the brick; a half brick's elements are shorter by gap / ex each.
+  // Along: half element edges, and half gaps before the brick; the elements of a half brick are shorter by gap / ex each.
   const bool odd = place.course % 2 == 1;
   std::int64_t half_edges = 0;
   double gaps = 0;

@@ -31,21 +31,21 @@ struct WallConfig {
   WallEnds ends = WallEnds::flush;
 };
 
-// Disorder of the surface that `search` makes, so that no two coordinates of neighbouring bricks agree.
+// Random displacement of the nodes in `brickwall search`, so that coordinates of neighbouring bricks differ.
 struct WallJitter {
-  double amplitude = 0.0; // of the element's edge, along each axis, either way
+  double amplitude = 0.0; // largest displacement along each axis, over the element edge
   std::uint64_t seed = 1;
 };
 
-// Where a brick stands in the wall.
+// Place of a brick in the wall.
 struct BrickPlace {
   std::int64_t course = 0, wythe = 0;
   std::int64_t along = 0; // position in its course, half bricks included
   bool half = false;
-  bool first = false, last = false; // stands at the left, right end of its course
+  bool first = false, last = false; // at the left, right end of its course
 };
 
-// One element of the wall: its brick and its place in it.
+// Place of an element: its brick and its indices in the brick.
 struct ElemPlace {
   global_id brick = 0;
   std::int64_t i = 0, j = 0, k = 0;
@@ -71,7 +71,7 @@ enum WallNodeSet : int {
 
 class WallLayout {
 public:
-  // Throws InputError where the wall cannot be: a count below 1, a size not finite and positive, a
+  // Throws InputError for an impossible wall: a count below 1, a size not finite and positive, a
   // negative gap, an odd number of elements along a brick that flush ends must halve, or more ids
   // than 64 bits hold.
   explicit WallLayout(const WallConfig& config);
@@ -105,8 +105,7 @@ public:
   // side (0-based).
   global_id faceId(std::int64_t face) const;
 
-  // Outer faces of the wall alone: is side `side` (0-based, hex8) of the element on that side of
-  // the wall?
+  // Whether side `side` (0-based, hex8) of the element lies on the outer side of the wall of that name.
   bool onWallSide(global_id elem, int side, WallSide wall_side) const;
   bool inNodeSet(global_id node, WallNodeSet set) const;
 
@@ -130,7 +129,7 @@ private:
   std::int64_t _faces_whole = 0, _faces_half = 0;
 };
 
-// Numbers of the mesh that `config` describes, without making it. Pure; throw as WallLayout does.
+// Numbers of the mesh that `config` describes, without generating it. Pure; throw as WallLayout does.
 std::int64_t countWallElements(const WallConfig& config);
 std::int64_t countWallNodes(const WallConfig& config);
 std::int64_t countWallFaces(const WallConfig& config);

@@ -1,8 +1,8 @@
-// `brickwall check`: what the scene will model and what it will need, from the deck alone for walls of any size.
+// `brickwall check`: the contents of a scene and its needs, from the deck alone for walls of any size.
 #include "contact/base/mpi.hpp"
 #include "io/wall/wall_layout.hpp"
 #include "miniapp/commands/commands.hpp"
-#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/scene/memory_estimate.hpp"
@@ -22,7 +22,8 @@ Config smallestLikeScene(const Config& config) {
   if (small.wall) {
     auto& bricks = small.wall->bricks;
     bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
-    const auto keepOfAll = [](auto& entries) { // not those of bricks and bodies of the large wall
+    // Not those of single bricks and bodies of the large wall.
+    const auto keepOfAll = [](auto& entries) {
       entries.erase(std::remove_if(entries.begin(), entries.end(),
                                    [](const auto& entry) { return entry.brick || entry.body; }),
                     entries.end());
@@ -33,18 +34,7 @@ Config smallestLikeScene(const Config& config) {
   return small;
 }
 
-const char* modelName(mechanics::MaterialModel model) {
-  switch (model) {
-  case mechanics::MaterialModel::svk:
-    return "svk";
-  case mechanics::MaterialModel::linear:
-    return "linear";
-  default:
-    return "neo_hookean";
-  }
-}
-
-// Whether some bodies of a wall start otherwise than others: its likeness, in which they are not told apart, knows nothing of these.
+// Whether some bodies of a wall have initial conditions of their own, which the smallest like scene omits.
 bool startsUnlike(const Config& config) {
   const auto is_of_one = [](const InitialSelection& initial) {
     return initial.brick.has_value() || initial.body.has_value();
@@ -59,7 +49,7 @@ bool startsUnlike(const Config& config) {
 
 int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   if (config.wall)
-    refuseUnknownBodies(config, io::WallLayout(toWallConfig(*config.wall)).numBricks());
+    refuseUnknownBodies(config, io::WallLayout(*config.wall).numBricks());
   const Config small = smallestLikeScene(config);
   Scene scene = makeScene(exec_space(), comm, small);
   for (const std::string& warning : loadWarnings(comm, config, scene.part))
@@ -69,7 +59,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::int64_t elements = scene.part.num_global_elems, nodes = scene.part.num_global_nodes,
                faces = scene.num_faces, bodies = scene.part.num_global_bodies;
   if (config.wall) {
-    const io::WallLayout layout(toWallConfig(*config.wall));
+    const io::WallLayout layout(*config.wall);
     elements = layout.numElems();
     nodes = layout.numNodes();
     faces = layout.numFaces();
@@ -79,7 +69,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const bool all_congruent = congruent == scene.part.num_global_elems;
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
   const auto skipped =
-      sparedParts(small, simulation, contactCounts(simulation), scene.part.num_global_elems);
+      skippedWork(small, simulation, contactCounts(simulation), scene.part.num_global_elems);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
     return 0;
@@ -89,8 +79,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::printf("  deck              %s\n", config.deck_path.c_str());
   std::printf("  bodies            %lld\n", count(bodies));
   std::printf("  elements          %lld (%s; %s)\n", count(elements),
-              config.formulation == Formulation::tlps ? "one-point, assumed-strain hourglass"
-                                                      : "full 2x2x2",
+              config.formulation == Formulation::one_point ? "one-point, physical stabilisation"
+                                                           : "full 2x2x2",
               all_congruent ? "congruent bricks: no geometry per element"
                             : "general: geometry stored per element");
   std::printf("  nodes             %lld\n", count(nodes));
@@ -98,7 +88,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   for (const auto& block : scene.part.blocks) {
     const auto& material = *config.materialOf(block.name);
     std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g\n",
-                block.name.c_str(), modelName(material.model), material.density, material.youngs,
+                block.name.c_str(), nameOf(material.model), material.density, material.youngs,
                 material.poisson);
   }
   std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
@@ -117,13 +107,13 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
                 dropsSameBody(small) ? "no contact of a body with itself"
                                      : "bodies may touch themselves");
   else
-    std::printf("  contact           off: nothing is searched\n");
+    std::printf("  contact           off: no search\n");
   if (config.contact.enabled && sureSpeed(simulation) < HUGE_VAL)
     std::printf("  guard             bodies that meet at more than %.4g %s\n",
                 sureSpeed(simulation),
                 config.contact.guard == GuardAction::cut ? "cut the step" : "stop the run");
   if (config.contact.enabled && config.search.margin > 0)
-    std::printf("  search            %s, kept until a node has moved %g along an axis\n",
+    std::printf("  search            %s, lists kept until a node has moved %g along an axis\n",
                 nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);
   else if (config.contact.enabled)
     std::printf("  search            %s, in every step\n", nameOf(config.search.method));
@@ -134,9 +124,9 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
         count(simulation.steps().gain().body_types));
   else
     std::printf("  time step         %g, by elements\n", simulation.clock().dt);
-  for (const SparedReport& part : skipped)
-    if (part.share > 0 && !(part.key == "spare.resting_bodies" && startsUnlike(config)))
-      std::printf("  skipped            %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+  for (const SkippedPart& part : skipped)
+    if (part.share > 0 && !(part.key == "skip.resting_bodies" && startsUnlike(config)))
+      std::printf("  skipped           %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                   part.of.c_str());
   std::printf("  steps             %lld to time %g\n", count(simulation.steps().plannedSteps()),
               config.time.end);

@@ -1,4 +1,4 @@
-// See command_line.hpp. CLI11 reads everything but --kokkos-*.
+// CLI11 reads all arguments but --kokkos-*.
 #include "miniapp/commands/command_line.hpp"
 
 #include "io/deck/deck.hpp"
@@ -16,15 +16,15 @@ constexpr const char* description =
     "Brickwall: coupled explicit dynamics of hexahedral bricks with contact.\n\n"
     "Commands (default run):\n"
     "  run     simulate the deck: Exodus output, history, report, table of phases, PASS or FAIL\n"
-    "  check   validate the deck and say what its scene will model; writes nothing\n"
+    "  check   validate the deck and describe its scene; writes nothing\n"
     "  mesh    write the Exodus mesh of the deck\n"
-    "  search  time the global and local search alone on the surface of the deck's wall\n\n"
+    "  search  time the global and local search alone on the surface of the wall\n\n"
     "Exit code: 0 PASS, 1 internal error, 2 bad deck or command line, 3 the computation failed or\n"
     "a limit of the deck is broken, 4 an output could not be written.";
 
 constexpr const char* footer =
-    "Options --kokkos-* go to Kokkos, such as --kokkos-num-threads=2 (--kokkos-threads=2 before\n"
-    "Kokkos 4).";
+    "Options --kokkos-* go to Kokkos, such as --kokkos-num-threads=2 (--kokkos-threads=2 in\n"
+    "Kokkos 3).";
 
 bool startsWith(const std::string& text, const std::string& prefix) {
   return text.compare(0, prefix.size(), prefix) == 0;
@@ -41,7 +41,7 @@ bool isCommand(const std::string& word) {
   return word == "run" || word == "check" || word == "mesh" || word == "search";
 }
 
-// The first positional is the command if it is one of the four words, else the deck.
+// The first positional argument is the command if it is one of the four words, otherwise the deck.
 std::string takePositionals(const std::vector<std::string>& words, Options& options) {
   std::size_t next = 0;
   if (next < words.size() && isCommand(words[next]))
@@ -83,16 +83,16 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   auto* steps_option = app.add_option("--steps", steps, "end after N steps (--set time.steps=N)")
                            ->type_name("N")
                            ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
-  app.add_flag("--no-output", no_output, "write no file at all");
+  app.add_flag("--no-output", no_output, "write no files");
   app.add_option("--timing", timing,
                  "normal, or paper: fences and barriers between the phases of the search,\n"
-                 "so that waits are told apart from work")
+                 "which separate waiting from work")
       ->type_name("HOW")
       ->check(CLI::IsMember({"normal", "paper"}));
   app.add_flag("--keys", keys, "list all blocks and keys of a deck");
   app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
 
-  std::vector<std::string> words; // CLI11 wants them backwards
+  std::vector<std::string> words; // in reverse order, as CLI11 expects them
   for (int i = argc - 1; i > 0; --i) {
     if (startsWith(argv[i], "--kokkos-"))
       options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
@@ -119,8 +119,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
     return fault(surplus);
   if (steps_option->count() > 0 &&
       (options.command == Command::mesh || options.command == Command::search))
-    return fault("--steps: 'brickwall mesh' makes no steps, 'brickwall search' as many as "
-                 "search.repetitions says");
+    return fault("--steps: 'brickwall mesh' makes no steps, and the number of searches of "
+                 "'brickwall search' is search.repetitions");
   if (steps_option->count() > 0)
     options.overrides.push_back("time.steps=" + std::to_string(steps));
   options.write_output = !no_output;

@@ -1,7 +1,8 @@
 // The command line: brickwall [run|check|mesh|search] [DECK] [options].
 #pragma once
 
-#include <cstdint>
+#include "miniapp/timing/timing.hpp"
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,10 +10,6 @@
 namespace brickwall::miniapp {
 
 enum class Command { run, check, mesh, search };
-enum class Timing {
-  normal, // no synchronisation that the algorithm does not need
-  paper // fences and barriers at the begin of each phase of the search: waits are told apart from work
-};
 
 struct Options {
   Command command = Command::run;
@@ -20,15 +17,14 @@ struct Options {
   std::string output_directory; // default out/<deck name>
   bool write_output = true; // false with --no-output: no file at all is written
   Timing timing = Timing::normal;
-  std::vector<std::string> overrides; // of --set, and of --steps as "time.steps=N"
+  std::vector<std::string> overrides; // from --set, and from --steps as "time.steps=N"
   std::vector<std::string> kokkos_arguments; // --kokkos-*, for Kokkos::initialize
 
   // The deck's file name without folder and suffix: the base name of all output files.
   std::string caseName() const;
 };
 
-// What the command line asks for: options, or a text to print and the exit code to end with (-h,
-// --version, faults).
+// Either the options, or a text to print and the exit code to end with (-h, --version, faults).
 struct CommandLine {
   std::optional<Options> options;
   std::string text;

@@ -1,5 +1,4 @@
-// The four things the program does. All are collective, return the exit code, and throw Error
-// (every rank the same).
+// The four commands of the program. All are collective, return the exit code, and throw the same Error on every rank.
 #pragma once
 
 #include "miniapp/commands/command_line.hpp"
@@ -11,11 +10,11 @@ namespace brickwall::miniapp {
 
 // `run`: the coupled simulation with its output, report, table, FOM line and PASS or FAIL.
 int runSimulation(MPI_Comm comm, const Config& config, const Options& options);
-// `check`: prints what the scene will model; writes nothing.
+// `check`: prints the contents of the scene; writes nothing.
 int checkScene(MPI_Comm comm, const Config& config, const Options& options);
 // `mesh`: writes the Exodus mesh.
 int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options);
-// `search`: global and local search alone on the wall's surface, repeated; search.json and its table.
+// `search`: global and local search alone on the surface of the wall, repeated; search.json and its table.
 int runSearch(MPI_Comm comm, const Config& config, const Options& options);
 
 } // namespace brickwall::miniapp

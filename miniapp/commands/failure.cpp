@@ -1,4 +1,3 @@
-// See failure.hpp.
 #include "miniapp/commands/failure.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -22,8 +21,8 @@ std::string messageOf(const std::exception& error) {
   return error.what();
 }
 
-// Whether all ranks come here in time.
-bool allRanksCome(MPI_Comm comm, double patience) {
+// Whether all ranks reach this point in time.
+bool allRanksArrive(MPI_Comm comm, double patience) {
   MPI_Request request;
   if (MPI_Ibarrier(comm, &request) != MPI_SUCCESS)
     return false;
@@ -43,7 +42,7 @@ bool allRanksCome(MPI_Comm comm, double patience) {
 int reportFailure(MPI_Comm comm, const std::exception& error, double patience) {
   const int code = codeOf(error);
   std::cout << std::flush;
-  if (allRanksCome(comm, patience)) {
+  if (allRanksArrive(comm, patience)) {
     if (rankOf(comm) == 0)
       std::cerr << "brickwall: error: " << messageOf(error) << std::endl;
     return allReduce(comm, code, MPI_MAX);

@@ -2,6 +2,7 @@
 #include "contact/base/mpi.hpp"
 #include "io/exodus/mesh_writer.hpp"
 #include "miniapp/commands/commands.hpp"
+#include "miniapp/output/output_files.hpp"
 #include "miniapp/output/report.hpp"
 #include "miniapp/scene/scene.hpp"
 

@@ -4,6 +4,7 @@
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/output/history.hpp"
 #include "miniapp/output/history_columns.hpp"
+#include "miniapp/output/output_files.hpp"
 #include "miniapp/output/results.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/scene/load_warnings.hpp"
@@ -20,14 +21,14 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// True once per interval, at the first step at or after each multiple of it; every step when it is 0 and `always`.
+// True once per interval, at the first step at or after each multiple of it; with interval 0, in every step if `always`.
 class Ticker {
 public:
   Ticker(double interval, bool always) : _interval(interval), _always(always) {}
   bool due(double time) {
     if (_interval <= 0)
       return _always;
-    // A step that ends a rounding error before the multiple counts as at it.
+    // A step may end a rounding error before the multiple.
     const double tick = std::floor(time / _interval * (1 + 1e-12) + 1e-9);
     if (tick <= _last)
       return false;
@@ -41,12 +42,13 @@ private:
   double _last = 0; // a whole number
 };
 
-// Wall clock since the run began, the same on all ranks when asked together.
+// Wall clock time since the run began.
 class WallClock {
 public:
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - _begin).count();
   }
+  // Collective: the same on all ranks.
   double agreed(MPI_Comm comm) const { return allReduce(comm, seconds(), MPI_MAX); }
 
 private:
@@ -74,7 +76,7 @@ public:
     try {
       loop();
     } catch (const PhysicsError& error) {
-      // Every rank has the same error and the state of the last good step: written and reported like any other end.
+      // Every rank has the same error and the state of the last good step, which is written and reported as at any other end.
       _breakdown = error.what();
     }
     finishOutput();
@@ -122,7 +124,8 @@ private:
 
   void openOutput() {
     makeDirectory(_comm, _options.output_directory);
-    removeFile(_comm, path("report.json")); // a run that is cut short must not leave another's
+    removeFile(_comm,
+               path("report.json")); // an aborted run must not leave the file of an earlier one
     const std::string base = path(_options.caseName());
     writeTextFile(_comm, base + ".resolved.toml", _config.resolved_deck);
     std::vector<std::string> columns = {"step", "time"};
@@ -173,28 +176,27 @@ private:
   void warnOfLargeStrain() {
     if (_has_large_strain)
       return;
-    const mechanics::NeglectedStrain left_out = neglectedStrain(_simulation);
-    _has_large_strain = left_out.strain > mechanics::large_left_out_strain;
+    const mechanics::NeglectedStrain neglected = neglectedStrain(_simulation);
+    _has_large_strain = neglected.strain > mechanics::large_left_out_strain;
     if (!_has_large_strain)
       return;
     const Clock& clock = _simulation.clock();
     char text[300];
     std::snprintf(
         text, sizeof text,
-        "element %lld (1-based id %lld) of a linear material has turned or strained so far that "
-        "what it "
-        "leaves out of the strain, H^T H/2, is %.2g in step %lld (time %.6g): a model \"svk\" or "
-        "\"neo_hookean\" knows rotations",
-        static_cast<long long>(left_out.elem), static_cast<long long>(left_out.elem + 1),
-        left_out.strain, static_cast<long long>(clock.step), clock.time);
+        "element %lld (1-based id %lld) of a linear material has rotated or deformed so far that "
+        "the neglected part of its strain, H^T H/2, is %.2g in step %lld (time %.6g): the models "
+        "\"svk\" and \"neo_hookean\" describe finite rotations",
+        static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem + 1),
+        neglected.strain, static_cast<long long>(clock.step), clock.time);
     _scene.warnings.push_back(text);
     if (rankOf(_comm) == 0)
       std::cout << "warning: " << text << std::endl;
   }
 
   bool wallTimeIsUp() {
-    constexpr int steps_between_looks = 20;
-    if (!_config.limits.wall_time || _simulation.clock().step % steps_between_looks != 0)
+    constexpr int steps_between_checks = 20;
+    if (!_config.limits.wall_time || _simulation.clock().step % steps_between_checks != 0)
       return false;
     _out_of_time = _clock.agreed(_comm) > *_config.limits.wall_time;
     return _out_of_time;
@@ -220,7 +222,10 @@ private:
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
     report.warnings.insert(report.warnings.begin(), _scene.warnings.begin(), _scene.warnings.end());
-    report.warnings_told = _scene.warnings.size() + _limits.warnings().size();
+    report.warnings.insert(report.warnings.begin(), _config.warnings.begin(),
+                           _config.warnings.end());
+    report.printed_warnings =
+        _config.warnings.size() + _scene.warnings.size() + _limits.warnings().size();
     if (!_breakdown.empty())
       report.failures.push_back(_breakdown);
     if (_out_of_time)
@@ -240,12 +245,12 @@ private:
   Ticker _output_ticker, _history_ticker;
   std::unique_ptr<HistoryWriter> _history;
   std::unique_ptr<Results> _results;
-  std::int64_t _searches_before = 0; // of the steps that are not timed
+  std::int64_t _searches_before = 0; // in steps that are not timed
   std::int64_t _last_written = -1, _last_row = -1;
   double _last_progress = 0;
   bool _out_of_time = false;
-  bool _has_large_strain = false; // of a linear material
-  std::string _breakdown; // why the computation could not go on
+  bool _has_large_strain = false; // in a linear material
+  std::string _breakdown; // why the computation could not continue
 };
 
 } // namespace

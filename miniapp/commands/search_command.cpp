@@ -5,7 +5,8 @@
 #include "io/wall/shuffle_surface.hpp"
 #include "io/wall/wall_generator.hpp"
 #include "miniapp/commands/commands.hpp"
-#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/deck/words.hpp"
+#include "miniapp/output/output_files.hpp"
 #include "miniapp/output/search_report.hpp"
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/scene/search_surface.hpp"
@@ -38,7 +39,7 @@ public:
     const std::string file = _options.output_directory + "/search.json";
     if (_options.write_output) {
       makeDirectory(_comm, _options.output_directory);
-      removeFile(_comm, file); // a run that is cut short must not leave another's
+      removeFile(_comm, file); // an aborted run must not leave the file of an earlier one
     }
     watchPhases();
     const MemoryAbove memory;
@@ -52,14 +53,13 @@ public:
   }
 
 private:
-  // Repetitions search, unless the deck wants lists to be kept.
+  // Each repetition searches unless the deck gives a margin.
   double margin() const { return _config.search.has_margin ? _config.search.margin : 0; }
-  // The host's copy of the surface ends here: it is no part of what the search needs.
+  // The copy of the surface on the host is freed here: it does not belong to the memory of the search.
   SearchSurface makeSurface() {
     const SearchConfig& search = _config.search;
     const auto seed = static_cast<std::uint64_t>(search.seed);
-    auto part = io::generateWallSurface(_comm, toWallConfig(*_config.wall),
-                                        io::WallJitter{search.jitter, seed});
+    auto part = io::generateWallSurface(_comm, *_config.wall, io::WallJitter{search.jitter, seed});
     if (search.shuffle)
       io::shuffleSurface(seed, part);
     _num_nodes = part.num_global_nodes;
@@ -84,7 +84,7 @@ private:
       }
       _moving.move(_space, step);
       _space.fence();
-      barrier(_comm); // the ranks' different times to get here are not the search's
+      barrier(_comm); // differences between ranks before this point do not belong to the search
       searchOnce();
       if (step == 0)
         _first_seconds = allReduce(_comm, _recorder.seconds(whole), MPI_MAX);
@@ -157,7 +157,7 @@ private:
   std::int64_t _num_nodes = 0, _num_faces = 0; // all ranks
   SearchSurface _moving;
   contact::CandidateSearch _search;
-  std::int64_t _searches_before = 0; // those not counted
+  std::int64_t _searches_before = 0; // not counted
   double _first_seconds = 0;
 };
 
@@ -167,8 +167,7 @@ int runSearch(MPI_Comm comm, const Config& config, const Options& options) {
   if (!config.wall)
     throw InputError(config.deck_path + ": 'brickwall search' needs a [wall]");
   if (config.search.audit > 0 && rankOf(comm) == 0)
-    std::cout << "warning: search.audit is for 'brickwall run': nothing is audited here"
-              << std::endl;
+    std::cout << "warning: search.audit has no effect on 'brickwall search'" << std::endl;
   return SearchRun(comm, config, options).execute();
 }
 

@@ -1,11 +1,14 @@
-// What a deck says, as plain structs with defaults: the only place where deck keys become values of
-// the program. Units are SI, or any consistent set that the deck says.
+// The contents of a deck as plain structs. Their initial values are the defaults of the deck (*_blocks.cpp). Units are SI, or any
+// consistent set that the deck states.
 #pragma once
 
+#include "contact/enforcement/law/enforcement_config.hpp"
 #include "contact/surface/search_config.hpp"
 #include "io/deck/deck.hpp"
+#include "io/exodus/results_writer.hpp"
+#include "io/wall/wall_layout.hpp"
 #include "mechanics/element/bulk_viscosity.hpp"
-#include "mechanics/mesh/hex_mesh.hpp"
+#include "mechanics/element/material.hpp"
 #include "miniapp/deck/limits.hpp"
 
 #include <mpi.h>
@@ -21,18 +24,13 @@ namespace brickwall::miniapp {
 using Triple = std::array<double, 3>;
 
 // [wall]
-enum class Ends { flush, ragged };
-struct WallConfig {
-  std::array<std::int64_t, 3> bricks = {8, 1, 10}; // along, across, courses
-  Triple brick = {0.2, 0.1, 0.1}; // brick size, length
-  std::array<std::int64_t, 3> elements = {8, 4, 4}; // per brick
-  double gap = 0; // between neighbouring bricks, length
-  Ends ends = Ends::flush;
-};
+using io::WallConfig;
+using Ends = io::WallEnds;
 
 // [mesh], in place of [wall]
 struct MeshConfig {
-  std::string file; // path as the program opens it; the deck's is relative to the deck's folder
+  // Path as the program opens it; the path in the deck is relative to the folder of the deck.
+  std::string file;
 };
 
 // [material.<block>]
@@ -43,12 +41,12 @@ struct MaterialConfig {
 
 // [element]
 enum class Formulation {
-  tlps, // one point with assumed-strain hourglass stiffness
+  one_point, // with physical stabilisation, mechanics/element/hex8_one_point.hpp
   full // 2x2x2 points
 };
 
-// Course in time of a load or of a prescribed velocity. Time t counts from `start`; 0 before it.
-//   step        1, until duration if there is one
+// Variation in time of a load or of a prescribed velocity. Time t counts from `start`; 0 before it.
+//   step        1, until duration if it is given
 //   half_sine   sin(pi t / duration), t < duration
 //   sin_squared sin(pi t / duration)^2, t < duration
 //   triangle    1 - |2 t / duration - 1|, t < duration
@@ -57,19 +55,19 @@ enum class PulseShape { step, half_sine, sin_squared, triangle, friedlander };
 struct PulseConfig {
   PulseShape shape = PulseShape::step;
   double start = 0; // time
-  std::optional<double> duration; // time; always there but for `step`
-  double decay = 1; // of friedlander
+  std::optional<double> duration = {}; // time; given for all shapes but `step`
+  double decay = 1; // friedlander
 };
 
 // [[load.pressure]]
 enum class Distribution { uniform, gaussian };
 struct PressureConfig {
   std::string side_set;
-  PulseConfig pulse;
+  PulseConfig pulse = {PulseShape::half_sine};
   double peak = 0; // pressure
   Distribution distribution = Distribution::uniform;
-  // gaussian: peak exp(-(r/radius)^2), r the distance of the reference position to center, arriving
-  // r/wave_speed later
+  // gaussian: peak exp(-(r/radius)^2), arriving r/wave_speed later, with r the distance of the
+  // reference position from center
   Triple center = {0, 0, 0}; // length
   double radius = 0; // length
   double wave_speed = 0; // length/time; 0: no delay
@@ -88,7 +86,7 @@ struct PrescribedVelocityConfig {
   PulseConfig pulse; // multiplies the velocity
 };
 
-// What an initial condition concerns: one block, one brick of a wall, one body, or (none of them) everything.
+// The part of the scene to which an initial condition applies: one block, one brick of a wall, one body, or (none of them) all.
 struct InitialSelection {
   std::optional<std::string> block;
   std::optional<std::array<std::int64_t, 3>> brick; // 0-based: along, across, course
@@ -108,20 +106,13 @@ struct InitialDeformationConfig : InitialSelection {
 
 // [contact]
 enum class SelfContact { automatic, never, always };
-enum class ContactScheme { energy_neutral, penalty };
-// What is done where nodes and faces move against each other by more than contact reaches in a step.
+// Reaction to nodes and faces that move relative to each other by more than the tolerance of contact in one step.
 enum class GuardAction { cut, stop, off };
-struct ContactConfig {
+// The keys that the deck has in common with the library are those of EnforcementConfig; the simulation sets the others.
+struct ContactConfig : contact::EnforcementConfig {
   bool enabled = true;
-  double tolerance = 0.05; // box inflation, of the shortest skin edge
-  ContactScheme scheme = ContactScheme::energy_neutral; // contact/enforcement/enforcement.hpp
-  double penalty = 0.9; // s
-  double lateral_tolerance = 0.05; // accepted |xi| - 1 beyond a face's edge
-  double edge_tolerance = 0.1; // the same beyond true edges, where the force fades out
-  double friction = 0; // mu, Coulomb
-  double friction_stiffness = 1; // k_t/k
-  double damping = 0; // zeta, of the critical damping of a contact
-  bool edges = true; // edges that cross edges push each other
+  double tolerance = 0.05; // box inflation over the shortest skin edge
+  bool edges = true; // edge-to-edge contact
   SelfContact self = SelfContact::automatic; // automatic: never for walls, always for Exodus meshes
   GuardAction guard = GuardAction::cut; // miniapp/simulation/tunnelling_guard.hpp
 };
@@ -129,58 +120,58 @@ struct ContactConfig {
 // [search]
 using contact::SearchMethod;
 struct SearchConfig {
-  SearchMethod method = SearchMethod::cluster;
-  // reuse.margin, of the shortest edge: the lists are kept until nodes have moved half of it; 0: a search in every step
+  SearchMethod method = contact::SearchConfig().method;
+  // reuse.margin over the shortest edge: the lists are kept until nodes have moved half of it; 0: a search in every step
   double margin = 0.1;
-  bool has_margin = false; // the deck tells it
-  double jitter = 0.01; // of an edge, `brickwall search` only
-  double drift = 0.01; // of an edge a step, `brickwall search` only
-  std::int64_t repetitions = 10; // counted searches, `brickwall search` only
+  bool has_margin = false; // given by the deck
+  std::int64_t audit =
+      0; // steps between audits, which count the pairs that the lists miss; 0: none
+  // `brickwall search` only
+  double jitter = 0.01; // over an edge
+  double drift = 0.01; // over an edge, per step
+  std::int64_t repetitions = 10; // counted searches
   std::int64_t warmup = 2; // searches before them that are not counted
   std::int64_t seed = 1;
-  bool local = true; // the local search too, `brickwall search` only
-  std::int64_t audit =
-      0; // every so many steps all pairs are looked at, to count those that the lists miss; 0: never
-  bool shuffle = false; // local nodes and faces in no useful order, `brickwall search` only
+  bool local = true; // the local search too
+  bool shuffle = false; // local nodes and faces in random order
 };
 
-// [spare]: what a scene does not need is left out, bit for bit the same
+// [skip]: work that the scene does not need is skipped; the results are the same bit for bit.
 struct SkipConfig {
   bool resting_bodies = true; // mechanics/step/resting_bodies.hpp
   bool free_bricks = true; // mechanics/step/free_bricks/free_bricks.hpp
   bool lattices = true; // mechanics/mesh/brick_lattice.hpp
-  bool still_contact =
-      true; // contact/enforcement/dormancy/stationary_nodes.hpp, sleeping_blocks.hpp
+  // contact/enforcement/dormancy/stationary_nodes.hpp, sleeping_blocks.hpp
+  bool stationary_contact = true;
 };
 
 // [time]
-// What the stable step is that of: whole bodies (mechanics/stability/largest_frequency.hpp), or the worst element by itself.
+// The stable step is that of whole bodies (mechanics/stability/largest_frequency.hpp), or of the worst element by itself.
 enum class StepBound { lanczos, element };
 struct TimeConfig {
   double end = 0; // time
-  double safety = 0.9; // chi: of the stable step
+  double safety = 0.9; // chi: step over the stable step
   StepBound bound = StepBound::lanczos;
-  std::optional<std::int64_t> steps; // stop after so many, even before `end`
+  std::optional<std::int64_t> steps; // stop after so many, even if `end` is not reached
   std::int64_t check_interval = 500; // steps between checks of the stable step
 };
 
 // [output]
-enum class FileFormat { classic, offset64, netcdf4 };
-enum class Precision { single, float64 };
+enum class Precision { float32, float64 };
 struct OutputConfig {
   double interval = 0; // time; 0: the first and last state only
   double history_interval = 0; // time; 0: every step
-  FileFormat file_format = FileFormat::offset64;
+  io::FileFormat file_format = io::ResultsConfig().format;
   Precision precision = Precision::float64;
   bool processor_id = false; // write the element field processor_id
 };
 
 struct Config {
   std::string title;
-  std::optional<WallConfig> wall; // exactly one of wall and mesh is there
+  std::optional<WallConfig> wall; // exactly one of wall and mesh is given
   std::optional<MeshConfig> mesh;
   std::vector<MaterialConfig> materials;
-  Formulation formulation = Formulation::tlps;
+  Formulation formulation = Formulation::one_point;
   std::vector<PressureConfig> pressures;
   Triple gravity = {0, 0, 0}; // length/time^2
   mechanics::BulkViscosity viscosity; // [viscosity]
@@ -191,13 +182,14 @@ struct Config {
   std::vector<InitialDeformationConfig> initial_deformations;
   ContactConfig contact;
   SearchConfig search;
-  SkipConfig spare;
+  SkipConfig skip;
   TimeConfig time;
   OutputConfig output;
   LimitsConfig limits;
 
   std::string deck_path;
   std::string resolved_deck; // TOML, all defaults filled in, resolves to itself
+  std::vector<std::string> warnings; // former names in the deck, one line each
 
   // The material of an element block; "half_brick" falls back to "brick". Null when there is none.
   const mechanics::Material* materialOf(const std::string& block) const;
@@ -206,13 +198,26 @@ struct Config {
 // The table of all blocks and keys.
 const io::Schema& deckSchema();
 
-// Collective; rank 0 reads and decides. `overrides` as in --set. Throws InputError with all faults
-// of the deck.
+// Collective; rank 0 reads the deck and judges it. `overrides` as in --set. Throws InputError with all
+// faults of the deck.
 Config readConfig(MPI_Comm comm, const std::string& deck_path,
                   const std::vector<std::string>& overrides);
 
 // The same from a text in memory; not collective. For tests and fuzzing.
 Config parseConfig(const std::string& deck_text, const std::string& deck_path,
                    const std::vector<std::string>& overrides = {});
+
+// Inflation of the boxes of nodes and faces, length: contact.tolerance of the shortest edge, or more on long faces, so that the
+// two together reach half as far again as a node may stand beyond the edge of a face and still be in contact with it.
+double boxTolerance(const ContactConfig& contact, double shortest_edge, double longest_edge);
+
+// Greatest penetration at which a contact may become active, length: the tolerances of node and face over the shortest edge.
+double deepestActivation(const ContactConfig& contact, double shortest_edge);
+
+// Whether pairs within one body are excluded from the search.
+bool dropsSameBody(const Config& config);
+
+// The search of the deck as the contact library takes it.
+contact::SearchConfig searchConfig(const Config& config, double tolerance, bool drop_same_body);
 
 } // namespace brickwall::miniapp

@@ -1,4 +1,4 @@
-// What a run must keep, gauge by gauge: stop limits end it with FAIL, warn limits are told once each.
+// Limits of a run, gauge by gauge: a stop limit ends the run with FAIL, a warn limit is reported once.
 #pragma once
 
 #include <array>
@@ -21,33 +21,29 @@ enum Gauge : int {
 };
 using GaugeValues = std::array<double, num_gauges>;
 
-// How a gauge is called in [limits] and in messages, and its limits if the deck says nothing (infinite: none).
+// Name of a gauge in [limits] and in messages, and its limits where the deck gives none (infinite: no limit).
 struct GaugeRule {
   const char* key;
   const char* words;
-  const char* help; // what it is relative to
-  const char* stop; // as in a deck; "" for none
-  const char* warn;
+  const char* help; // its reference value
+  double stop;
+  double warn;
 };
 extern const std::array<GaugeRule, num_gauges> gauge_rules;
 
 // [limits] and [limits.warn]
 struct LimitsConfig {
-  GaugeValues stop = none(), warn = none();
-  std::optional<double> wall_time; // s; the run ends in time, with its output written
+  GaugeValues stop = defaults(&GaugeRule::stop), warn = defaults(&GaugeRule::warn);
+  std::optional<double> wall_time; // s; the run then ends with its output written
 
-  static GaugeValues none() {
-    GaugeValues values;
-    values.fill(HUGE_VAL);
-    return values;
-  }
+  static GaugeValues defaults(double GaugeRule::*limit);
 };
 
 class LimitWatch {
 public:
   explicit LimitWatch(const LimitsConfig& limits) : _limits(limits) {}
 
-  // After a step: the warnings that are new. NaN is beyond any limit.
+  // After a step: the new warnings. NaN is beyond any limit.
   std::vector<std::string> newWarnings(const GaugeValues& values, std::int64_t step, double time);
   // Throws PhysicsError where a stop limit is exceeded, the same on all ranks for equal values.
   void stopBeyondLimits(const GaugeValues& values, std::int64_t step, double time) const;
@@ -56,7 +52,7 @@ public:
 
 private:
   LimitsConfig _limits;
-  std::array<bool, num_gauges> _is_told = {};
+  std::array<bool, num_gauges> _is_reported = {};
   std::vector<std::string> _warnings;
 };
 

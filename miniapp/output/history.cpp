@@ -1,4 +1,3 @@
-// See history.hpp.
 #include "miniapp/output/history.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -22,7 +21,7 @@ std::string spell(double value) {
 void writeLine(std::FILE* file, const std::string& path, std::string line) {
   line += '\n';
   if (std::fwrite(line.data(), 1, line.size(), file) != line.size() || std::fflush(file) != 0)
-    throw OutputError(path + ": can not write the history: " + std::strerror(errno));
+    throw OutputError(path + ": cannot write the history: " + std::strerror(errno));
 }
 
 } // namespace
@@ -38,7 +37,7 @@ HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path,
         return;
       _file = std::fopen(_path.c_str(), "w");
       if (!_file)
-        throw OutputError(_path + ": can not create the history: " + std::strerror(errno));
+        throw OutputError(_path + ": cannot create the history: " + std::strerror(errno));
       std::string line;
       for (const std::string& column : _columns)
         line += (line.empty() ? "" : ",") + column;

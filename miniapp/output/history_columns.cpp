@@ -1,4 +1,4 @@
-// A new column is one line of the table here and one of the table in miniapp/README.md.
+// A new column is one line of the table here and one line of the table in miniapp/output.md.
 #include "miniapp/output/history_columns.hpp"
 
 #include "miniapp/simulation/diagnostics.hpp"
@@ -7,7 +7,7 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// What columns are computed from.
+// The quantities from which columns are computed.
 struct Snapshot {
   const Clock& clock;
   const mechanics::EnergyBalance& balance;
@@ -17,7 +17,7 @@ struct Snapshot {
 // One column, or three for a vector: name_x, name_y, name_z.
 struct Column {
   const char* name;
-  bool (*is_asked_for)(const Config&);
+  bool (*is_used)(const Config&);
   double (*number)(const Snapshot&);
   Vec3 (*vector)(const Snapshot&) = nullptr; // instead of `number`
 };
@@ -27,12 +27,12 @@ bool always(const Config&) {
 }
 
 Column number(const char* name, double (*value)(const Snapshot&),
-              bool (*is_asked_for)(const Config&) = always) {
-  return {name, is_asked_for, value};
+              bool (*is_used)(const Config&) = always) {
+  return {name, is_used, value};
 }
 Column vector(const char* name, Vec3 (*value)(const Snapshot&),
-              bool (*is_asked_for)(const Config&) = always) {
-  return {name, is_asked_for, nullptr, value};
+              bool (*is_used)(const Config&) = always) {
+  return {name, is_used, nullptr, value};
 }
 
 bool hasViscosity(const Config& config) {
@@ -63,71 +63,71 @@ const std::vector<Column>& columns() {
   using mechanics::internal_force;
   using mechanics::viscous_force;
   static const std::vector<Column> all = {
-      number("timestep", [](const Snapshot& m) { return m.clock.dt; }),
-      number("kinetic_energy", [](const Snapshot& m) { return m.balance.kinetic; }),
+      number("timestep", [](const Snapshot& s) { return s.clock.dt; }),
+      number("kinetic_energy", [](const Snapshot& s) { return s.balance.kinetic; }),
       number(
           "internal_energy",
-          [](const Snapshot& m) { return m.balance.stored_material + m.balance.stored_hourglass; }),
-      number("hourglass_energy", [](const Snapshot& m) { return m.balance.stored_hourglass; }),
-      number("contact_energy", [](const Snapshot& m) { return m.balance.stored_contact; }),
+          [](const Snapshot& s) { return s.balance.stored_material + s.balance.stored_hourglass; }),
+      number("hourglass_energy", [](const Snapshot& s) { return s.balance.stored_hourglass; }),
+      number("contact_energy", [](const Snapshot& s) { return s.balance.stored_contact; }),
       number(
-          "friction_energy", [](const Snapshot& m) { return m.balance.stored_friction; },
+          "friction_energy", [](const Snapshot& s) { return s.balance.stored_friction; },
           hasFriction),
       number(
-          "edge_energy", [](const Snapshot& m) { return m.balance.stored_edge; }, hasEdges),
-      number("dissipated_energy", [](const Snapshot& m) { return m.balance.dissipated.total(); }),
-      number("total_energy", [](const Snapshot& m) { return m.balance.total_half; }),
-      number("external_work", [](const Snapshot& m) { return m.balance.external_work; }),
+          "edge_energy", [](const Snapshot& s) { return s.balance.stored_edge; }, hasEdges),
+      number("dissipated_energy", [](const Snapshot& s) { return s.balance.dissipated.total(); }),
+      number("total_energy", [](const Snapshot& s) { return s.balance.total_half; }),
+      number("external_work", [](const Snapshot& s) { return s.balance.external_work; }),
       number("internal_work",
-             [](const Snapshot& m) {
-               return m.balance.work[internal_force] - m.balance.work_hourglass;
+             [](const Snapshot& s) {
+               return s.balance.work[internal_force] - s.balance.work_hourglass;
              }),
-      number("hourglass_work", [](const Snapshot& m) { return m.balance.work_hourglass; }),
-      number("contact_work", [](const Snapshot& m) { return m.balance.work[contact_force]; }),
+      number("hourglass_work", [](const Snapshot& s) { return s.balance.work_hourglass; }),
+      number("contact_work", [](const Snapshot& s) { return s.balance.work[contact_force]; }),
       number(
           "friction_work",
-          [](const Snapshot& m) {
-            return -m.balance.stored_friction - m.balance.dissipated.friction;
+          [](const Snapshot& s) {
+            return -s.balance.stored_friction - s.balance.dissipated.friction;
           },
           hasFriction),
       number(
           "contact_damping_work",
-          [](const Snapshot& m) { return -m.balance.dissipated.contact_damping; },
+          [](const Snapshot& s) { return -s.balance.dissipated.contact_damping; },
           hasContactDamping),
       number(
-          "edge_work", [](const Snapshot& m) { return m.balance.work_edge; }, hasEdges),
-      number("load_work", [](const Snapshot& m) { return m.balance.work[external_force]; }),
-      number("gravity_work", [](const Snapshot& m) { return m.balance.work_gravity; }),
-      number("reaction_work", [](const Snapshot& m) { return m.balance.work_reaction; }),
+          "edge_work", [](const Snapshot& s) { return s.balance.work_edge; }, hasEdges),
+      number("load_work", [](const Snapshot& s) { return s.balance.work[external_force]; }),
+      number("gravity_work", [](const Snapshot& s) { return s.balance.work_gravity; }),
+      number("reaction_work", [](const Snapshot& s) { return s.balance.work_reaction; }),
       number(
-          "viscosity_work", [](const Snapshot& m) { return m.balance.work[viscous_force]; },
+          "viscosity_work", [](const Snapshot& s) { return s.balance.work[viscous_force]; },
           hasViscosity),
       number(
-          "damping_work", [](const Snapshot& m) { return m.balance.work_damping; }, hasDamping),
-      number("energy_error", [](const Snapshot& m) { return m.balance.energy_error; }),
-      number("momentum_error", [](const Snapshot& m) { return m.balance.momentum_error; }),
+          "damping_work", [](const Snapshot& s) { return s.balance.work_damping; }, hasDamping),
+      number("energy_error", [](const Snapshot& s) { return s.balance.energy_error; }),
+      number("momentum_error", [](const Snapshot& s) { return s.balance.momentum_error; }),
       number("angular_momentum_error",
-             [](const Snapshot& m) { return m.balance.angular_momentum_error; }),
-      number("stored_error", [](const Snapshot& m) { return m.balance.stored_error; }),
+             [](const Snapshot& s) { return s.balance.angular_momentum_error; }),
+      number("stored_error", [](const Snapshot& s) { return s.balance.stored_error; }),
       number(
-          "contact_error", [](const Snapshot& m) { return m.balance.contact_error; }, hasContact),
-      number("shadow_energy", [](const Snapshot& m) { return m.balance.shadow; }),
-      number("ledger_residual", [](const Snapshot& m) { return m.balance.ledger_residual; }),
-      vector("momentum", [](const Snapshot& m) { return m.balance.momentum; }),
-      vector("angular_momentum", [](const Snapshot& m) { return m.balance.angular_momentum; }),
-      vector("impulse_load", [](const Snapshot& m) { return m.balance.impulse_external; }),
-      vector("impulse_gravity", [](const Snapshot& m) { return m.balance.impulse_gravity; }),
-      vector("impulse_reaction", [](const Snapshot& m) { return m.balance.impulse_reaction; }),
+          "contact_error", [](const Snapshot& s) { return s.balance.contact_error; }, hasContact),
+      number("shadow_energy", [](const Snapshot& s) { return s.balance.shadow; }),
+      number("ledger_residual", [](const Snapshot& s) { return s.balance.ledger_residual; }),
+      vector("momentum", [](const Snapshot& s) { return s.balance.momentum; }),
+      vector("angular_momentum", [](const Snapshot& s) { return s.balance.angular_momentum; }),
+      vector("impulse_load", [](const Snapshot& s) { return s.balance.impulse_external; }),
+      vector("impulse_gravity", [](const Snapshot& s) { return s.balance.impulse_gravity; }),
+      vector("impulse_reaction", [](const Snapshot& s) { return s.balance.impulse_reaction; }),
       vector(
-          "impulse_damping", [](const Snapshot& m) { return m.balance.impulse_damping; },
+          "impulse_damping", [](const Snapshot& s) { return s.balance.impulse_damping; },
           hasDamping),
-      number("contacts", [](const Snapshot& m) { return static_cast<double>(m.counts.active); }),
-      number("lost_contacts", [](const Snapshot& m) { return static_cast<double>(m.counts.lost); }),
+      number("contacts", [](const Snapshot& s) { return static_cast<double>(s.counts.active); }),
+      number("lost_contacts", [](const Snapshot& s) { return static_cast<double>(s.counts.lost); }),
       number(
           "missed_pairs",
-          [](const Snapshot& m) { return static_cast<double>(m.counts.missed_pairs); }, isAudited),
-      number("max_penetration", [](const Snapshot& m) { return m.counts.max_penetration; }),
-      number("searches", [](const Snapshot& m) { return static_cast<double>(m.counts.searches); }),
+          [](const Snapshot& s) { return static_cast<double>(s.counts.missed_pairs); }, isAudited),
+      number("max_penetration", [](const Snapshot& s) { return s.counts.max_penetration; }),
+      number("searches", [](const Snapshot& s) { return static_cast<double>(s.counts.searches); }),
   };
   return all;
 }
@@ -137,7 +137,7 @@ const std::vector<Column>& columns() {
 std::vector<std::string> globalNames(const Config& config) {
   std::vector<std::string> names;
   for (const Column& column : columns()) {
-    if (!column.is_asked_for(config))
+    if (!column.is_used(config))
       continue;
     const std::string name = column.name;
     if (column.vector)
@@ -149,16 +149,16 @@ std::vector<std::string> globalNames(const Config& config) {
 }
 
 std::vector<double> globalValues(const Simulation& simulation) {
-  const Snapshot moment{simulation.clock(), simulation.balance(), contactCounts(simulation)};
+  const Snapshot snapshot{simulation.clock(), simulation.balance(), contactCounts(simulation)};
   std::vector<double> values;
   for (const Column& column : columns()) {
-    if (!column.is_asked_for(simulation.config()))
+    if (!column.is_used(simulation.config()))
       continue;
     if (column.vector) {
-      const Vec3 v = column.vector(moment);
+      const Vec3 v = column.vector(snapshot);
       values.insert(values.end(), {v.x, v.y, v.z});
     } else {
-      values.push_back(column.number(moment));
+      values.push_back(column.number(snapshot));
     }
   }
   return values;

@@ -1,5 +1,5 @@
-// The numbers of a moment: columns of history.csv and, by the same names and in the same order, globals of the Exodus
-// file. Those of physics that the deck does not ask for are left out.
+// The columns of history.csv, which are also the global variables of the Exodus file, by the same names and in the same order.
+// Columns of physics that the deck does not use are omitted.
 #pragma once
 
 #include "miniapp/deck/config.hpp"

@@ -1,17 +1,15 @@
-// See report.hpp. The names in report.json are fixed: scripts and comparisons of runs read them.
+// The names in report.json are fixed: scripts and comparisons of runs read them.
 #include "miniapp/output/report.hpp"
 
 #include "contact/base/backend.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/output/build_info.hpp"
 #include "miniapp/output/git_commit.hpp"
-#include "miniapp/output/report_parts.hpp"
+#include "miniapp/output/output_files.hpp"
 #include "miniapp/timing/process_memory.hpp"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
+#include <nlohmann/json.hpp>
+
 #include <fstream>
 #include <ostream>
 #include <unistd.h>
@@ -84,7 +82,6 @@ nlohmann::ordered_json toJson(const BalanceReport& balance) {
   return json;
 }
 
-// "time step: 1e-3; 2 cuts: ..." with the first few cuts.
 void printSteps(std::ostream& out, const StepReport& steps) {
   out << format("time step: %.4g at the start, %.4g at the end, cut %zu times", steps.first,
                 steps.last, steps.cuts.size());
@@ -99,7 +96,8 @@ void printSteps(std::ostream& out, const StepReport& steps) {
     out << format("; %.1f %% longer than by elements (Lanczos, %lld products, body types: %lld)",
                   100 * (steps.gain - 1), static_cast<long long>(steps.products),
                   static_cast<long long>(steps.body_types));
-  out << format("; pairs watched in %lld steps\n", static_cast<long long>(steps.guarded_steps));
+  out << format("; tunnelling guard active in %lld steps\n",
+                static_cast<long long>(steps.guarded_steps));
 }
 
 void printBalance(std::ostream& out, const BalanceReport& balance) {
@@ -119,17 +117,16 @@ void printBalance(std::ostream& out, const BalanceReport& balance) {
 
 } // namespace
 
-void judgeFigures(RunReport& report) {
+void judgeNumbers(RunReport& report) {
   if (report.balance.is_rounding)
     report.warnings.push_back(
-        format("no energy of the run, at most %.3g, exceeds what the rounding of "
-               "forces and sums may make: its errors tell nothing",
+        format("the energy of the run, at most %.3g, is within the rounding of forces and "
+               "sums: its relative errors have no meaning",
                report.balance.peak_energy));
   if (report.search.lost_contacts > 0)
     report.warnings.push_back(
-        std::to_string(report.search.lost_contacts) +
-        " times a loaded contact was deeper than the search reaches and let go; a larger "
-        "contact.tolerance keeps it");
+        "contacts under load that were lost because they were deeper than the search reaches: " +
+        std::to_string(report.search.lost_contacts) + "; a larger contact.tolerance keeps them");
   if (report.search.missed_pairs > 0)
     report.failures.push_back("the audit of the search found " +
                               std::to_string(report.search.missed_pairs) +
@@ -156,6 +153,50 @@ std::string versionText() {
   return std::string("brickwall ") + build_info::version + " (commit " + BRICKWALL_COMMIT + ")\n" +
          "compiler " + build_info::compiler + "\nflags    " + build_info::flags + "\nKokkos   " +
          kokkosVersion() + ", " + exec_space::name() + "\n";
+}
+
+void addProvenance(nlohmann::ordered_json& json, const Provenance& provenance) {
+  json["version"] = provenance.version;
+  json["commit"] = provenance.commit;
+  json["compiler"] = provenance.compiler;
+  json["flags"] = provenance.flags;
+  json["kokkos"] = provenance.kokkos;
+  json["mpi"] = provenance.mpi;
+  json["host"] = provenance.host;
+  json["cpu"] = provenance.cpu;
+  json["ranks"] = provenance.ranks;
+  json["threads_per_rank"] = provenance.threads_per_rank;
+  json["execution_space"] = provenance.execution_space;
+}
+
+nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
+  auto list = nlohmann::ordered_json::array();
+  for (const PhaseTime& phase : phases)
+    list.push_back({{"name", phase.name},
+                    {"calls", phase.calls},
+                    {"min", phase.min},
+                    {"mean", phase.mean},
+                    {"max", phase.max}});
+  return list;
+}
+
+std::string jsonText(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases) {
+  out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
+  for (const PhaseTime& phase : phases)
+    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phase.name.c_str(),
+                  static_cast<long long>(phase.calls), phase.min, phase.mean, phase.max);
+}
+
+void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
+                  const Provenance& provenance, std::int64_t max_rank_bytes) {
+  out << "\n" << case_name << ": " << counts << "\n";
+  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n\n", provenance.ranks,
+                provenance.threads_per_rank, provenance.execution_space.c_str(),
+                provenance.kokkos.c_str(), static_cast<double>(max_rank_bytes) / 1e6);
 }
 
 double RunReport::elementStepsPerSecond() const {
@@ -206,10 +247,11 @@ std::string reportJson(const RunReport& r) {
   json["time_step"] = toJson(r.time_step);
   json["balance"] = toJson(r.balance);
   json["skipped"] = nlohmann::ordered_json::array();
-  for (const SparedReport& part : r.skipped)
+  for (const SkippedPart& part : r.skipped)
     json["skipped"].push_back(
         {{"what", part.what}, {"share", part.share}, {"of", part.of}, {"key", part.key}});
-  // As text: a number of JSON need not have 64 bits.
+  json["spared"] = json["skipped"]; // the former name, for one release
+  // As text: numbers of JSON need not have 64 bits.
   const auto hex = [](std::uint64_t sum) {
     return format("%016llx", static_cast<unsigned long long>(sum));
   };
@@ -223,44 +265,8 @@ std::string reportJson(const RunReport& r) {
   return jsonText(json);
 }
 
-void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& text) {
-  rethrowOnAllRanks(comm, [&] {
-    if (rankOf(comm) != 0)
-      return;
-    std::FILE* file = std::fopen(path.c_str(), "w");
-    if (!file)
-      throw OutputError(path + ": can not create the file: " + std::strerror(errno));
-    const bool written =
-        std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
-    const int reason = errno;
-    if ((std::fclose(file) != 0) || !written)
-      throw OutputError(path +
-                        ": can not write the file: " + std::strerror(written ? errno : reason));
-  });
-}
-
 void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report) {
   writeTextFile(comm, path, reportJson(report));
-}
-
-void removeFile(MPI_Comm comm, const std::string& path) {
-  rethrowOnAllRanks(comm, [&] {
-    std::error_code error;
-    if (rankOf(comm) == 0 && !std::filesystem::remove(path, error) && error)
-      throw OutputError(path + ": can not remove the file of an earlier run: " + error.message());
-  });
-}
-
-void makeDirectory(MPI_Comm comm, const std::string& path) {
-  rethrowOnAllRanks(comm, [&] {
-    if (rankOf(comm) != 0)
-      return;
-    std::error_code error;
-    std::filesystem::create_directories(path, error);
-    if (!std::filesystem::is_directory(path))
-      throw OutputError(path + ": can not make the output folder: " +
-                        (error ? error.message() : "a file of that name is in the way"));
-  });
 }
 
 void printReport(std::ostream& out, const RunReport& r) {
@@ -275,24 +281,23 @@ void printReport(std::ostream& out, const RunReport& r) {
   out << "\nsearch: " << r.search.method
       << (r.search.drops_same_body ? ", pairs within one body dropped"
                                    : ", pairs within one body kept")
-      << format(", %lld searches, one in %.3g steps, median %.3e s a step; last step: %lld ghost "
-                "faces, %lld candidate pairs, "
-                "%lld active contacts\n",
+      << format(", %lld searches, one in %.3g steps, median %.3e s per step; last step: %lld "
+                "ghost faces, %lld candidate pairs, %lld active contacts\n",
                 static_cast<long long>(r.search.searches), r.search.steps_per_search,
                 r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
                 static_cast<long long>(r.search.candidate_pairs),
                 static_cast<long long>(r.search.active_contacts));
   if (r.search.audit > 0)
-    out << format("audit: %lld pairs missed, all pairs looked at in every %lld steps\n",
+    out << format("audit: %lld pairs missed, all pairs tested every %lld steps\n",
                   static_cast<long long>(r.search.missed_pairs),
                   static_cast<long long>(r.search.audit));
   printSteps(out, r.time_step);
   printBalance(out, r.balance);
-  for (const SparedReport& part : r.skipped)
+  for (const SkippedPart& part : r.skipped)
     if (part.share > 0)
       out << format("skipped: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                     part.of.c_str());
-  for (std::size_t i = r.warnings_told; i < r.warnings.size(); ++i)
+  for (std::size_t i = r.printed_warnings; i < r.warnings.size(); ++i)
     out << "warning: " << r.warnings[i] << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "
                 "loop_seconds=%.6g\n",

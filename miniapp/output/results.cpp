@@ -27,14 +27,13 @@ io::ResultsConfig resultsConfig(const Config& config) {
   results.element_names = element_names;
   results.global_names = globalNames(config);
   results.write_processor_id = config.output.processor_id;
-  results.single_precision = config.output.precision == Precision::single;
-  results.format = config.output.file_format == FileFormat::netcdf4 ? io::FileFormat::netcdf4
-                                                                    : io::FileFormat::classic;
+  results.single_precision = config.output.precision == Precision::float32;
+  results.format = config.output.file_format;
   return results;
 }
 
 // Status and gap of the nodes owned here as message words. Only the owner of a node knows its contacts: the words of
-// all other sharers are zero, so that a sum forwards the owner's bits.
+// all other sharers are zero, so that a sum forwards the bits of the owner.
 void packContact(const exec_space& space, const Scene& scene,
                  const contact::Enforcement& enforcement, const View<std::int64_t**>& words) {
   Kokkos::deep_copy(space, words, 0);

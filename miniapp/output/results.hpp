@@ -1,4 +1,4 @@
-// What a run writes while it goes: the Exodus steps.
+// The Exodus steps that a run writes.
 #pragma once
 
 #include "io/exodus/results_writer.hpp"
@@ -15,7 +15,7 @@ public:
   // Creates `base`.exo (or this rank's file of it). Collective. Throws OutputError on all ranks.
   Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene);
 
-  // Appends the state of the moment. Collective. Throws OutputError on all ranks.
+  // Appends the present state. Collective. Throws OutputError on all ranks.
   void writeStep(Simulation& simulation);
   void close() { _writer.close(); }
 

@@ -1,7 +1,7 @@
 #include "miniapp/output/run_report.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "miniapp/deck/search_choice.hpp"
+#include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 
 #include <map>
@@ -30,7 +30,7 @@ SearchReport searchReport(const Config& config, const ContactCounts& counts) {
 
 StepReport stepReport(const Config& config, const Simulation& simulation) {
   StepReport steps;
-  steps.bound = config.time.bound == StepBound::lanczos ? "lanczos" : "element";
+  steps.bound = nameOf(config.time.bound);
   steps.gain = simulation.steps().gain().step;
   steps.products = simulation.steps().gain().products;
   steps.body_types = simulation.steps().gain().body_types;
@@ -112,11 +112,11 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search.seconds_per_step = recorder.medianPerStep("search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
-  report.skipped = sparedParts(config, simulation, counts, report.elements);
+  report.skipped = skippedWork(config, simulation, counts, report.elements);
   const Checksums sums = checksums(simulation);
   report.checksums = {sums.nodes, sums.contacts, sums.interactions};
   report.max_rank_bytes = peakRankBytes(comm);
-  judgeFigures(report);
+  judgeNumbers(report);
   return report;
 }
 

@@ -1,4 +1,4 @@
-// From a simulation that has ended to the report of its run.
+// Fills the report of a run from its simulation.
 #pragma once
 
 #include "miniapp/output/report.hpp"
@@ -7,8 +7,8 @@
 
 namespace brickwall::miniapp {
 
-// All but the case's name, the searches within the timed steps and what the time loop alone knows of warnings and failures; what the figures say for themselves (lost
-// contacts, missed pairs) is among them. Collective.
+// All but the name of the case, the number of searches within the timed steps, and the warnings and failures of the time loop; the
+// warnings and failures of judgeNumbers are included. Collective.
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
 

@@ -1,7 +1,8 @@
 #include "miniapp/output/search_report.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "miniapp/output/report_parts.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <ostream>
 
@@ -51,10 +52,6 @@ void printTimes(std::ostream& out, const std::string& title, const SearchTimes& 
   printSteps(out, "local search", times.local);
 }
 
-const char* nameOf(Timing timing) {
-  return timing == Timing::paper ? "paper" : "normal";
-}
-
 } // namespace
 
 RankBytes overRanks(MPI_Comm comm, std::int64_t bytes) {
@@ -64,7 +61,7 @@ RankBytes overRanks(MPI_Comm comm, std::int64_t bytes) {
 double SearchOnlyReport::faceSearchesPerSecond() const {
   if (searches == repetitions)
     return ratio(static_cast<double>(faces), seconds.whole.median);
-  // Repetitions that kept their lists took time, too.
+  // Repetitions that kept their lists took time as well.
   return ratio(static_cast<double>(faces) * static_cast<double>(searches),
                seconds.whole.mean * static_cast<double>(repetitions));
 }
@@ -115,7 +112,7 @@ void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
                r.provenance, r.peak.max);
   if (r.margin > 0)
     out << format(
-        "margin %g of an edge: %lld of %lld repetitions searched, the others kept the lists\n",
+        "margin of %g edges: %lld of %lld repetitions searched, the others kept their lists\n",
         r.margin, static_cast<long long>(r.searches), static_cast<long long>(r.repetitions));
   printTimes(out,
              format("wall clock of a search (%lld counted)", static_cast<long long>(r.repetitions)),
@@ -133,14 +130,15 @@ void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
   out << format("sent %lld node boxes, tested %lld faces, %lld overlapping pairs in search 2\n",
                 static_cast<long long>(r.node_boxes_sent), static_cast<long long>(r.faces_tested),
                 static_cast<long long>(r.overlapping_pairs));
-  out << format("memory: %.1f MB before the searches, %.1f MB more for them (largest rank: %.1f)\n",
-                1e-6 * static_cast<double>(r.inputs.sum), 1e-6 * static_cast<double>(r.search.sum),
-                1e-6 * static_cast<double>(r.search.max));
+  out << format(
+      "memory: %.1f MB before the searches, %.1f MB more for the searches (largest rank: %.1f)\n",
+      1e-6 * static_cast<double>(r.inputs.sum), 1e-6 * static_cast<double>(r.search.sum),
+      1e-6 * static_cast<double>(r.search.max));
   if (r.searches > 0)
     out << format("FOM face_searches_per_second=%.6g seconds_per_search=%.6g\n",
                   r.faceSearchesPerSecond(), r.seconds.whole.median);
   else
-    out << "no FOM: none of the counted repetitions searched, all kept the lists\n";
+    out << "no FOM: none of the counted repetitions searched, all kept their lists\n";
   out << "PASS" << std::endl;
 }
 

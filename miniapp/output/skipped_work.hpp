@@ -1,5 +1,5 @@
-// What a scene did not need and was therefore left out: the list that `brickwall check` and the report show. The key of a part puts
-// it back, for measurements (./run.sh --study savings).
+// The work that a scene did not need and that was therefore skipped, as `brickwall check` and the report list it. The key of a part
+// makes the program do the work nevertheless, for measurements (./run.sh --study savings).
 #pragma once
 
 #include "miniapp/deck/config.hpp"
@@ -10,9 +10,9 @@
 
 namespace brickwall::miniapp {
 
-// Collective. Before the first step what is known of the scene, later what the steps so far have skipped. `counts` are those of
-// the simulation.
-std::vector<SparedReport> sparedParts(const Config& config, const Simulation& simulation,
-                                      const ContactCounts& counts, std::int64_t num_elems);
+// Collective. Before the first step the shares follow from the scene, later from the steps so far. `counts` are those of the
+// simulation.
+std::vector<SkippedPart> skippedWork(const Config& config, const Simulation& simulation,
+                                     const ContactCounts& counts, std::int64_t num_elems);
 
 } // namespace brickwall::miniapp

@@ -29,7 +29,7 @@ std::string bodyName(const Config& config, global_id body) {
   std::ostringstream name;
   name << "body " << body;
   if (config.wall) {
-    const io::BrickPlace at = io::WallLayout(toWallConfig(*config.wall)).brickPlace(body);
+    const io::BrickPlace at = io::WallLayout(*config.wall).brickPlace(body);
     name << " (brick [" << at.along << ", " << at.wythe << ", " << at.course << "]: course "
          << at.course << ", wythe " << at.wythe << ", place " << at.along << ")";
   }

@@ -4,7 +4,6 @@
 #include "contact/base/to_device.hpp"
 #include "contact/overlap/box_pairs.hpp"
 #include "contact/overlap/initial_overlap.hpp"
-#include "miniapp/deck/search_choice.hpp"
 #include "miniapp/scene/entity_names.hpp"
 
 #include <algorithm>
@@ -81,7 +80,7 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
 void refuseDeepOverlaps(const exec_space& space, MPI_Comm comm, const Config& config,
                         const Scene& scene, const contact::Surface& surface,
                         const View<const double* [3]>& displacement) {
-  const double reach = deepestBirth(config.contact, scene.shortest_edge);
+  const double reach = deepestActivation(config.contact, scene.shortest_edge);
   const auto bodies = contact::bodiesThatMeet(space, comm, surface, reach);
   if (!allReduce(comm, static_cast<int>(!bodies.empty()), MPI_MAX))
     return;

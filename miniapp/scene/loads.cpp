@@ -45,7 +45,7 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
     for (std::size_t elem = 0; elem < chosen.size(); ++elem)
       chosen[elem] = part.blocks[part.elem_block[elem]].name == *entry.block;
   } else if (entry.brick) {
-    const io::WallLayout layout(toWallConfig(*config.wall));
+    const io::WallLayout layout(*config.wall);
     for (std::size_t elem = 0; elem < chosen.size(); ++elem) {
       const auto place = layout.brickPlace(part.elem_body[elem]);
       chosen[elem] = place.along == (*entry.brick)[0] && place.wythe == (*entry.brick)[1] &&

@@ -207,19 +207,8 @@ void refuseUnknownBodies(const Config& config, global_id num_bodies) {
     refuse("initial.deformation", entry);
 }
 
-io::WallConfig toWallConfig(const WallConfig& wall) {
-  io::WallConfig config;
-  config.bricks = wall.bricks;
-  config.brick = wall.brick;
-  config.elements = wall.elements;
-  config.gap = wall.gap;
-  config.ends = wall.ends == Ends::flush ? io::WallEnds::flush : io::WallEnds::ragged;
-  return config;
-}
-
 io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config) {
-  return config.wall ? io::generateWall(comm, toWallConfig(*config.wall))
-                     : io::readMesh(comm, config.mesh->file);
+  return config.wall ? io::generateWall(comm, *config.wall) : io::readMesh(comm, config.mesh->file);
 }
 
 mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part) {

@@ -46,9 +46,6 @@ io::MeshPart makeMeshPart(MPI_Comm comm, const Config& config);
 // lacks.
 void refuseUnknownBodies(const Config& config, global_id num_bodies);
 
-// [wall] in the form that the generator needs.
-io::WallConfig toWallConfig(const WallConfig& wall);
-
 // Sets by name. They throw InputError that names the set and the most similar existing name.
 const io::SideSet& sideSetOf(const io::MeshPart& part, const std::string& name);
 const io::NodeSet& nodeSetOf(const io::MeshPart& part, const std::string& name);

@@ -2,7 +2,6 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
-#include "miniapp/deck/search_choice.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
 
 namespace brickwall::miniapp {
@@ -17,21 +16,12 @@ constexpr double edge_margin = 0.2;
 contact::EnforcementConfig enforcementConfig(const Config& config, double shortest_edge,
                                              double reference_step) {
   const ContactConfig& deck = config.contact;
-  contact::EnforcementConfig enforcement;
-  enforcement.scheme = deck.scheme == ContactScheme::energy_neutral
-                           ? contact::Scheme::energy_neutral
-                           : contact::Scheme::penalty;
-  enforcement.penalty = deck.penalty;
-  enforcement.skip_stationary = config.spare.still_contact;
+  contact::EnforcementConfig enforcement = deck;
+  enforcement.skip_stationary = config.skip.stationary_contact;
   enforcement.reference_step = reference_step;
-  enforcement.lateral_tolerance = deck.lateral_tolerance;
-  enforcement.edge_tolerance = deck.edge_tolerance;
-  enforcement.friction = deck.friction;
-  enforcement.friction_stiffness = deck.friction_stiffness;
-  enforcement.damping = deck.damping;
   enforcement.self_contact = !dropsSameBody(config);
   enforcement.least_depth = 1e-12 * shortest_edge;
-  enforcement.deepest_birth = deepestBirth(deck, shortest_edge);
+  enforcement.deepest_birth = deepestActivation(deck, shortest_edge);
   return enforcement;
 }
 
@@ -133,7 +123,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     _coupling.sumContactForces(_space, contact_forces, _search, shared);
   };
   contact::NeutralInput neutral;
-  if (_config.contact.scheme == ContactScheme::energy_neutral) {
+  if (_config.contact.scheme == contact::Scheme::energy_neutral) {
     neutral.accelerations = [&](const contact::NodeList& nodes) {
       return _coupling.accelerations(_space, nodes, forces, state, 0.5 * (steps.dt + steps.next_dt),
                                      boundary);

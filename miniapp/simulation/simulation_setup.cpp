@@ -42,10 +42,10 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _forces.quantum = Quantum::forForceScale(mechanics::forceScale(_space, comm, mesh));
   allocateForces();
   _scales = mechanics::ledgerScales(_space, comm, mesh);
-  const auto kind = config.formulation == Formulation::tlps ? mechanics::ElementKind::one_point
-                                                            : mechanics::ElementKind::full;
+  const auto kind = config.formulation == Formulation::one_point ? mechanics::ElementKind::one_point
+                                                                 : mechanics::ElementKind::full;
   _internal_force = std::make_unique<mechanics::InternalForce>(
-      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.spare.lattices);
+      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.skip.lattices);
   _loads = pressureLoads(_space, config, scene);
   findFreeBricks();
   setInitialDeformations(_space, config, scene, _shared, _state);
@@ -75,7 +75,7 @@ void Simulation::allocateForces() {
 void Simulation::findFreeBricks() {
   _other_nodes = mechanics::NodeSelection::allOf(_scene.mesh.num_nodes);
   if (_config.contact.enabled || _config.viscosity.any() || !host_accessible ||
-      !_config.spare.free_bricks)
+      !_config.skip.free_bricks)
     return;
   std::vector<char> is_loaded(_scene.mesh.num_nodes, 0);
   markNodes(_loads, is_loaded);
@@ -88,7 +88,7 @@ void Simulation::findFreeBricks() {
 // reach this rank's part of a body also through shared nodes. Without contact few bodies ever start
 // to move, so nothing is gained.
 void Simulation::findRestingBodies() {
-  if (!_config.spare.resting_bodies || !_config.contact.enabled)
+  if (!_config.skip.resting_bodies || !_config.contact.enabled)
     return;
   std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);
   const auto surface =

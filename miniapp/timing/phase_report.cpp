@@ -1,5 +1,5 @@
-// See phase_report.hpp. Kokkos' callbacks are plain functions, so the installed recorder is known by one pointer in
-// this file; nothing else in the program is global.
+// The callbacks of Kokkos are plain functions, so that a pointer in this file holds the installed recorder: the only global
+// variable of the program.
 #include "miniapp/timing/phase_report.hpp"
 
 #include "contact/base/backend.hpp"
@@ -30,7 +30,7 @@ struct PhaseRecorder::State {
   RegionTree regions;
   std::vector<Watch> watches, cpu_watches;
   std::vector<StepSamples> timer_watches, timer_cpu_watches; // none, or one for each of the 13
-  RegionTree::TimerSums timer_sums; // at the last step's end
+  RegionTree::TimerSums timer_sums; // at the end of the last step
 };
 
 namespace {
@@ -68,8 +68,8 @@ std::vector<std::string> splitNames(const std::string& text) {
   return names;
 }
 
-// Collective. All names that any rank has, in one order on all ranks: first those of rank 0, then of the next rank
-// that has more, ...
+// Collective. All names of any rank, in the same order on all ranks: first those of rank 0, then those that the next rank
+// adds, and so on.
 std::vector<std::string> agreeOnNames(MPI_Comm comm, const std::vector<std::string>& mine) {
   std::vector<std::string> known;
   const auto isKnown = [&](const std::string& name) {
@@ -81,10 +81,10 @@ std::vector<std::string> agreeOnNames(MPI_Comm comm, const std::vector<std::stri
     for (const std::string& name : mine)
       if (!isKnown(name))
         missing += name + "\n";
-    const int teller = allReduce(comm, missing.empty() ? none : rankOf(comm), MPI_MIN);
-    if (teller == none)
+    const int sender = allReduce(comm, missing.empty() ? none : rankOf(comm), MPI_MIN);
+    if (sender == none)
       return known;
-    for (const std::string& name : splitNames(broadcast(comm, missing, teller)))
+    for (const std::string& name : splitNames(broadcast(comm, missing, sender)))
       known.push_back(name);
   }
 }

@@ -1,10 +1,9 @@
-// Phase times from profiling regions: the recorder listens to Kokkos' region callbacks, so no timer
-// call stands in the solver. Regions of the global search are named "search::<timer>" with the 13
-// timers of the paper's Fig. 11, the solver's "step::<verb>"; "search" encloses one whole search,
-// boxes to pair list.
+// Phase times from profiling regions: the recorder uses the region callbacks of Kokkos, so that the solver contains no
+// timer calls. Regions of the global search are named "search::<timer>" with the 13
+// timers of Fig. 11 of the paper, those of the solver "step::<verb>"; "search" encloses one whole search,
+// from the boxes to the list of pairs.
 #pragma once
 
-#include "miniapp/commands/command_line.hpp"
 #include "miniapp/timing/region_tree.hpp"
 #include "miniapp/timing/step_samples.hpp"
 
@@ -19,7 +18,7 @@ namespace brickwall::miniapp {
 // One phase over all ranks; calls and seconds of a rank are sums over all calls.
 struct PhaseTime {
   std::string name;
-  std::int64_t calls = 0; // largest of all ranks
+  std::int64_t calls = 0; // largest number of all ranks
   double min = 0, mean = 0, max = 0; // seconds
 };
 
@@ -31,20 +30,20 @@ struct PhaseSteps {
 
 // Accumulates calls and seconds per region on this rank. At most one recorder exists at a time; it
 // is installed by its constructor (after Kokkos::initialize) and removed by its destructor; tools
-// that were loaded before still get every call. Regions are opened by one thread only. Nothing is
+// that were loaded earlier still receive every call. Regions are opened by one thread only. Nothing is
 // allocated once every region has been seen.
 class PhaseRecorder {
 public:
-  // With Timing::paper the begin of each region "search::..." fences the device and waits for all
-  // ranks of `comm` (counted as "search::waiting"), its end fences: then every rank must open the
-  // same such regions in the same order.
+  // With Timing::paper the beginning of each region "search::..." fences the device and waits for all
+  // ranks of `comm` (counted as "search::waiting"), and its end fences: every rank must then open the
+  // same regions of this kind in the same order.
   PhaseRecorder(MPI_Comm comm, Timing timing);
   ~PhaseRecorder();
   PhaseRecorder(const PhaseRecorder&) = delete;
   PhaseRecorder& operator=(const PhaseRecorder&) = delete;
 
-  // Forgets all calls, seconds and samples: the first step is not counted. Regions now open count
-  // from here on.
+  // Forgets all calls, seconds and samples: the first step is not counted. Open regions count
+  // from this point.
   void reset();
 
   // Seconds and calls of all regions of that name on this rank, nested regions included.
@@ -60,22 +59,22 @@ public:
   // The same of the own seconds of each of the 13 timers; their CPU seconds are counted with Timing::paper only, after
   // watchCpu().
   void watchSearchTimers(std::int64_t expected_steps);
-  // Ends a step: takes the samples of all that is watched.
+  // Ends a step: takes one sample of each watched region.
   void endStep();
 
-  // Collective. Of a watched region.
+  // Collective. Statistics of a watched region.
   StepStatistics secondsPerStep(const std::string& region) const;
   StepStatistics busyCpuPerStep(const std::string& region) const;
   double medianPerStep(const std::string& region) const { return secondsPerStep(region).median; }
-  // Collective. The 13 timers in the paper's order, by their bare names; empty when they are not watched.
+  // Collective. The 13 timers in the order of the paper, by their bare names; empty when they are not watched.
   std::vector<PhaseSteps> searchTimersPerStep() const;
 
   // Collective. All regions in the order of first opening, by name, "search" and the 13 timers
   // included.
   std::vector<PhaseTime> phases() const;
-  // Collective. The 13 timers of the global search in the paper's order, by their bare names; those with nothing to time
-  // are 0; "other" is the rest of region "search", the local search apart. Each excludes timers nested in it, so they
-  // add up.
+  // Collective. The 13 timers of the global search in the order of the paper, by their bare names; unused timers are 0;
+  // "other" is the rest of region "search" without the local search. Each excludes the timers nested in it, so that
+  // they add up.
   std::vector<PhaseTime> searchTimers() const;
 
   struct State; // for the callbacks

@@ -6,7 +6,7 @@
 #include <string>
 #include <sys/resource.h>
 
-// Of the GNU C library; null with another, whose freed memory then counts as in use.
+// Part of the GNU C library; null with other libraries, where freed memory then counts as in use.
 extern "C" int malloc_trim(std::size_t) noexcept __attribute__((weak));
 
 namespace brickwall::miniapp {
@@ -21,7 +21,7 @@ std::int64_t statusBytes(const std::string& name) {
   return 0;
 }
 
-// Linux: 5 written to clear_refs sets the peak to what is resident now. Where that is refused the earlier peak stays.
+// Linux: writing 5 to clear_refs sets the peak to the present resident size. Where that is refused, the earlier peak stays.
 void restartPeak() {
   std::ofstream("/proc/self/clear_refs") << 5;
 }

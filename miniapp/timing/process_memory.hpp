@@ -1,16 +1,17 @@
-// Resident memory of this process, and how far a stretch of work raised it. Host memory only, as the kernel counts it.
+// Resident memory of this process, and its growth during a piece of work. Host memory only, as the kernel counts it.
 #pragma once
 
 #include <cstdint>
 
 namespace brickwall::miniapp {
 
-// Resident now, and the most so far (since the last MemoryAbove, if one was made); bytes, 0 where the system does not say.
+// Present and peak resident memory (the peak since the last MemoryAbove, if there is one), bytes; 0 where the system does not
+// report it.
 std::int64_t residentBytes();
 std::int64_t peakResidentBytes();
 
-// Measures what the work after its construction needs above what is resident then. Memory that was freed before is
-// given back to the system first and the peak starts anew, so that a set-up that needed more does not hide the work.
+// Measures the memory that work after its construction needs in addition to that resident at its construction. Memory that was
+// freed earlier is first returned to the system and the peak is reset, so that a larger set-up does not hide the work.
 class MemoryAbove {
 public:
   MemoryAbove();

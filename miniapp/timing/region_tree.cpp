@@ -37,7 +37,7 @@ int searchTimerOf(const std::string& region) {
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-// The phases that every rank goes through in every search, so that all may meet at their begin.
+// The phases that every rank opens in every search, so that all ranks can wait for each other at their beginning.
 bool isMeetingPoint(const std::string& region) {
   static const char* const names[] = {"node boxes", "face boxes",       "rank-box exchange",
                                       "partners",   "searches 0 and 1", "node-box exchange",
@@ -89,7 +89,7 @@ int RegionTree::child(int parent, const char* name) {
   return made;
 }
 
-// Is `node` a region of that name, or inside one?
+// Whether `node` is a region of that name, or inside one.
 bool RegionTree::isWithin(int node, const std::string& region) const {
   while (node > 0 && _nodes[node].name != region)
     node = _nodes[node].parent;
@@ -136,7 +136,7 @@ void RegionTree::push(const char* name) {
 
 void RegionTree::pop() {
   if (_open.empty())
-    return; // opened before the recorder was there
+    return; // opened before the recorder was installed
   Node& node = _nodes[_open.back().node];
   if (_timing == Timing::paper && (node.timer >= 0 || node.is_meeting_point))
     Kokkos::fence();

@@ -1,8 +1,8 @@
-// The tree of profiling regions that one rank has opened, with calls, seconds and CPU seconds of each: the same name
-// under two parents is two nodes. Host bookkeeping of PhaseRecorder (phase_report.hpp), which feeds it.
+// The tree of profiling regions that one rank has opened, with calls, seconds and CPU seconds of each; the same name
+// under two parents is two nodes. PhaseRecorder (phase_report.hpp) fills it.
 #pragma once
 
-#include "miniapp/commands/command_line.hpp"
+#include "miniapp/timing/timing.hpp"
 
 #include <mpi.h>
 
@@ -12,32 +12,32 @@
 
 namespace brickwall::miniapp {
 
-// Names of the 13 timers of the global search, in the paper's order; their regions are "search::<name>".
+// Names of the 13 timers of the global search, in the order of the paper; their regions are "search::<name>".
 const std::vector<std::string>& searchTimerNames();
 
 class RegionTree {
 public:
-  // With Timing::paper the outermost phases of the search fence, and all ranks of `comm` meet at their begin, in a
-  // region "search::waiting".
+  // With Timing::paper the outermost phases of the search fence, and all ranks of `comm` wait for each other at their
+  // beginning, in a region "search::waiting".
   RegionTree(MPI_Comm comm, Timing timing);
 
   void push(const char* name);
   void pop();
-  // Forgets all calls and seconds; regions now open count from here on.
+  // Forgets all calls and seconds; open regions count from this point.
   void reset();
 
-  // From here on the CPU seconds of all threads of this process are counted too, in regions of these names (with
-  // Timing::paper in all of them). Costs a system call at both ends of each such region. Call it with none of them open.
+  // Starts to count the CPU seconds of all threads of this process in regions of these names (with Timing::paper in all
+  // regions). Costs a system call at both ends of each such region. None of them may be open.
   void countCpu(const std::vector<std::string>& regions);
 
-  // Sums over the regions of that name on this rank, those inside another of that name not counted twice.
+  // Sums over the regions of that name on this rank, not counting twice those inside another region of that name.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
-  // The same of CPU seconds, less those in "search::waiting" inside: a rank that waits for others burns its core.
+  // The same of CPU seconds, less those in "search::waiting" inside: a rank that waits for others keeps its core busy.
   double busyCpuSeconds(const std::string& region) const;
 
-  // Own time of each of the 13 timers, that of timers inside it taken off; the last, "other", is the rest of region
-  // "search", the local search apart. So they add up to it. CPU seconds as far as they are counted.
+  // Own time of each of the 13 timers, without that of nested timers; the last, "other", is the rest of region "search"
+  // without the local search: the sum is the time of the global search. CPU seconds as far as they are counted.
   struct TimerSums {
     std::vector<double> seconds, cpu_seconds;
     std::vector<std::int64_t> calls;
@@ -51,7 +51,7 @@ private:
   struct Node {
     std::string name;
     int parent = -1, first_child = -1, next_sibling = -1;
-    int timer = -1; // which of the 13
+    int timer = -1; // index among the 13; -1: none
     bool is_waiting = false;
     bool is_meeting_point = false; // with Timing::paper, outside of any other search timer
     bool counts_cpu = false;

@@ -16,7 +16,7 @@ double medianOfSorted(const std::vector<double>& sorted) {
 } // namespace
 
 StepSamples::StepSamples(std::int64_t expected_steps, double total) : _before(total) {
-  constexpr std::int64_t most = 1 << 20; // beyond it the list grows as it must
+  constexpr std::int64_t most = 1 << 20; // beyond this, the list grows on demand
   _samples.reserve(
       static_cast<std::size_t>(std::min(std::max<std::int64_t>(expected_steps, 16), most)));
 }

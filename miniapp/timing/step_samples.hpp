@@ -1,4 +1,4 @@
-// Samples of one quantity, one per step, on this rank; and what they come to over steps and ranks.
+// Samples of one quantity, one per step, on this rank, and their statistics over steps and ranks.
 #pragma once
 
 #include <mpi.h>
@@ -8,20 +8,20 @@
 
 namespace brickwall::miniapp {
 
-// A step counts by its slowest rank.
+// The value of a step is that of its slowest rank.
 struct StepStatistics {
   double min = 0, median = 0, max = 0; // over the steps, of the largest sample of all ranks
   double mean = 0; // over steps and ranks
-  double imbalance =
-      1; // the largest sum over the steps of a rank, over the mean of the ranks' sums; 1 is perfect
+  // Largest over mean of the ranks' sums over the steps; 1: perfect balance.
+  double imbalance = 1;
 };
 
 class StepSamples {
 public:
-  // Room for so many steps is reserved; the running sum is now at `total`.
+  // Reserves memory for so many steps; the running sum starts at `total`.
   explicit StepSamples(std::int64_t expected_steps, double total = 0);
 
-  // Ends a step: `total` is the running sum of the quantity, the sample what it grew by since the step before.
+  // Ends a step: `total` is the running sum of the quantity, the sample is its growth since the step before.
   void endStep(double total);
   // Forgets all samples; running sums start from 0.
   void reset();

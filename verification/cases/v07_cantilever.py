@@ -16,7 +16,7 @@ CONVERGED = 0.010114  # to 1e-6; 0.0101216 and 0.0101178 of 80 x 8 x 8 and 160 x
 MESHES = [(10, 1, 1), (10, 2, 2), (20, 2, 2), (40, 4, 4), (80, 8, 8)]
 
 
-def frequency(lab, elements, element="tlps"):
+def frequency(lab, elements, element="one_point"):
     """(angular frequency, times, mean deflection of the free end)."""
     run = lab.run(f"{element}_{'x'.join(map(str, elements))}", {"element.formulation": element},
                   mesh=box((10, 1, 1), elements, name="beam"))
@@ -38,13 +38,13 @@ def evaluate(lab):
         # The singularity at the clamp allows order 1 only.
         lab.check_order([1 / m[2] for m in series], [errors[m] for m in series], least=0.7, exact=1)
     full = {elements: frequency(lab, elements, "full")[0] / CONVERGED - 1 for elements in meshes[:3]}
-    lab.table("Relative errors of the frequency:", ["elements", "tlps", "full (2x2x2 points)"],
+    lab.table("Relative errors of the frequency:", ["elements", "one_point", "full (2x2x2 points)"],
               [["x".join(map(str, m)), errors[m], full.get(m, "")] for m in meshes])
     with lab.figure("Deflection of the free end; error of the frequency", panels=2) as (tip, error):
         _, times, deflection = found[10, 1, 1]
         tip.plot(times, deflection, label="10x1x1", linewidth=1)
         tip.set(xlabel="t", ylabel="u_z")
         sizes = [1 / m[2] for m in series]
-        error.loglog(sizes, [abs(errors[m]) for m in series], "o-", label="tlps")
+        error.loglog(sizes, [abs(errors[m]) for m in series], "o-", label="one_point")
         draw_slope(error, sizes, [abs(errors[m]) for m in series], 1)
         error.set(xlabel="element size / depth", ylabel="relative error")

@@ -11,7 +11,7 @@ enum class Scheme {
 };
 
 struct EnforcementConfig {
-  Scheme scheme = Scheme::penalty;
+  Scheme scheme = Scheme::energy_neutral;
   // s: k = min(eps A, s m_red/dt_ref^2). It takes mult s/4 of the mass of surface nodes, mult 2.05, with crossing edges 2.55: the
   // step must be stable for what is left.
   double penalty = 0.9;

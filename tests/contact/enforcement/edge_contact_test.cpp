@@ -35,7 +35,7 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
               0.5 * EnforcementConfig().penalty / (dt * dt) / inverse_mass * 0.005, 1e-12);
   EXPECT_NEAR(norm(moment) / push.z, 0, 1e-12);
   // A node is inside only half a diagonal later.
-  auto nodes = EnforcementConfig();
+  auto nodes = config();
   nodes.reference_step = dt;
   Enforcement enforcement(exec_space(), MPI_COMM_SELF, run.part.surface(), run.part.nodeMass(),
                           nodes, Quantum::forForceScale(100), LimbScale::forLargest(1e3));
@@ -133,7 +133,7 @@ TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
 // Every rank finds the same contacts, elements cut one by one.
 TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
   const int size = sizeOf(MPI_COMM_WORLD);
-  EnforcementConfig c;
+  EnforcementConfig c = config();
   c.friction = 0.3;
   c.damping = 0.05;
   const Scene scene = crossedRidges(0.01);
@@ -155,7 +155,6 @@ TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
 // Worst |E/E_0 - 1| while the ridges hit each other and part.
 double worstEnergyError(bool with_edges, double* deepest) {
   EnforcementConfig config;
-  config.scheme = Scheme::energy_neutral;
   SpringBricks bricks(crossedRidges(0.002), config, 0.1, 0.8, 0.3);
   if (with_edges)
     bricks.addEdges(searchOf(0.2));

@@ -113,7 +113,7 @@ void expectInputError(const std::string& path, const std::string& part_of_messag
 TEST(MeshReader, ReadsBackWhatWasWrittenOnAnyNumberOfRanks) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const WholeMesh wall = gatherMesh(MPI_COMM_SELF, generateWall(MPI_COMM_SELF, smallWall()));
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     const std::string path = folder / "wall.exo";
     writeAlone(path, smallWall(), format);
     const MeshPart part = readMesh(MPI_COMM_WORLD, path);
@@ -126,7 +126,7 @@ TEST(MeshReader, ReadsBackWhatWasWrittenOnAnyNumberOfRanks) {
 TEST(MeshReader, GivesTheSamePartsAsTheGenerator) {
   // The same centroids go into the same RCB: only their last bits may differ, and no cut of this wall hangs on them.
   const TemporaryFolder folder(MPI_COMM_WORLD);
-  writeAlone(folder / "wall.exo", smallWall(), FileFormat::classic);
+  writeAlone(folder / "wall.exo", smallWall(), FileFormat::offset64);
   const MeshPart part = readMesh(MPI_COMM_WORLD, folder / "wall.exo");
   const double share = static_cast<double>(part.num_global_elems) / sizeOf(MPI_COMM_WORLD);
   EXPECT_LE(part.numElems(), share + 3 * 4 * 2);
@@ -197,7 +197,7 @@ TEST(MeshReader, RefusesWhatIsNotExodus) {
 
 TEST(MeshReader, RefusesATruncatedFileWhereverItEnds) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     writeAlone(folder / "wall.exo", smallWall(), format);
     const auto bytes = static_cast<double>(std::filesystem::file_size(folder / "wall.exo"));
     for (const double part : {0.9999, 0.9, 0.5, 0.1, 0.01, 0.0001}) {
@@ -215,7 +215,7 @@ TEST(MeshReader, RefusesATruncatedFileWhereverItEnds) {
 
 TEST(MeshReader, KnowsTheSizeOfAnIntactClassicFile) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
-  writeAlone(folder / "wall.exo", smallWall(), FileFormat::classic);
+  writeAlone(folder / "wall.exo", smallWall(), FileFormat::offset64);
   const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(folder / "wall.exo"));
   const std::int64_t needed = classicFileBytes(folder / "wall.exo");
   EXPECT_LE(needed, bytes);

@@ -145,7 +145,7 @@ TEST(ResultsWriter, RankFilesJoinToTheFileOfOneRank) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const WallConfig wall = wallOf({3, 1, 4}, {4, 2, 2});
   const MeshPart part = generateWall(MPI_COMM_WORLD, wall);
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     for (const bool single : {false, true}) {
       ResultsConfig config = someFields();
       config.format = format;
@@ -201,7 +201,7 @@ TEST(ResultsWriter, JoinsAMeshReadFromAFile) {
 TEST(ResultsWriter, StepsAreReadableWhileTheFileIsStillOpen) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const ResultsConfig config = someFields();
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     ResultsConfig of_format = config;
     of_format.format = format;
     const MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({2, 1, 2}, {2, 2, 2}));
@@ -307,7 +307,7 @@ TEST(ResultsWriter, FindsAFullDiskInTheStepOnAllRanks) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({4, 1, 4}, {4, 4, 4}));
   const int last = sizeOf(MPI_COMM_WORLD) - 1;
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     ResultsConfig config = someFields();
     config.format = format;
     ResultsWriter writer(MPI_COMM_WORLD, folder / "full.exo", part, config);
@@ -328,7 +328,7 @@ TEST(ResultsWriter, FindsAFullDiskInTheStepOnAllRanks) {
 TEST(ResultsWriter, FindsAFullDiskWhenTheMeshIsWritten) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({4, 1, 4}, {4, 4, 4}));
-  for (const FileFormat format : {FileFormat::classic, FileFormat::netcdf4}) {
+  for (const FileFormat format : {FileFormat::offset64, FileFormat::netcdf4}) {
     ResultsConfig config = someFields();
     config.format = format;
     std::pair<ExitCode, std::string> error;

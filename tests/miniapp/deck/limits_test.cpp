@@ -21,18 +21,19 @@ TEST(Limits, AreSilentUpToTheLimitAndWarnOnceBeyondIt) {
     limits.warn[g] = 0.25;
     LimitWatch watch(limits);
     EXPECT_TRUE(watch.newWarnings(only(Gauge(g), 0.25), 3, 0.5).empty());
-    const auto told = watch.newWarnings(only(Gauge(g), 0.26), 4, 0.75);
-    ASSERT_EQ(told.size(), 1u);
-    EXPECT_EQ(told[0], std::string(gauge_rules[g].words) +
+    const auto reported = watch.newWarnings(only(Gauge(g), 0.26), 4, 0.75);
+    ASSERT_EQ(reported.size(), 1u);
+    EXPECT_EQ(reported[0], std::string(gauge_rules[g].words) +
                            " 0.26 in step 4 (time 0.75) exceeds limits.warn." + gauge_rules[g].key +
                            " = 0.25");
     EXPECT_TRUE(watch.newWarnings(only(Gauge(g), 0.9), 5, 1.0).empty());
-    EXPECT_EQ(watch.warnings(), told);
+    EXPECT_EQ(watch.warnings(), reported);
   }
 }
 
 TEST(Limits, StopTheRun) {
   LimitsConfig limits;
+  limits.stop.fill(HUGE_VAL);
   limits.stop[gauge_contact] = 0.2;
   const LimitWatch watch(limits);
   EXPECT_NO_THROW(watch.stopBeyondLimits(only(gauge_energy, 1e300), 1, 0)); // no limit of its own

@@ -3,6 +3,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/output/history.hpp"
+#include "miniapp/output/output_files.hpp"
 #include "miniapp/output/report.hpp"
 #include "miniapp/output/search_report.hpp"
 #include "miniapp/timing/phase_report.hpp"
@@ -372,7 +373,7 @@ TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
             std::string::npos)
       << out.str();
   report.warnings = {"told", "new"};
-  report.warnings_told = 1;
+  report.printed_warnings = 1;
   out.str("");
   printReport(out, report);
   EXPECT_NE(out.str().find("\nwarning: new\n"), std::string::npos);
@@ -384,14 +385,14 @@ TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
 
 TEST(Report, FailsForMissedPairsAndWarnsOfLostContacts) {
   RunReport report = sampleReport();
-  judgeFigures(report);
+  judgeNumbers(report);
   EXPECT_TRUE(report.pass());
   EXPECT_TRUE(report.warnings.empty());
   report.search.audit = 10;
   report.search.missed_pairs = 3;
   report.search.lost_contacts = 2;
   report.balance.has_contact = true;
-  judgeFigures(report);
+  judgeNumbers(report);
   EXPECT_FALSE(report.pass());
   EXPECT_NE(report.failures.at(0).find("3 candidate pairs"), std::string::npos);
   EXPECT_NE(report.warnings.at(0).find("2 times a loaded contact"), std::string::npos);
@@ -406,7 +407,7 @@ TEST(Report, WarnsOfEnergiesThatAreRounding) {
   RunReport report = sampleReport();
   report.balance.is_rounding = true;
   report.balance.peak_energy = 3e-20;
-  judgeFigures(report);
+  judgeNumbers(report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("at most 3e-20"), std::string::npos);
   EXPECT_TRUE(report.pass());

@@ -170,7 +170,7 @@ TEST(TunnellingGuard, TestsBodiesAtRest) {
       "[material.brick]\ndensity = 1\nyoungs_modulus = 1\npoissons_ratio = 0\n"
       "[material.half_brick]\ndensity = 1e4\nyoungs_modulus = 1e4\npoissons_ratio = 0\n"
       "[[initial.velocity]]\nblock = \"half_brick\"\nvelocity = [0, 0, -0.625]\n"
-      "[time]\nend = 1.0\nsafety = 0.8\n[limits]\nenergy_error = 10\n[spare]\nresting_bodies = ";
+      "[time]\nend = 1.0\nsafety = 0.8\n[limits]\nenergy_error = 10\n[skip]\nresting_bodies = ";
   Case resting(deck + "true\n"), all(deck + "false\n");
   EXPECT_GT(specialElements(resting.simulation).resting, 0);
   EXPECT_EQ(specialElements(all.simulation).resting, 0);

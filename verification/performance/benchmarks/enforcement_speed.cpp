@@ -144,7 +144,6 @@ void printSpeed(const char* name, double share_a_step, bool is_balanced = true) 
   search_config.node_tolerance = search_config.face_tolerance = 0.05 * edge_length;
   search_config.drop_same_body = true;
   EnforcementConfig config;
-  config.scheme = Scheme::energy_neutral;
   config.reference_step = dt;
   config.edge_tolerance = 0.2;
   config.least_depth = 1e-12 * edge_length;

@@ -25,7 +25,7 @@ def frequency(lab, element):
 
 
 def evaluate(lab):
-    found, run, times, deflection = frequency(lab, "tlps")
+    found, run, times, deflection = frequency(lab, "one_point")
     lab.check(found, CONVERGED, 0.02)
     modulus = (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
     # The program's step is that of the whole beam; `gain` is its ratio to the step of the worst
@@ -39,7 +39,7 @@ def evaluate(lab):
     lab.check(run.history["energy_error"][-1], 0, 1e-3, "energy_of_the_beam")
     full = frequency(lab, "full")[0]
     lab.table("First frequency of the beam, 20 x 2 x 2 elements:", ["element", "frequency", "error"],
-              [["tlps", found, found / CONVERGED - 1], ["full (2x2x2 points)", full, full / CONVERGED - 1]])
+              [["one_point", found, found / CONVERGED - 1], ["full (2x2x2 points)", full, full / CONVERGED - 1]])
     blocks(lab)
     with lab.figure("Deflection of the free end") as axes:
         axes.plot(times, deflection)

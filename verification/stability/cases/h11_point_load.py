@@ -38,22 +38,22 @@ def checkerboard(surface):
 def evaluate(lab):
     rows, profiles = [], {}
     for name, where in {"middle": (6, 6, 8), "edge": (0, 6, 8), "corner": (0, 0, 8)}.items():
-        runs = {element: pushed(lab, f"{name}_{element}", element, where) for element in ("tlps", "full")}
+        runs = {element: pushed(lab, f"{name}_{element}", element, where) for element in ("one_point", "full")}
         surfaces = {element: top(run) for element, run in runs.items()}
-        depth = abs(surfaces["tlps"][where[1], where[0]])
-        share = runs["tlps"].history["hourglass_energy"][-1] / runs["tlps"].history["internal_energy"][-1]
+        depth = abs(surfaces["one_point"][where[1], where[0]])
+        share = runs["one_point"].history["hourglass_energy"][-1] / runs["one_point"].history["internal_energy"][-1]
         work = {element: run.history["internal_energy"][-1] for element, run in runs.items()}
         x, y = np.meshgrid(*[np.arange(n + 1) for n in SIZE[:2]])
         away = np.hypot(x - where[0], y - where[1]) >= 3
-        far, reference = surfaces["tlps"][away], surfaces["full"][away]
+        far, reference = surfaces["one_point"][away], surfaces["full"][away]
         # The node moves by a tenth of an element under forces that differ; away from it the fields
         # differ by the ratio of these.
         force = (far @ reference) / (reference @ reference)
         shape = np.abs(far - force * reference).max() / np.abs(far).max()
         cells = np.hypot(x[:-1, :-1] + 0.5 - where[0], y[:-1, :-1] + 0.5 - where[1]) >= 3
         boards = {element: np.abs(checkerboard(surface))[cells].max() / depth for element, surface in surfaces.items()}
-        rows.append([name, depth, share, work["tlps"] / work["full"] - 1, force, shape, boards["tlps"], boards["full"],
-                     np.abs(energy_change(runs["tlps"].history)).max()])
+        rows.append([name, depth, share, work["one_point"] / work["full"] - 1, force, shape, boards["one_point"], boards["full"],
+                     np.abs(energy_change(runs["one_point"].history)).max()])
         profiles[name] = (surfaces, where)
     lab.check(max(row[6] for row in rows), max(row[7] for row in rows), 5e-3, error=max(row[6] - row[7] for row in rows))
     # A load at one node has a width of h: at a distance of r = 3 h its field is determined to
@@ -68,6 +68,6 @@ def evaluate(lab):
                   f"block is more compliant: it stores {100 * max(abs(row[3]) for row in rows):.0f} % less energy than with 2x2x2 points")
     with lab.figure("Deflection of the top face along the line through the load") as axes:
         for name, (surfaces, where) in profiles.items():
-            for element, line in (("tlps", "-"), ("full", ":")):
+            for element, line in (("one_point", "-"), ("full", ":")):
                 axes.plot(surfaces[element][where[1]], line, label=f"{name}, {element}")
         axes.set(xlabel="x / h", ylabel="u_z / h")

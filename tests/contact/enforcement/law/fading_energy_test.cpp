@@ -32,6 +32,7 @@ public:
         _surface(_part.surface()) {
     _surface.face_attributes = withTrueEdges(_surface);
     EnforcementConfig config;
+    config.scheme = Scheme::penalty;
     config.reference_step = 0.5;
     config.penalty = config.reference_step * config.reference_step; // k = s m/dt_ref^2
     config.edge_tolerance = 0.2; // fades out from 1.04 on, over .16 or twice the depth

@@ -50,7 +50,7 @@ inline SearchConfig searchOf(double reach) {
 // A scene's edges with their forces on the nodes of the part.
 struct EdgeRun {
   template <class Cut>
-  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = {},
+  EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = config(),
           double margin = 0)
       : scene(s), part(s, comm, cut, 0.3), motion(exec_space(), "test", part.surface()),
         total("test::edge_forces", part.surface().num_nodes) {

@@ -14,6 +14,7 @@ constexpr double dt = 0.1;
 
 inline EnforcementConfig config() {
   EnforcementConfig c;
+  c.scheme = Scheme::penalty;
   c.reference_step = dt;
   return c;
 }

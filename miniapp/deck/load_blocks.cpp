@@ -1,0 +1,231 @@
+// Loads, boundary conditions and initial conditions.
+#include "mechanics/element/material.hpp"
+#include "miniapp/deck/block_keys.hpp"
+#include "miniapp/deck/boundary_conflicts.hpp"
+#include "miniapp/deck/deck_blocks.hpp"
+
+namespace brickwall::miniapp {
+namespace {
+
+using io::BlockKind;
+using io::Deck;
+
+void pulseKeys(BlockKeys& keys, PulseConfig& pulse) {
+  keys.add("shape", pulse.shape, "variation in time; each step takes its mean over the step");
+  keys.add("start", pulse.start, "time at which the pulse begins").in("s").atLeast(0);
+  keys.add("duration", pulse.duration, "length of the pulse; optional for shape = \"step\"")
+      .in("s")
+      .above(0);
+  keys.add("decay", pulse.decay, "only with shape = \"friedlander\", where 1.0 is the default")
+      .optional()
+      .atLeast(0);
+}
+
+void pressureKeys(BlockKeys& keys, PressureConfig& load) {
+  keys.add("side_set", load.side_set, "name; walls have front, back, left, right, bottom and top")
+      .mustBeGiven();
+  keys.add("peak", load.peak, "largest pressure").in("Pa").mustBeGiven();
+  keys.add("distribution", load.distribution, "variation in space");
+  keys.add("center", load.center, "centre of the gaussian").in("m").optional();
+  keys.add("radius", load.radius, "radius of the gaussian peak exp(-(r/radius)^2)")
+      .in("m")
+      .optional()
+      .above(0);
+  keys.add("wave_speed", load.wave_speed,
+           "the gaussian arrives r/wave_speed after `start`; 0: at the same time everywhere")
+      .in("m/s")
+      .optional()
+      .atLeast(0);
+  keys.add("follower", load.follower,
+           "whether the load acts on the current face or on the reference face");
+  pulseKeys(keys, load.pulse);
+}
+
+void gravityKeys(BlockKeys& keys, Config& config) {
+  keys.add("acceleration", config.gravity, "vector").in("m/s2");
+}
+
+void viscosityKeys(BlockKeys& keys, mechanics::BulkViscosity& viscosity) {
+  keys.add("linear", viscosity.linear, "b1; 0.06 for shocks").atLeast(0).atMost(2);
+  keys.add("quadratic", viscosity.quadratic, "b2, in compression only; 1.2 for strong shocks")
+      .atLeast(0)
+      .atMost(10);
+}
+
+void dampingKeys(BlockKeys& keys, Config& config) {
+  keys.add("mass", config.mass_damping, "alpha of the force -alpha m v").in("1/s").atLeast(0);
+}
+
+void componentsKey(BlockKeys& keys, std::array<bool, 3>& components) {
+  keys.add("components", components, "prescribed components");
+}
+
+void fixedKeys(BlockKeys& keys, FixedConfig& fixed) {
+  keys.add("node_set", fixed.node_set,
+           "name; walls have base, base_course, top_course, left_end and right_end")
+      .mustBeGiven();
+  componentsKey(keys, fixed.components);
+}
+
+void prescribedKeys(BlockKeys& keys, PrescribedVelocityConfig& prescribed) {
+  keys.add("node_set", prescribed.node_set, "name").mustBeGiven();
+  keys.add("velocity", prescribed.velocity, "vector, which the pulse multiplies")
+      .in("m/s")
+      .mustBeGiven();
+  componentsKey(keys, prescribed.components);
+  pulseKeys(keys, prescribed.pulse);
+}
+
+void selectionKeys(BlockKeys& keys, InitialSelection& selection) {
+  keys.add("block", selection.block, "element block");
+  keys.add("brick", selection.brick,
+           "a brick of the wall: its indices along, across and of the course, from 0")
+      .atLeast(0);
+  keys.add("body", selection.body, "number of a body, from 0").atLeast(0);
+}
+
+void initialVelocityKeys(BlockKeys& keys, InitialVelocityConfig& initial) {
+  selectionKeys(keys, initial);
+  keys.add("velocity", initial.velocity, "vector").in("m/s");
+  keys.add("angular_velocity", initial.angular_velocity,
+           "vector; its cross product with X - center is added")
+      .in("rad/s");
+  keys.add("center", initial.center, "centre of the rotation").in("m");
+}
+
+void initialDeformationKeys(BlockKeys& keys, InitialDeformationConfig& initial) {
+  selectionKeys(keys, initial);
+  keys.add("gradient", initial.gradient,
+           "du/dX row by row: du_x/dX, du_x/dY, du_x/dZ, du_y/dX, ...")
+      .mustBeGiven();
+  keys.add("center", initial.center, "point that does not move").in("m");
+}
+
+std::string instance(const std::string& block, int index) {
+  return block + "[" + std::to_string(index) + "]";
+}
+
+void checkPulse(Deck& deck, const std::string& block, const PulseConfig& pulse) {
+  if (!deck.isGood(block, "shape"))
+    return;
+  if (pulse.shape != PulseShape::step && !deck.has(block, "duration"))
+    deck.complain(block, "shape", "no duration for shape \"" + deck.text(block, "shape") + "\"",
+                  "a key duration = a number above 0, in s");
+  if (pulse.shape != PulseShape::friedlander && deck.has(block, "decay"))
+    deck.complain(block, "decay", "decay beside shape \"" + deck.text(block, "shape") + "\"",
+                  "decay only with shape = \"friedlander\"");
+}
+
+PressureConfig readPressure(Deck& deck, const std::string& block) {
+  PressureConfig load;
+  readBlock(deck, block, pressureKeys, load);
+  checkPulse(deck, block, load.pulse);
+  const bool is_gaussian = load.distribution == Distribution::gaussian;
+  for (const std::string key : {"center", "radius"})
+    if (is_gaussian && !deck.has(block, key))
+      deck.complain(block, "distribution", "a gaussian without \"" + key + "\"",
+                    "keys center = [x, y, z] and radius, in m");
+  for (const std::string key : {"center", "radius", "wave_speed"})
+    if (!is_gaussian && deck.has(block, key) && deck.isGood(block, "distribution"))
+      deck.complain(block, key, key + " beside a uniform distribution",
+                    "distribution = \"gaussian\"");
+  return load;
+}
+
+void readBoundaries(Deck& deck, Config& config) {
+  for (int i = 0; i < deck.count("boundary.fixed"); ++i)
+    readBlock(deck, instance("boundary.fixed", i), fixedKeys, config.fixed.emplace_back());
+  for (int i = 0; i < deck.count("boundary.velocity"); ++i) {
+    const std::string block = instance("boundary.velocity", i);
+    auto& prescribed = config.prescribed.emplace_back();
+    readBlock(deck, block, prescribedKeys, prescribed);
+    checkPulse(deck, block, prescribed.pulse);
+  }
+  complainOfConflicts(config, deck);
+}
+
+void checkSelection(Deck& deck, const std::string& block, const InitialSelection& selection,
+                    const std::optional<WallConfig>& wall) {
+  const int selectors =
+      deck.has(block, "block") + deck.has(block, "brick") + deck.has(block, "body");
+  if (selectors > 1)
+    deck.complain(block, "", "several of block, brick and body", "at most one of them");
+  if (deck.has(block, "brick") && !wall)
+    deck.complain(block, "brick", "a brick without a [wall]", "block or body for a [mesh]");
+  if (!selection.brick || !wall || !deck.isGood("wall", "bricks"))
+    return;
+  // Odd courses of a flush wall have one piece more: two halves and one whole brick less.
+  std::array<std::int64_t, 3> pieces = wall->bricks;
+  if (wall->ends == Ends::flush && (*selection.brick)[2] % 2 == 1)
+    ++pieces[0];
+  for (std::size_t d = 0; d < 3; ++d)
+    if ((*selection.brick)[d] >= pieces[d])
+      deck.complain(block, "brick", "a brick outside of the wall",
+                    "indices from 0, below the numbers of bricks");
+}
+
+void readInitialVelocities(Deck& deck, Config& config) {
+  for (int i = 0; i < deck.count("initial.velocity"); ++i) {
+    const std::string block = instance("initial.velocity", i);
+    auto& initial = config.initial_velocities.emplace_back();
+    readBlock(deck, block, initialVelocityKeys, initial);
+    if (!deck.has(block, "velocity") && !deck.has(block, "angular_velocity"))
+      deck.complain(block, "", "neither velocity nor angular_velocity",
+                    "at least one of them, a list of 3 numbers");
+    if (deck.has(block, "center") && !deck.has(block, "angular_velocity"))
+      deck.complain(block, "center", "center without angular_velocity",
+                    "angular_velocity = [wx, wy, wz], in rad/s");
+    checkSelection(deck, block, initial, config.wall);
+  }
+}
+
+void readInitialDeformations(Deck& deck, Config& config) {
+  for (int i = 0; i < deck.count("initial.deformation"); ++i) {
+    const std::string block = instance("initial.deformation", i);
+    auto& initial = config.initial_deformations.emplace_back();
+    readBlock(deck, block, initialDeformationKeys, initial);
+    checkSelection(deck, block, initial, config.wall);
+    double H[3][3];
+    for (int k = 0; k < 9; ++k)
+      H[k / 3][k % 3] = initial.gradient[static_cast<std::size_t>(k)];
+    if (!(1 + mechanics::volumeChange(H) > 0))
+      deck.complain(block, "gradient", "a gradient that turns bodies inside out",
+                    "det(I + gradient) above 0");
+  }
+}
+
+} // namespace
+
+io::Schema loadBlocks() {
+  const std::string selected = " of one block, brick or body, or of all; later blocks win";
+  return {
+      withKeys({"load.pressure", BlockKind::repeated, "pressure on a side set"}, pressureKeys),
+      withKeys({"gravity", BlockKind::single, "acceleration of all bodies"}, gravityKeys),
+      withKeys({"viscosity", BlockKind::single,
+                "bulk viscosity of the elements, against oscillations behind shocks; it shortens "
+                "the step"},
+               viscosityKeys),
+      withKeys({"damping", BlockKind::single, "damping of all bodies"}, dampingKeys),
+      withKeys({"boundary.fixed", BlockKind::repeated, "nodes that do not move"}, fixedKeys),
+      withKeys({"boundary.velocity", BlockKind::repeated, "nodes whose velocity is prescribed"},
+               prescribedKeys),
+      withKeys({"initial.velocity", BlockKind::repeated, "velocity at the start" + selected},
+               initialVelocityKeys),
+      withKeys({"initial.deformation", BlockKind::repeated,
+                "displacement at the start, gradient (X - center)," + selected},
+               initialDeformationKeys),
+  };
+}
+
+void readLoads(Deck& deck, Config& config) {
+  for (int i = 0; i < deck.count("load.pressure"); ++i)
+    config.pressures.push_back(readPressure(deck, instance("load.pressure", i)));
+  readBlock(deck, "gravity", gravityKeys, config);
+  readBlock(deck, "viscosity", viscosityKeys, config.viscosity);
+  readBlock(deck, "damping", dampingKeys, config);
+  readBoundaries(deck, config);
+  readInitialVelocities(deck, config);
+  readInitialDeformations(deck, config);
+}
+
+} // namespace brickwall::miniapp

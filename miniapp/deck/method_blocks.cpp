@@ -1,0 +1,146 @@
+// [contact], [search], [skip] and [time]
+#include "mechanics/stability/stable_time_step.hpp"
+#include "miniapp/deck/block_keys.hpp"
+#include "miniapp/deck/deck_blocks.hpp"
+
+namespace brickwall::miniapp {
+namespace {
+
+using io::BlockKind;
+using io::BlockRule;
+
+void contactKeys(BlockKeys& keys, ContactConfig& contact) {
+  keys.add("enabled", contact.enabled, "whether contact is searched and enforced");
+  // Node and face together reach twice as far: not through a brick of one element.
+  keys.add("tolerance", contact.tolerance,
+           "inflation of the search boxes, over the shortest element edge")
+      .above(0)
+      .atMost(0.45);
+  keys.add(
+      "scheme", contact.scheme,
+      "penalty with the first and last step of a contact weighted so that energy is conserved, "
+      "or plain penalty");
+  keys.add("penalty", contact.penalty,
+           "stiffness s = k dt^2/m; the default is less with contact.damping; stiffer contact may "
+           "shorten the step; with edges below 1.55")
+      .above(0)
+      .below(1.95);
+  keys.add("lateral_tolerance", contact.lateral_tolerance,
+           "accepted distance beyond the edge of a face, in |xi|")
+      .above(0)
+      .atMost(0.5);
+  keys.add("edge_tolerance", contact.edge_tolerance,
+           "accepted distance beyond feature edges, in |xi|, over which the force fades out")
+      .above(0)
+      .atMost(0.5);
+  keys.add("friction", contact.friction, "Coulomb's coefficient").atLeast(0).atMost(100);
+  keys.add("friction_stiffness", contact.friction_stiffness,
+           "tangential stiffness over normal stiffness")
+      .above(0)
+      .atMost(1);
+  keys.add("damping", contact.damping, "damping over the critical damping of a contact").atLeast(0);
+  keys.add("edges", contact.edges, "whether edge-to-edge contact is enforced");
+  keys.add("self", contact.self,
+           "contact within one body; auto: never for walls, always for Exodus meshes");
+  keys.add("guard", contact.guard,
+           "where a node could pass through a face within a step: cut the step, stop, or go on");
+}
+
+void searchKeys(BlockKeys& keys, SearchConfig& search) {
+  keys.add("method", search.method,
+           "sorted clusters that are kept and refitted; the scheme of the paper; plain serial "
+           "loops");
+  keys.add("jitter", search.jitter,
+           "random displacement of the nodes, over an edge (brickwall search)")
+      .atLeast(0)
+      .below(0.5);
+  keys.add("drift", search.drift,
+           "largest displacement of a brick per step, over an edge (brickwall search)")
+      .atLeast(0)
+      .atMost(10);
+  keys.add("repetitions", search.repetitions, "counted searches (brickwall search)")
+      .atLeast(1)
+      .atMost(1e9);
+  keys.add("warmup", search.warmup, "searches before the counted ones (brickwall search)")
+      .atLeast(0)
+      .atMost(1e9);
+  keys.add("audit", search.audit,
+           "steps between audits, which test all pairs by plain loops and count those that the "
+           "lists miss; 0: none")
+      .atLeast(0)
+      .atMost(1e15);
+  keys.add("seed", search.seed, "seed of jitter, drift and shuffle").atLeast(0);
+  keys.add("local", search.local,
+           "whether the local search is done after the global search (brickwall search)");
+  keys.add("shuffle", search.shuffle,
+           "whether local nodes and faces are in random order (brickwall search)");
+}
+
+void reuseKeys(BlockKeys& keys, SearchConfig& search) {
+  keys.add("margin", search.margin,
+           "added to the boxes, over the shortest edge; a new search is made when a node has moved "
+           "half of it; 0: in every step; brickwall search: 0 where not given")
+      .atLeast(0)
+      .atMost(10);
+}
+
+void skipKeys(BlockKeys& keys, SkipConfig& skip) {
+  keys.add("resting_bodies", skip.resting_bodies,
+           "skip elements and nodes of bodies that have not yet been moved");
+  keys.add("free_bricks", skip.free_bricks,
+           "skip forces and loads of bricks that step independently, without contact");
+  keys.add("lattices", skip.lattices,
+           "skip the connectivity of bricks whose elements form a lattice");
+  keys.add("stationary_contact", skip.stationary_contact,
+           "skip contact of nodes and faces that have not moved, or not far enough to touch")
+      .formerly("still_contact");
+}
+
+void timeKeys(BlockKeys& keys, TimeConfig& time) {
+  keys.add("end", time.end, "time at which the run ends").in("s").mustBeGiven().above(0);
+  keys.add("safety", time.safety, "step over the stable step").above(0).atMost(1);
+  keys.add("bound", time.bound,
+           "stable step of whole bodies by their largest frequency, or of the worst element by "
+           "itself");
+  keys.add("steps", time.steps, "number of steps after which the run ends").atLeast(1).atMost(1e15);
+  keys.add("check_interval", time.check_interval, "steps between checks of the stable step")
+      .atLeast(1)
+      .atMost(1e15);
+}
+
+} // namespace
+
+io::Schema methodBlocks() {
+  BlockRule skip{"skip", BlockKind::single,
+                 "work that the scene does not need is skipped; no bit of the results depends on "
+                 "it"};
+  skip.former_name = "spare";
+  BlockRule time{"time", BlockKind::single, "time steps"};
+  time.required = true;
+  return {
+      withKeys({"contact", BlockKind::single, "contact between bodies"}, contactKeys),
+      withKeys({"search", BlockKind::single, "the contact search"}, searchKeys),
+      withKeys({"search.reuse", BlockKind::single,
+                "candidate lists are kept over several steps; the contact forces are the same bit "
+                "for bit"},
+               reuseKeys),
+      withKeys(skip, skipKeys),
+      withKeys(time, timeKeys),
+  };
+}
+
+void readMethods(io::Deck& deck, Config& config) {
+  ContactConfig& contact = config.contact;
+  readBlock(deck, "contact", contactKeys, contact);
+  if (!deck.has("contact", "penalty")) {
+    contact.penalty = mechanics::penaltyForMassFraction(contact.penalty, contact.damping);
+    deck.assignReal("contact", "penalty", contact.penalty);
+  }
+  readBlock(deck, "search", searchKeys, config.search);
+  readBlock(deck, "search.reuse", reuseKeys, config.search);
+  config.search.has_margin = deck.has("search.reuse", "margin");
+  readBlock(deck, "skip", skipKeys, config.skip);
+  readBlock(deck, "time", timeKeys, config.time);
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,55 @@
+// [output], [limits] and [limits.warn]
+#include "miniapp/deck/block_keys.hpp"
+#include "miniapp/deck/deck_blocks.hpp"
+
+namespace brickwall::miniapp {
+namespace {
+
+using io::BlockKind;
+
+void outputKeys(BlockKeys& keys, OutputConfig& output) {
+  keys.add("interval", output.interval, "time between output steps; 0: first and last only")
+      .in("s")
+      .atLeast(0);
+  keys.add("history_interval", output.history_interval,
+           "time between rows of history.csv; 0: every step")
+      .in("s")
+      .atLeast(0);
+  keys.add("file_format", output.file_format, "format of the Exodus files");
+  keys.add("precision", output.precision, "precision of the fields in the Exodus files");
+  keys.add("processor_id", output.processor_id, "whether the rank of each element is written");
+}
+
+void gaugeKeys(BlockKeys& keys, GaugeValues& limits) {
+  for (int g = 0; g < num_gauges; ++g)
+    keys.add(gauge_rules[g].key, limits[g], gauge_rules[g].help).above(0);
+}
+void limitKeys(BlockKeys& keys, LimitsConfig& limits) {
+  gaugeKeys(keys, limits.stop);
+  keys.add("wall_time", limits.wall_time, "wall clock time after which the run ends")
+      .in("s")
+      .above(0);
+}
+void warnKeys(BlockKeys& keys, LimitsConfig& limits) {
+  gaugeKeys(keys, limits.warn);
+}
+
+} // namespace
+
+io::Schema outputBlocks() {
+  return {
+      withKeys({"output", BlockKind::single, "the files that are written"}, outputKeys),
+      withKeys({"limits", BlockKind::single, "limits beyond which the run ends with FAIL"},
+               limitKeys),
+      withKeys({"limits.warn", BlockKind::single, "limits beyond which the run warns, once each"},
+               warnKeys),
+  };
+}
+
+void readOutput(const io::Deck& deck, Config& config) {
+  readBlock(deck, "output", outputKeys, config.output);
+  readBlock(deck, "limits", limitKeys, config.limits);
+  readBlock(deck, "limits.warn", warnKeys, config.limits);
+}
+
+} // namespace brickwall::miniapp
