@@ -123,6 +123,14 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
     return;
   }
   renameInPath(schema, here, *path, faults);
+  TomlNode value;
+  try {
+    value = parseLooseValue(withoutOuterBlanks(text.substr(equals + 1)), findRule(schema, *path));
+    setPosition(value, index);
+  } catch (const TomlSyntaxError& error) {
+    faults.add(here, "", error.what(), error.expected);
+    return;
+  }
   TomlNode* node = &root;
   for (std::size_t i = 0; i < path->size(); ++i) {
     const std::string& name = (*path)[i];
@@ -150,12 +158,7 @@ void applyOverride(const std::string& text, int index, const Schema& schema, Tom
       return;
     }
   }
-  try {
-    *node = parseLooseValue(withoutOuterBlanks(text.substr(equals + 1)), findRule(schema, *path));
-    setPosition(*node, index);
-  } catch (const TomlSyntaxError& error) {
-    faults.add(here, "", error.what(), error.expected);
-  }
+  *node = std::move(value);
 }
 
 } // namespace brickwall::io

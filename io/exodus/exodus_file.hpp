@@ -22,7 +22,6 @@ public:
   ExodusFile(ExodusFile&& other) noexcept;
   ExodusFile& operator=(ExodusFile&& other) noexcept;
 
-  bool isOpen() const { return _id >= 0; }
   int id() const { return _id; }
   const std::string& path() const { return _path; }
 

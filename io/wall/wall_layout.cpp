@@ -311,14 +311,4 @@ std::string WallLayout::nodeSetName(WallNodeSet set) {
   return names[set];
 }
 
-std::int64_t countWallElements(const WallConfig& config) {
-  return WallLayout(config).numElems();
-}
-std::int64_t countWallNodes(const WallConfig& config) {
-  return WallLayout(config).numNodes();
-}
-std::int64_t countWallFaces(const WallConfig& config) {
-  return WallLayout(config).numFaces();
-}
-
 } // namespace brickwall::io

@@ -129,9 +129,4 @@ private:
   std::int64_t _faces_whole = 0, _faces_half = 0;
 };
 
-// Numbers of the mesh that `config` describes, without generating it. Pure; throw as WallLayout does.
-std::int64_t countWallElements(const WallConfig& config);
-std::int64_t countWallNodes(const WallConfig& config);
-std::int64_t countWallFaces(const WallConfig& config);
-
 } // namespace brickwall::io

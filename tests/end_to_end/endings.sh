@@ -77,6 +77,9 @@ for ranks in 1 3; do
     'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* overlap by 0\.5' \
     $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
+  expect "a former name of a block is accepted with a warning" 0 '^warning: --set spare.lattices=false: \[spare\] is the former name of \[skip\]' \
+    $ranks run "$inputs/one_brick.toml" --set spare.lattices=false --steps 5
+  grep -q 'is the former name of \[skip\]' "$work/out/report.json" || { echo "FAILED: report.json lacks the warning"; failures=$((failures + 1)); }
   expect "one element runs" 0 '^PASS' $ranks run "$inputs/one_brick.toml" --set 'wall.elements=[1,1,1]' --steps 20
   expect "no contact at all runs" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set contact.enabled=false --steps 20
   expect "a nearly incompressible wall runs, though its forces are coarse" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \

@@ -1,4 +1,4 @@
-// The command line: what it may say, and what is told of the rest.
+// The command line: commands, options and errors.
 #include "miniapp/commands/command_line.hpp"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
   EXPECT_NE(parse({"--keys"}).text.find("[[load.pressure]]"), std::string::npos);
 }
 
-TEST(CommandLine, RefusesWhatItDoesNotKnow) {
+TEST(CommandLine, RefusesUnknownArguments) {
   const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
                                                        {"--threads=2"},
                                                        {"run", "a.toml", "b.toml"},

@@ -1,7 +1,8 @@
-// From decks to the structs of the program: the example of the contract, checks over several keys, all decks of
-// inputs/, and broken decks without end.
+// From decks to the structs of the program: every key, checks of several keys, former names, all decks of inputs/, and
+// many broken decks.
 #include "contact/base/error.hpp"
 #include "miniapp/deck/config.hpp"
+#include "tests/support/expect_contains.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,9 +40,6 @@ std::string faultsOf(const std::string& text, const std::vector<std::string>& ov
     return error.what();
   }
 }
-
-#define EXPECT_CONTAINS(message, part)                                                             \
-  EXPECT_NE((message).find(part), std::string::npos) << "in:\n" << (message)
 
 TEST(Config, ReadsTheDefaultDeck) {
   const Config config = parseConfig(textOf(inputs / "brick_wall.toml"), "brick_wall.toml");
@@ -287,7 +285,7 @@ TEST(Config, RefusesMotionsThatContradictEachOther) {
   EXPECT_CONTAINS(faultsOf(smallest + "[[boundary.fixed]]\n[[boundary.fixed]]\n"), "no key");
 }
 
-// A brick of one element is an edge thick: contact that reaches as far takes nodes of its far side for nodes in it.
+// A brick of one element is an edge thick: contact that reaches as far would find nodes of its far side inside it.
 TEST(Config, ContactDoesNotReachThroughABrick) {
   EXPECT_EQ(faultsOf(smallest + "[contact]\ntolerance = 0.45\n"), "");
   EXPECT_CONTAINS(faultsOf(smallest + "[contact]\ntolerance = 0.5\n"), "at most 0.45");

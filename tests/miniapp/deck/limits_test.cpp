@@ -1,4 +1,4 @@
-// Limits of a run: what warns, what stops, what is said.
+// Limits of a run: warnings, stops, messages.
 #include "contact/base/error.hpp"
 #include "miniapp/deck/limits.hpp"
 
@@ -24,8 +24,8 @@ TEST(Limits, AreSilentUpToTheLimitAndWarnOnceBeyondIt) {
     const auto reported = watch.newWarnings(only(Gauge(g), 0.26), 4, 0.75);
     ASSERT_EQ(reported.size(), 1u);
     EXPECT_EQ(reported[0], std::string(gauge_rules[g].words) +
-                           " 0.26 in step 4 (time 0.75) exceeds limits.warn." + gauge_rules[g].key +
-                           " = 0.25");
+                               " 0.26 in step 4 (time 0.75) exceeds limits.warn." +
+                               gauge_rules[g].key + " = 0.25");
     EXPECT_TRUE(watch.newWarnings(only(Gauge(g), 0.9), 5, 1.0).empty());
     EXPECT_EQ(watch.warnings(), reported);
   }
