@@ -93,6 +93,7 @@ bool compareMigrations(MPI_Comm comm, int n, contact::SearchMethod method, int r
   contact::GlobalSearch search(comm, wallSearch(n, method));
   Timings whole, ours, zoltans;
   contact::FaceMigration migration;
+  const bool announces_sizes = method != contact::SearchMethod::cluster;
   bool same = true;
   std::int64_t num_ghosts = 0;
   constexpr int warmup = 2;
@@ -111,8 +112,8 @@ bool compareMigrations(MPI_Comm comm, int n, contact::SearchMethod method, int r
     ZoltanMigration zoltan(comm, surface, exports.faces, exports.destinations);
     const std::vector<FaceRecord>* received = nullptr;
     const auto migrateOurs = [&] {
-      contact::migrateFaces(space, comm, surface, exports.lists, exports.senders, 0, method,
-                            migration);
+      contact::migrateFaces(space, comm, surface, exports.lists, exports.senders, 0,
+                            announces_sizes, migration);
       space.fence();
     };
     const auto migrateZoltans = [&] { received = &zoltan.migrate(); };
