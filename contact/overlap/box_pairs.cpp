@@ -16,7 +16,7 @@ struct BodyBox {
   Box box;
 };
 
-// Of this rank's nodes.
+// The boxes of the bodies of this rank's nodes.
 std::map<global_id, Box> boxesOfBodies(const Surface& surface) {
   const auto x = toHost(surface.coordinates_new);
   const auto bodies = toHost(surface.node_body);
@@ -30,12 +30,12 @@ std::map<global_id, Box> boxesOfBodies(const Surface& surface) {
   return boxes;
 }
 
-// Which of these boxes meet another one of any rank: [box].
+// [box] whether it overlaps another box of any rank.
 std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
                               const std::map<global_id, Box>& of_bodies, double least) {
   const std::size_t count = of_bodies.size();
-  const auto boxes = allocate<View<Box*>>(space, "contact::bodies::boxes", count);
-  const auto ids = allocate<View<global_id*>>(space, "contact::bodies::ids", count);
+  const auto boxes = allocate<View<Box*>>(space, "contact::bodiesThatMeet::boxes", count);
+  const auto ids = allocate<View<global_id*>>(space, "contact::bodiesThatMeet::ids", count);
   const auto host_boxes = Kokkos::create_mirror_view(boxes);
   const auto host_ids = Kokkos::create_mirror_view(ids);
   std::size_t next = 0;
@@ -50,7 +50,7 @@ std::vector<char> findMeeting(const exec_space& space, MPI_Comm comm,
   CandidateSearch search(comm, config);
   search.update(space, sweptBoxes(space, boxes, ids, ids, ConstAttributeWords()));
   const CandidatePairs pairs = search.pairs();
-  const View<char*> meets("contact::bodies::meets", count);
+  const View<char*> meets("contact::bodiesThatMeet::meets", count);
   Kokkos::parallel_for(
       "contact::bodiesThatMeet", rangePolicy(space, pairs.num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) {
@@ -70,10 +70,10 @@ SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
                       const View<const global_id*>& ids, const View<const global_id*>& groups,
                       const ConstAttributeWords& attributes) {
   const int count = checkedInt(static_cast<std::int64_t>(boxes.extent(0)), "boxes of a search");
-  const auto low = allocate<View<double* [3]>>(space, "contact::boxes::low", count);
-  const auto high = allocate<View<double* [3]>>(space, "contact::boxes::high", count);
-  const auto nodes = allocate<View<int* [4]>>(space, "contact::boxes::nodes", count);
-  const auto owned = allocate<View<unsigned char*>>(space, "contact::boxes::owned", count);
+  const auto low = allocate<View<double* [3]>>(space, "contact::sweptBoxes::low", count);
+  const auto high = allocate<View<double* [3]>>(space, "contact::sweptBoxes::high", count);
+  const auto nodes = allocate<View<int* [4]>>(space, "contact::sweptBoxes::nodes", count);
+  const auto owned = allocate<View<unsigned char*>>(space, "contact::sweptBoxes::owned", count);
   Kokkos::parallel_for(
       "contact::sweptBoxes", rangePolicy(space, count), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int d = 0; d < 3; ++d) {
@@ -99,7 +99,7 @@ SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
 std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,
                                       const Surface& surface, double least) {
   const Region region("contact::bodiesThatMeet");
-  // The rank that the body's number chooses joins its parts.
+  // A rank chosen by the number of the body joins its parts.
   const int num_ranks = sizeOf(comm);
   std::vector<std::vector<BodyBox>> parts(num_ranks);
   for (const auto& [body, box] : boxesOfBodies(surface))

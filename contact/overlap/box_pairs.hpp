@@ -1,4 +1,4 @@
-// Boxes that overlap those of others, found by the search: on a surface whose nodes and faces are the boxes. For set-up.
+// Boxes that overlap those of others, found by the search. For set-up.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -10,14 +10,14 @@
 
 namespace brickwall::contact {
 
-// Boxes [box] as input of CandidateSearch: node i and face i have the extent of box i, its id, and its group as body; the face has
-// row i of `attributes`.
+// Boxes [box] as input of CandidateSearch: node i and face i have the extent of box i, its id, and
+// its group as body; the face has row i of `attributes`.
 SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
                       const View<const global_id*>& ids, const View<const global_id*>& groups,
                       const ConstAttributeWords& attributes);
 
-// `box` smaller by `least`, so that it overlaps another one made smaller alike if the two overlapped by `least` or more; never
-// smaller than a point.
+// `box` shrunk by `least`, but never below a point: two boxes shrunk so overlap if the boxes
+// themselves overlap by `least` or more.
 KOKKOS_INLINE_FUNCTION Box shrunk(Box box, double least) {
   const Vec3 centre = box.centroid();
   box.inflate(-0.5 * least);
@@ -28,8 +28,8 @@ KOKKOS_INLINE_FUNCTION Box shrunk(Box box, double least) {
   return box;
 }
 
-// Those bodies of this rank's nodes whose boxes, over all ranks and at coordinates_new, overlap that of another body by `least` or
-// more, ascending. Collective.
+// The bodies of this rank's nodes whose boxes, over all ranks and at coordinates_new, overlap the
+// box of another body by `least` or more; ascending. Collective.
 std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,
                                       const Surface& surface, double least);
 

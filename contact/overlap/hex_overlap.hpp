@@ -1,25 +1,26 @@
-// How deep two hexahedra stand in each other, point-wise: the shortest way by which one could be moved clear of the other, from
-// separating axes (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996): it is the least overlap of the shadows that the
-// two cast on the normals of their faces and on the common normals of their edges. Any other axis overlaps at least as far, so axes
-// too many do no harm.
+// Penetration depth of two hexahedra, point-wise: the shortest translation that separates them, by
+// the separating axis theorem (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). It is
+// the least overlap of the projections of both on the normals of their faces and on the common
+// normals of their edges. On any other axis they overlap at least as far, so additional axes do no
+// harm.
 #pragma once
 
 #include "contact/base/vec3.hpp"
 
 namespace brickwall::contact {
 
-// Corners in Exodus order. Sides may be warped: meant is the convex hull, beyond which a side bulges by half its warp at most.
-// Corners may coincide, as those of a wedge do.
+// Corners in Exodus order. Sides may be warped: the convex hull is tested, from which a side
+// deviates by half its warp at most. Corners may coincide, as those of a wedge do.
 struct Hexahedron {
   Vec3 corner[8];
 };
 
 namespace hexahedron {
 
-constexpr double parallel =
-    1e-9; // sine; what axes so near to each other show differs by that share of a length
+// Sine below which two axes count as parallel: their overlaps differ by that fraction of a length.
+constexpr double parallel = 1e-9;
 
-// Directions, each once.
+// A set of directions without repeats.
 struct Directions {
   static constexpr int most = 24;
 
@@ -48,7 +49,7 @@ KOKKOS_INLINE_FUNCTION void forSides(const Hexahedron& hex, const Visit& visit) 
           hex.corner[sides[side][3]]);
 }
 
-// Distance of the diagonals of a side from each other: 0 if it is flat.
+// Distance between the diagonals of a side; 0 if it is flat.
 KOKKOS_INLINE_FUNCTION double warpOf(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 normal = cross(c - a, d - b);
   const double length = norm(normal);
@@ -62,7 +63,7 @@ KOKKOS_INLINE_FUNCTION double largestWarp(const Hexahedron& hex) {
   return largest;
 }
 
-// Normals of the hull: of warped sides those of both ways to cut them into triangles.
+// Normals of the hull; for warped sides those of both divisions into triangles.
 KOKKOS_INLINE_FUNCTION Directions normalsOf(const Hexahedron& hex) {
   Directions normals;
   forSides(hex, [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -74,7 +75,7 @@ KOKKOS_INLINE_FUNCTION Directions normalsOf(const Hexahedron& hex) {
   return normals;
 }
 
-// Edges of the hull: of warped sides the diagonals, too.
+// Edges of the hull; for warped sides also the diagonals.
 KOKKOS_INLINE_FUNCTION Directions edgesOf(const Hexahedron& hex) {
   Directions edges;
   forSides(hex, [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -90,11 +91,11 @@ KOKKOS_INLINE_FUNCTION Directions edgesOf(const Hexahedron& hex) {
   return edges;
 }
 
-// The shadow of a hexahedron on an axis through `origin`.
-struct Shadow {
+// The projection of a hexahedron on an axis through `origin`.
+struct Projection {
   double low = HUGE_VAL, high = -HUGE_VAL;
 
-  KOKKOS_INLINE_FUNCTION Shadow(const Hexahedron& hex, const Vec3& axis, const Vec3& origin) {
+  KOKKOS_INLINE_FUNCTION Projection(const Hexahedron& hex, const Vec3& axis, const Vec3& origin) {
     for (int i = 0; i < 8; ++i) {
       const double at = dot(axis, hex.corner[i] - origin);
       low = minOf(low, at);
@@ -103,16 +104,18 @@ struct Shadow {
   }
 };
 
-// By how far `a` must move along the axis, either way, to be clear of `b`; below 0: how far apart they are.
+// The distance that `a` must move along the axis, in either direction, to be separate from `b`;
+// negative: minus their distance.
 KOKKOS_INLINE_FUNCTION double overlapAlong(const Hexahedron& a, const Hexahedron& b,
                                            const Vec3& axis) {
-  const Shadow of_a(a, axis, a.corner[0]), of_b(b, axis, a.corner[0]);
+  const Projection of_a(a, axis, a.corner[0]), of_b(b, axis, a.corner[0]);
   return minOf(of_a.high - of_b.low, of_b.high - of_a.low);
 }
 
 } // namespace hexahedron
 
-// How deep two hexahedra stand in each other, length. If that is no more than `shallow`, any value up to it.
+// Penetration depth of two hexahedra, length. If it is at most `shallow`, any value up to `shallow`
+// may be returned.
 KOKKOS_INLINE_FUNCTION double overlapDepth(const Hexahedron& a, const Hexahedron& b,
                                            double shallow) {
   using namespace hexahedron;

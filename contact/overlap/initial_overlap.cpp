@@ -23,7 +23,7 @@ struct FindDeepest {
         all += one;
     }
   }
-  // Moves `pair` past the body's candidates.
+  // The nearest face of the body; advances `pair` past the candidates of that body.
   KOKKOS_INLINE_FUNCTION LeadingPair inBody(int node, global_id body, std::int64_t end,
                                             std::int64_t& pair) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
@@ -55,7 +55,7 @@ struct FindDeepestElements {
     const double warp = hexahedron::largestWarp(hex);
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
       const int face = pairs.faces(pair);
-      if (elements.id(face) < elements.id(own)) // the other one's row has the pair, too
+      if (elements.id(face) < elements.id(own)) // the other element's row lists the pair as well
         continue;
       const Hexahedron& other = elements.attributes<Hexahedron>(face);
       const double shallow = least + 0.5 * (warp + hexahedron::largestWarp(other));
@@ -69,10 +69,11 @@ struct FindDeepestElements {
 };
 
 View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, double least) {
-  const auto boxes = allocate<View<Box*>>(space, "contact::elements::boxes", elements.count);
+  const auto boxes =
+      allocate<View<Box*>>(space, "contact::deepestElementOverlap::boxes", elements.count);
   const auto hexahedra = elements.hexahedra;
   Kokkos::parallel_for(
-      "contact::elements::boxes", rangePolicy(space, elements.count),
+      "contact::deepestElementOverlap::boxes", rangePolicy(space, elements.count),
       KOKKOS_LAMBDA(const std::int64_t element) {
         Box box;
         for (int i = 0; i < 8; ++i)
@@ -82,20 +83,20 @@ View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, 
   return boxes;
 }
 
-// What the search sends along with an element.
+// The data that the search sends along with an element.
 AttributeWords attributesOf(const exec_space& space, const BodyElements& elements) {
-  const auto words =
-      allocateAttributes<Hexahedron>(space, "contact::elements::hexahedra", elements.count);
+  const auto words = allocateAttributes<Hexahedron>(
+      space, "contact::deepestElementOverlap::hexahedra", elements.count);
   const auto hexahedra = elements.hexahedra;
   Kokkos::parallel_for(
-      "contact::elements::attributes", rangePolicy(space, elements.count),
+      "contact::deepestElementOverlap::attributes", rangePolicy(space, elements.count),
       KOKKOS_LAMBDA(const std::int64_t element) {
         attributesAt<Hexahedron>(words, element) = hexahedra(element);
       });
   return words;
 }
 
-// Of the element of this id, which one rank has.
+// The centre of the element of this id, which one rank has.
 Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elements, global_id id) {
   const auto hexahedra = elements.hexahedra;
   const auto ids = elements.ids;
@@ -103,7 +104,7 @@ Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elemen
   for (int d = 0; d < 3; ++d) {
     centre[d] = -HUGE_VAL;
     Kokkos::parallel_reduce(
-        "contact::centreOfElement", rangePolicy(space, elements.count),
+        "contact::deepestElementOverlap::centre", rangePolicy(space, elements.count),
         KOKKOS_LAMBDA(const std::int64_t element, double& all) {
           if (ids(element) != id)
             return;

@@ -1,4 +1,4 @@
-// Bodies that stand in each other before anything has moved: nodes in bodies, and elements in elements.
+// Initial penetration of bodies: nodes inside other bodies, and elements that overlap elements.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -10,18 +10,19 @@
 
 namespace brickwall::contact {
 
-// The face is the nearest of the body that the node is in.
+// The face is the nearest face of the body that the node penetrates.
 struct InitialOverlap : PairIds {
   double depth = 0; // length; 0: no node is inside another body
 };
 
-// The node that is deepest inside another body, at coordinates_new, of those no deeper than about 2 `reach` (length). A node is
-// inside if the nearest point of the body's faces lies on the face, not on its rim, and the node behind it. Of equal depths the
-// lowest node, then face. A set-up task: one search with wide boxes. Collective.
+// The node that is deepest inside another body at coordinates_new, among those no deeper than about
+// 2 `reach` (length). A node is inside if the nearest point of the body's faces lies within the
+// face, not on its rim, and the node lies behind the face. Among equal depths the lowest node, then
+// face. For set-up: the cost is that of one search with wide boxes. Collective.
 InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surface& surface,
                               double reach);
 
-// Elements of this rank that may stand in elements of other bodies, hexahedra.
+// Hexahedral elements of this rank that may overlap elements of other bodies.
 struct BodyElements {
   int count = 0;
   View<const Hexahedron*> hexahedra; // [element] corners in Exodus order, length
@@ -35,11 +36,13 @@ struct ElementOverlap {
   double depth = 0; // length; 0: there is none
 };
 
-// The two elements of different bodies that stand deepest in each other, of those deeper than `least`: finds bodies that
-// overlap though no node of the one is inside the other, or too far inside for deepestOverlap(). Deeper by half the
-// warp of their sides is asked of warped elements, whose hulls (hex_overlap.hpp) may meet where they touch. Of equal depths
-// the lowest ids. Needs elements of those bodies only whose boxes overlap by `least` (bodiesThatMeet()). For set-up: the work is that
-// of one search, and of some hundred axes for each pair that does overlap. Collective.
+// The two elements of different bodies that overlap deepest, among those deeper than `least`. It
+// finds bodies that overlap although no node of one is inside the other, or too deep for
+// deepestOverlap(). For warped elements the limit is larger by half the warp of their sides, since
+// their hulls (hex_overlap.hpp) may overlap where the elements only touch. Among equal depths the
+// lowest ids. Only elements of bodies whose boxes overlap by `least` (bodiesThatMeet()) are needed.
+// For set-up: the cost is that of one search and of some hundred axes for each pair whose boxes
+// overlap. Collective.
 ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
                                      const BodyElements& elements, double least);
 

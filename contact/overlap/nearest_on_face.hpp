@@ -1,5 +1,5 @@
-// How near a face is to a point wherever the point is: the distance from the face with its rim, which projection.hpp leaves
-// out where the point does not project onto the face.
+// Distance of any point from a face including its rim; projection.hpp gives none where the point
+// does not project onto the face.
 #pragma once
 
 #include "contact/surface/projection.hpp"
@@ -8,12 +8,13 @@ namespace brickwall::contact {
 
 struct NearestOnFace {
   double square = HUGE_VAL; // of the distance
-  double depth = 0; // length; 0: in front, or the nearest point is on the rim
+  // penetration, length; 0: in front of the face, or the nearest point is on the rim
+  double depth = 0;
 };
 
 namespace projection {
 
-// Point of the segment that is nearest to the origin.
+// The point of the segment that is nearest to the origin.
 KOKKOS_INLINE_FUNCTION Vec3 nearestOnSegment(const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
   const double square = dot(along, along);
@@ -21,7 +22,7 @@ KOKKOS_INLINE_FUNCTION Vec3 nearestOnSegment(const Vec3& a, const Vec3& b) {
   return a + t * along;
 }
 
-// Of the four triangles about the centroid, which have the quad's rim.
+// Nearest point on the four triangles about the centroid, which share the rim of the quad.
 KOKKOS_INLINE_FUNCTION NearestOnFace nearestOnFourTriangles(const Quad& face, const Vec3& point) {
   NearestOnFace nearest;
   const Vec3 outward = areaVector(face);
@@ -52,7 +53,7 @@ KOKKOS_INLINE_FUNCTION NearestOnFace nearestOnFourTriangles(const Quad& face, co
 } // namespace projection
 
 KOKKOS_INLINE_FUNCTION NearestOnFace nearestOnFace(const Quad& face, const Vec3& point) {
-  constexpr double on_rim = 1e-9; // where two faces meet, of half-lengths
+  constexpr double on_rim = 1e-9; // where two faces meet, in half-lengths
   const FacePoint foot = project(face, point);
   if (!foot.has_parameters || foot.excess > on_rim)
     return projection::nearestOnFourTriangles(face, point);

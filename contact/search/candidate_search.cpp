@@ -1,10 +1,12 @@
-// Why kept lists are complete. The boxes of a search at step m are inflated by T = t + margin/2, t the tolerance. Let the swept
-// box of each node, from x^{n-1} to x^n, stick out of that from x^{m-1} to x^m by no more than D <= T - t along any axis. Then the
-// box of step m, inflated by T, holds that of step n, inflated by t: min(x^{m-1}, x^m) - T <= min(x^{n-1}, x^n) + D - T <=
-// min(x^{n-1}, x^n) - t, and so for the upper bounds, for faces (hulls of their corners) and for the copies of faces on other
-// ranks. Boxes that overlap in step n have overlapped in step m: the pair is listed. This holds bit for bit, since rounding is
-// monotone: only T and D themselves must be right, so D is measured against the difference of the T and t used, less a few units
-// in the last place for the rounding of T - t and of D.
+// Proof that kept lists are complete. The boxes of a search in step m are inflated by T = t +
+// margin/2, where t is the tolerance. Let the swept box of each node, from x^{n-1} to x^n, leave
+// that from x^{m-1} to x^m by no more than D <= T - t along any axis. Then the box of step m,
+// inflated by T, contains that of step n, inflated by t: min(x^{m-1}, x^m) - T <= min(x^{n-1}, x^n)
+// + D - T <= min(x^{n-1}, x^n) - t. The same holds for the upper bounds, for faces (hulls of their
+// corners) and for the copies of faces on other ranks. Boxes that overlap in step n therefore
+// overlapped in step m, and the pair is listed. This holds bit for bit, since rounding is monotone:
+// only T and D themselves must be correct, so D is compared with the difference of the T and t
+// used, less a few units in the last place for the rounding of T - t and of D.
 #include "contact/search/candidate_search.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -27,13 +29,14 @@ SearchConfig withMargin(SearchConfig config, double margin) {
   return config;
 }
 
-// By how much nodes of this rank have left the swept boxes of the last search, in either configuration of the step.
+// The distance by which nodes of this rank have left the swept boxes of the last search, in either
+// configuration of the step.
 double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes,
                    const SweptBoxes& surface) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   double largest = 0;
   Kokkos::parallel_reduce(
-      "contact::largestMotion", rangePolicy(space, surface.num_nodes),
+      "contact::CandidateSearch::largestMotion", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& all) {
         all = maxOf(all, excursionOutside(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
       },
@@ -46,7 +49,7 @@ void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
                     const View<double* [6]>& searched_at) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   Kokkos::parallel_for(
-      "contact::keepSweptBoxes", rangePolicy(space, surface.num_nodes),
+      "contact::CandidateSearch::keepSweptBoxes", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d) {
           searched_at(node, d) = minOf(x_old(node, d), x_new(node, d));
@@ -100,15 +103,15 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space,
   return updateGhosts(space, surface, largestMotion(space, surface));
 }
 
-// A coordinate that is not finite makes all ranks search, and so tell.
+// A coordinate that is not finite makes all ranks search, which reports it.
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                                 double motion) {
   ++_updates;
   bool may_keep = false;
   if (_margin > 0) {
     const Region region("contact::measureMotion");
-    const double here =
-        hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL; // of no nodes it is below
+    // negative without nodes
+    const double here = hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL;
     may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
   }
   if (may_keep)

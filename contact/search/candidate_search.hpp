@@ -1,5 +1,5 @@
-// What a host code calls: global and local search together, with lists that may be kept over several steps by the
-// search-margin theorem (proof in candidate_search.cpp). Lists kept this way miss no pair of any step.
+// The interface for host codes: global and local search together. With a margin, lists are kept
+// over several steps without missing a pair of any step (proof in candidate_search.cpp).
 #pragma once
 
 #include "contact/search/audit/pair_audit.hpp"
@@ -10,7 +10,8 @@
 
 namespace brickwall::contact {
 
-// How far x sticks out of [low, high] along the axis where that is most, or less than 0; infinity if x is not finite.
+// The distance by which x lies outside of [low, high] along the axis where it is greatest; negative
+// inside, infinite if x is not finite.
 KOKKOS_INLINE_FUNCTION double excursionOutside(const Vec3& x, const Vec3& low, const Vec3& high) {
   double largest = maxOf(low[0] - x[0], x[0] - high[0]);
   for (int d = 1; d < 3; ++d)
@@ -18,7 +19,7 @@ KOKKOS_INLINE_FUNCTION double excursionOutside(const Vec3& x, const Vec3& low, c
   const double zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); // or NaN
   return zero == 0 ? largest : HUGE_VAL;
 }
-// The same of a row of sweptBoxes(), for both configurations.
+// The same for a row of sweptBoxes() and both configurations.
 KOKKOS_INLINE_FUNCTION double excursionOutside(const View<const double* [6]>& boxes,
                                                std::int64_t node, const Vec3& x_old,
                                                const Vec3& x_new) {
@@ -29,41 +30,45 @@ KOKKOS_INLINE_FUNCTION double excursionOutside(const View<const double* [6]>& bo
 
 class CandidateSearch {
 public:
-  // `comm` must outlive the search. `margin` (length, the same on all ranks): ghosts and pairs are searched with boxes
-  // larger by it and kept until nodes have left their swept boxes by half of it; 0 searches in every step. Throws InputError
-  // for a tolerance or a margin that is negative or not finite.
+  // `comm` must outlive the search. `margin` (length, the same on all ranks): boxes are inflated by
+  // half of it, and ghosts and pairs are kept until nodes have left their swept boxes by half of
+  // it; with 0 every step searches. Throws InputError for a tolerance or a margin that is negative
+  // or not finite.
   CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
   CandidateSearch(const CandidateSearch&) = delete;
   CandidateSearch& operator=(const CandidateSearch&) = delete;
 
-  // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin the pairs are those of
-  // a search in this step and more, which CandidatePairs::step_test tells apart; the order of rows is that of the last
-  // search. Ghosts have this step's coordinates, all else as of the last search. A step without a search reads the
-  // coordinates once, reduces one number over ranks and sends one message per partner. Between calls only coordinates may
-  // change, in any way, unless forget() is called. Throws PhysicsError on all ranks together, naming node and rank, when a
-  // coordinate is not finite.
+  // Collective. Ghosts and candidate pairs of this step; valid until the next call. With a margin
+  // the pairs include those of a search in this step, and others, which CandidatePairs::step_test
+  // distinguishes; the order of rows is that of the last search. Ghosts have the coordinates of
+  // this step; all other data are those of the last search. A step without a search reads the
+  // coordinates once, reduces one number over ranks and sends one message per partner. Between
+  // calls only coordinates may change, in any way, unless forget() is called. Throws PhysicsError
+  // on all ranks together, naming node and rank, when a coordinate is not finite.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface);
 
-  // Collective. The same for a host that has read the coordinates anyway: `motion` is by how much nodes of this rank have left
-  // sweptBoxes() in either configuration of the step, along an axis where that is most (excursionOutside() of all nodes; any number if
-  // there are no such boxes).
+  // Collective. The same for a host that reads the coordinates in any case: `motion` is the
+  // greatest excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of
+  // the step; any number if there are no such boxes.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface, double motion);
-  // [node][low xyz, high xyz] of the last search, as far as its lists may be kept; else of no nodes.
+  // [node][low xyz, high xyz] of the last search while its lists may be kept, otherwise empty.
   View<const double* [6]> sweptBoxes() const {
     return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
   }
 
-  // Collective. The same without pairs, for hosts that need no more than the ghosts.
+  // Collective. The same without pairs, for hosts that need only the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface);
 
-  // The next update() searches on all ranks, whatever the motion, and makes the order of the surface anew: something besides
-  // its coordinates has changed. On one rank or more.
+  // To be called, on one rank or more, when something of the surface besides its coordinates has
+  // changed: the next update() searches on all ranks, whatever the motion, and sorts the surface
+  // again.
   void forget() {
     _has_lists = false;
     _global.forget();
   }
 
-  // The tolerances of SearchConfig from the next update() on, the same on all ranks; it searches if they have changed.
+  // Sets the tolerances of SearchConfig from the next update() on, the same on all ranks; it
+  // searches if they have changed.
   void setTolerances(double node_tolerance, double face_tolerance);
 
   const GhostFaces& ghosts() const { return _global.ghosts(); }
@@ -80,20 +85,21 @@ public:
     _global.forward(space, surface, node_values, ghost_values);
   }
 
-  // Collective. Pairs over all ranks that pairs() lack, by a look at all pairs (pair_audit.hpp); `surface` as in the last
-  // update().
+  // Collective. The number of pairs over all ranks that pairs() lacks, by comparison with all pairs
+  // (pair_audit.hpp); `surface` as in the last update().
   std::int64_t countMissedPairs(const exec_space& space, const SweptBoxes& surface) const {
     return contact::countMissedPairs(space, _comm, surface, ghosts(), pairs(), _config);
   }
 
-  // The faces of this rank that the last search sent as ghosts, with their destinations. Not collective; host copies.
+  // The faces of this rank that the last search sent as ghosts, with their destinations, copied to
+  // the host. Not collective.
   std::vector<SentFace> sentFaces(const exec_space& space, const SweptBoxes& surface) const {
     return _global.sentFaces(space, surface);
   }
 
   SearchStatistics statistics() const { return _global.statistics(); } // of the last search
   std::int64_t updates() const { return _updates; } // since the start
-  std::int64_t searches() const { return _searches; } // of these, with a search
+  std::int64_t searches() const { return _searches; } // number of updates that searched
   double margin() const { return _margin; }
 
 private:
@@ -106,7 +112,7 @@ private:
   MPI_Comm _comm;
   SearchConfig _config; // of a step, without the margin
   double _margin;
-  double _allowed_motion = 0; // of a node out of its swept box of the last search, along an axis
+  double _allowed_motion = 0; // of a node out of its swept box of the last search, along any axis
   GlobalSearch _global;
   LocalSearch _local;
   bool _has_lists = false, _has_pairs = false; // of the last search

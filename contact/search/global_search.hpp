@@ -1,6 +1,6 @@
-// Contact global search (paper, Fig. 4): which off-rank faces may this rank's owned nodes touch in this step, and
-// copies of them. Face f of rank r goes to rank q != r if and only if the box of f overlaps the box of a node that q
-// owns.
+// Contact global search (paper, Fig. 4): finds the faces of other ranks that this rank's owned
+// nodes may touch in this step, and copies them. Face f of rank r is ghosted to rank q != r if and
+// only if the box of f overlaps the box of a node that q owns.
 #pragma once
 
 #include "contact/search/exchange/face_migration.hpp"
@@ -26,36 +26,41 @@ std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method);
 
 class GlobalSearch {
 public:
-  // `comm` must outlive the search. Throws InputError for a tolerance that is negative or not finite.
+  // `comm` must outlive the search. Throws InputError for a tolerance that is negative or not
+  // finite.
   GlobalSearch(MPI_Comm comm, const SearchConfig& config);
 
-  // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the next call.
-  // Throws PhysicsError on all ranks together, naming node and rank, when a coordinate is not finite.
+  // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the
+  // next call. Throws PhysicsError on all ranks together, naming node and rank, when a coordinate
+  // is not finite.
   const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface);
 
-  // Collective. Adds the values of each ghost to the nodes of its owner's face: node_values(node of corner j, xyz) +=
-  // ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in quanta. `face_to_nodes` [own face] may number
-  // the nodes differently from the surface. Integer sums: exact in any order.
+  // Collective. Adds the values of each ghost to the nodes of its owner's face: node_values(node of
+  // corner j, xyz) += ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in
+  // quanta. `face_to_nodes` [own face] may number the nodes differently from the surface. Integer
+  // sums: exact in any order.
   void reverseSum(const exec_space& space, const View<const int* [4]>& face_to_nodes,
                   const View<const std::int64_t* [12]>& ghost_values,
                   const View<std::int64_t* [3]>& node_values);
 
-  // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner, xyz), for the ghosts of
-  // the last findGhosts().
+  // Collective. ghost_values(ghost, 3 * corner + xyz) = node_values(surface node of its owner,
+  // xyz), for the ghosts of the last findGhosts().
   void forward(const exec_space& space, const SweptBoxes& surface,
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values);
 
-  // Collective among partners. Copies the present coordinates x^n and x^{n+1} of the owners' surfaces to ghosts(); all else of
-  // the surfaces must be as in the last findGhosts().
+  // Collective among partners. Copies the present coordinates x^n and x^{n+1} of the owners'
+  // surfaces to ghosts(); all else of the surfaces must be as in the last findGhosts().
   void forwardCoordinates(const exec_space& space, const SweptBoxes& surface);
 
-  // The faces that the last findGhosts() sent, by destination, and for each destination in the order of its ghosts; `surface` as
-  // in that call. Not collective; copies the faces sent to the host.
+  // The faces that the last findGhosts() sent, by destination, and for each destination in the
+  // order of its ghosts; `surface` as in that call. Not collective; copies the faces sent to the
+  // host.
   std::vector<SentFace> sentFaces(const exec_space& space, const SweptBoxes& surface) const;
 
   const GhostFaces& ghosts() const { return _migration.ghosts; }
   SearchStatistics statistics() const; // of the last findGhosts() on this rank
-  // How often the surface was put in order since the start; 0 for methods that keep the order of the host.
+  // How often the surface was put in order since the start; 0 for methods that keep the order of
+  // the host.
   std::int64_t numOrderings() const { return _phases->numOrderings(); }
   const SearchConfig& config() const { return _config; }
   // From the next findGhosts() on; the method must stay. The same on all ranks.

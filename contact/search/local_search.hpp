@@ -1,4 +1,5 @@
-// Local search: which own and ghost faces may each owned node touch in this step (node box overlaps face box).
+// Local search: finds the own and ghost faces that each owned node may touch in this step (node box
+// overlaps face box).
 #pragma once
 
 #include "contact/search/global_search.hpp"
@@ -11,9 +12,9 @@ public:
   // `global` must outlive the local search.
   explicit LocalSearch(GlobalSearch& global) : _global(global) {}
 
-  // The candidate pairs of this step; valid until the next call. A node's own faces (those that list its global id
-  // as a corner) are never listed; with drop_same_body neither are faces of the node's body. The global search has found the
-  // ghosts of this step. Not collective.
+  // The candidate pairs of this step; valid until the next call. A node's own faces (those that
+  // list its global id as a corner) are never listed; with drop_same_body neither are faces of the
+  // node's body. The global search has found the ghosts of this step. Not collective.
   const CandidatePairs& findCandidatePairs(const exec_space& space, const SweptBoxes& surface);
 
   const CandidatePairs& pairs() const { return _global._phases->pairs(); }

@@ -1,12 +1,13 @@
-// Rows of candidate faces: the rules by which a pair is a candidate, the order within a row, and rows laid out by node.
+// Rows of candidate faces: the rules by which a pair is a candidate, the order within a row, and
+// rows laid out by node.
 #pragma once
 
 #include "contact/surface/surface.hpp"
 
 namespace brickwall::contact {
 
-// Which overlapping pairs are candidates, and in which order a row lists its faces. Ghosts follow the own faces in one index.
-// `Space` is the memory space in which the rules are evaluated.
+// Which overlapping pairs are candidates, and in which order a row lists its faces. Ghosts follow
+// the own faces in one index. `Space` is the memory space in which the rules are evaluated.
 template <class Space>
 class PairRules {
 public:
@@ -19,8 +20,8 @@ public:
         _ghost_bodies(accessible(View<const global_id*>(ghosts.bodies))),
         _ghost_ids(accessible(View<const global_id*>(ghosts.face_ids))) {}
 
-  // Excludes the faces that the node belongs to or, with drop_same_body, all faces of its body. The comparisons are joined
-  // without branches, since either outcome is likely.
+  // Excludes the faces that the node belongs to or, with drop_same_body, all faces of its body. The
+  // comparisons are joined without branches, since either outcome is likely.
   KOKKOS_INLINE_FUNCTION bool allow(int node, int face) const {
     if (_drop_same_body)
       return bodyOf(face) != _node_body(node);
@@ -101,8 +102,9 @@ KOKKOS_INLINE_FUNCTION void sortRow(int* row, std::int64_t n, const Before& befo
   }
 }
 
-// Makes row i that of node i, with its faces at pairs.faces [offsets(i), offsets(i + 1)); `offsets` has num_nodes + 1 entries.
-// Sets all of `pairs` but `faces`. For search methods that keep the node order of the host. Fences.
+// Makes row i that of node i, with its faces at pairs.faces [offsets(i), offsets(i + 1)); `offsets`
+// has num_nodes + 1 entries. Sets all of `pairs` but `faces`. For search methods that keep the node
+// order of the host. Fences.
 void layOutRowsByNode(const exec_space& space, int num_nodes,
                       const View<const std::int64_t*>& offsets, CandidatePairs& pairs);
 

@@ -1,4 +1,5 @@
-// Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes that contain them.
+// Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes
+// that contain them.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -45,7 +46,8 @@ KOKKOS_INLINE_FUNCTION Box faceBox(const View<const double* [3]>& x_old,
   return box;
 }
 
-// Box of a ghost over the step, with coordinates [ghost][3 * corner + xyz]: the same bits as on its owner.
+// Box of a ghost over the step, with coordinates [ghost][3 * corner + xyz]: the same bits as on its
+// owner.
 KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
                                     const GhostFaces::CornerCoordinates& x_new, std::int64_t ghost,
                                     double tolerance) {
@@ -58,7 +60,8 @@ KOKKOS_INLINE_FUNCTION Box ghostBox(const GhostFaces::CornerCoordinates& x_old,
   return box;
 }
 
-// Fills `boxes` from the surface. Coordinates that are not finite are counted; the ranks decide together in phase 2.
+// Fills `boxes` from the surface. Coordinates that are not finite are counted; the ranks decide
+// together in phase 2.
 void constructBoxes(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config,
                     SurfaceBoxes& boxes);
 

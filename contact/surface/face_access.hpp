@@ -1,4 +1,4 @@
-// One way to read a candidate face, whether it is this rank's own or a ghost: both give the same bits.
+// Uniform access to candidate faces, own ones and ghosts: both give the same bits.
 #pragma once
 
 #include "contact/surface/construct_boxes.hpp"
@@ -8,7 +8,7 @@
 
 namespace brickwall::contact {
 
-// Faces by candidate index: own below num_faces, else ghosts (CandidatePairs). For kernels.
+// Faces by candidate index: own faces below num_faces, then ghosts (CandidatePairs). For kernels.
 struct FaceAccess {
   SweptBoxes surface;
   GhostFaces ghosts;
@@ -35,7 +35,8 @@ struct FaceAccess {
   KOKKOS_INLINE_FUNCTION double cornerMass(int face, int j) const {
     return attributes<CornerMasses>(face).corner_mass[j];
   }
-  // Corner values of own faces from `of_nodes` [node][3], of ghosts from `of_ghosts` [ghost][3 * corner + xyz].
+  // A value at corner j: of own faces from `of_nodes` [node][3], of ghosts from `of_ghosts`
+  // [ghost][3 * corner + xyz].
   template <class NodeView, class GhostView>
   KOKKOS_INLINE_FUNCTION Vec3 corner(int face, int j, const NodeView& of_nodes,
                                      const GhostView& of_ghosts) const {
@@ -61,7 +62,8 @@ struct FaceAccess {
       q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
     return q;
   }
-  // Asks for what will be read of a face soon: first its corners' numbers and its attributes, then values of the corners.
+  // Prefetches the corner numbers and attributes of a face; prefetchCorners() then prefetches
+  // values of its corners.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     if (!isOwn(face))
       return;
@@ -78,9 +80,10 @@ struct FaceAccess {
   template <class NodeView>
   KOKKOS_FORCEINLINE_FUNCTION static void prefetchRow(const NodeView& rows, int row) {
     prefetch(&rows(row, 0));
-    prefetch(&rows(row, 2)); // in the next line, sometimes
+    prefetch(&rows(row, 2)); // may lie in the next cache line
   }
-  // Whether the swept boxes of node and face overlap at these tolerances, as the searches decide it: the same bits.
+  // Whether the swept boxes of node and face overlap at these tolerances, decided with the same
+  // bits as in the searches.
   KOKKOS_INLINE_FUNCTION bool boxesOverlap(int node, int face, double node_tolerance,
                                            double face_tolerance) const {
     const Box box = isOwn(face) ? faceBox(surface.coordinates_old, surface.coordinates_new,
@@ -90,7 +93,7 @@ struct FaceAccess {
     return box.overlaps(nodeBox(rowOf(surface.coordinates_old, node),
                                 rowOf(surface.coordinates_new, node), node_tolerance));
   }
-  // Whether a search in this step would list the pair; lists with a margin hold more.
+  // Whether a search in this step would list the pair; lists with a margin contain more.
   KOKKOS_INLINE_FUNCTION bool isOfThisStep(const StepTest& test, int node, int face) const {
     return !test.is_needed || boxesOverlap(node, face, test.node_tolerance, test.face_tolerance);
   }

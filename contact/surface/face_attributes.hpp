@@ -1,5 +1,5 @@
-// Data of the host that faces carry along to their ghosts: one plain struct for each face, stored and sent as 64-bit words, so
-// that the search need not know what they are.
+// Data of the host that faces carry along to their ghosts: one plain struct for each face, stored
+// and sent as 64-bit words, so that the search need not know what they are.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -42,7 +42,8 @@ struct FaceAttributes : CornerMasses {
   static constexpr std::int64_t unknown = -1;
 
   double surface_mass = 0; // mu = rho h_n/2, mass/area
-  // Bit j: edge j, from corner j to the next, is a feature edge: it has no coplanar neighbour in the body (edge_fading.hpp).
+  // Bit j: edge j, from corner j to the next, is a feature edge: it has no coplanar neighbour in
+  // the body (edge_fading.hpp).
   std::int64_t feature_edges = unknown;
 };
 

@@ -1,4 +1,5 @@
-// See feature_edges.hpp. A rank chosen by an edge's nodes gets a record from each of its faces and tells them what it is.
+// See feature_edges.hpp. A rank chosen by the nodes of an edge receives a record from each face of
+// the edge, decides, and replies.
 #include "contact/surface/feature_edges.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -16,7 +17,7 @@ struct EdgeRecord {
   Vec3 normal, centre; // of the face
   Vec3 on_edge; // the middle of the edge
   double width; // of the face: area over the edge's length
-  int rank, face, edge; // where it came from
+  int rank, face, edge; // of the sender
   int unused;
 
   auto key() const { return std::tie(low_node, high_node, face_id); }
@@ -27,7 +28,7 @@ struct EdgeRecord {
 
 struct EdgeReply {
   int face, edge;
-  int is_convex; // and this face is the one that lists it
+  int is_convex; // and this face lists it
   int unused;
   double cosine, sine, width[2];
 };
@@ -48,7 +49,7 @@ std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Su
     for (int j = 0; j < 4; ++j) {
       const global_id a = node_ids(face_to_nodes(face, j));
       const global_id b = node_ids(face_to_nodes(face, (j + 1) % 4));
-      if (a == b) // of a triangle
+      if (a == b) // a triangle
         continue;
       EdgeRecord record;
       record.low_node = std::min(a, b);
@@ -100,7 +101,8 @@ struct EndReply {
   int index, end;
 };
 
-// Whether the ends of convex edges meet another one head-on, told by the rank that the node's id chooses.
+// Sets FeatureEdge::goes_on. The rank chosen by the id of a node decides for the edges that end
+// there.
 void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<FeatureEdge>& edges) {
   const int num_ranks = sizeOf(comm);
   const auto face_to_nodes = toHost(surface.face_to_nodes);

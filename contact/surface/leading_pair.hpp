@@ -1,4 +1,5 @@
-// The pair of a node and a face (or of two edges) that leads all others of all ranks by some value.
+// The pair of a node and a face (or of two edges) with the greatest value of some quantity over all
+// ranks.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -13,7 +14,7 @@ struct PairIds {
   global_id node_body = -1, face_body = -1;
 };
 
-// For reductions: the greatest value; of equals the lowest node, then face.
+// For reductions: the greatest value; among equal values the lowest node, then face.
 struct LeadingPair {
   double value = 0;
   PairIds pair{INT64_MAX, INT64_MAX, -1, -1};
@@ -30,7 +31,7 @@ struct LeadingPair {
   }
 };
 
-// The pair of the leader of all ranks, whose value is `value` = the greatest of all `local` ones. Collective.
+// The leading pair of all ranks; `value` is the greatest value of all `local` pairs. Collective.
 inline PairIds pairOfLeader(MPI_Comm comm, const LeadingPair& local, double value) {
   const auto lowest = [&](bool takes_part, global_id id) {
     return allReduce(comm, takes_part ? id : INT64_MAX, MPI_MIN);
@@ -46,7 +47,7 @@ inline PairIds pairOfLeader(MPI_Comm comm, const LeadingPair& local, double valu
   return leader;
 }
 
-// The leader of all ranks; without a pair where no value is above 0. Collective.
+// The leading pair of all ranks with its value; without a pair if no value is above 0. Collective.
 inline LeadingPair leaderOfAll(MPI_Comm comm, const LeadingPair& local) {
   LeadingPair leader;
   leader.value = allReduce(comm, local.value, MPI_MAX);

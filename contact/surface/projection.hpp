@@ -1,7 +1,6 @@
-// Closest point of a face to a point: Newton's method with the full Hessian on the bilinear quad,
-// exact on triangles (a repeated corner), four triangles about the centroid where Newton fails.
-// All arithmetic is relative to the point, so that flat faces give
-// exactly flat normals.
+// Closest point projection onto a face: Newton's method with the full Hessian on the bilinear quad,
+// exact on triangles (a repeated corner), four triangles about the centroid where Newton's method
+// fails. All arithmetic is relative to the point, so that flat faces give exactly flat normals.
 #pragma once
 
 #include "contact/base/triple.hpp"
@@ -13,14 +12,14 @@ struct Quad {
   Vec3 corner[4];
 };
 
-// A point of a face with the way it stands to the point that was projected.
+// The projection of a point onto a face.
 struct FacePoint {
   double weight[4] = {0, 0, 0, 0}; // N_j, sum 1; slightly negative beyond an edge
   Vec3 normal; // outward unit normal there
   double gap = 0; // g = (point - x_c) . normal, length; negative inside the body
   // How far outside the face, in half-lengths: max(|xi|, |eta|) - 1; <= 0 inside.
   double excess = HUGE_VAL;
-  double xi = 0, eta = 0; // where on the quad; of no meaning unless has_parameters
+  double xi = 0, eta = 0; // on the quad; without meaning unless has_parameters
   bool has_parameters = false; // a stationary point of the distance on the bilinear quad
   bool valid = false; // false: no projection near this face, or a degenerate face
 
@@ -32,9 +31,10 @@ struct FacePoint {
 namespace projection {
 
 constexpr int max_iterations = 20;
-constexpr double far_outside = 3.0; // iterates beyond this parameter belong to another face
-constexpr double last_step = 1e-8; // steps double their digits: the next one would be < 1e-15
-constexpr double least_determinant = 0.01; // of A C: below it the curvature term is dropped
+constexpr double far_outside = 3.0; // iterates beyond this parameter value belong to another face
+constexpr double last_step = 1e-8; // convergence is quadratic: the next step would be below 1e-15
+// relative to A C: below it the curvature term is dropped
+constexpr double least_determinant = 0.01;
 
 // a / length, by division: an axis-parallel vector then becomes exactly a unit vector.
 KOKKOS_INLINE_FUNCTION Vec3 scaledDown(const Vec3& a, double length) {
@@ -83,8 +83,8 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoTriangle(const Vec3 (&q)[4], int repeated) 
   return found;
 }
 
-// The quad as four triangles about its centroid; of those takes the one that the origin projects
-// into best.
+// Divides the quad into four triangles about its centroid and takes the one that the origin
+// projects into best.
 KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
   FacePoint found;
   const Vec3 centre = 0.25 * ((q[0] + q[1]) + (q[2] + q[3]));
@@ -114,8 +114,9 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
 
 } // namespace projection
 
-// Where Newton's method finds a stationary point of the distance from the origin to the bilinear quad q, for one quad or in
-// lanes: `found`; where it says that there is none near the face: `nowhere`; else the four triangles are to be asked.
+// Result of Newton's method for a stationary point of the distance from the origin to the bilinear
+// quad q, for one quad or in lanes. `found`: converged; `nowhere`: there is none near the face;
+// otherwise the four triangles must decide.
 template <class Real>
 struct NewtonPoint {
   using Mask = typename MaskOf<Real>::type;
@@ -124,7 +125,7 @@ struct NewtonPoint {
   Triple<Real> normal;
   Mask found, nowhere;
 };
-// Of lanes where `wanted`; the others are neither found nor nowhere. No quad repeats a corner.
+// Lanes outside `wanted` are neither found nor nowhere. No quad may repeat a corner.
 template <class Real>
 KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4],
                                                       typename MaskOf<Real>::type wanted) {
@@ -184,8 +185,7 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
   return point;
 }
 
-// Projects `point` onto the face. Never fails to return; `valid` says whether there is a point near
-// the face.
+// Projects `point` onto the face. `valid` says whether the projection lies near the face.
 KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   using namespace projection;
   const Vec3 q[4] = {face.corner[0] - point, face.corner[1] - point, face.corner[2] - point,
@@ -212,14 +212,15 @@ KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   return found;
 }
 
-// Mean plane of a face: quick to test a node against before the projection.
+// Mean plane of a face, for a quick test of a node before the projection.
 struct MeanPlane {
   Vec3 normal; // unit; zero for a degenerate face
   double offset = 0; // normal . centroid, length
   double warp = 0; // greatest distance of a corner from the plane, length
   double area = 0; // |half the cross product of the diagonals|
 
-  // True if a point that projects onto the face within `lateral_tolerance` cannot be deeper than `depth` behind it.
+  // True if a point that projects onto the face within `lateral_tolerance` cannot lie deeper than
+  // `depth` behind it.
   KOKKOS_INLINE_FUNCTION bool surelyOutside(const Vec3& point, double lateral_tolerance,
                                             double depth) const {
     const double stretch = (1 + lateral_tolerance) * (1 + lateral_tolerance);
@@ -227,7 +228,8 @@ struct MeanPlane {
   }
 };
 
-// What is asked of a candidate face first, in one cache line; of other ranks' faces around a node, normal and area only.
+// The data of a candidate face that are read first, in one cache line. For faces of other ranks
+// around a node, normal and area only.
 struct FaceRecord {
   MeanPlane plane;
   global_id body = -1, id = -1;
@@ -239,7 +241,7 @@ KOKKOS_INLINE_FUNCTION Vec3 areaVector(const Quad& f) {
   return 0.5 * cross(f.corner[2] - f.corner[0], f.corner[3] - f.corner[1]);
 }
 
-// Normal and area only: what is known of a face by its area vector.
+// Normal and area only, from the area vector of a face.
 KOKKOS_INLINE_FUNCTION MeanPlane planeOfArea(const Vec3& area) {
   MeanPlane plane;
   plane.area = norm(area);

@@ -1,4 +1,5 @@
-// The contact surface that a host code gives to the search, and what the search gives back.
+// The contact surface that a host code gives to the search, and the results of the search: ghosts
+// and candidate pairs.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -6,13 +7,15 @@
 
 namespace brickwall::contact {
 
-// The input of the search: boxes swept over the step, one for each node, and faces, whose boxes are the hulls of those of their
-// corners. Node boxes look for partners among the faces of all ranks. The arrays belong to the host code; the search only reads
-// them. A node that several ranks share is owned by exactly one of them.
+// The input of the search: boxes swept over the step, one for each node, and faces, whose boxes are
+// the hulls of those of their corners. Node boxes look for partners among the faces of all ranks.
+// The arrays belong to the host code; the search only reads them. A node that several ranks share
+// is owned by exactly one of them.
 struct SweptBoxes {
   int num_nodes = 0;
   int num_faces = 0;
-  // Two opposite corners of the box of each node [node][xyz], length. Of a node that moves they are x^n and x^{n+1}.
+  // Two opposite corners of the box of each node [node][xyz], length. Of a node that moves they are
+  // x^n and x^{n+1}.
   View<const double* [3]> coordinates_old;
   View<const double* [3]> coordinates_new;
   // [face][corner], outward normal by the right-hand rule; a triangle repeats a corner
@@ -25,13 +28,14 @@ struct SweptBoxes {
   ConstAttributeWords face_attributes; // data of the host that ghosts carry along; may be empty
 };
 
-// This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1), which move from x^n to x^{n+1}. Contact
-// enforcement needs FaceAttributes.
+// This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1), which
+// move from x^n to x^{n+1}. Contact enforcement needs FaceAttributes.
 struct Surface : SweptBoxes {};
 
-// Copies of other ranks' faces that this rank's owned nodes may touch, in the order of owner rank, then of face id (methods
-// `paper` and `reference`) or as the owner keeps its faces (`cluster`: an order that lasts until the owner sorts anew).
-// Rows [0, count) are valid; the Views may be longer (they persist and grow).
+// Copies of other ranks' faces that this rank's owned nodes may touch, by owner rank; those of one
+// owner by face id (methods `paper` and `reference`) or in the order in which the owner keeps its
+// faces (`cluster`), which lasts until the owner sorts again. Rows [0, count) are valid; the Views
+// may be longer (they persist and grow).
 struct GhostFaces {
   using CornerIds = View<global_id* [4]>; // [ghost][corner]
   using CornerCoordinates = View<double* [12]>; // [ghost][3 * corner + xyz], length
@@ -44,21 +48,24 @@ struct GhostFaces {
   CornerCoordinates coordinates_new{"contact::GhostFaces::coordinates_new", 0}; // x^{n+1}
   AttributeWords attributes{"contact::GhostFaces::attributes", 0, 0}; // [ghost] as face_attributes
 
-  // To be assigned: allocates nothing, not even names.
+  // A placeholder that allocates nothing, not even labels.
   static GhostFaces none() { return {0, {}, {}, {}, {}, {}, {}}; }
 };
 
-// Pairs found with a margin (candidate_search.hpp) are more than those of a step: the latter are the pairs whose boxes of the
-// step, inflated by these tolerances, overlap (FaceAccess::boxesOverlap). Who must not depend on the margin tests for that.
+// A search with a margin (candidate_search.hpp) finds more pairs than a search in the step would.
+// The latter are the pairs whose boxes of the step, inflated by these tolerances, overlap
+// (FaceAccess::boxesOverlap); results that must not depend on the margin are tested for that.
 struct StepTest {
   bool is_needed = false;
-  double node_tolerance = 0, face_tolerance = 0; // length; known where the test is not needed, too
+  double node_tolerance = 0, face_tolerance = 0; // length; set also where the test is not needed
 };
 
-// Candidate pairs in rows, one row for each surface node, in the order of the search's own choosing: row r lists the faces
-// that node(r) may touch, faces(begin(r)) .. faces(end(r) - 1). A face index below num_faces is an own face, else ghost face
-// index - num_faces. Rows of nodes not owned here are empty. Each row is in the order of (body, face id), without repeats.
-// Rows come in blocks; between blocks `faces` may have entries that belong to no row. The Views persist and grow.
+// Candidate pairs in rows, one row for each surface node, in an order chosen by the search: row r
+// lists the faces that node(r) may touch, faces(begin(r)) .. faces(end(r) - 1). A face index below
+// num_faces is an own face, otherwise it is ghost face index - num_faces. Rows of nodes not owned
+// here are empty. Each row is in the order of (body, face id), without repeats. Rows come in
+// blocks; between blocks `faces` may have entries that belong to no row. The Views persist and
+// grow.
 struct CandidatePairs {
   static constexpr int rows_per_block = cluster_size;
 
@@ -66,15 +73,19 @@ struct CandidatePairs {
   int num_rows = 0; // number of surface nodes
   View<int*> row_nodes{"contact::CandidatePairs::row_nodes", 0}; // [row] surface node
   View<std::int64_t*> block_begin{"contact::CandidatePairs::block_begin", 0}; // [block] into faces
-  // [block][rows_per_block + 1] where the block's rows begin, and its last row ends, from block_begin
+  // [block][rows_per_block + 1] begin of each row of the block and end of its last row, relative to
+  // block_begin
   View<int*> row_begin{"contact::CandidatePairs::row_begin", 0};
   View<int*> faces{"contact::CandidatePairs::faces", 0};
-  // [block] 0: its rows are those of the last search, which had the version before; of no use where the version is 0
+  // [block] 0: the rows are the same as in the previous search, which had the version before this
+  // one. Without meaning where the version is 0.
   View<unsigned char*> changed{"contact::CandidatePairs::changed", 0};
-  std::int64_t version = 0; // goes up by 1 with each search, by 2 where the rows are in a new order
+  // increases by 1 with each search, by 2 where the rows are in a new order
+  std::int64_t version = 0;
   StepTest step_test;
 
-  static CandidatePairs none() { return {0, 0, {}, {}, {}, {}, {}, 0, {}}; } // as of GhostFaces
+  // As GhostFaces::none().
+  static CandidatePairs none() { return {0, 0, {}, {}, {}, {}, {}, 0, {}}; }
 
   KOKKOS_INLINE_FUNCTION int node(std::int64_t row) const { return row_nodes(row); }
   KOKKOS_INLINE_FUNCTION std::int64_t begin(std::int64_t row) const { return at(row, 0); }

@@ -7,7 +7,7 @@
 namespace brickwall::contact {
 namespace {
 
-// Faces of one rank as every rank sees them.
+// The faces of one rank, as sent to all ranks.
 struct AuditedFaces {
   View<Box*> boxes;
   View<global_id* [6]> ids; // face, body, four corners
@@ -15,10 +15,11 @@ struct AuditedFaces {
 
 AuditedFaces describeOwnFaces(const exec_space& space, const SweptBoxes& surface,
                               double tolerance) {
-  AuditedFaces own{allocate<View<Box*>>(space, "contact::audit::boxes", surface.num_faces),
-                   allocate<View<global_id* [6]>>(space, "contact::audit::ids", surface.num_faces)};
+  AuditedFaces own{
+      allocate<View<Box*>>(space, "contact::countMissedPairs::boxes", surface.num_faces),
+      allocate<View<global_id* [6]>>(space, "contact::countMissedPairs::ids", surface.num_faces)};
   Kokkos::parallel_for(
-      "contact::audit::describe", rangePolicy(space, surface.num_faces),
+      "contact::countMissedPairs::describe", rangePolicy(space, surface.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         own.boxes(face) = faceBox(surface.coordinates_old, surface.coordinates_new,
                                   surface.face_to_nodes, face, tolerance);
@@ -33,7 +34,7 @@ AuditedFaces describeOwnFaces(const exec_space& space, const SweptBoxes& surface
 template <class ViewType>
 void broadcastRows(const exec_space& space, MPI_Comm comm, int root, ViewType& view, int rows) {
   if (rankOf(comm) != root)
-    view = allocate<ViewType>(space, "contact::audit::received", rows);
+    view = allocate<ViewType>(space, "contact::countMissedPairs::received", rows);
   const auto host = Kokkos::create_mirror_view(Kokkos::HostSpace(), view);
   if (rankOf(comm) == root)
     Kokkos::deep_copy(space, host, view);
@@ -84,7 +85,7 @@ struct CountMissed {
 std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const CandidatePairs& pairs,
                               const SearchConfig& config) {
-  const Region region("contact::auditPairs");
+  const Region region("contact::countMissedPairs");
   const AuditedFaces own = describeOwnFaces(space, surface, config.face_tolerance);
   std::int64_t missed = 0;
   for (int root = 0; root < sizeOf(comm); ++root) {
@@ -93,7 +94,7 @@ std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Swep
     broadcastRows(space, comm, root, all.boxes, count);
     broadcastRows(space, comm, root, all.ids, count);
     std::int64_t of_root = 0;
-    Kokkos::parallel_reduce("contact::audit::count", rangePolicy(space, pairs.num_rows),
+    Kokkos::parallel_reduce("contact::countMissedPairs::count", rangePolicy(space, pairs.num_rows),
                             CountMissed{FaceAccess{surface, ghosts}, pairs, all, count, config},
                             Kokkos::Sum<std::int64_t>(of_root));
     space.fence();

@@ -1,5 +1,6 @@
-// An audit of lists of candidate pairs: every face of every rank against every node, by plain loops. For tests of a run that
-// matters, not for every step: the work is that of nodes times faces.
+// Audit of lists of candidate pairs: every face of every rank against every node, by plain loops.
+// For the verification of important runs, not for every step: the cost is proportional to nodes
+// times faces.
 #pragma once
 
 #include "contact/surface/search_config.hpp"
@@ -11,10 +12,11 @@
 
 namespace brickwall::contact {
 
-// Number of pairs, over all ranks, whose boxes of this step overlap at the tolerances of `config` and which the rules do not
-// exclude, but which `pairs` does not list (or, of kept lists, which its step test would not let through). Shares with the
-// searches only the definition of a box. Every rank's faces go to all ranks in turn: memory for those of the largest rank.
-// Collective.
+// Number of pairs, over all ranks, whose boxes of this step overlap at the tolerances of `config`
+// and which the rules do not exclude, but which `pairs` does not list (or, for kept lists, which
+// its step test rejects). The audit shares only the definition of a box with the searches. The
+// faces of each rank are sent to all ranks in turn, which needs memory for those of the largest
+// rank. Collective.
 std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const CandidatePairs& pairs,
                               const SearchConfig& config);

@@ -5,7 +5,7 @@
 namespace brickwall::contact {
 namespace {
 
-// Nodes against the four corners of faces.
+// Motion of nodes relative to the four corners of faces.
 struct NodeAndFace {
   FaceAccess faces;
   KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int face) const {
@@ -20,7 +20,7 @@ struct NodeAndFace {
   KOKKOS_INLINE_FUNCTION global_id idOf(int node) const { return faces.surface.node_ids(node); }
 };
 
-// Ends of edges against ends of edges: corners 0 and 1.
+// Motion of the ends of edges, corners 0 and 1, relative to each other.
 struct EdgeAndEdge {
   FaceAccess faces;
   int num_corners;

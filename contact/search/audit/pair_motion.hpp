@@ -1,5 +1,6 @@
-// How fast nodes and faces, or edges and edges, that may touch move against each other in one step: where that is more than the
-// search reaches, one may have passed the other unseen, or lie too deep to be found again.
+// The greatest relative motion, in one step, of nodes and faces or of pairs of edges that may
+// touch. Where it exceeds the reach of the search, one may have passed through the other without
+// being detected, or may lie too deep to be detected later.
 #pragma once
 
 #include "contact/surface/leading_pair.hpp"
@@ -9,20 +10,21 @@
 
 namespace brickwall::contact {
 
-// The pair whose node (an end of the edge that pushes) moves most against a corner of its face (an end of its edge); of equals
-// that of the lowest ids.
-// The ids are set where `motion` is beyond the limit asked for; edges are numbered 4 * face + side of the face.
+// The pair whose node (an end of the pushing edge) moves most relative to a corner of its face (an
+// end of its edge); among equal motions that of the lowest ids. The ids are set where `motion`
+// exceeds the given limit; edges have the id 4 * face + side of the face.
 struct PairMotion : PairIds {
-  double motion = 0; // |(x^{n+1} - x^n) of the one - that of the other|, length; 0 without pairs
+  double motion = 0; // |difference of the motions x^{n+1} - x^n|, length; 0 without pairs
   bool is_of_edges = false;
 };
 
-// The fastest of all candidate pairs of this step on all ranks, the same on every rank and for any margin of the search.
-// Collective: one reduction of one number, and some more where the motion is beyond `limit`.
+// The fastest of all candidate pairs of this step on all ranks, the same on every rank and for any
+// margin of the search. Collective: one reduction of one number, and further ones where the motion
+// exceeds `limit`.
 PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        const GhostFaces& ghosts, const CandidatePairs& pairs, double limit);
 
-// The same of edges: the surface, ghosts and pairs of an EdgeContact, where row num_corners + e stands for edge e.
+// The same for the boxes, ghosts and pairs of an EdgeContact, where node num_corners + e is edge e.
 PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
                            int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
                            double limit);

@@ -22,7 +22,7 @@ void buildNodeTrees(const exec_space& space, const PartnerMessages& node_boxes, 
     const std::int64_t first = offsets[static_cast<std::size_t>(p)];
     const std::int64_t num_lanes = std::int64_t(tree.num_levels > 0 ? tree.numBlocks(0) : 0) * 8;
     Kokkos::parallel_for(
-        "contact::blockGhostSearch::leaves", rangePolicy(space, num_lanes),
+        "contact::BlockGhostSearch::leaves", rangePolicy(space, num_lanes),
         KOKKOS_LAMBDA(const std::int64_t i) {
           storeLane(tree.block(0, i / block_size), static_cast<int>(i % block_size),
                     i < tree.num_items ? FloatBounds::of(receivedNodeBox(words, first + i), origin)
@@ -74,9 +74,8 @@ struct BlockQuery {
   }
 };
 
-void selectActiveFaces(const exec_space& space, const PartnerLists& blocks_to_test,
-                       const BlockQuery& query, const View<const std::int64_t*>& node_offsets,
-                       BlockGhostSearch& search) {
+void findHits(const exec_space& space, const PartnerLists& blocks_to_test, const BlockQuery& query,
+              const View<const std::int64_t*>& node_offsets, BlockGhostSearch& search) {
   const std::int64_t num_entries = blocks_to_test.size();
   growTo(space, search.hits, num_entries);
   growTo(space, search.positions, num_entries + 1);
@@ -87,7 +86,7 @@ void selectActiveFaces(const exec_space& space, const PartnerLists& blocks_to_te
   const auto hits = search.hits;
   const auto positions = search.positions;
   Kokkos::parallel_for(
-      "contact::blockGhostSearch::query", rangePolicy(space, num_entries),
+      "contact::BlockGhostSearch::query", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         const int partner = partnerOf(starts, num_partners, entry);
         const unsigned hit = query(blocks(entry), trees(partner), node_offsets(partner));
@@ -102,12 +101,12 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
   const auto positions = search.positions;
   auto& lists = search.faces_to_send;
   growTo(space, lists.rows,
-         scanCounts(space, "contact::blockGhostSearch::scan", positions, num_entries));
+         scanCounts(space, "contact::BlockGhostSearch::scan", positions, num_entries));
   const View<const int*> blocks = blocks_to_test.rows;
   const View<const unsigned*> hits = search.hits;
   const auto rows = lists.rows;
   Kokkos::parallel_for(
-      "contact::blockGhostSearch::list", rangePolicy(space, num_entries),
+      "contact::BlockGhostSearch::list", rangePolicy(space, num_entries),
       KOKKOS_LAMBDA(const std::int64_t entry) {
         std::int64_t next = positions(entry);
         for (unsigned left = hits(entry); left != 0; left &= left - 1)
@@ -140,7 +139,7 @@ void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxe
   const BlockQuery query{clusters.faceTree(),       order.face_order,      surface.coordinates_old,
                          surface.coordinates_new,   surface.face_to_nodes, face_tolerance,
                          node_boxes.buffers.receive};
-  selectActiveFaces(space, blocks_to_test, query, search.node_offsets, search);
+  findHits(space, blocks_to_test, query, search.node_offsets, search);
   listHits(space, blocks_to_test, order.face_order, search);
 }
 

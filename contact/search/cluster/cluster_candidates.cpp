@@ -7,9 +7,9 @@
 namespace brickwall::contact {
 namespace {
 
-// What one thread looks at for one partner.
+// The work of one thread for one partner.
 constexpr int clusters_per_chunk = cluster_size > 1 ? 64 : 16;
-constexpr int most_chunk_levels = 2; // a block of this level of the face tree, or of its top
+constexpr int max_chunk_levels = 2; // a block of this level of the face tree, or of its top
 
 KOKKOS_INLINE_FUNCTION bool within(const float* sides, const FloatBounds& reach) {
   bool inside = true;
@@ -18,7 +18,8 @@ KOKKOS_INLINE_FUNCTION bool within(const float* sides, const FloatBounds& reach)
   return inside;
 }
 
-// Emits the owned nodes of chunk i % num_chunks that may meet the rank box of partner i / num_chunks.
+// Emits the owned nodes of chunk i % num_chunks that may meet the rank box of partner i /
+// num_chunks.
 struct NodesNearPartner {
   View<const FloatBounds*> reach;
   View<const float*> cluster_bounds, node_bounds;
@@ -44,8 +45,8 @@ struct NodesNearPartner {
   }
 };
 
-// Emits the blocks of eight faces, below block i % num_chunks of level `level`, that may meet the rank box of partner
-// i / num_chunks.
+// Emits the blocks of eight faces, below block i % num_chunks of level `level`, that may meet the
+// rank box of partner i / num_chunks.
 struct BlocksNearPartner {
   View<const FloatBounds*> reach;
   BoxTree faces;
@@ -55,7 +56,7 @@ struct BlocksNearPartner {
   template <class Sink>
   KOKKOS_INLINE_FUNCTION void operator()(std::int64_t i, const Sink& sink) const {
     const FloatBounds& limit = reach(i / num_chunks);
-    if (level == 0) { // a single block, whose union no level holds
+    if (level == 0) { // a single block, whose union is not stored
       const FloatBounds all = unionOfBlock(faces.block(0, 0));
       if (within(all.side, limit))
         sink(0);
@@ -78,7 +79,7 @@ void setReach(const exec_space& space, const std::vector<int>& ranks,
   copyToDevice(space, candidates.host_reach, candidates.reach);
 }
 
-// Lists what `emit` finds for each partner in each of the chunks.
+// Lists the results of `emit` for each partner, chunk by chunk.
 template <class Emit>
 void listByPartner(const exec_space& space, const std::string& label, const Emit& emit,
                    ClusterCandidates& candidates, PartnerLists& lists) {
@@ -109,7 +110,7 @@ void findNodesToSend(const exec_space& space, const SurfaceClusters& clusters,
                               order.node_order,
                               order.num_clusters,
                               (order.num_clusters + clusters_per_chunk - 1) / clusters_per_chunk};
-  listByPartner(space, "contact::clusterCandidates::nodes", emit, candidates, lists);
+  listByPartner(space, "contact::ClusterCandidates::nodes", emit, candidates, lists);
 }
 
 void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
@@ -120,9 +121,9 @@ void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
   if (lists.ranks.empty() || faces.num_levels == 0)
     return;
   setReach(space, lists.ranks, rank_boxes.node_boxes, clusters.order().origin, candidates);
-  const int level = minOf(faces.num_levels - 1, most_chunk_levels);
+  const int level = minOf(faces.num_levels - 1, max_chunk_levels);
   const BlocksNearPartner emit{candidates.reach, faces, level, faces.numBlocks(level)};
-  listByPartner(space, "contact::clusterCandidates::faces", emit, candidates, lists);
+  listByPartner(space, "contact::ClusterCandidates::faces", emit, candidates, lists);
 }
 
 } // namespace

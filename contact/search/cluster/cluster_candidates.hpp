@@ -1,5 +1,6 @@
-// Phase 3 of the cluster search: partners, node boxes to send (L_gns) and blocks of faces that may be ghosted (in place of
-// L_gfs). Whole clusters and blocks are tested first, so that what is far from the partners costs next to nothing.
+// Phase 3 of the cluster search: partners, node boxes to send (L_gns) and blocks of faces that may
+// be ghosted (in place of L_gfs). Whole clusters and blocks are tested first, so that parts of the
+// surface far from the partners cost almost nothing.
 #pragma once
 
 #include "contact/search/cluster/surface_clusters.hpp"
@@ -8,7 +9,8 @@
 
 namespace brickwall::contact {
 
-// Both lists hold what overlaps in floats: at times a little more than what overlaps, never less.
+// Both lists hold all that overlaps in floats: everything that overlaps in doubles, and rarely a
+// little more.
 struct ClusterCandidates {
   PartnerLists nodes_to_send; // Q_snd; rows are owned nodes, in the kept order
   PartnerLists blocks_to_test; // Q_rcv; rows are blocks of the face tree's level 0, ascending
@@ -20,7 +22,8 @@ struct ClusterCandidates {
   View<std::int64_t*> starts{"contact::ClusterCandidates::starts", 0}; // [partner + 1]
 };
 
-// Not collective. r is in Q_snd(q) if and only if q is in Q_rcv(r), since both read the same rank boxes.
+// Not collective. r is in Q_snd(q) if and only if q is in Q_rcv(r), since both read the same rank
+// boxes.
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates);
 

@@ -20,7 +20,8 @@ KOKKOS_INLINE_FUNCTION Vec3 centroidOf(const View<const int* [4]>& face_to_nodes
   return 0.25 * sum;
 }
 
-// Keys and values of n rows without the slack of growTo: this scratch is the peak of the search's memory.
+// Keys and values of n rows without the spare rows of growTo(), since this scratch is the peak
+// memory of the search.
 SortedKeys scratchFor(const exec_space& space, std::int64_t n) {
   SortedKeys scratch;
   scratch.keys = allocate<View<std::uint64_t*>>(space, "contact::ClusterOrder::keys", n);
@@ -30,7 +31,7 @@ SortedKeys scratchFor(const exec_space& space, std::int64_t n) {
   return scratch;
 }
 
-// Of the finite values; 0 if there are none.
+// The median of the finite values; 0 if there are none.
 double medianOf(const exec_space& space, const View<double*>& values) {
   std::vector<double> finite;
   copyToHost(space, values, static_cast<std::int64_t>(values.extent(0)), finite);
@@ -44,8 +45,8 @@ double medianOf(const exec_space& space, const View<double*>& values) {
   return *middle;
 }
 
-// Sorts every run of Width entries: the host's own order is kept where it costs nothing, which makes its memory easier to
-// read, and rows of candidates easier to sort.
+// Sorts every run of Width entries. Within a run the order of the host is as good, makes its memory
+// faster to read, and rows of candidates faster to sort.
 template <int Width>
 void sortWithin(const exec_space& space, const View<int*>& order, std::int64_t n) {
   Kokkos::parallel_for(
@@ -92,7 +93,7 @@ Curve layCurve(const exec_space& space, const SweptBoxes& surface, ClusterOrder&
   return curve;
 }
 
-// face_order: along the curve.
+// Sets face_order: along the curve.
 void orderFaces(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                 ClusterOrder& order) {
   const std::int64_t n = surface.num_faces;
@@ -112,7 +113,7 @@ void orderFaces(const exec_space& space, const SweptBoxes& surface, const Curve&
   space.fence();
 }
 
-// Nodes of no face follow the others, along the curve.
+// Places the nodes of no face after the others, along the curve.
 void placeLoneNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                     const View<std::int64_t*>& first, int used, const View<int*>& places) {
   const std::int64_t num_lone = surface.num_nodes - used;
@@ -141,7 +142,8 @@ void placeLoneNodes(const exec_space& space, const SweptBoxes& surface, const Cu
   space.fence();
 }
 
-// [node] position of the node: by the first face, in order, that has it as a corner; nodes of no face come last.
+// [node] position of the node: by the first face, in order, that has it as a corner; nodes of no
+// face come last.
 View<int*> placeNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                       const ClusterOrder& order) {
   const std::int64_t num_faces = surface.num_faces, num_nodes = surface.num_nodes;
@@ -157,7 +159,7 @@ View<int*> placeNodes(const exec_space& space, const SweptBoxes& surface, const 
         for (int corner = 0; corner < 4; ++corner) {
           std::int64_t& of_node = first(face_to_nodes(face, corner));
           const std::int64_t use = 4 * position + corner;
-          if (*const_cast<volatile std::int64_t*>(&of_node) > use) // most uses are later ones
+          if (*const_cast<volatile std::int64_t*>(&of_node) > use) // most uses are not the first
             Kokkos::atomic_fetch_min(&of_node, use);
         }
       });
@@ -180,7 +182,7 @@ View<int*> placeNodes(const exec_space& space, const SweptBoxes& surface, const 
   return places;
 }
 
-// node_order, owned and corners from the nodes' places.
+// Sets node_order, owned and corners from the positions of the nodes.
 void orderNodes(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
                 ClusterOrder& order) {
   const int num_nodes = surface.num_nodes, num_faces = surface.num_faces;
@@ -224,7 +226,7 @@ void orderNodes(const exec_space& space, const SweptBoxes& surface, const Curve&
   space.fence();
 }
 
-// Host faces that come before their predecessor by (body, id).
+// Number of host faces that precede their predecessor by (body, id).
 std::int64_t countDescents(const exec_space& space, const SweptBoxes& surface) {
   const auto bodies = surface.face_body, ids = surface.face_ids;
   std::int64_t descents = 0;
@@ -264,7 +266,7 @@ void sortById(const exec_space& space, const View<const global_id*>& ids, std::i
   sortByKey(space, n, range == UINT64_MAX ? 64 : bitsFor(range + 1), sorted);
 }
 
-// face_rank, if the host's order is another.
+// Sets face_rank if the order of the host differs.
 void rankFaces(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
   if (countDescents(space, surface) == 0)
     return;

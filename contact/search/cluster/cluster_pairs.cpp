@@ -9,7 +9,7 @@
 namespace brickwall::contact {
 namespace {
 
-// The tree of the ghosts, in the order in which they came.
+// Refits the tree of the ghosts, which are in the order of their arrival.
 void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& origin,
                  double tolerance, BoxForest& forest) {
   forest.shape(space, ghosts.count);
@@ -27,39 +27,41 @@ void refitGhosts(const exec_space& space, const GhostFaces& ghosts, const Vec3& 
   forest.refitUpperLevels(space);
 }
 
-void giveFirstRoom(const exec_space& space, int num_clusters, const View<int*>& room,
-                   const View<std::int64_t*>& block_begin) {
+void setInitialCapacity(const exec_space& space, int num_clusters, const View<int*>& capacity,
+                        const View<std::int64_t*>& block_begin) {
   Kokkos::parallel_for(
       "contact::ClusterPairs::initial_capacity", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
-        room(cluster) = initial_capacity;
+        capacity(cluster) = initial_capacity;
         block_begin(cluster) = cluster * initial_capacity;
       });
 }
 
-// places [cluster + 1]: offsets of the room that overflowed clusters, or all, need. Returns its sum.
-std::int64_t measureRoom(const exec_space& space, int num_clusters, const View<int*>& row_begin,
-                         const View<int*>& room, bool all, const View<std::int64_t*>& places) {
+// Sets places [cluster + 1], the offsets of the capacity that overflowed clusters, or all, need.
+// Returns the sum.
+std::int64_t measureCapacity(const exec_space& space, int num_clusters, const View<int*>& row_begin,
+                             const View<int*>& capacity, bool all,
+                             const View<std::int64_t*>& places) {
   Kokkos::parallel_for(
       "contact::ClusterPairs::needed", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
         const std::int64_t length = row_begin(cluster * row_width + cluster_size);
-        places(cluster) = all || length > room(cluster) ? length + length / 8 + 2 : 0;
+        places(cluster) = all || length > capacity(cluster) ? length + length / 8 + 2 : 0;
       });
   return scanCounts(space, "contact::ClusterPairs::places", places, num_clusters);
 }
 
-void giveRoom(const exec_space& space, int num_clusters, const View<std::int64_t*>& places,
-              std::int64_t begin, const View<int*>& room, const CandidatePairs& pairs) {
+void setCapacity(const exec_space& space, int num_clusters, const View<std::int64_t*>& places,
+                 std::int64_t begin, const View<int*>& capacity, const CandidatePairs& pairs) {
   const auto row_begin = pairs.row_begin;
   const auto block_begin = pairs.block_begin;
   Kokkos::parallel_for(
-      "contact::ClusterPairs::make_room", rangePolicy(space, num_clusters),
+      "contact::ClusterPairs::set_capacity", rangePolicy(space, num_clusters),
       KOKKOS_LAMBDA(const std::int64_t cluster) {
         const std::int64_t size = places(cluster + 1) - places(cluster);
         if (size == 0)
           return;
-        room(cluster) = static_cast<int>(size);
+        capacity(cluster) = static_cast<int>(size);
         block_begin(cluster) = begin + places(cluster);
         row_begin(cluster * row_width) = needs_retry;
       });
@@ -67,7 +69,7 @@ void giveRoom(const exec_space& space, int num_clusters, const View<std::int64_t
 
 } // namespace
 
-// Rows for a new order: every cluster has the same room.
+// Lays out rows for a new order: every cluster has the same capacity.
 void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clusters,
                              CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
@@ -78,7 +80,7 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
     else
       Kokkos::deep_copy(space, view, 0);
   };
-  exactly(_room, num_clusters);
+  exactly(_capacity, num_clusters);
   exactly(_places, num_clusters + 1);
   exactly(pairs.block_begin, num_clusters);
   exactly(pairs.row_begin, num_clusters * row_width);
@@ -87,21 +89,24 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   pairs.row_nodes = order.node_order;
   _used = std::int64_t(order.num_clusters) * initial_capacity;
   const std::int64_t size =
-      _used + _used / 2 + 1024; // and for some that need more; untouched memory costs nothing
+      _used + _used / 2 +
+      1024; // with a reserve for clusters that need more; untouched memory costs nothing
   if (static_cast<std::int64_t>(pairs.faces.extent(0)) < size) {
     pairs.faces = View<int*>(); // free first
     pairs.faces = allocate<View<int*>>(space, "contact::CandidatePairs::faces", size);
   }
-  giveFirstRoom(space, order.num_clusters, _room, pairs.block_begin);
+  setInitialCapacity(space, order.num_clusters, _capacity, pairs.block_begin);
   _ordering = clusters.numOrderings();
 }
 
-// Gives overflowed clusters a new place behind the used ones; if there is not room enough, all clusters get one.
-void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
-  std::int64_t more = measureRoom(space, num_clusters, pairs.row_begin, _room, false, _places);
+// Gives overflowed clusters a new part after the used ones; if the View is too small, all clusters
+// get new parts.
+void ClusterPairs::growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs) {
+  std::int64_t more =
+      measureCapacity(space, num_clusters, pairs.row_begin, _capacity, false, _places);
   if (_used + more > static_cast<std::int64_t>(pairs.faces.extent(0))) {
     _used = 0;
-    more = measureRoom(space, num_clusters, pairs.row_begin, _room, true, _places);
+    more = measureCapacity(space, num_clusters, pairs.row_begin, _capacity, true, _places);
     const auto size = static_cast<std::size_t>(more + more / 16 + 1024);
     if (pairs.faces.extent(0) < size) {
       const std::int64_t ordering = _ordering;
@@ -111,7 +116,7 @@ void ClusterPairs::makeRoom(const exec_space& space, int num_clusters, Candidate
       _ordering = ordering;
     }
   }
-  giveRoom(space, num_clusters, _places, _used, _room, pairs);
+  setCapacity(space, num_clusters, _places, _used, _capacity, pairs);
   _used += more;
 }
 
@@ -136,7 +141,7 @@ void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
         "contact::ClusterPairs::find",
         dynamicPolicy(space, (order.num_clusters + group_size - 1) / group_size, 8),
         FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
-                 _ghost_forest.tree(0), _room, pairs.block_begin, pairs.row_begin, pairs.faces,
+                 _ghost_forest.tree(0), _capacity, pairs.block_begin, pairs.row_begin, pairs.faces,
                  pairs.changed, order.num_clusters, repeat},
         PlusReducer<PairCounts>(counts));
     space.fence();
@@ -146,7 +151,7 @@ void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
   const PairCounts counts = search(false);
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
-    makeRoom(space, order.num_clusters, pairs);
+    growCapacity(space, order.num_clusters, pairs);
     search(true);
   }
   pairs.count = counts.pairs;

@@ -1,4 +1,5 @@
-// Local search of the cluster method: every cluster of nodes walks the tree of faces once, and that of the ghosts.
+// Local search of the cluster method: every cluster of nodes traverses the tree of faces and that
+// of the ghosts once.
 #pragma once
 
 #include "contact/search/cluster/surface_clusters.hpp"
@@ -21,22 +22,22 @@ struct PairCounts {
 
 class ClusterPairs {
 public:
-  // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes its rows to the place
-  // that the last search left it, at first four faces a node, then an eighth more than it needed; those that outgrow it
-  // get a new one and are searched again.
+  // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes
+  // its rows to the part of pairs.faces that it used in the last search. Its capacity is four faces
+  // per node at first, later an eighth more than it needed; clusters that exceed it get a new part
+  // and are searched again.
   void find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
             const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
 
 private:
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
-  void makeRoom(const exec_space& space, int num_clusters, CandidatePairs& pairs);
+  void growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
   BoxForest _ghost_forest;
-  View<int*> _room{"contact::ClusterPairs::room",
-                   0}; // [cluster] entries of pairs.faces that it has
+  View<int*> _capacity{"contact::ClusterPairs::capacity", 0}; // [cluster] entries of pairs.faces
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]
   std::int64_t _used = 0; // entries of pairs.faces that belong to a cluster
-  std::int64_t _ordering = -1; // of the clusters, that the rows are laid out for
+  std::int64_t _ordering = -1; // of the clusters for which the rows are laid out
 };
 
 } // namespace brickwall::contact

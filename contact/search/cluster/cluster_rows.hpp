@@ -1,5 +1,5 @@
-// The kernel of the cluster search: a group of clusters finds the blocks of faces near it, each cluster tests its nodes
-// against their faces and writes its rows of candidates.
+// The kernel of the cluster search: a group of clusters finds the blocks of faces near it; each
+// cluster tests its nodes against the faces of these blocks and writes its rows of candidates.
 #pragma once
 
 #include "contact/search/cluster/cluster_pairs.hpp"
@@ -12,29 +12,32 @@ namespace brickwall::contact {
 using DeviceRules = PairRules<memory_space>;
 
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
-constexpr int needs_retry = -1; // in the first of them, which else is 0
-constexpr int max_hits = cluster_size > 1 ? 256 : 32; // kept by a search; more take a slower one
-constexpr int initial_capacity =
-    4 * cluster_size; // of a cluster before its first search: like faces
-constexpr int max_sorted_hits = 64; // hits of which rows are selected at once
-// Clusters that walk the upper levels of the tree together, and the blocks that they may meet there.
+constexpr int needs_retry = -1; // in the first of them, which is otherwise 0
+constexpr int max_hits =
+    cluster_size > 1 ? 256
+                     : 32; // faces that a cluster keeps; clusters with more take a slower path
+// Entries of a cluster before its first search: four faces per node.
+constexpr int initial_capacity = 4 * cluster_size;
+constexpr int max_sorted_hits = 64; // most hits that selectRows() sorts
+// Clusters that traverse the upper levels of the tree together, and the most blocks that they keep.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;
 constexpr int max_near_blocks = cluster_size > 1 ? 512 : block_size;
 
-// Faces whose boxes some nodes of a cluster reach. An item is an own face's position, or num_faces + the ghost's number.
+// Faces whose boxes overlap those of some nodes of a cluster. An item is the position of an own
+// face, or num_faces + ghost index.
 struct Hits {
   int item[max_hits + block_size];
-  int key[max_hits]; // place in the order of rows, of own faces, once settled
+  int key[max_hits]; // of own faces: rank in the order of rows, set by resolveFloatTies()
   unsigned lanes[max_hits + block_size]; // the nodes
   int count = 0;
-  bool are_own = true; // no ghosts among them
+  bool are_own = true; // none of them is a ghost
 };
 
-// Blocks of faces near a group of clusters, with their boxes in blocks of eight again.
+// Blocks of faces near a group of clusters; their boxes are again in blocks of eight.
 struct BlockList {
   float boxes[max_near_blocks / block_size * block_floats];
   int block[max_near_blocks];
-  int count = 0; // more than max_near_blocks: the list is not complete
+  int count = 0; // more than max_near_blocks: the list is incomplete
 
   KOKKOS_INLINE_FUNCTION void add(const BoxTree& tree, std::int64_t near) {
     if (count < max_near_blocks) {
@@ -46,14 +49,14 @@ struct BlockList {
     }
     ++count;
   }
-  // Empties the lanes behind the last.
+  // Sets the lanes after the last block to the empty box.
   KOKKOS_INLINE_FUNCTION void finish() {
     for (int i = count; i < max_near_blocks && i % block_size != 0; ++i)
       storeLane(boxes + i / block_size * block_floats, i % block_size, FloatBounds());
   }
 };
 
-// Everything that a search reads, and the decision about one pair.
+// The input of the kernel, and the exact test of one pair.
 struct PairTest {
   SweptBoxes surface;
   GhostFaces ghosts;
@@ -62,7 +65,7 @@ struct PairTest {
   double node_tolerance, face_tolerance;
   bool drop_same_body;
 
-  // Whether the boxes overlap, in double: for pairs that floats cannot tell.
+  // Whether the boxes overlap in doubles, for ties in floats.
   KOKKOS_INLINE_FUNCTION bool overlap(int node, int face) const {
     return FaceAccess{surface, ghosts}.boxesOverlap(node, face, node_tolerance, face_tolerance);
   }
@@ -74,35 +77,35 @@ struct PairTest {
   }
 };
 
-// The search of one group of clusters.
+// Searches one group of clusters.
 struct FindRows {
   PairTest test;
   View<const float*> node_bounds, cluster_bounds;
   BoxTree face_tree, ghost_tree;
-  View<const int*> room;
+  View<const int*> capacity;
   View<const std::int64_t*> block_begin;
   View<int*> row_begin, faces;
-  View<unsigned char*> changed; // whether rows are others than those of the last search, or may be
+  View<unsigned char*> changed; // [cluster] 0: the rows are the same as in the last search
   int num_clusters;
-  bool repeat; // only clusters whose place has changed
+  bool repeat; // search only the clusters marked needs_retry
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t group, PairCounts& sums) const {
     const int first = static_cast<int>(group) * group_size;
     const int end = minOf(first + group_size, num_clusters);
     FloatBounds all;
     for (int cluster = first; cluster < end; ++cluster)
-      if (isWanted(cluster))
+      if (isSearched(cluster))
         for (int s = 0; s < 6; ++s)
           all.side[s] = minOf(all.side[s], cluster_bounds(std::int64_t(cluster) * 6 + s));
     BlockList near_faces, near_ghosts;
     collect(face_tree, all.reach(), near_faces);
     collect(ghost_tree, all.reach(), near_ghosts);
     for (int cluster = first; cluster < end; ++cluster)
-      if (isWanted(cluster))
+      if (isSearched(cluster))
         findRows(cluster, near_faces, near_ghosts, sums);
   }
 
-  KOKKOS_INLINE_FUNCTION bool isWanted(int cluster) const {
+  KOKKOS_INLINE_FUNCTION bool isSearched(int cluster) const {
     return !repeat || row_begin(std::int64_t(cluster) * row_width) == needs_retry;
   }
 
@@ -117,7 +120,8 @@ struct FindRows {
     list.finish();
   }
 
-  // visit(block) for the blocks of a tree that the cluster meets, ascending; `list` holds those that its group meets.
+  // Calls visit(block) for the blocks of a tree that the cluster overlaps, ascending; `list` holds
+  // those near its group.
   template <class Visit>
   KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
                                                  const BlockList& list, const Visit& visit) {
@@ -159,12 +163,12 @@ struct FindRows {
       fillRows(nodes, first, hits, is_long, cluster, begin, sums);
   }
 
-  // Rows of few own faces: these are sorted once, and each node takes its own out of them.
+  // Rows of few own faces: the faces are sorted once, and each node selects its own.
   KOKKOS_INLINE_FUNCTION void selectRows(Hits& hits, int cluster, int* begin,
                                          PairCounts& sums) const {
-    int selected[max_sorted_hits * cluster_size + 16]; // selectByBit writes beyond its result
+    int selected[max_sorted_hits * cluster_size + 16]; // selectByBit() writes beyond its result
     int total = 0;
-    int difference = repeat; // what is at a new place is of no use
+    int difference = repeat; // the contents of a new part are undefined
     sortTogether(hits.key, hits.item, hits.lanes, hits.count);
     for (int lane = 0; lane < cluster_size; ++lane) {
       difference |= begin[lane] ^ total;
@@ -174,7 +178,7 @@ struct FindRows {
     difference |= begin[cluster_size] ^ total;
     begin[cluster_size] = total;
     sums.pairs += total;
-    if (total > room(cluster)) {
+    if (total > capacity(cluster)) {
       ++sums.overflowed;
       return;
     }
@@ -186,7 +190,7 @@ struct FindRows {
     changed(cluster) = difference != 0;
   }
 
-  // Any rows: counted, written, sorted.
+  // The general case: rows are counted, written and sorted.
   KOKKOS_INLINE_FUNCTION void fillRows(const NodeCluster& nodes, int first, Hits& hits,
                                        bool is_long, int cluster, int* begin,
                                        PairCounts& sums) const {
@@ -210,7 +214,7 @@ struct FindRows {
     begin[cluster_size] = static_cast<int>(total);
     sums.pairs += total;
     sums.largest = maxOf(sums.largest, total);
-    if (total > room(cluster)) {
+    if (total > capacity(cluster)) {
       ++sums.overflowed;
       return;
     }
@@ -224,7 +228,7 @@ struct FindRows {
               [&](const int a, const int b) { return test.before(a, b); });
   }
 
-  // Appends without branching: whether a face is near is as good as random.
+  // Appends without branching, since whether a face is near is unpredictable.
   KOKKOS_INLINE_FUNCTION static void append(Hits& hits, int item, unsigned near) {
     hits.item[hits.count] = item;
     hits.lanes[hits.count] = near;
@@ -258,7 +262,8 @@ struct FindRows {
     }
   }
 
-  // What floats leave open: items become faces, lanes those of the nodes that may touch them.
+  // Resolves ties in floats and applies the rules: items become faces, lanes those of the nodes
+  // that may touch them.
   KOKKOS_INLINE_FUNCTION void resolveFloatTies(const NodeCluster& nodes, int first,
                                                Hits& hits) const {
     const bool is_ranked = test.order.face_rank.extent(0) > 0;
@@ -299,7 +304,8 @@ struct FindRows {
     return kept;
   }
 
-  // visit(face, lanes) for all pairs of a cluster that has more hits than are kept, block by block.
+  // Calls visit(face, lanes) for all pairs of a cluster with more than max_hits hits, block by
+  // block.
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
                                           const Visit& visit) const {

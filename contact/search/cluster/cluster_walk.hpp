@@ -1,28 +1,31 @@
-// A cluster of neighbouring nodes walks a tree of boxes once for all of them: the point-wise part of the cluster search.
+// Packet traversal of a tree of boxes by a cluster of neighbouring nodes: the point-wise part of
+// the cluster search.
 #pragma once
 
 #include "contact/search/spatial/tree_walk.hpp"
 
 namespace brickwall::contact {
 
-// What the boxes of a cluster's nodes reach: a box overlaps one of them if none of its sides (FloatBounds) exceeds the
-// node's reach, upper xyz, then minus lower xyz. Lanes without a node reach nothing.
+// The reach of the node boxes of a cluster: a box overlaps a node box if none of its sides
+// (FloatBounds) exceeds the node's reach, upper xyz, then minus lower xyz. Lanes without a node
+// reach nothing.
 struct NodeCluster {
   float lanes[6 * cluster_size]; // [side][lane]
-  FloatBounds all; // the most of all lanes
+  FloatBounds all; // the maximum of all lanes
 
-  // From `bounds` [node position][6] and `of_wanted`, the union of those of the lanes in `wanted`, which alone take part.
-  KOKKOS_INLINE_FUNCTION void load(const float* bounds, const float* of_wanted, unsigned wanted) {
+  // Takes the lanes in `used` from `bounds` [node position][6]; `of_used` is the union of their
+  // bounds.
+  KOKKOS_INLINE_FUNCTION void load(const float* bounds, const float* of_used, unsigned used) {
     for (int s = 0; s < 6; ++s) {
       const float* const side = bounds + (s + 3) % 6;
       for (int lane = 0; lane < cluster_size; ++lane)
         lanes[s * cluster_size + lane] = -side[lane * 6];
-      all.side[s] = -of_wanted[(s + 3) % 6];
+      all.side[s] = -of_used[(s + 3) % 6];
     }
-    if (wanted != all_lanes)
+    if (used != all_lanes)
       for (int lane = 0; lane < cluster_size; ++lane)
         for (int s = 0; s < 6; ++s)
-          if (!(wanted >> lane & 1u))
+          if (!(used >> lane & 1u))
             lanes[s * cluster_size + lane] = -HUGE_VALF;
   }
 
@@ -30,7 +33,8 @@ private:
   static constexpr unsigned all_lanes = (1u << cluster_size) - 1;
 };
 
-// Calls visit(block) for each block of level 0 whose box overlaps the union of the cluster's boxes, in ascending order.
+// Calls visit(block) for each block of level 0 whose box overlaps the union of the cluster's boxes,
+// in ascending order.
 template <class Visit>
 KOKKOS_INLINE_FUNCTION void walkBlocks(const BoxTree& tree, const FloatBounds& reach,
                                        const Visit& visit) {

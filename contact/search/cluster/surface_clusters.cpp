@@ -9,7 +9,8 @@ namespace {
 
 constexpr int sides = 6;
 
-// One cluster of nodes: their bounds, and those of the cluster. Rows of coordinates are gathered in kept order.
+// Computes the bounds of the nodes of one cluster, and of the cluster. Rows of coordinates are
+// gathered in the kept order.
 struct RefitCluster {
   View<const double*[3]> x_old, x_new;
   View<const int*> node_order;
@@ -24,8 +25,7 @@ struct RefitCluster {
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster,
                                          SurfaceClusters::Sums& all) const {
     const std::int64_t first = cluster * cluster_size;
-    prefetchNodes(first +
-                  4 * cluster_size); // the host's order is not ours: the memory must be asked early
+    prefetchNodes(first + 4 * cluster_size); // the host's rows are scattered
     const double origin[4] = {from.x, from.y, from.z, 0};
     const unsigned is_owned = owned(cluster);
     FloatBounds of_owned;
@@ -62,7 +62,8 @@ struct RefitCluster {
     }
   }
 
-  // Coordinates that sweptBox may read four of: in place where they lie together and a row follows, else a copy.
+  // A row of coordinates of which sweptBox() may read four numbers: in place where it is contiguous
+  // and another row follows, otherwise a copy.
   KOKKOS_INLINE_FUNCTION const double* rowOfFour(const View<const double* [3]>& x, int node,
                                                  double (&copy)[4]) const {
     if (cluster_size > 1 && x.stride_1() == 1 && node + 1 < num_nodes)
@@ -76,7 +77,7 @@ struct RefitCluster {
     for (int s = 0; s < sides; ++s)
       row[s] = bounds.side[s];
   }
-  // A node that is not finite has no box.
+  // Counts a node that is not finite, which has no box.
   KOKKOS_INLINE_FUNCTION void skip(int node, FloatBounds& bounds,
                                    SurfaceClusters::Sums& all) const {
     bounds = FloatBounds();
@@ -85,7 +86,7 @@ struct RefitCluster {
   }
 };
 
-// A box that holds all boxes of doubles that were rounded to these bounds.
+// A box that contains all boxes of doubles that round to these bounds.
 Box boxAround(const FloatBounds& bounds, const Vec3& origin) {
   constexpr double ulp = 0x1p-23; // of a float, and more than twice its rounding error
   Box box;
@@ -119,8 +120,9 @@ FloatBounds boundsOfTree(const exec_space& space, const BoxTree& tree) {
   return unionOfBlock(top);
 }
 
-// One block of faces: their boxes, and their union as an item of the next level. A face's box is the union of its corners'
-// since rounding is monotone. Returns the sum of the block's extents.
+// Computes the boxes of one block of faces, and their union as an item of the next level. The box
+// of a face is the union of those of its corners, since rounding is monotone. Returns the sum of
+// the extents of the block.
 struct RefitBlock {
   BoxTree tree;
   View<const int*> corners;
@@ -134,7 +136,7 @@ struct RefitBlock {
       all[s] = HUGE_VALF;
     const int used = minOf<int>(block_size, tree.num_items - static_cast<int>(block) * block_size);
     for (int lane = 0; lane < used; ++lane) {
-      float box[8]; // eight, not six: one SIMD register; the last two are the next node's
+      float box[8]; // eight, not six: one SIMD register; the last two belong to the next node
       const float* from = &corner_bounds(std::int64_t(corner[lane]) * sides);
       for (int s = 0; s < 8; ++s)
         box[s] = from[s];
@@ -167,13 +169,14 @@ struct RefitBlock {
   }
 };
 
-// Sum of the blocks' extents; one block counts at most `most`, so that a huge face among small ones does not hide them.
+// Returns the sum of the extents of the blocks; one block contributes at most `most`, so that a
+// huge face does not dominate.
 double refitFaces(const exec_space& space, const RefitBlock& refit, double most) {
   const BoxTree tree = refit.tree;
   if (tree.num_levels == 0)
     return 0;
   const std::int64_t num_blocks = tree.numBlocks(0);
-  if (tree.num_levels > 1) // lanes behind the last block
+  if (tree.num_levels > 1) // lanes after the last block
     Kokkos::parallel_for(
         "contact::SurfaceClusters::empty_lanes", rangePolicy(space, block_size),
         KOKKOS_LAMBDA(const std::int64_t lane) {
@@ -205,7 +208,7 @@ void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
                             const SearchConfig& config) {
   const Region timer("search::initialization");
   _is_ordered = false; // in case of a throw
-  // What the sort needs and what the boxes need is never there at once.
+  // The scratch of the sort and the memory of the boxes never exist at the same time.
   _order = ClusterOrder();
   _corner_bounds = _node_bounds = _cluster_bounds = View<float*>();
   _forest = BoxForest();
@@ -226,7 +229,8 @@ void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
   ++_num_orderings;
 }
 
-// A surface that has left its place as a whole takes the origin along, so that floats stay fine.
+// Moves the origin along with a surface that has moved away as a whole, so that floats keep their
+// resolution.
 void SurfaceClusters::followSurface() {
   const Box& box = _rank_boxes.face_box;
   if (box.empty())
@@ -241,11 +245,12 @@ void SurfaceClusters::followSurface() {
 void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
                              const SearchConfig& config) {
   const Region region("contact::constructBoxes");
-  // Bricks that part stretch the blocks that span them, and queries cost the more; a quarter more is worth a sort.
-  constexpr double worn_out = 1.25;
+  // Bricks that separate stretch the blocks that span them, which makes queries dearer; a growth by
+  // a quarter justifies a sort.
+  constexpr double degraded = 1.25;
   const bool same_bounds = config.node_tolerance == config.face_tolerance;
   const bool fresh = !_is_ordered || isNew(surface) || same_bounds != _same_bounds ||
-                     _extent > worn_out * _extent_when_ordered;
+                     _extent > degraded * _extent_when_ordered;
   if (fresh)
     order(space, surface, config);
   else
@@ -267,9 +272,9 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
   }
   const Region timer("search::face boxes");
   const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};
-  double most = fresh ? HUGE_VAL : _most_extent;
+  double most = fresh ? HUGE_VAL : _max_extent;
   _extent = refitFaces(space, refit, most);
-  if (fresh) { // the measure to come: without outliers, which hide the rest
+  if (fresh) { // the reference for later steps: without outliers, which would dominate
     constexpr double outlier = 16; // times the mean extent of a block
     const double num_blocks = maxOf(surface.num_faces / block_size, 1);
     double last = HUGE_VAL;
@@ -278,8 +283,8 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
       most = outlier * _extent / num_blocks;
       _extent = refitFaces(space, refit, most);
     }
-    _most_extent =
-        most > 0 ? most : HUGE_VAL; // all in one point says nothing of the surface to come
+    // A surface that lies in one point gives no measure.
+    _max_extent = most > 0 ? most : HUGE_VAL;
     _extent_when_ordered = _extent;
   }
   _forest.refitUpperLevels(space, 2);

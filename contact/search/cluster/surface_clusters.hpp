@@ -1,5 +1,6 @@
-// The surface as the cluster search sees it: faces in blocks of eight and nodes in clusters, both along a space filling
-// curve, that are kept from step to step; their boxes are refitted in every step (phase 1 of the paper).
+// The data structure of the cluster search: faces in blocks of eight and nodes in clusters, both
+// along a space filling curve. They are kept from step to step; their boxes are refitted in every
+// step (phase 1 of the paper).
 #pragma once
 
 #include "contact/search/cluster/cluster_order.hpp"
@@ -9,21 +10,25 @@ namespace brickwall::contact {
 
 class SurfaceClusters {
 public:
-  // Phase 1. Orders the surface if it is new (other sizes or Views than at the last call) or if its order has worn out,
-  // then refits all boxes. Not collective. Nodes that are not finite are counted; their faces have no box.
+  // Phase 1. Orders the surface if it is new (sizes or Views differ from those of the last call) or
+  // if its order has degraded, then refits all boxes. Not collective. Nodes that are not finite are
+  // counted; their faces have no box.
   void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
 
-  // Something of the surface besides its coordinates has changed in place, or unmanaged Views have been allocated again.
+  // To be called when something of the surface besides its coordinates has changed in place, or
+  // when unmanaged Views have been reallocated.
   void orderAgain() { _is_ordered = false; }
 
   const ClusterOrder& order() const { return _order; }
-  // [node position][6] FloatBounds sides of every node box, whether the node is owned or not. The View has two floats more.
+  // [node position][6] FloatBounds sides of every node box, whether the node is owned or not. The
+  // View has two floats more.
   const View<float*>& nodeBounds() const { return _same_bounds ? _corner_bounds : _node_bounds; }
   // [cluster][6], owned nodes only
   const View<float*>& clusterBounds() const { return _cluster_bounds; }
   const BoxTree& faceTree() const { return _forest.tree(0); } // items are faces, by position
 
-  // The boxes contain Bbar_n and Bbar_f, tolerances included; they are larger by the rounding to floats.
+  // The boxes contain Bbar_n and Bbar_f, tolerances included; they are larger by the rounding to
+  // floats.
   const OwnRankBoxes& rankBoxes() const { return _rank_boxes; }
   std::int64_t numOrderings() const { return _num_orderings; }
 
@@ -46,18 +51,19 @@ private:
   void order(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
   void followSurface();
 
-  // Of the last ordering. Keeps managed Views alive, so that surfaces can be told apart by the addresses of their Views.
+  // Of the last ordering. Keeps managed Views alive, so that surfaces can be told apart by the
+  // addresses of their Views.
   SweptBoxes _surface;
   ClusterOrder _order;
   BoxForest _forest;
-  // [node position][6] FloatBounds sides of every node's swept point +- face_tolerance, from which the face boxes are made. The
-  // View has two floats more.
+  // [node position][6] FloatBounds sides of every node's swept point +- face_tolerance, from which
+  // the face boxes are made. The View has two floats more.
   View<float*> _corner_bounds{"contact::SurfaceClusters::corner_bounds", 0};
   View<float*> _node_bounds{"contact::SurfaceClusters::node_bounds", 0};
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
   OwnRankBoxes _rank_boxes;
-  // Summed extents of the blocks of faces, length; one block counts at most _most_extent.
-  double _extent = 0, _extent_when_ordered = 0, _most_extent = 0;
+  // Summed extents of the blocks of faces, length; one block contributes at most _max_extent.
+  double _extent = 0, _extent_when_ordered = 0, _max_extent = 0;
   std::int64_t _num_orderings = 0;
   bool _is_ordered = false, _same_bounds = true;
 };

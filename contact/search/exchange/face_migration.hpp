@@ -12,9 +12,9 @@ struct FaceMigration {
   PartnerMessages messages;
 };
 
-// Collective among partners. Sends the listed faces and receives the ghosts of this rank from `senders` (Q_snd): one
-// message per partner and direction, of 30 words a face and its attributes. With `announces_sizes` the sizes are sent in a
-// message before.
+// Collective among partners. Sends the listed faces and receives the ghosts of this rank from
+// `senders` (Q_snd): one message per partner and direction, of 30 words a face and its attributes.
+// With `announces_sizes` the sizes are sent in a message before.
 void migrateFaces(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
                   int num_attributes, bool announces_sizes, FaceMigration& migration);

@@ -71,7 +71,8 @@ void PartnerMessages::setPartners(const std::vector<int>& receivers,
                  std::back_inserter(_partners));
 }
 
-// Turns the row offsets of `ranks` into word offsets of all partners; partners not in `ranks` get no words.
+// Turns the row offsets of `ranks` into word offsets of all partners; partners not in `ranks` get
+// no words.
 void PartnerMessages::spread(const std::vector<int>& ranks,
                              const std::vector<std::int64_t>& offsets, int width,
                              std::vector<std::int64_t>& words) const {

@@ -1,4 +1,5 @@
-// Phase 4: the node boxes L_gns^q are sent to rank q in pairwise messages; those received from q are L_gnr^q.
+// Phase 4: the node boxes L_gns^q are sent to rank q in pairwise messages; those received from q
+// are L_gnr^q.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -41,14 +42,15 @@ struct RemoteNodeBoxes {
   std::int64_t size() const { return offsets.back(); }
 };
 
-// Collective among partners. `senders` are the ranks that send boxes to this rank: Q_rcv. The sizes are announced in a message
-// of their own.
+// Collective among partners. `senders` are the ranks that send boxes to this rank: Q_rcv. The sizes
+// are announced in a message of their own.
 void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxes& boxes,
                        const PartnerLists& nodes_to_send, const std::vector<int>& senders,
                        RemoteNodeBoxes& remote);
 
-// Collective among partners. The same for the cluster search, in one message per partner: the boxes of the listed nodes, in the
-// order of the list. The boxes received are receivedNodeBox(messages.buffers.receive, i), i as in messages.receiveOffsets().
+// Collective among partners. The same for the cluster search, in one message per partner: the boxes
+// of the listed nodes, in the order of the list. The boxes received are
+// receivedNodeBox(messages.buffers.receive, i), i as in messages.receiveOffsets().
 void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        double node_tolerance, const PartnerLists& nodes_to_send,
                        const std::vector<int>& senders, PartnerMessages& messages);

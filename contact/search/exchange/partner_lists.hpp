@@ -53,8 +53,8 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
   space.fence();
 }
 
-// Sets kept.offsets where only some entries of a list were kept. `starts` [partner + 1] are the offsets of all entries,
-// positions(entry) is the number of entries kept before this one. Fences.
+// Sets kept.offsets where only some entries of a list were kept. `starts` [partner + 1] are the
+// offsets of all entries, positions(entry) is the number of entries kept before this one. Fences.
 inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t*>& positions,
                           const View<std::int64_t*>& starts, PartnerLists& kept) {
   const auto num_partners = static_cast<std::int64_t>(kept.ranks.size());

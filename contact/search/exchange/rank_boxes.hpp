@@ -22,8 +22,9 @@ private:
   std::vector<std::int64_t> _words; // [rank][word] as gathered
 };
 
-// Collective. Throws PhysicsError on all ranks if any has a coordinate that is not finite (naming the smallest node id and the
-// rank that has it), InputError if the numbers of face attributes differ.
+// Collective. Throws PhysicsError on all ranks if any has a coordinate that is not finite (naming
+// the smallest node id and the rank that has it), InputError if the numbers of face attributes
+// differ.
 void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
                        RankBoxes& all);
 

@@ -1,5 +1,6 @@
-// The phases of the global search (paper, Fig. 4) as one search method carries them out, with the local search that follows.
-// GlobalSearch calls them in order; phases 2 and 6 are the same for all methods and its own.
+// The phases of the global search (paper, Fig. 4) as one search method carries them out, with the
+// local search that follows. GlobalSearch calls them in order; phases 2 and 6 are the same for all
+// methods and its own.
 #pragma once
 
 #include "contact/search/exchange/partner_lists.hpp"
@@ -7,8 +8,8 @@
 
 namespace brickwall::contact {
 
-// One implementation for each SearchMethod; an object holds the buffers of its method only. Every call of a step gets the same
-// surface and configuration.
+// One implementation for each SearchMethod; an object holds the buffers of its method only. Every
+// call of a step gets the same surface and configuration.
 class SearchPhases {
 public:
   SearchPhases() = default;
@@ -16,17 +17,20 @@ public:
   SearchPhases& operator=(const SearchPhases&) = delete;
   virtual ~SearchPhases() = default;
 
-  // Phase 1: boxes of nodes and faces over the step. Invalid coordinates are counted; the ranks decide together in phase 2.
+  // Phase 1: boxes of nodes and faces over the step. Invalid coordinates are counted; the ranks
+  // decide together in phase 2.
   virtual OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                       const SearchConfig& config) = 0;
-  // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces that may be ghosted (L_gfs). Rank r
-  // is in Q_snd of q if and only if q is in Q_rcv of r, since both read the same rank boxes. Not collective.
+  // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces
+  // that may be ghosted (L_gfs). Rank r is in Q_snd of q if and only if q is in Q_rcv of r, since
+  // both read the same rank boxes. Not collective.
   virtual void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                          const RankBoxes& rank_boxes) = 0;
   // Phase 4: the node boxes of the partners (L_gnr). Collective among partners.
   virtual void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                                  const SearchConfig& config) = 0;
-  // Phase 5: the faces to send (L_ges): face f of L_gfs^q if and only if its box overlaps a box of L_gnr^q. Not collective.
+  // Phase 5: the faces to send (L_ges): face f of L_gfs^q if and only if its box overlaps a box of
+  // L_gnr^q. Not collective.
   virtual void searchLocalFacesAgainstRemoteNodes(const exec_space& space,
                                                   const SweptBoxes& surface,
                                                   const SearchConfig& config) = 0;

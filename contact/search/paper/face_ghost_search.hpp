@@ -1,4 +1,5 @@
-// Search 2 of the paper (phase 5) by one tree of the node boxes of all partners, whose results are filtered by partner.
+// Search 2 of the paper (phase 5) by one tree of the node boxes of all partners, whose results are
+// filtered by partner.
 #pragma once
 
 #include "contact/search/exchange/node_box_exchange.hpp"
@@ -16,14 +17,16 @@ struct FaceGhostSearch {
   SortedKeys by_id;
 };
 
-// Face f of L_gfs^q is listed for q if and only if its box overlaps a box of L_gnr^q. All q share one tree and one search; pairs
-// with boxes of other ranks are dropped, and a face is listed once for each q. Sets rows and offsets of `faces_to_send`. Returns
-// the number of overlapping pairs before the filter. Not collective.
+// Face f of L_gfs^q is listed for q if and only if its box overlaps a box of L_gnr^q. All q share
+// one tree and one search; pairs with boxes of other ranks are dropped, and a face is listed once
+// for each q. Sets rows and offsets of `faces_to_send`. Returns the number of overlapping pairs
+// before the filter. Not collective.
 std::int64_t findFacesToSend(const exec_space& space, const View<const Box*>& face_boxes,
                              const PartnerLists& faces_to_test, const RemoteNodeBoxes& remote,
                              FaceGhostSearch& search, PartnerLists& faces_to_send);
 
-// Sorts the rows of each partner by face id, the order in which its ghosts arrive; the order of local faces may differ.
+// Sorts the rows of each partner by face id, the order in which its ghosts arrive; the order of
+// local faces may differ.
 void orderByFaceId(const exec_space& space, const View<const global_id*>& ids,
                    FaceGhostSearch& search, PartnerLists& lists);
 

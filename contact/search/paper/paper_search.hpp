@@ -1,4 +1,5 @@
-// The search of the paper (sections 4 and 5): Morton codes, radix sort, Karras tree, one merged tree over all senders.
+// The search of the paper (sections 4 and 5): Morton codes, radix sort, Karras tree, one merged
+// tree over all senders.
 #pragma once
 
 #include "contact/search/exchange/node_box_exchange.hpp"
@@ -30,8 +31,8 @@ public:
   bool announcesSizes() const override { return true; }
 
 protected:
-  // The searches themselves, as findGhostingCandidates(), findFacesToSend() and findPairsByTree(); the reference search replaces
-  // them by loops over all pairs.
+  // The searches themselves, as findGhostingCandidates(), findFacesToSend() and findPairsByTree();
+  // the reference search replaces them by loops over all pairs.
   virtual void findCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
                               const std::vector<Box>& rank_boxes, RankBoxSearch& search,
                               PartnerLists& lists);

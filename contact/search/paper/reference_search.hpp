@@ -1,5 +1,6 @@
-// The reference of every search: plain serial loops over all pairs on the host, per sender. It is the oracle of the tests and the
-// baseline of the measurements; results and their order are those of the tree searches.
+// The reference of every search: plain serial loops over all pairs on the host, per sender. It is
+// the oracle of the tests and the baseline of the measurements; results and their order are those
+// of the tree searches.
 #pragma once
 
 #include "contact/search/paper/paper_search.hpp"

@@ -7,7 +7,7 @@
 namespace brickwall::contact {
 namespace {
 
-// Levels of a tree of n items, blocks counted from 0; `blocks` is not set.
+// The levels of a tree of n items, blocks counted from 0; `blocks` is not set.
 BoxTree shapeOf(std::int64_t n) {
   BoxTree tree;
   tree.num_items = checkedInt(n, "boxes of a tree");
@@ -18,12 +18,12 @@ BoxTree shapeOf(std::int64_t n) {
     blocks += of_level;
     items = of_level > 1 ? of_level : 0;
   }
-  for (int level = tree.num_levels; level <= most_levels; ++level)
+  for (int level = tree.num_levels; level <= max_levels; ++level)
     tree.level_begin[level] = blocks;
   return tree;
 }
 
-// Box of lane `lane` of block `i` of an upper level.
+// Computes the box of lane `lane` of block `i` of an upper level.
 KOKKOS_INLINE_FUNCTION void refitLane(const BoxTree& tree, int level, std::int64_t i, int lane) {
   const std::int64_t child = i * block_size + lane;
   storeLane(tree.block(level, i), lane,
@@ -41,13 +41,13 @@ void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& 
   std::int64_t blocks = 0;
   for (const std::int64_t n : num_items) {
     _trees.push_back(shapeOf(n));
-    blocks += _trees.back().level_begin[most_levels];
+    blocks += _trees.back().level_begin[max_levels];
   }
   growTo(space, _blocks, blocks * block_floats);
   float* next = _blocks.data();
   for (BoxTree& tree : _trees) {
     tree.blocks = next;
-    next += tree.level_begin[most_levels] * block_floats;
+    next += tree.level_begin[max_levels] * block_floats;
   }
   const auto num_trees = static_cast<std::int64_t>(_trees.size());
   growTo(space, _device_trees, num_trees);
@@ -63,7 +63,7 @@ void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& 
 
 void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {
   int most = 0;
-  std::int64_t widest = 0; // tree of the most blocks
+  std::int64_t widest = 0; // most blocks of one tree
   for (const BoxTree& tree : _trees)
     most = std::max(most, tree.num_levels);
   const auto trees = _device_trees;

@@ -1,5 +1,6 @@
-// A bounding volume hierarchy without pointers for items that are already in a good order: blocks of eight boxes, the
-// eight children of a node side by side, level above level. Built by refitting alone: no sort, no atomics, no topology.
+// A bounding volume hierarchy without pointers for items that are already sorted along a space
+// filling curve: blocks of eight boxes, the eight children of a node side by side, level above
+// level. It is built by refitting alone: no sort, no atomics, no topology.
 #pragma once
 
 #include "contact/search/spatial/float_bounds.hpp"
@@ -9,18 +10,20 @@
 namespace brickwall::contact {
 
 constexpr int block_size = 8; // items of a block, children of a node
-constexpr int most_levels = 11; // 8^11 > 2^31 items
+constexpr int max_levels = 11; // 8^11 > 2^31 items
 
-// Blocks of eight boxes, [block][side][lane]: side s of eight boxes lies together. Empty lanes hold the empty box.
+// Floats of a block [side][lane]: the same side of eight boxes is contiguous. Unused lanes hold the
+// empty box.
 constexpr int block_floats = 6 * block_size;
 
-// One tree as kernels see it. Level 0 holds the items, lane i % 8 of block i / 8; box b of level l + 1 is the union of block
-// b of level l. The top level has one block. Trees of no item have no level.
+// A tree as used in kernels. Level 0 holds the items: item i is lane i % 8 of block i / 8. Box b of
+// level l + 1 is the union of block b of level l. The top level has one block. A tree without items
+// has no level.
 struct BoxTree {
   float* blocks = nullptr; // [block][side][lane], all levels
   int num_items = 0;
   int num_levels = 0;
-  std::int64_t level_begin[most_levels + 1] = {}; // first block of each level, from `blocks`
+  std::int64_t level_begin[max_levels + 1] = {}; // first block of each level, from `blocks`
 
   KOKKOS_INLINE_FUNCTION float* block(int level, std::int64_t i) const {
     return blocks + (level_begin[level] + i) * block_floats;
@@ -43,29 +46,28 @@ KOKKOS_INLINE_FUNCTION void storeLane(float* block, int lane, const FloatBounds&
     block[s * block_size + lane] = box.side[s];
 }
 
-// Several trees in one allocation: one for each sender of node boxes, or a single one.
+// One or several trees in one allocation, such as one for each sender of node boxes.
 class BoxForest {
 public:
-  // Lays out trees of these numbers of items; allocates only when it must grow. Contents are undefined until level 0 is
-  // filled and refitUpperLevels() was called.
+  // Lays out trees of these numbers of items; allocates only to grow. The contents are undefined
+  // until level 0 is filled and refitUpperLevels() is called.
   void shape(const exec_space& space, const std::vector<std::int64_t>& num_items);
   void shape(const exec_space& space, std::int64_t num_items) { // a single tree
     if (_shape.size() != 1 || _shape[0] != num_items)
       shape(space, std::vector<std::int64_t>{num_items});
   }
 
-  // Boxes of the levels from `first_level` up to the tops; the levels below must be filled.
+  // Computes the boxes of the levels from `first_level` up; the levels below must be filled.
   void refitUpperLevels(const exec_space& space, int first_level = 1);
 
   int numTrees() const { return static_cast<int>(_trees.size()); }
-  const BoxTree& tree(int t) const {
-    return _trees[static_cast<std::size_t>(t)];
-  } // for by-value capture
+  // To be captured by value.
+  const BoxTree& tree(int t) const { return _trees[static_cast<std::size_t>(t)]; }
   const View<BoxTree*>& deviceTrees() const { return _device_trees; } // [tree]
 
 private:
   std::vector<BoxTree> _trees;
-  std::vector<std::int64_t> _shape; // the last asked for
+  std::vector<std::int64_t> _shape; // of the last shape()
   View<BoxTree*> _device_trees{"contact::BoxForest::trees", 0};
   View<float*> _blocks{"contact::BoxForest::blocks", 0};
 };

@@ -14,7 +14,8 @@ template <class Unsigned>
 KOKKOS_INLINE_FUNCTION bool lowerLeadingBit(Unsigned a, Unsigned b) {
   return a < b && a < (a ^ b);
 }
-// Keys that differ by `a` share a longer prefix than keys that differ by `b`: delta(a) > delta(b) of Karras.
+// Keys that differ by `a` share a longer prefix than keys that differ by `b`: delta(a) > delta(b)
+// of Karras.
 KOKKOS_INLINE_FUNCTION bool sharesMore(const KeyDifference& a, const KeyDifference& b) {
   if (a.code == 0 && b.code == 0)
     return lowerLeadingBit(a.index, b.index);
@@ -109,7 +110,8 @@ void connectNodes(const exec_space& space, const Bvh& tree) {
       });
 }
 
-// Each leaf climbs; of the two that meet at an inner node the second one knows both boxes and goes on.
+// Each leaf climbs; of the two that meet at an inner node the second one knows both boxes and goes
+// on.
 void mergeBoxes(const exec_space& space, const View<const Box*>& items, const Bvh& tree) {
   const auto values = tree.order.values;
   const auto nodes = tree.nodes;

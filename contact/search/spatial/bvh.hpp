@@ -1,6 +1,6 @@
-// Bounding volume hierarchy (paper, section 5): the binary radix tree of Karras (2012) over Morton-sorted boxes, all
-// inner nodes in parallel, their boxes bottom-up. Inner boxes are rounded to floats, which loses no overlap; leaves are
-// tested in double by the query.
+// Linear bounding volume hierarchy (LBVH; paper, section 5): the binary radix tree of Karras (2012)
+// over Morton-sorted boxes. All inner nodes are built in parallel, their boxes bottom-up. Inner
+// boxes are rounded to floats, which loses no overlap; the query tests leaves in double precision.
 #pragma once
 
 #include "contact/search/spatial/float_bounds.hpp"
@@ -11,7 +11,7 @@
 
 namespace brickwall::contact {
 
-// An inner node with its children's boxes: one cache line answers which way a query goes.
+// An inner node with the boxes of its children: a query reads one cache line per node.
 struct TreeNode {
   float bounds[12]; // FloatBounds::side [k][side] of the children
   int child[2]; // inner node, or ~item of a leaf
@@ -30,12 +30,13 @@ struct TreeNode {
   }
 };
 
-// A query box as the limits that bounds of overlapped boxes must not exceed.
+// A query box as the limits that the bounds of overlapping boxes must not exceed.
 struct FloatQuery {
   float limit[12]; // upper x, y, z, then -lower x, y, z; each twice, one for each child
 
-  // Not inlined on purpose: limits that lie in memory are loaded as vectors; limits that a compiler holds in single
-  // registers make it give up the vector instructions of test() (half as fast again with g++ 12).
+  // Deliberately not inlined: limits in memory are loaded as vectors, whereas limits held in scalar
+  // registers make the compiler drop the vector instructions of test(), which costs half as much
+  // time again with g++ 12.
   KOKKOS_FUNCTION __attribute__((noinline)) explicit FloatQuery(const Box& box) {
     for (int d = 0; d < 3; ++d) {
       limit[2 * d] = limit[2 * d + 1] = toFloat(box.upper[d]);
@@ -43,8 +44,9 @@ struct FloatQuery {
     }
   }
 
-  // Whether the query overlaps the boxes of the two children. In sign bits of differences, joined in rows of four,
-  // since compilers make a few vector instructions of that. Limits are finite, so no difference is NaN.
+  // Whether the query overlaps the boxes of the two children. The sign bits of differences are
+  // joined in rows of four, which compilers translate to a few vector instructions. Limits are
+  // finite, so no difference is NaN.
   KOKKOS_FORCEINLINE_FUNCTION void test(const TreeNode& node, bool (&overlaps)[2]) const {
     float room[12];
     for (int i = 0; i < 12; ++i)
@@ -73,8 +75,8 @@ struct Bvh {
   SortedKeys order; // Morton codes and items
 };
 
-// Builds the tree over items[0, num_items); `all` holds their centroids (codes are relative to it). Items of equal
-// code are told apart by their index.
+// Builds the tree over items[0, num_items); `all` contains their centroids (codes are relative to
+// it). Items of equal code are distinguished by their index.
 void buildTree(const exec_space& space, const View<const Box*>& items, int num_items,
                const Box& all, Bvh& tree);
 

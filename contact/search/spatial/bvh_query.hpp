@@ -1,17 +1,18 @@
-// Queries against the tree (paper, section 5): stack traversal, one query per thread, queries in Morton order against
-// divergence, results through an atomic index into one buffer; on overflow it is resized and the search repeated.
+// Queries of the tree (paper, section 5): stack traversal, one query per thread, queries in Morton
+// order to reduce divergence, results through an atomic index into one buffer. On overflow the
+// buffer is resized and the search repeated.
 #pragma once
 
 #include "contact/search/spatial/bvh.hpp"
 
 namespace brickwall::contact {
 
-// Accepted items of each query. The rows of a query are contiguous, in no particular order within, and so are the
-// queries in the buffer.
+// Accepted items of each query. The rows of a query are contiguous. The order of rows within a
+// query and of queries in the buffer is arbitrary.
 struct QueryResults {
   View<std::int64_t*> begin{"contact::QueryResults::begin", 0}; // [query] first row
   View<std::int64_t*> count{"contact::QueryResults::count", 0}; // [query] number of rows
-  View<int*> items{"contact::QueryResults::items", 0}; // buffer, kept at its high-water mark
+  View<int*> items{"contact::QueryResults::items", 0}; // buffer, kept at its greatest size
   View<std::int64_t*> total{"contact::QueryResults::total", 1}; // the atomic result index
   std::int64_t num_rows = 0;
   int num_passes = 0; // 2 when the buffer overflowed
@@ -22,10 +23,11 @@ struct QueryOrder {
   SortedKeys sorted;
 };
 
-// Results that a query keeps on the stack before it takes its rows of the buffer.
+// Results that a query keeps on the stack before it reserves rows of the buffer.
 constexpr int local_results = 32;
 
-// Walks the tree with one query, calling visit(item) for each leaf whose float box overlaps the query's.
+// Walks the tree with one query, calling visit(item) for each leaf whose float box overlaps the
+// query's.
 template <class Visit>
 KOKKOS_FORCEINLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes,
                                           const FloatQuery& query, const Visit& visit) {
@@ -55,7 +57,8 @@ KOKKOS_FORCEINLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes,
   }
 }
 
-// Queries need only be near those that run before and after them: 11 bits of their code per axis will do.
+// Queries need only be near those that run before and after them, for which 11 bits of the code per
+// axis suffice.
 constexpr int query_order_bits = 33;
 
 // Morton order of the boxes box_of(query), query < num_queries.
@@ -81,8 +84,9 @@ inline bool worthSorting(std::int64_t num_queries, std::int64_t num_items) {
   return minOf(num_queries, num_items) * 8 >= maxOf(num_queries, num_items);
 }
 
-// For each query < num_queries the items that accept(query)(item) keeps among the leaves that box_of(query) may
-// overlap: the exact test is there. Queries run in `order` if it is not null. Returns the number of rows. Fences.
+// Finds for each query < num_queries the items that accept(query)(item) accepts, among the leaves
+// that box_of(query) may overlap in floats; accept() makes the exact test. Queries run in `order`
+// if it is not null. Returns the number of rows. Fences.
 template <class BoxOf, class Accept>
 std::int64_t queryTree(const exec_space& space, const std::string& label, const Bvh& tree,
                        int num_queries, const BoxOf& box_of, const Accept& accept,
@@ -107,7 +111,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
           const int query = ordered ? query_order(q) : static_cast<int>(q);
           const FloatQuery box(box_of(query));
           const auto accepts = accept(query);
-          int found[local_results + 1]; // the last one takes what there is no room for
+          int found[local_results + 1]; // the last entry takes the results beyond local_results
           std::int64_t num_found = 0;
           const auto keep = [&](const int item) {
             found[minOf(num_found, std::int64_t(local_results))] = item;
@@ -126,7 +130,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
               buffer(first + i) = found[i];
             return;
           }
-          std::int64_t next = first; // a long row: found again, straight into the buffer
+          std::int64_t next = first; // a long row: found again, directly into the buffer
           traverse(nodes, box, [&](const int item) {
             if (accepts(item))
               buffer(next++) = item;
@@ -143,7 +147,7 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
   }
 }
 
-// The exact test of one query's box against rows of an array.
+// The exact test of the box of one query against rows of an array.
 struct OverlapsRow {
   Box box;
   const Box* rows;

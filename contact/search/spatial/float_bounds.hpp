@@ -1,6 +1,7 @@
-// Boxes in single precision for the cluster search. They decide nothing wrongly: rounding is monotone, a <= b implies
-// fl(a) <= fl(b) and fl(a) < fl(b) implies a < b. So `<=` on floats never loses a pair of closed double boxes, `<` is never
-// wrong, and only pairs that are equal in a float are left to the double boxes.
+// Boxes in single precision for the cluster search. They never cause a wrong decision: rounding is
+// monotone, a <= b implies fl(a) <= fl(b) and fl(a) < fl(b) implies a < b. So `<=` on floats never
+// loses a pair of closed double boxes, `<` is always correct, and only ties in a float are resolved
+// by the double boxes.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -9,13 +10,15 @@
 
 namespace brickwall::contact {
 
-// Nearest float. Doubles beyond the range become the largest, so that infinity can stand for "no box" and differences are
-// never NaN; zero is +0, so that no difference of equal bounds is -0.
+// The nearest float. Doubles beyond the range become the largest float, so that infinity can mean
+// "no box" and differences are never NaN; zero becomes +0, so that no difference of equal bounds is
+// -0.
 KOKKOS_INLINE_FUNCTION float toFloat(double x) {
   return static_cast<float>(minOf(maxOf(x, -double(FLT_MAX)), double(FLT_MAX))) + 0.0f;
 }
 
-// A box as six numbers of which the union is the minimum: lower xyz, then minus upper xyz. The default is the empty box.
+// A box as six numbers whose minimum is the union: lower xyz, then minus upper xyz. The default is
+// the empty box.
 struct FloatBounds {
   float side[6] = {HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF, HUGE_VALF};
 
@@ -32,7 +35,8 @@ struct FloatBounds {
       }
     return bounds;
   }
-  // What the sides of another box must not exceed if it is to overlap this one: upper xyz, minus lower xyz.
+  // The limits that the sides of another box must not exceed if it overlaps this one: upper xyz,
+  // minus lower xyz.
   KOKKOS_INLINE_FUNCTION FloatBounds reach() const {
     FloatBounds reach;
     for (int d = 0; d < 3; ++d) {

@@ -1,6 +1,7 @@
-// Hilbert codes: keys of points along a space filling curve without jumps (Skilling, "Programming the Hilbert
-// curve", AIP Conf. Proc. 707, 2004). Runs of neighbours on it are more compact than on the Morton curve: clusters of
-// sixteen nodes of a brick wall meet half as many blocks of faces.
+// Hilbert codes: keys of points along a space filling curve without jumps (J. Skilling,
+// "Programming the Hilbert curve", AIP Conf. Proc. 707, 2004). Runs of neighbours are more compact
+// than on the Morton curve: clusters of sixteen nodes of a brick wall overlap half as many blocks
+// of faces.
 #pragma once
 
 #include "contact/search/spatial/morton.hpp"
@@ -9,8 +10,8 @@
 
 namespace brickwall::contact {
 
-// Bits an axis that tell points apart which are `spacing` apart in a grid through a box of extent `length`: cells of about a
-// sixteenth of it. Fewer bits make a shorter sort.
+// Bits per axis that distinguish points `spacing` apart in a grid through a box of extent `length`:
+// cells of about a sixteenth of the spacing. Fewer bits make the sort shorter.
 inline int hilbertBits(double length, double spacing) {
   constexpr int most = morton_bits / 3;
   if (!(spacing > 0) || !(length > 0))
@@ -19,7 +20,7 @@ inline int hilbertBits(double length, double spacing) {
       minOf(maxOf(std::ceil(std::log2(length / spacing)) + 4, 1.0), double(most)));
 }
 
-// 3 * bits bits. Without branches: half of them would be mispredicted.
+// The code has 3 * bits bits. There are no branches, since half of them would be mispredicted.
 KOKKOS_INLINE_FUNCTION std::uint64_t hilbertCode(const MortonGrid& grid, const Vec3& point,
                                                  int bits) {
   std::uint32_t cell[3];
@@ -31,7 +32,7 @@ KOKKOS_INLINE_FUNCTION std::uint64_t hilbertCode(const MortonGrid& grid, const V
       const std::uint32_t is_set = 0u - ((cell[d] & bit) != 0); // all ones or none
       const std::uint32_t swap = (cell[0] ^ cell[d]) & below & ~is_set;
       cell[0] ^= swap | (below & is_set);
-      cell[d] ^= swap; // for d = 0 there is nothing to swap
+      cell[d] ^= swap; // no effect for d = 0
     }
   }
   cell[1] ^= cell[0];

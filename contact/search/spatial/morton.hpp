@@ -1,5 +1,6 @@
-// Morton codes: 63-bit Z-order keys of points in a box (Morton 1966; paper, section 5). Near points mostly get near
-// keys, so sorting by them makes tree nodes compact and queries of one chunk alike.
+// Morton codes: 63-bit Z-order keys of points in a box (G. M. Morton 1966; paper, section 5).
+// Neighbouring points mostly get neighbouring keys, so sorting by them makes tree nodes compact and
+// the queries of one chunk similar.
 #pragma once
 
 #include "contact/base/box.hpp"
@@ -11,7 +12,8 @@ namespace brickwall::contact {
 using morton_code = std::uint64_t;
 constexpr int morton_bits = 63; // 21 per axis
 
-// A grid of 2^21 cubic cells along the longest edge of a box. Cubes, not the box's own shape: a wall is thin.
+// A grid of 2^21 cubic cells along the longest edge of a box. The cells are cubes whatever the
+// shape of the box: a wall is thin.
 struct MortonGrid {
   double lower[3] = {0, 0, 0};
   double cells_per_length = 0;
@@ -41,7 +43,8 @@ KOKKOS_INLINE_FUNCTION std::uint64_t spreadBits(std::uint64_t v) {
   return v;
 }
 
-// Points outside the grid's box get the nearest cell, coordinates that are not finite cell 0 or the last.
+// Points outside the box of the grid get the nearest cell; coordinates that are not finite get cell
+// 0 or the last.
 KOKKOS_INLINE_FUNCTION std::uint32_t cellOf(const MortonGrid& grid, const Vec3& point, int d) {
   const double cell = (point[d] - grid.lower[d]) * grid.cells_per_length;
   return static_cast<std::uint32_t>(cell > 0 ? minOf(cell, 2097151.0) : 0.0); // NaN: 0

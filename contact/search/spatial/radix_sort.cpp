@@ -8,7 +8,7 @@
 namespace brickwall::contact {
 namespace {
 
-// How the rows are cut: each chunk is counted and scattered in order by one thread.
+// The division of rows into chunks: one thread counts and scatters each chunk in order.
 struct Chunks {
   std::int64_t num_rows = 0;
   std::int64_t num_chunks = 1;
@@ -20,7 +20,8 @@ struct Chunks {
   KOKKOS_INLINE_FUNCTION std::int64_t numDigits() const { return std::int64_t(1) << digit_bits; }
 };
 
-// Few threads: long chunks and wide digits (few passes). Many: short chunks, and narrow digits for small tables.
+// Few threads get long chunks and wide digits (few passes), many threads short chunks and narrow
+// digits (small tables).
 Chunks cut(const exec_space& space, std::int64_t n, int num_bits) {
   Chunks chunks;
   const std::int64_t threads = concurrency(space);
@@ -48,7 +49,7 @@ void countDigits(const exec_space& space, const Chunks& chunks, int shift,
       });
 }
 
-// Counts become the first position of each (digit, chunk), digit-major.
+// Turns counts into the first position of each (digit, chunk), digit-major.
 void scanDigits(const exec_space& space, const Chunks& chunks, const View<int*>& counts) {
   Kokkos::parallel_scan(
       "contact::sortByKey::scan", rangePolicy(space, chunks.num_chunks * chunks.numDigits()),

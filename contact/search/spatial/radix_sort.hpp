@@ -1,12 +1,12 @@
-// Stable least-significant-digit radix sort of 64-bit keys with an int payload, parallel over chunks, the same on all
-// back ends (Kokkos 3.4 has no sort by key).
+// Stable least-significant-digit radix sort of 64-bit keys with an int payload, parallel over
+// chunks, with the same result on all back ends (Kokkos 3.4 has no sort by key).
 #pragma once
 
 #include "contact/base/backend.hpp"
 
 namespace brickwall::contact {
 
-// Keys with their payload, and the scratch of the sort; grown, never shrunk.
+// Keys with their payload, and the scratch of the sort. The Views grow and never shrink.
 struct SortedKeys {
   View<std::uint64_t*> keys{"contact::SortedKeys::keys", 0};
   View<int*> values{"contact::SortedKeys::values", 0};
@@ -18,8 +18,9 @@ struct SortedKeys {
   View<int*> counts{"contact::SortedKeys::counts", 0}; // [chunk][digit]
 };
 
-// Sorts rows [0, n) of sorted.keys and .values in place by the low `num_bits` bits of the keys (higher ones must be 0);
-// equal keys keep their order. n < 2^31. Work is proportional to n * num_bits.
+// Sorts rows [0, n) of sorted.keys and .values in place by the low `num_bits` bits of the keys
+// (higher bits must be 0); equal keys keep their order. n < 2^31. The cost is proportional to n *
+// num_bits.
 void sortByKey(const exec_space& space, std::int64_t n, int num_bits, SortedKeys& sorted);
 
 // Bits needed for keys in [0, limit).

@@ -1,5 +1,5 @@
-// Walks a tree of eight-box blocks with one box: depth first, in the order of the items, without recursion and with a few
-// bytes of state per level.
+// Traversal of a tree of blocks of eight boxes with one box: depth first, in the order of the
+// items, without recursion and with a few bytes of state per level.
 #pragma once
 
 #include "contact/base/lanes.hpp"
@@ -7,8 +7,9 @@
 
 namespace brickwall::contact {
 
-// The lanes of a block whose boxes overlap the box of this reach, as bits; in floats: never too few. With Strict those that
-// overlap for certain: nothing is equal in floats, so the boxes in doubles overlap too.
+// The lanes of a block whose boxes overlap, in floats, the box of this reach, as bits; these
+// include all that overlap in doubles. With Strict, lanes with a tie in floats are left out: the
+// others overlap in doubles, too.
 template <bool Strict = false>
 KOKKOS_INLINE_FUNCTION unsigned lanesOverlapping(const float* block, const FloatBounds& reach) {
   return lanesWithin<block_size, Strict>(block, reach.side);
@@ -27,27 +28,27 @@ KOKKOS_INLINE_FUNCTION FloatBounds boundsOfLane(const float* block, int lane) {
   return bounds;
 }
 
-// Bits that are set of the lowest eight.
+// Number of bits set among the lowest eight.
 KOKKOS_INLINE_FUNCTION int numLanes(unsigned lanes) {
   lanes -= (lanes >> 1) & 0x55u;
   lanes = (lanes & 0x33u) + ((lanes >> 2) & 0x33u);
   return static_cast<int>((lanes + (lanes >> 4)) & 0x0fu);
 }
 
-// Calls visit(i) for the boxes i of level `last` below block `start` of level `first` >= `last` that overlap the box of this
-// reach, in ascending order, as long as it returns true.
+// Calls visit(i) for the boxes i of level `last` below block `start` of level `first` >= `last`
+// that overlap the box of this reach, in ascending order, as long as visit() returns true.
 template <class Visit>
 KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int64_t start, int last,
                                        const FloatBounds& reach, const Visit& visit) {
-  std::int64_t block[most_levels]; // on the way down
-  unsigned lanes[most_levels]; // still to be looked at there
+  std::int64_t block[max_levels]; // on the way down
+  unsigned lanes[max_levels]; // still to be visited there
   int level = first;
   const auto enter = [&](std::int64_t child) {
     block[level] = child;
     lanes[level] = lanesOverlapping(tree.block(level, child), reach);
-    if (level == last && last > 0) // what visit() will read
-      for (unsigned wanted = lanes[level]; wanted != 0; wanted &= wanted - 1)
-        prefetchBlock(tree.block(last - 1, child * block_size + lowestBit(wanted)));
+    if (level == last && last > 0) // visit() will read these
+      for (unsigned next = lanes[level]; next != 0; next &= next - 1)
+        prefetchBlock(tree.block(last - 1, child * block_size + lowestBit(next)));
   };
   enter(start);
   while (true) {
