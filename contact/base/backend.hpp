@@ -1,5 +1,6 @@
-// The one back-end adapter: names of spaces and Views, and what differs between Kokkos 3.4.1 and 4.x/5.x or
-// between OpenMP and CUDA. No other file asks which back end or which Kokkos it is built with.
+// The back-end adapter: names of spaces and Views, and all that differs between Kokkos 3.4.1 and
+// 4.x/5.x or between OpenMP and CUDA. No other file depends on the back end or on the version of
+// Kokkos.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -13,7 +14,7 @@ namespace brickwall {
 
 using global_id = std::int64_t;
 
-// The option BRICKWALL_EXECUTION_SPACE asks for another of Kokkos' spaces than its default.
+// The option BRICKWALL_EXECUTION_SPACE selects another execution space than the default of Kokkos.
 #if defined(BRICKWALL_EXECUTION_SPACE)
 using exec_space = Kokkos::BRICKWALL_EXECUTION_SPACE;
 #else
@@ -22,14 +23,15 @@ using exec_space = Kokkos::DefaultExecutionSpace;
 using memory_space = exec_space::memory_space;
 using host_exec_space = Kokkos::DefaultHostExecutionSpace;
 
-// Messages are staged here where MPI cannot read device memory: page-locked on CUDA, plain memory else.
+// Messages are staged here where MPI cannot read device memory: page-locked memory on CUDA,
+// otherwise plain memory.
 #if defined(KOKKOS_ENABLE_CUDA)
 using staging_space = Kokkos::CudaHostPinnedSpace;
 #else
 using staging_space = Kokkos::HostSpace;
 #endif
 
-// Device data of our libraries; the layout is the back end's own.
+// Device data of the libraries, in the default layout of the back end.
 template <class T>
 using View = Kokkos::View<T, memory_space>;
 
@@ -39,41 +41,43 @@ using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int6
 constexpr bool host_accessible =
     Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
 
-// Whether threads have SIMD lanes to fill; on a device the lanes are threads. The option BRICKWALL_LANES=OFF says no, so that
-// the code of devices can be tested on processors.
+// Whether threads have SIMD lanes to fill; on a device the lanes are threads. With
+// BRICKWALL_LANES=OFF they have none, so that the code paths of devices can be tested on
+// processors.
 #if defined(BRICKWALL_ONE_LANE)
 constexpr bool fills_lanes = false;
 #else
 constexpr bool fills_lanes = std::is_same<memory_space, Kokkos::HostSpace>::value;
 #endif
 
-// Elements that one thread takes at once in SIMD lanes (contact/base/pack.hpp).
+// Number of elements that one thread processes at once in SIMD lanes (contact/base/pack.hpp).
 constexpr int simd_width = fills_lanes ? 8 : 1;
 
-// Nodes that the contact search takes at once: the lanes of a SIMD register.
+// Number of nodes that the contact search processes at once: the lanes of a SIMD register.
 constexpr int cluster_size = fills_lanes ? 16 : 1;
 
-// One launch policy over [0, n) on the given space instance.
+// The launch policy over [0, n) on the given space instance.
 inline range_policy rangePolicy(const exec_space& space, std::int64_t n) {
   return range_policy(space, 0, n);
 }
 
-// The same where iterations differ in work: threads take `chunk` of them at a time.
+// The same for iterations of unequal work: threads take `chunk` of them at a time.
 using dynamic_policy = Kokkos::RangePolicy<exec_space, Kokkos::Schedule<Kokkos::Dynamic>,
                                            Kokkos::IndexType<std::int64_t>>;
 inline dynamic_policy dynamicPolicy(const exec_space& space, std::int64_t n, int chunk) {
   return dynamic_policy(space, 0, n, Kokkos::ChunkSize(chunk));
 }
 
-// A View whose entries are not initialised; `extents` as of Kokkos::View.
+// A View whose entries are not initialised; `extents` as for Kokkos::View.
 template <class ViewType, class... Extents>
 ViewType allocate(const exec_space& space, const std::string& label, Extents... extents) {
   return ViewType(Kokkos::view_alloc(space, Kokkos::WithoutInitializing, label),
                   static_cast<std::size_t>(extents)...);
 }
 
-// Makes `view` hold at least `n` rows (first extent), keeping its label and other extents, not its contents.
-// Growth is by a quarter more than asked, so a slowly growing size settles after a few steps. Rank 1 or [n][W].
+// Makes `view` hold at least `n` rows (first extent). Keeps its label and other extents, not its
+// contents. It gets a quarter more rows than needed, so that reallocation of a slowly growing View
+// is rare. Rank 1 or [n][W].
 template <class ViewType>
 void growTo(const exec_space& space, ViewType& view, std::int64_t n) {
   if (static_cast<std::int64_t>(view.extent(0)) >= n)
@@ -96,8 +100,9 @@ KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
   return a < b ? b : a;
 }
 
-// Reducer for any value type with operator+= whose default value is the neutral element: parallel_reduce(...,
-// PlusReducer<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators; this does not.
+// Reducer for any value type with operator+= whose default value is the neutral element:
+// parallel_reduce(..., PlusReducer<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators;
+// this does not.
 template <class T>
 class PlusReducer {
 public:
@@ -119,8 +124,9 @@ private:
   result_view_type _result;
 };
 
-// Between plain memory accesses and an atomic operation by which threads hand over to each other: what was written
-// before the first thread's atomic is seen after the second's. (Kokkos::memory_fence is dearer on processors.)
+// To be placed between plain memory accesses and an atomic operation by which one thread hands data
+// to another: writes before the atomic of the first thread are visible after the atomic of the
+// second. (Kokkos::memory_fence costs more on processors.)
 KOKKOS_INLINE_FUNCTION void orderMemory() {
 #if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
   Kokkos::memory_fence();
@@ -129,8 +135,9 @@ KOKKOS_INLINE_FUNCTION void orderMemory() {
 #endif
 }
 
-// Asks the processor for data that will be read soon; on a device other threads hide the wait. Forced inline, as all that does
-// nothing but call it must be: g++ 12 takes such functions for pure and deletes their calls.
+// Prefetches data that will be read soon; on a device other threads hide the latency. Forced
+// inline, as must be all functions that only call it: g++ 12 takes such functions for pure and
+// deletes their calls.
 KOKKOS_FORCEINLINE_FUNCTION void prefetch(const void* address) {
 #if defined(__GNUC__) && !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
   __builtin_prefetch(address);
@@ -139,8 +146,8 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetch(const void* address) {
 #endif
 }
 
-// Lanes of two vectors (contact/base/pack.hpp) together by number: 0 .. W-1 are a's, W .. 2W-1 b's. Numbers are constants, so
-// that this is one instruction.
+// Combines lanes of two vectors (contact/base/pack.hpp) by number: 0 .. W-1 are those of a, W ..
+// 2W-1 those of b. With constant numbers this is one instruction.
 template <class V, class Numbers>
 KOKKOS_FORCEINLINE_FUNCTION V shuffled(const V& a, const V& b, const Numbers& lanes) {
 #if defined(__clang__)
@@ -164,8 +171,9 @@ inline int concurrency(const exec_space& space) {
 #endif
 }
 
-// To be called before Kokkos::initialize. Kokkos 4 and later fence the device around every profiling region as soon as
-// anyone listens; our recorder of phase times does not need that (a tool that is loaded still gets its own wish).
+// To be called before Kokkos::initialize. Kokkos 4 and later fence the device around every
+// profiling region if a tool is registered; the recorder of phase times does not need these fences
+// (a tool that is loaded can still request them).
 inline void letToolsSkipFences() {
 #if defined(KOKKOS_VERSION) && KOKKOS_VERSION >= 40000
   Kokkos::Tools::Experimental::set_request_tool_settings_callback(

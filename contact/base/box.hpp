@@ -1,5 +1,5 @@
-// Axis-aligned bounding box of doubles with closed overlap (touching boxes overlap). The empty box has
-// lower > upper and overlaps nothing.
+// Axis-aligned bounding box of doubles with closed overlap (touching boxes overlap). The empty box
+// has lower > upper and overlaps nothing.
 #pragma once
 
 #include "contact/base/vec3.hpp"

@@ -5,8 +5,8 @@
 
 namespace brickwall {
 
-// Turns counts[0, n) into exclusive offsets in place, with offsets[n] the total, which is returned. `counts` has n + 1
-// entries or more. Fences (the total is read by the host).
+// Turns counts[0, n) into exclusive offsets in place, with offsets[n] the total, which is returned.
+// `counts` has n + 1 entries or more. Fences (the total is read by the host).
 inline std::int64_t scanCounts(const exec_space& space, const std::string& label,
                                const View<std::int64_t*>& counts, std::int64_t n) {
   std::int64_t total = 0;
@@ -22,10 +22,10 @@ inline std::int64_t scanCounts(const exec_space& space, const std::string& label
   return total;
 }
 
-// Calls emit(i, sink) for each i in [0, n), twice: the first time sink(value) only counts, the second time it stores (and
-// those i that emitted nothing are not asked again).
-// On return offsets[0, n] are the exclusive offsets and values[offsets(i), offsets(i+1)) what i emitted, in order.
-// Both Views are grown, never shrunk. Returns the total.
+// Calls emit(i, sink) for each i in [0, n) twice: in the first call sink(value) only counts, in the
+// second, which is omitted for i that emitted nothing, it stores. On return offsets[0, n] are the
+// exclusive offsets and values[offsets(i), offsets(i+1)) the values emitted by i, in order. Both
+// Views grow and never shrink. Returns the total.
 template <class T, class Emit>
 std::int64_t countScanFill(const exec_space& space, const std::string& label, std::int64_t n,
                            const Emit& emit, View<std::int64_t*>& offsets, View<T*>& values) {

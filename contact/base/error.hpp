@@ -1,4 +1,5 @@
-// The errors of the program and the exit code each leads to. Only main turns them into a message and a code.
+// The errors of the program and the exit code each leads to. Only main turns them into a message
+// and a code.
 #pragma once
 
 #include <stdexcept>
@@ -17,11 +18,12 @@ private:
   ExitCode _code;
 };
 
-// Deck, command line or mesh file: what was found and what was expected. Exit code 2.
+// Faulty deck, command line or mesh file; the message names the value found and the value expected.
+// Exit code 2.
 struct InputError : Error {
   explicit InputError(const std::string& message) : Error(ExitCode::bad_input, message) {}
 };
-// The computation broke down: inverted element, NaN, overflow, energy limit. Exit code 3.
+// Failure of the computation: inverted element, NaN, overflow, energy limit. Exit code 3.
 struct PhysicsError : Error {
   explicit PhysicsError(const std::string& message) : Error(ExitCode::physics, message) {}
 };

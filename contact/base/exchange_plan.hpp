@@ -1,5 +1,6 @@
-// Pairwise messages over a fixed pattern: the plan is built once and applied to many Views. One message per partner
-// and direction; buffers persist; one fence, receives are posted, sends, one wait.
+// Pairwise messages over a fixed pattern: the plan is built once and applied to many Views. One
+// message per partner and direction; buffers persist; one fence, receives are posted, sends, one
+// wait.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -13,12 +14,13 @@
 
 namespace brickwall {
 
-// Persistent message buffers between this rank and some partners, in 64-bit words. The device reads and writes
-// `send` and `receive`; staging copies stand between them and MPI where MPI cannot read device memory.
+// Persistent message buffers between this rank and some partners, in 64-bit words. The device reads
+// and writes `send` and `receive`; staging copies stand between them and MPI where MPI cannot read
+// device memory.
 class MessageBuffers {
 public:
-  // Words sent to and received from each partner, whose ranks are `partners`; offsets have partners + 1 entries.
-  // Collective among partners: each must call it with matching sizes.
+  // Words sent to and received from each partner, whose ranks are `partners`; offsets have partners
+  // + 1 entries. Collective among partners: each must call it with matching sizes.
   void exchange(const exec_space& space, MPI_Comm comm, int tag, const std::vector<int>& partners,
                 const std::vector<std::int64_t>& send_offsets,
                 const std::vector<std::int64_t>& receive_offsets) {
@@ -27,7 +29,7 @@ public:
     growStaging(num_send, num_receive);
     if constexpr (!host_accessible)
       copyRange(space, _staged_send, send, num_send);
-    // Before the receives too: the device may still be reading what the last exchange received.
+    // Also before the receives: the device may still be reading the data of the last exchange.
     space.fence();
     _requests.clear();
     for (std::size_t p = 0; p < partners.size(); ++p)
@@ -42,8 +44,9 @@ public:
       copyRange(space, receive, _staged_receive, num_receive);
   }
 
-  // The same with sizes that the receivers do not know. Sends to each of `receivers`, also nothing; `receive_offsets`
-  // [sender + 1] are found from what comes from each of `senders`.
+  // The same with sizes that the receivers do not know. Sends a message, possibly empty, to each of
+  // `receivers`; `receive_offsets` [sender + 1] are set from the sizes of the messages of
+  // `senders`.
   void exchangeOfAnySize(const exec_space& space, MPI_Comm comm, int tag,
                          const std::vector<int>& receivers,
                          const std::vector<std::int64_t>& send_offsets,
@@ -52,7 +55,7 @@ public:
     growStaging(send_offsets.back(), 0);
     if constexpr (!host_accessible)
       copyRange(space, _staged_send, send, send_offsets.back());
-    space.fence(); // `receive` may still be read, too
+    space.fence(); // `receive` may still be read as well
     _requests.clear();
     for (std::size_t p = 0; p < receivers.size(); ++p) {
       _requests.emplace_back();
@@ -61,7 +64,7 @@ public:
                          receivers[p], tag, comm, &_requests.back()),
                "MPI_Isend");
     }
-    // All sizes first, so that the buffer grows before anything lies in it.
+    // All sizes first, so that the buffer grows before it receives data.
     _messages.resize(senders.size());
     receive_offsets.assign(1, 0);
     for (std::size_t p = 0; p < senders.size(); ++p) {
@@ -74,7 +77,7 @@ public:
     const std::int64_t num_receive = receive_offsets.back();
     growTo(space, receive, num_receive);
     growStaging(0, num_receive);
-    space.fence(); // a View that grew is freed before MPI writes
+    space.fence(); // the old View is freed before MPI writes
     for (std::size_t p = 0; p < senders.size(); ++p) {
       _requests.emplace_back();
       checkMpi(MPI_Imrecv(receiveData() + receive_offsets[p],
@@ -146,7 +149,7 @@ KOKKOS_INLINE_FUNCTION void fromWord(std::int64_t word, std::int64_t& value) {
   value = word;
 }
 
-// What becomes of a received value. Several partners may add to one row.
+// How a received value is placed. Several partners may add to one row.
 struct AssignReceived {
   template <class T>
   KOKKOS_INLINE_FUNCTION static void place(T& target, T value) {
@@ -194,8 +197,8 @@ void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, cons
 class ExchangePlan {
 public:
   ExchangePlan() = default;
-  // Host lists: `send_rows[p]` and `receive_rows[p]` for partner rank `partners[p]`. Tag must not be used by another
-  // plan that is in flight at the same time.
+  // Host lists: `send_rows[p]` and `receive_rows[p]` for partner rank `partners[p]`. Tag must not
+  // be used by another plan that is in flight at the same time.
   ExchangePlan(const exec_space& space, MPI_Comm comm, int tag, std::vector<int> partners,
                const std::vector<std::vector<int>>& send_rows,
                const std::vector<std::vector<int>>& receive_rows)
@@ -208,8 +211,8 @@ public:
   std::int64_t numSendRows() const { return _send_offsets.back(); }
   std::int64_t numReceiveRows() const { return _receive_offsets.back(); }
 
-  // Owner to ghost: values(receive_row, :) = the partner's values(send_row, :). View [row][W] of double or int64,
-  // W equal on all ranks. Collective among partners.
+  // Owner to ghost: values(receive_row, :) = the partner's values(send_row, :). View [row][W] of
+  // double or int64, W equal on all ranks. Collective among partners.
   template <class ViewType>
   void forward(const exec_space& space, const ViewType& values) {
     transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
@@ -221,15 +224,16 @@ public:
     transfer(space, source, target, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
              AssignReceived());
   }
-  // Ghost to owner: values(send_row, :) += the partner's values(receive_row, :). int64 only: exact in any order.
+  // Ghost to owner: values(send_row, :) += the partner's values(receive_row, :). int64 only: exact
+  // in any order.
   template <class ViewType>
   void reverseSum(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
     transfer(space, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
              AddReceived());
   }
-  // Adds every partner's partial sums to this rank's, where both list the same rows to send and to receive:
-  // afterwards all copies hold the same total. int64 only.
+  // Adds every partner's partial sums to this rank's, where both list the same rows to send and to
+  // receive: afterwards all copies hold the same total. int64 only.
   template <class ViewType>
   void sumShared(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);

@@ -1,4 +1,4 @@
-// Doubles to integers, of one point or in lanes: forces in quanta.
+// Conversion of doubles to integers, for one point or in lanes: forces in quanta.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
@@ -12,7 +12,8 @@ inline MaskPackOf<W> fitsFixedPoint(const PackOf<W>& quanta) {
   return magnitude(quanta) < PackOf<W>(fixed_point_limit);
 }
 
-// Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (who needs to know asks fitsFixedPoint()).
+// Nearest integers, ties to even; 0 beyond the fixed-point range and for NaN (fitsFixedPoint()
+// distinguishes these).
 KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
   return roundToFixed(quanta);
 }

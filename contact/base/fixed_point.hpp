@@ -1,5 +1,6 @@
-// Order-free sums: forces in 64-bit fixed point, energies and momenta in three 64-bit limbs. Integer
-// addition is associative, so the result does not depend on threads, ranks or message order.
+// Order-free sums: forces in 64-bit fixed point, energies and momenta in three 64-bit limbs.
+// Integer addition is associative, so the result does not depend on threads, ranks or message
+// order.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -9,7 +10,7 @@
 
 namespace brickwall {
 
-// The least e with x <= 2^e, x > 0; to the bit, which the logarithm is not.
+// The least e with x <= 2^e, x > 0; exact, unlike the logarithm.
 inline int exponentAbove(double x) {
   int exponent = 0;
   const double mantissa = std::frexp(x, &exponent); // [1/2, 1)
@@ -29,7 +30,8 @@ struct Quantum {
   }
 };
 
-// Single contributions must stay below this many quanta, so that sums of up to 64 of them fit 64 bits.
+// Single contributions must stay below this many quanta, so that sums of up to 64 of them fit 64
+// bits.
 constexpr double fixed_point_limit = 72057594037927936.0; // 2^56
 
 // False for values too large for a contribution, and for NaN.
@@ -37,14 +39,15 @@ KOKKOS_INLINE_FUNCTION bool fitsFixedPoint(double quanta) {
   return std::fabs(quanta) < fixed_point_limit;
 }
 
-// Rounds to the nearest integer, ties to even. Needs fitsFixedPoint(quanta); other values become 0, so that the
-// conversion is defined; the caller counts and reports them.
+// Rounds to the nearest integer, ties to even. Needs fitsFixedPoint(quanta); other values become 0,
+// so that the conversion is defined; the caller counts and reports them.
 KOKKOS_INLINE_FUNCTION std::int64_t roundToFixed(double quanta) {
   return fitsFixedPoint(quanta) ? static_cast<std::int64_t>(std::rint(quanta)) : 0;
 }
 
-// Scale of a sum in limbs: terms are below `largest` in magnitude, up to 2^28 of them are added without overflow, and
-// each is kept to largest * 2^-102, so `largest` may be chosen generously from input data.
+// Scale of a sum in limbs: terms are below `largest` in magnitude, up to 2^28 of them are added
+// without overflow, and each is kept to largest * 2^-102, so `largest` may be chosen generously
+// from input data.
 struct LimbScale {
   double high_quantum = 1, high_inverse = 1;
   double low_quantum = 1, low_inverse = 1;
@@ -56,8 +59,8 @@ struct LimbScale {
   }
 };
 
-// One sum in limbs, value = high * high_quantum + low * low_quantum + tail * tail_quantum. Terms beyond the scale (or
-// NaN) are not added but counted in LimbSums::invalid.
+// One sum in limbs, value = high * high_quantum + low * low_quantum + tail * tail_quantum. Terms
+// beyond the scale (or NaN) are not added but counted in LimbSums::invalid.
 struct LimbSum {
   std::int64_t high = 0;
   std::int64_t low = 0;
@@ -82,8 +85,8 @@ struct LimbSum {
     tail += b.tail;
     return *this;
   }
-  // The same sum with low and tail in [-2^33, 2^33): then equal sums have equal limbs. Before more than 2^28 terms have
-  // been added.
+  // Normalises low and tail to [-2^33, 2^33), so that equal sums have equal limbs. To be called
+  // before more than 2^28 terms are added.
   KOKKOS_INLINE_FUNCTION void carry() {
     constexpr std::int64_t half = std::int64_t(1) << 33;
     const std::int64_t from_tail = (tail + half) >> 34;
@@ -94,7 +97,7 @@ struct LimbSum {
     high += from_low;
   }
   double value(const LimbScale& scale) const {
-    // Carry first, so that the result is the double nearest to the exact sum but for two roundings.
+    // Carrying first makes the result the double nearest to the exact sum but for two roundings.
     LimbSum sum = *this;
     sum.carry();
     return static_cast<double>(sum.high) * scale.high_quantum +
@@ -103,7 +106,8 @@ struct LimbSum {
   }
 };
 
-// N sums that are reduced together: Kokkos reduces it with PlusReducer<LimbSums<N>>, MPI as 3 N + 1 int64.
+// N sums that are reduced together: Kokkos reduces it with PlusReducer<LimbSums<N>>, MPI as 3 N + 1
+// int64.
 template <int N>
 struct LimbSums {
   LimbSum sum[N];

@@ -1,5 +1,5 @@
-// A 64-bit hash of words, on host and device: each word is spread over all bits (splitmix64, Steele, Lea and Flood 2014).
-// Sums of hashes, modulo 2^64, compare sets without an order.
+// A 64-bit hash of words, on host and device: each word is spread over all bits (splitmix64,
+// Steele, Lea and Flood 2014). Sums of hashes, modulo 2^64, compare sets regardless of order.
 #pragma once
 
 #include "contact/base/vec3.hpp"

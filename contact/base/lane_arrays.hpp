@@ -1,5 +1,5 @@
-// Numbers that are gathered one point after the other, to be worked on in lanes, and taken out again one by one: plain arrays
-// [lane], which a pack is loaded from and stored to.
+// Plain arrays [lane] from which packs are loaded and to which they are stored: for numbers that
+// are gathered point by point, processed in lanes, and read again one by one.
 #pragma once
 
 #include "contact/base/triple.hpp"

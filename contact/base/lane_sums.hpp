@@ -1,14 +1,15 @@
-// LimbSums of what SIMD lanes compute, a term of each lane at a time. A term is split into two integers of 51 bits by
-// adding and taking away 1.5 * 2^52 units, the first of 2^51 tail units of its LimbScale, the second of one (Rump, Ogita and
-// Oishi 2008, error-free extraction); their bit patterns are added up as integers. The sum is that of LimbSum::add, exactly.
+// LimbSums of terms computed in SIMD lanes, one term of each lane at a time. A term is split into
+// two integers of 51 bits by adding and subtracting 1.5 * 2^52 units, first of 2^51 tail units of
+// its LimbScale, then of one (Rump, Ogita and Oishi 2008, error-free extraction); their bit
+// patterns are added as integers. The sum equals that of LimbSum::add exactly.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
 #include "contact/base/pack.hpp"
 
-namespace brickwall::mechanics {
+namespace brickwall {
 
-// A LimbScale as LaneSums needs it: what is added to split terms.
+// A LimbScale as the numbers that LaneSums adds to split terms.
 struct SplitScale {
   double high, low;
   static SplitScale of(const LimbScale& scale) {
@@ -23,12 +24,12 @@ public:
   using Real = PackOf<W>;
   using Bits = typename VectorsOf<W>::bits; // sums modulo 2^64
 
-  // Sums that are not cleared by foldInto() for so many rows may run over.
+  // Sums may overflow if foldInto() does not clear them after at most this many rows.
   static constexpr int max_rows = 4000;
 
   LaneSums() { clear(); }
 
-  // A term of each lane; every row adds all N of them.
+  // Adds a term of each lane; every row adds all N sums.
   void add(int i, const Real& term, const SplitScale& scale) {
     const typename Real::vector high = term.v + scale.high;
     const typename Real::vector low = (term.v - (high - scale.high)) + scale.low;
@@ -38,7 +39,7 @@ public:
   }
   void endRow() { ++_rows; }
 
-  // Adds what was added since the last call; `scales` are those of the terms.
+  // Adds the sums since the last call; `scales` are those of the terms.
   template <int M>
   void foldInto(LimbSums<M>& sums, const int (&index)[N], const SplitScale* const (&scales)[N]) {
     if (_rows == 0)
@@ -52,7 +53,7 @@ public:
         sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
         sum.tail += low & 0x3ffffffff;
       }
-    bool fits = true; // the exponents are those of the shifts
+    bool fits = true; // the exponents equal those of the shifts
     for (int lane = 0; lane < W; ++lane)
       fits = fits && _misfit[lane] >> 52 == 0;
     if (!fits)
@@ -66,7 +67,7 @@ private:
     memcpy(&bits, &value, sizeof bits);
     return bits;
   }
-  // Of sums of _rows bit patterns, modulo 2^64.
+  // The sum of the integers in _rows bit patterns, modulo 2^64.
   std::int64_t difference(std::uint64_t sum, double shift) const {
     return static_cast<std::int64_t>(sum - _rows * bitsOf(shift));
   }
@@ -81,4 +82,4 @@ private:
   std::uint64_t _rows = 0;
 };
 
-} // namespace brickwall::mechanics
+} // namespace brickwall

@@ -1,5 +1,5 @@
-// Comparing boxes lane by lane in SIMD registers: the one place that asks which instructions there are. Without AVX-512 or
-// AVX2, and on devices, plain loops give the same bits.
+// Comparison of boxes lane by lane in SIMD registers: the only file that depends on the instruction
+// set. Without AVX-512 or AVX2, and on devices, plain loops give the same bits.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -14,8 +14,8 @@
 
 namespace brickwall {
 
-// Bit l: box[s * stride] <= reach[s][l] for all six sides (with Strict: <). `reach` is [6][Width], unaligned: one box
-// against what many boxes reach.
+// Bit l: box[s * stride] <= reach[s][l] for all six sides (with Strict: <). `reach` is [6][Width],
+// unaligned: one box against the reaches of many.
 template <int Width, bool Strict = false>
 KOKKOS_INLINE_FUNCTION unsigned lanesReaching(const float* reach, const float* box, int stride) {
 #if defined(BRICKWALL_LANES_AVX512)
@@ -52,8 +52,8 @@ KOKKOS_INLINE_FUNCTION unsigned lanesReaching(const float* reach, const float* b
   return lanes;
 }
 
-// Bit l: sides[s][l] <= reach[s] for all six sides (with Strict: <). `sides` is [6][Width], unaligned: many boxes against
-// what one reaches.
+// Bit l: sides[s][l] <= reach[s] for all six sides (with Strict: <). `sides` is [6][Width],
+// unaligned: many boxes against the reach of one.
 template <int Width, bool Strict = false>
 KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&reach)[6]) {
 #if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
@@ -86,7 +86,8 @@ KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&re
   return lanes;
 }
 
-// bits[l]: for each of four numbers numbers[k][l], bit numbers[k][l] - first, if that is in [0, 32).
+// bits[l]: for each of four numbers numbers[k][l], bit numbers[k][l] - first, if that is in [0,
+// 32).
 KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigned (&bits)[8]) {
 #if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
   const __m256i one = _mm256_set1_epi32(1), base = _mm256_set1_epi32(first);
@@ -107,9 +108,9 @@ KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigne
 #endif
 }
 
-// The box of the points a and b (xyz), larger by `tolerance` and relative to `origin`, as floats: lower xyz, then minus upper
-// xyz, clamped to the range of floats. Returns whether all six coordinates are finite; else the box means nothing. May read
-// a[3] and b[3].
+// The box of the points a and b (xyz), larger by `tolerance` and relative to `origin`, as floats:
+// lower xyz, then minus upper xyz, clamped to the range of floats. Returns whether all six
+// coordinates are finite; otherwise the box is meaningless. May read a[3] and b[3].
 KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double tolerance,
                                      const double (&origin)[4], float (&sides)[6]) {
 #if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
@@ -142,13 +143,13 @@ KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double to
 #endif
 }
 
-// Sorts the numbers and masks of the first `count` <= 64 entries by key, all different, without branching on them. The keys
-// may stay as they were.
+// Sorts the numbers and masks of the first `count` <= 64 entries by key, without branching on the
+// keys, which must all differ. The keys themselves may remain unsorted.
 KOKKOS_INLINE_FUNCTION void sortTogether(int* keys, int* numbers, unsigned* masks, int count) {
 #if defined(BRICKWALL_LANES_AVX512)
   int sorted[64];
   unsigned sorted_masks[64];
-  for (int i = 0; i < count; ++i) { // its place is the number of smaller ones
+  for (int i = 0; i < count; ++i) { // its position is the number of smaller keys
     const __m512i key = _mm512_set1_epi32(keys[i]);
     int place = 0;
     for (int j = 0; j < count; j += 16) {
@@ -180,8 +181,8 @@ KOKKOS_INLINE_FUNCTION void sortTogether(int* keys, int* numbers, unsigned* mask
 #endif
 }
 
-// Writes those of the numbers whose mask has this bit, in order, and returns how many they are. Up to 16 entries of `to`
-// behind them are overwritten.
+// Writes the numbers whose mask has this bit, in order, and returns their count. Up to 16 entries
+// of `to` after them are overwritten.
 KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks, int count,
                                        int bit, int* to) {
   int written = 0;

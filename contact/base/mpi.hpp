@@ -37,12 +37,12 @@ inline int sizeOf(MPI_Comm comm) {
   return size;
 }
 
-// Collective. Returns when all ranks have come here.
+// Collective. Returns when all ranks have called it.
 inline void barrier(MPI_Comm comm) {
   checkMpi(MPI_Barrier(comm), "MPI_Barrier");
 }
 
-// MPI counts are int: says which size did not fit instead of wrapping.
+// `n` as an MPI count, which is int. Throws an error that names the size if it does not fit.
 inline int checkedInt(std::int64_t n, const char* what) {
   if (n < 0 || n > INT_MAX)
     throw Error(ExitCode::internal, std::string(what) + ": " + std::to_string(n) +
@@ -98,8 +98,9 @@ inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
   return text;
 }
 
-// Collective. Runs `work` on this rank; when it throws on any rank, every rank throws the message of the lowest such
-// rank, as the same class of error. So what one rank finds alone is decided together. `work` itself must not call MPI.
+// Collective. Runs `work` on this rank; when it throws on any rank, every rank throws the message
+// of the lowest such rank, as the same class of error, so that all ranks fail together. `work`
+// itself must not call MPI.
 inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) {
   std::string message;
   int code = 0;
@@ -120,8 +121,8 @@ inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) 
   throwError(static_cast<ExitCode>(code), broadcast(comm, message, first));
 }
 
-// Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank. For set-up: the
-// cost is that of an all-to-all.
+// Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank.
+// For set-up: the cost is that of an all-to-all.
 template <class T>
 std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
                                            const std::vector<std::vector<T>>& values) {

@@ -1,6 +1,7 @@
-// A few doubles side by side in SIMD lanes: point-wise functions are templates on the scalar type, double for one point or Pack for
-// simd_width points at once. Each lane's arithmetic is that of a double, so results do not depend on the lane. Packs are
-// host code (GNU vector types: g++, clang); devices take double.
+// Several doubles in SIMD lanes. Point-wise functions are templates on the scalar type: double for
+// one point, or a pack for simd_width points at once. The arithmetic of each lane is that of a
+// double, so results do not depend on the lane. Packs are host code (GNU vector types: g++, clang);
+// devices use double.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -110,7 +111,7 @@ inline IntPackOf<W> operator-(const IntPackOf<W>& a) {
   return -a.v;
 }
 
-// Of a comparison: all bits of a lane, or none.
+// The result of a comparison: all bits of a lane are set, or none.
 template <int W>
 struct MaskPackOf {
   using vector = typename VectorsOf<W>::integer;
@@ -149,7 +150,7 @@ inline MaskPackOf<W> operator!(const MaskPackOf<W>& a) {
   return ~a.v;
 }
 
-// Whether a lane is not zero.
+// Whether any lane is not zero.
 template <class Integers>
 inline bool anyLane(const Integers& mask) {
   std::int64_t any = 0;
@@ -166,7 +167,7 @@ inline bool isAny(const MaskPackOf<W>& mask) {
   return anyLane(mask.v);
 }
 
-// a where the mask is set, else b.
+// a where the mask is set, otherwise b.
 KOKKOS_INLINE_FUNCTION double where(bool mask, double a, double b) {
   return mask ? a : b;
 }
@@ -175,13 +176,13 @@ inline PackOf<W> where(const MaskPackOf<W>& mask, const PackOf<W>& a, const Pack
   using bits = typename MaskPackOf<W>::vector;
   return (typename PackOf<W>::vector)(((bits)a.v & mask.v) | ((bits)b.v & ~mask.v));
 }
-// a where the mask is set, else 0: leaves the compiler free to make that part of what computes a.
+// a where the mask is set, otherwise 0; the compiler may fold this into the computation of a.
 template <int W>
 inline PackOf<W> whereOrZero(const MaskPackOf<W>& mask, const PackOf<W>& a) {
   return mask.v != 0 ? a.v : typename PackOf<W>::vector{};
 }
 
-// Lanes moved up by one, the last of `before` coming in below.
+// The lanes of a moved up by one; the last lane of `before` becomes the first.
 template <int W>
 inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a) {
   static_assert(W == 8);
@@ -189,7 +190,7 @@ inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a)
   return shuffled(before.v, a.v, I{7, 8, 9, 10, 11, 12, 13, 14});
 }
 
-// The smaller, or NaN as soon as one is NaN.
+// The smaller of the two, or NaN if one is NaN.
 KOKKOS_INLINE_FUNCTION double minOrNan(double a, double b) {
   return a < b ? a : (a != a ? a : b);
 }
@@ -198,12 +199,12 @@ inline PackOf<W> minOrNan(const PackOf<W>& a, const PackOf<W>& b) {
   return a.v < b.v ? a.v : (a.v != a.v ? a.v : b.v);
 }
 
-// The larger of |a| and b >= 0, or NaN as soon as one is NaN.
+// The larger of |a| and b >= 0, or NaN if one is NaN.
 KOKKOS_INLINE_FUNCTION double maxMagnitude(double a, double b) {
   const double m = std::fabs(a);
   return m <= b ? b : (b != b ? b : m); // NaN m: kept, comparisons fail
 }
-// Bit patterns of magnitudes have the order of the numbers, NaN above all.
+// The bit patterns of magnitudes have the order of the numbers, with NaN above all.
 template <int W>
 inline PackOf<W> maxMagnitude(const PackOf<W>& a, const PackOf<W>& b) {
   using integer = typename IntPackOf<W>::vector;
@@ -211,7 +212,7 @@ inline PackOf<W> maxMagnitude(const PackOf<W>& a, const PackOf<W>& b) {
   return (typename PackOf<W>::vector)(m > n ? m : n);
 }
 
-// Whether |a| <= limit is false in a lane.
+// Whether |a| <= limit is false in any lane.
 template <int W>
 inline bool anyBeyond(const PackOf<W>& a, double limit) {
   const typename PackOf<W>::vector m = a.v < 0.0 ? -a.v : a.v;
@@ -224,7 +225,7 @@ inline MaskPackOf<W> isWithin(const PackOf<W>& a, double limit) {
   return typename MaskPackOf<W>::vector((a.v < limit) & (a.v > -limit));
 }
 
-// max(a, 0); NaN stays.
+// max(a, 0); NaN remains NaN.
 KOKKOS_INLINE_FUNCTION double positivePart(double a) {
   return a < 0 ? 0.0 : a;
 }
@@ -261,7 +262,7 @@ inline PackOf<W> minOf(const PackOf<W>& a, const PackOf<W>& b) {
   return where(b < a, b, a);
 }
 
-// a where m != 0, else 0.
+// a where m != 0, otherwise 0.
 KOKKOS_INLINE_FUNCTION double whereNotZero(double m, double a) {
   return m != 0 ? a : 0.0;
 }
@@ -310,7 +311,8 @@ KOKKOS_INLINE_FUNCTION double toReal(std::int64_t a) {
   return static_cast<double>(a);
 }
 
-// The scalar type for W points at once, and its integers; devices, of width 1, do not even hear of vectors.
+// The scalar type for W points at once, and its integers. On devices W is 1, and no vector type is
+// used.
 template <int W>
 struct LanesOf {
   using real = PackOf<W>;

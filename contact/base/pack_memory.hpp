@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-namespace brickwall::mechanics {
+namespace brickwall {
 
 // W numbers from and to memory.
 template <class Pack, class Number>
@@ -19,7 +19,8 @@ inline void storePack(const Pack& pack, Number* to) {
   memcpy(to, &pack.v, sizeof pack.v);
 }
 
-// W rows of three numbers each, packed, as lanes of x, y and z: `rows(k)` is the k-th of the three packs that they fill.
+// W rows of three numbers each, packed, as lanes of x, y and z: `rows(k)` is the k-th of the three
+// packs that they fill.
 template <int W, class Rows>
 KOKKOS_FORCEINLINE_FUNCTION void triplesOf(const Rows& rows, PackOf<W> (&lanes)[3]) {
   static_assert(W == 8);
@@ -48,12 +49,13 @@ KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], doubl
   memcpy(rows + 16, &c, sizeof c);
 }
 
-// Asks for a line of memory that will be read later, into the second-level cache only. (Forced inline as prefetch() is.)
+// Asks for a line of memory that will be read later, into the second-level cache only. (Forced
+// inline as prefetch() is.)
 KOKKOS_FORCEINLINE_FUNCTION void prefetchFar(const void* address) {
   __builtin_prefetch(address, 0, 2);
 }
 
-// The first `count` <= W of them, then zeros.
+// Loads the first `count` <= W numbers, then zeros.
 template <class Pack, class Number>
 KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
   Pack pack = {};
@@ -64,8 +66,8 @@ KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
   return pack;
 }
 
-// Rows of three numbers of `count` <= W nodes; the other lanes are zero. What is copied has its own place in memory, so that
-// the lanes of the usual case stay in registers.
+// Loads rows of three numbers of `count` <= W nodes; the other lanes are zero. Partial rows are
+// copied to an array of their own, so that the lanes of the usual case stay in registers.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void loadSomeTriples(const double* rows, int count,
                                                  PackOf<W> (&lanes)[3]) {
@@ -78,7 +80,7 @@ KOKKOS_FORCEINLINE_FUNCTION void loadSomeTriples(const double* rows, int count,
     triplesOf([&](int k) { return loadPack<PackOf<W>>(some + W * k); }, lanes);
   }
 }
-// Of the sums of two arrays of rows.
+// The same for the sums of two arrays of rows.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void loadSumOfTriples(const double* a, const double* b, int count,
                                                   PackOf<W> (&lanes)[3]) {
@@ -106,4 +108,4 @@ KOKKOS_FORCEINLINE_FUNCTION void storeSomeTriples(const PackOf<W> (&lanes)[3], i
   }
 }
 
-} // namespace brickwall::mechanics
+} // namespace brickwall

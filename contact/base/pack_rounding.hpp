@@ -1,12 +1,13 @@
-// Packs of doubles to packs of integers, many of them, in one sum each. Host code.
+// Rounding of packs of doubles to packs of integers by one addition each. Host code.
 #pragma once
 
 #include "contact/base/fixed_pack.hpp"
 #include "contact/base/lanes.hpp"
 
-namespace brickwall::mechanics {
+namespace brickwall {
 
-// Rounds many numbers to nearest integers, ties to even, by adding 1.5 * 2^52, and remembers whether all were in [-2^51, 2^51).
+// Rounds many numbers to nearest integers, ties to even, by adding 1.5 * 2^52, and records whether
+// all were in [-2^51, 2^51).
 template <int W>
 class Rounding {
 public:
@@ -19,7 +20,7 @@ public:
     return (typename IntPackOf<W>::vector)sum;
   }
   static IntPackOf<W> shift() { return (typename IntPackOf<W>::vector)(bits{} + shift_bits); }
-  // Counts as if a number had not fitted where this is false.
+  // Records a misfit where the condition is false.
   KOKKOS_FORCEINLINE_FUNCTION void need(const MaskPackOf<W>& condition) {
     _misfit |= (bits)~condition.v;
   }
@@ -35,4 +36,4 @@ private:
   bits _misfit = {};
 };
 
-} // namespace brickwall::mechanics
+} // namespace brickwall

@@ -1,6 +1,7 @@
-// Elementary functions of + - * / and powers of two only. Mathematical libraries differ in the last bits from machine to
-// machine and from host to device; these do not, so that results are the same bits on CPUs and GPUs (as long as the
-// compiler fuses no multiplications with additions, which the build sees to). Errors are below 4 ulp, by test.
+// Elementary functions from + - * / and powers of two only. Mathematical libraries differ in the
+// last bits between machines and between host and device; these functions do not, so that results
+// agree bit for bit on CPUs and GPUs (provided that the compiler fuses no multiplications with
+// additions, which the build ensures). Errors are below 4 ulp, as tested.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -27,7 +28,8 @@ KOKKOS_INLINE_FUNCTION double portableLog1p(double d) {
     exponent = e;
     d = m - 1;
   }
-  // 2 artanh(z) with z = d/(2 + d): |z| <= .172, so the first term left out is below 1e-18 of the sum.
+  // 2 artanh(z) with z = d/(2 + d): |z| <= 0.172, so the first term left out is below 1e-18 of the
+  // sum.
   const double z = d / (2 + d), w = z * z;
   double series = 1.0 / 23;
   for (int odd = 21; odd >= 3; odd -= 2)

@@ -1,5 +1,5 @@
-// A named profiling region for the length of a scope. Kokkos Tools see it, and so does the recorder of phase times
-// (miniapp/phase_report), which is the only clock in the program.
+// A named profiling region for the length of a scope. Kokkos Tools see it, and so does the recorder
+// of phase times (miniapp/timing), which is the only clock in the program.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -11,7 +11,8 @@ namespace brickwall {
 class Region {
 public:
   explicit Region(const char* name) {
-    // Kokkos wants a string, and reads it at once: one that is kept allocates nothing after the first steps.
+    // Kokkos takes a string and reads it immediately; a persistent one allocates nothing after the
+    // first steps.
     thread_local std::string text;
     text = name;
     Kokkos::Profiling::pushRegion(text);

@@ -1,4 +1,4 @@
-// Message tags, all in one place, so that no two patterns in flight share one.
+// All message tags, so that no two patterns in flight share one.
 #pragma once
 
 namespace brickwall::tags {
@@ -7,11 +7,12 @@ constexpr int shared_nodes = 11; // mechanics: sums at nodes that several ranks 
 constexpr int node_faces = 12; // contact: area vectors of the faces around a node
 constexpr int node_boxes = 21; // contact: phase 4
 constexpr int face_migration = 22; // contact: phase 6
-constexpr int ghost_reactions = 23; // contact: forces on ghost faces back to their owners
+constexpr int ghost_reactions = 23; // contact: reverseSum of forces on ghost faces
 constexpr int node_box_counts = 24; // contact: sizes of phase 4's messages
 constexpr int face_counts = 25; // contact: sizes of phase 6's messages
-constexpr int corner_values = 26; // contact: nodal values to the corners of ghost faces
-constexpr int ghost_coordinates = 27; // contact: coordinates of ghost faces that are kept
+constexpr int corner_values = 26; // contact: forward of nodal values to the corners of ghost faces
+constexpr int ghost_coordinates =
+    27; // contact: forward of coordinates to ghost faces that are kept
 constexpr int by_rank = 71; // base: exchangeByRank
 
 } // namespace brickwall::tags

@@ -1,4 +1,4 @@
-// Host arrays of the set-up as device Views, and back.
+// Copies of host arrays as device Views and back, for set-up.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -8,7 +8,8 @@
 
 namespace brickwall {
 
-// A device copy of `values`, entry by entry: rank-1 Views, or [n][W] from rows stored one after another.
+// A device copy of `values`, entry by entry: rank-1 Views, or [n][W] from rows stored one after
+// another.
 template <class ViewType, class T>
 ViewType toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
   constexpr std::size_t rank = ViewType::rank;
@@ -34,7 +35,7 @@ View<T*> toDevice(const exec_space& space, const std::string& label, const std::
   return toDevice<View<T*>>(space, label, values);
 }
 
-// A View that the host can read; the same one where it can anyway. Fences.
+// A View that the host can read; `view` itself where it is host-accessible. Fences.
 template <class ViewType>
 auto toHost(const ViewType& view) {
   return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);

@@ -1,4 +1,4 @@
-// Vectors of any scalar type: of one point, or of as many as a pack has lanes.
+// Vectors of any scalar type: for one point, or for as many as a pack has lanes.
 #pragma once
 
 #include "contact/base/pack.hpp"
