@@ -1,4 +1,5 @@
-// The parts that all libraries share: order-free sums, boxes, count-scan-fill, exchange plans, errors found together.
+// The parts that all libraries share: order-free sums, boxes, count-scan-fill, exchange plans,
+// errors thrown on all ranks.
 #include "contact/base/box.hpp"
 #include "contact/base/count_scan_fill.hpp"
 #include "contact/base/error.hpp"
@@ -65,7 +66,8 @@ TEST(LimbSumTest, IsTheExactSumWhateverTheOrder) {
   LimbSum first;
   for (const double term : terms)
     ASSERT_TRUE(first.add(term, scale));
-  // The value is the exact sum but for the roundings of three limbs' conversion: 2 ulp.
+  // The value differs from the exact sum only by the roundings of the conversion of three limbs: 2
+  // ulp.
   EXPECT_NEAR(first.value(scale), expected, 2 * std::fabs(expected) * 0x1p-52);
   for (int order = 0; order < 5; ++order) {
     std::shuffle(terms.begin(), terms.end(), random);
@@ -101,7 +103,7 @@ KOKKOS_INLINE_FUNCTION double term(std::int64_t i) {
   return static_cast<double>(i * 7919 % 20011 - 10000) / static_cast<double>(8000 * (1 + i % 977));
 }
 
-// Term i is on rank i % size. nvcc wants kernels outside of the tests' bodies.
+// Term i is on rank i % size. nvcc requires kernels outside of test bodies.
 LimbSums<1> sumOfOwnTerms(int n, int rank, int size, LimbScale scale) {
   LimbSums<1> mine;
   Kokkos::parallel_reduce(
@@ -195,10 +197,11 @@ TEST(GrowTest, GrownViewsKeepLabelWidthAndCapacity) {
   EXPECT_EQ(view.extent(1), 3u);
   const auto* const data = view.data();
   growTo(space, view, 50);
-  EXPECT_EQ(view.data(), data); // nothing shrinks, nothing is allocated again
+  EXPECT_EQ(view.data(), data); // no View shrinks or is reallocated
 }
 
-// A ring: row 0 and 1 are mine; rows 2 and 3 copies of the previous rank's rows 1 and 0, row 4 of the next one's row 0.
+// A ring: rows 0 and 1 are owned; rows 2 and 3 are copies of rows 1 and 0 of the previous rank, row
+// 4 of row 0 of the next rank.
 struct Ring {
   int rank = rankOf(comm), size = sizeOf(comm);
   int next = (rank + 1) % size, previous = (rank + size - 1) % size;
@@ -208,7 +211,8 @@ struct Ring {
       partners.push_back(std::max(next, previous));
     std::vector<std::vector<int>> send(partners.size()), receive(partners.size());
     for (std::size_t p = 0; p < partners.size(); ++p) {
-      // With two ranks next and previous are one partner: both sides list the forward rows first.
+      // With two ranks the next and the previous rank are one partner: both sides list the forward
+      // rows first.
       if (partners[p] == next)
         send[p].insert(send[p].end(), {1, 0});
       if (partners[p] == previous) {
@@ -261,11 +265,12 @@ TEST(ExchangePlanTest, ReverseSumAddsGhostsToTheirOwner) {
   space.fence();
   Kokkos::deep_copy(host, values);
   const auto initial = [](int rank, int row) { return (std::int64_t(1) << 40) * (rank + 1) + row; };
-  // My row 0 is row 3 of the next rank and row 4 of the previous one, my row 1 is row 2 of the next.
+  // The owned row 0 is row 3 of the next rank and row 4 of the previous one, the owned row 1 is row
+  // 2 of the next.
   EXPECT_EQ(host(0, 0), initial(ring.rank, 0) + initial(ring.next, 3) + initial(ring.previous, 4));
   EXPECT_EQ(host(1, 0), initial(ring.rank, 1) + initial(ring.next, 2));
   for (int row = 2; row < 5; ++row)
-    EXPECT_EQ(host(row, 0), initial(ring.rank, row)); // ghosts keep their part
+    EXPECT_EQ(host(row, 0), initial(ring.rank, row)); // ghosts keep their values
 }
 
 TEST(ExchangePlanTest, APlanWithoutPartnersDoesNothing) {

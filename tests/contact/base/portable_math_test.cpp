@@ -1,5 +1,5 @@
-// The portable functions against long double. Their errors come from a few roundings after the last addition: 4 ulp,
-// 4 * 2^-53 relative to values in [1, 2), is a bound with room.
+// The portable functions against long double. Their errors come from a few roundings after the last
+// addition: 4 ulp, 4 * 2^-53 relative to values in [1, 2), is a generous bound.
 #include "contact/base/portable_math.hpp"
 
 #include <gtest/gtest.h>
@@ -43,8 +43,8 @@ TEST(PortableMath, AgreesWithLongDoubleToFourUlp) {
   EXPECT_LE(worst_sinc, four_ulp); // the reference errs by 2^-64/s^2, at s = 1/16 a 16th of an ulp
 }
 
-// What all our bits depend on (contact/CMakeLists.txt). (1 + 2^-30)^2 = 1 + 2^-29 + 2^-60: fused with the addition the last
-// part would stay.
+// All results depend on this bit for bit (contact/base/CMakeLists.txt). (1 + 2^-30)^2 = 1 + 2^-29 +
+// 2^-60: with a fused addition the last term would remain.
 TEST(PortableMath, NoMultiplicationIsFusedWithAnAddition) {
   const volatile double a = 1 + 0x1p-30, c = -(1 + 0x1p-29);
   EXPECT_EQ(a * a + c, 0.0);

@@ -1,4 +1,4 @@
-// Bodies that stand in each other though no node shows it: elements in elements.
+// Bodies that overlap although no node is inside another body: overlap of elements.
 #include "contact/overlap/box_pairs.hpp"
 #include "contact/overlap/hex_overlap.hpp"
 #include "contact/overlap/initial_overlap.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double least = 0.125;
 
-// A rank's elements of the bodies that meet others, as a host code lists them.
+// This rank's elements of the bodies whose boxes overlap others, as a host code lists them.
 template <class Cut>
 BodyElements meetingElements(const Scene& scene, MPI_Comm comm, const Cut& cut) {
   const ScenePart part(scene, comm, cut, 0);
@@ -96,7 +96,7 @@ TEST(ElementOverlap, FlushBarsWhoseNodesLieOnEachOthersSidesStandInEachOther) {
   const Scene through =
       twoBoxes({0, 0, 0}, {9, 9, 1}, {1, 1, 1}, {6.25, 0, -5}, {0.5, 9, 10}, {1, 1, 1});
   EXPECT_EQ(nodeDepthIn(through), 0);
-  EXPECT_EQ(elementOverlapOf(through).depth, 2.75); // the way out of the near end
+  EXPECT_EQ(elementOverlapOf(through).depth, 2.75); // the shortest way out
   const Scene same_place =
       twoBoxes({0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {0, 0, 0}, {1, 1, 1}, {1, 1, 1});
   EXPECT_EQ(nodeDepthIn(same_place), 0);
@@ -106,7 +106,7 @@ TEST(ElementOverlap, FlushBarsWhoseNodesLieOnEachOthersSidesStandInEachOther) {
 TEST(ElementOverlap, ABodyDeepInAnotherIsFound) {
   const Scene scene =
       twoBoxes({0, 0, 0}, {6, 6, 6}, {6, 6, 6}, {2.25, 2.25, 2.25}, {1, 1, 1}, {1, 1, 1});
-  EXPECT_EQ(nodeDepthIn(scene), 0); // further inside than the search of nodes and faces reaches
+  EXPECT_EQ(nodeDepthIn(scene), 0); // deeper than the search of nodes and faces reaches
   const ElementOverlap found = elementOverlapOf(scene);
   EXPECT_EQ(found.depth, 0.75);
   EXPECT_EQ(found.element, 2 + 6 * (2 + 6 * 2));
@@ -124,12 +124,13 @@ TEST(ElementOverlap, BodiesThatTouchOrStandApartOrOverlapNoMoreThanAllowedDoNotO
   EXPECT_EQ(elementOverlapOf(bond).depth, 0);
 }
 
-// Their boxes overlap by far: only edges against edges show that they are apart.
+// Their boxes overlap deeply: only axes across pairs of edges show that they are separate.
 TEST(ElementOverlap, BarsThatPassEachOtherAslantDoNotOverlap) {
   for (const double gap : {0.0, 0.0625, -0.0625, -0.25}) {
     Scene scene;
     const double s = std::sqrt(0.5);
-    // Square bars that stand on an edge, one along x, the other above it along y; their edges meet at z = s.
+    // Square bars standing on an edge, one along x, the other above it along y; their edges meet at
+    // z = s.
     scene.addBrick({8, 1, 1}, {3, 1, 1}, 1, [&](const Vec3& p) {
       return Vec3{p.x - 4, s * (p.y - p.z), s * (p.y + p.z) - s};
     });
@@ -140,7 +141,7 @@ TEST(ElementOverlap, BarsThatPassEachOtherAslantDoNotOverlap) {
   }
 }
 
-// Warped sides that fit each other: the hulls of the elements meet, the elements do not.
+// Matching warped sides: the hulls of the elements overlap, the elements do not.
 TEST(ElementOverlap, WarpedSidesThatFitEachOtherDoNotOverlap) {
   const auto warped = [](double shift) {
     Scene scene;
@@ -202,7 +203,7 @@ TEST(ElementOverlap, NoOtherAxisShowsLessOverlap) {
 
 TEST(ElementOverlap, IsTheSameOnAnyRanksAndCut) {
   const int size = sizeOf(MPI_COMM_WORLD);
-  Scene heap; // of bars in all directions, all of the same depths
+  Scene heap; // bars in all directions, all of equal depth
   for (int b = 0; b < 6; ++b) {
     heap.addBox({-2, 3.0 * b - 0.5, 0}, {4, 1, 1}, {4, 1, 1});
     heap.addBox({-0.5, 3.0 * b - 2, 0.25}, {1, 4, 1}, {1, 4, 1});
@@ -233,13 +234,14 @@ TEST(BodiesThatMeet, AreThoseWhoseBoxesOverlapByMoreThanAsked) {
   Scene scene;
   scene.addBox({0, 0, 0}, {2, 2, 2}, {4, 1, 1});
   scene.addBox({2 - 0.25, 0, 0}, {2, 2, 2}, {4, 1, 1}); // overlaps the first
-  scene.addBox({0, 2 - 0.0625, 0}, {2, 2, 2}, {4, 1, 1}); // hardly does
+  scene.addBox({0, 2 - 0.0625, 0}, {2, 2, 2}, {4, 1, 1}); // barely overlaps it
   scene.addBox({0, 0, 10}, {2, 2, 2}, {4, 1, 1});
-  scene.addBox({0.5, 0.5, 11 - 0.03}, {1, 1, 0.06}, {4, 1, 1}); // thinner than asked, amid the last
+  scene.addBox({0.5, 0.5, 11 - 0.03}, {1, 1, 0.06},
+               {4, 1, 1}); // thinner than the limit, inside the last
   const ScenePart part(
       scene, MPI_COMM_WORLD, [&](int e) { return e % size; }, 0);
   const auto found = bodiesThatMeet(exec_space(), MPI_COMM_WORLD, part.surface(), least);
-  // Four elements a body, in turn on the ranks: a rank beyond the fourth one has none.
+  // Four elements per body, distributed cyclically: ranks beyond the fourth have none.
   std::vector<global_id> expected;
   for (const global_id body : {0, 1, 3, 4})
     for (int e = 0; e < static_cast<int>(scene.elements.size()); ++e)

@@ -1,4 +1,4 @@
-// The deepest overlap of bodies that stand in each other before anything has moved.
+// The deepest initial penetration of bodies.
 #include "contact/overlap/initial_overlap.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
@@ -14,7 +14,7 @@ InitialOverlap overlapOf(const Scene& scene, double within = reach) {
   return deepestOverlap(exec_space(), MPI_COMM_SELF, part.surface(), within);
 }
 
-// A cube of edge length .5 on one corner, its diagonal along the axis `up` from there.
+// A cube of edge length 0.5 on one corner, its diagonal along the axis `up` from there.
 int addOnCorner(Scene& scene, const Vec3& tip, int up) {
   return scene.addBrick({0.5, 0.5, 0.5}, {1, 1, 1}, 1, [&](const Vec3& p) {
     const Vec3 turned = {(p.x - p.y) / std::sqrt(2.0), (p.x + p.y - 2 * p.z) / std::sqrt(6.0),
@@ -26,7 +26,8 @@ int addOnCorner(Scene& scene, const Vec3& tip, int up) {
   });
 }
 
-// A plate [0, 2] x [0, 2] x [-thickness, 0] of 2 x 2 faces a side, and a cube whose tip along `up` is at `tip`.
+// A plate [0, 2] x [0, 2] x [-thickness, 0] of 2 x 2 faces a side, and a cube whose tip along `up`
+// is at `tip`.
 Scene cornerAtPlate(double thickness, const Vec3& tip, int up) {
   Scene scene;
   scene.addBox({0, 0, -thickness}, {2, 2, thickness}, {2, 2, 1});
@@ -34,7 +35,7 @@ Scene cornerAtPlate(double thickness, const Vec3& tip, int up) {
   return scene;
 }
 
-// A plate [0, 2] x [0, 2] x [-1, 0] and on it a block [.5, 1.5] x [.5, 1.5] from z = `height`.
+// A plate [0, 2] x [0, 2] x [-1, 0] and on it a block [0.5, 1.5] x [0.5, 1.5] from z = `height`.
 Scene blockAbovePlate(double height) {
   Scene scene;
   scene.addBox({0, 0, -1}, {2, 2, 1}, {2, 2, 1});
@@ -42,7 +43,8 @@ Scene blockAbovePlate(double height) {
   return scene;
 }
 
-// All corners of the block's underside are as deep in the plate as the plate's middle node is in the block.
+// All corners of the block's underside are as deep in the plate as the plate's middle node is in
+// the block.
 TEST(InitialOverlap, FlatFacesOverlapByTheirDistanceAndTheLowestNodeIsNamed) {
   const Scene scene = blockAbovePlate(-0.0625);
   const InitialOverlap found = overlapOf(scene);
@@ -89,7 +91,8 @@ TEST(InitialOverlap, ANodeJustInsideTheEdgeOfAThinPlateIsBehindItsSide) {
   EXPECT_EQ(found.face % 6, 1); // x = 2
 }
 
-// Outside the sharp edge of an overhanging side, behind the plane of the side and above that of the top: the edge is nearest.
+// Outside the sharp edge of an overhanging side, behind the plane of the side and above that of the
+// top: the edge is closest.
 TEST(InitialOverlap, ANodeBeyondASharpEdgeIsOutsideThoughBehindOneOfItsFaces) {
   constexpr double beyond = 1.0 / 1024;
   Scene scene;
@@ -111,7 +114,8 @@ Scene twistedBar(double twist) {
   return scene;
 }
 
-// Cubes around twisted bars, with a plane between each and its bar: none is in it, whatever faces see of them.
+// Cubes around twisted bars, each separated from its bar by a plane: none is inside, although it
+// lies behind some faces.
 TEST(InitialOverlap, BodiesWithAPlaneBetweenThemDoNotOverlapHoweverWarped) {
   constexpr double gap = 0.1;
   for (const double twist : {-1.2, -0.6, 0.9, 1.2})

@@ -1,5 +1,6 @@
-// Kept lists against brute force: random surfaces that move, slowly and fast, on all ranks and by all methods; rounding at the
-// very end of the margin; errors found together; no allocation in a step that keeps its lists.
+// Kept lists against brute force: random surfaces that move, slowly and fast, on all ranks and with
+// all methods; rounding at the limit of the margin; errors thrown on all ranks; no allocation in a
+// step that keeps its lists.
 #include "contact/search/candidate_search.hpp"
 #include "contact/surface/face_access.hpp"
 #include "tests/contact/search/search_checks.hpp"
@@ -15,7 +16,8 @@ namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-// x^n := x^{n+1}, then every body moves by up to `speed` along each axis and every node shakes a little.
+// x^n := x^{n+1}, then every body moves by up to `speed` along each axis, and every node by a small
+// random amount.
 void advance(SurfaceCase& c, Random& random, double speed) {
   std::map<global_id, Point> motion;
   for (const CaseNode& node : c.nodes)
@@ -48,8 +50,8 @@ View<int*> stepTests(const Surface& surface, const GhostFaces& ghosts,
   return passes;
 }
 
-// The step's brute-force pairs are exactly the listed ones that pass its test, in the same order, and ghosts lie where their
-// owners have them.
+// The brute-force pairs of the step are exactly the listed pairs that pass its test, in the same
+// order, and ghosts have the coordinates of their owners.
 ::testing::AssertionResult stepIsComplete(const SurfaceCase& c, const LocalSurface& local,
                                           const CandidateSearch& search) {
   const Surface& surface = local.surface;
@@ -118,17 +120,17 @@ TEST(CandidateSearch, SlowMotionKeepsListsThatMissNothing) {
       updates += steps;
     }
   EXPECT_LT(searches, updates / 2);
-  EXPECT_GT(searches, 2 * 4 * num_kinds); // not all of them keep their first lists
+  EXPECT_GT(searches, 2 * 4 * num_kinds); // some cases search again
 }
 
-// The margin of each step is used up at once by some body: searches in all steps but those of cases with nothing in them.
+// Some body exceeds the margin in each step: all steps search, except in empty cases.
 TEST(CandidateSearch, FastMotionSearchesInEveryStep) {
   for (std::uint64_t seed = 0; seed < 2 * num_kinds; ++seed)
     for (const SearchMethod method : all_methods) {
       SurfaceCase c = makeCase(seed, sizeOf(comm));
       const bool is_empty = c.nodes.empty();
       const double fast =
-          100 * margin; // of one body at least more than half the margin along an axis, surely
+          100 * margin; // at least one body moves by more than half the margin along an axis
       ASSERT_EQ(runCase(std::move(c), method, margin, fast, 6), is_empty ? 1 : 6);
     }
 }
@@ -138,7 +140,7 @@ TEST(CandidateSearch, WithoutAMarginEveryStepSearches) {
     ASSERT_EQ(runCase(makeCase(seed, sizeOf(comm)), SearchMethod::cluster, 0, 1e-6, 4), 4);
 }
 
-// One body rushes through the others while these stand almost still.
+// One body moves fast through the others, which are almost at rest.
 TEST(CandidateSearch, AFastBrickIsNotMissed) {
   const exec_space space;
   for (std::uint64_t seed = 0; seed < 3 * num_kinds; seed += num_kinds) // jittered walls
@@ -161,7 +163,7 @@ TEST(CandidateSearch, AFastBrickIsNotMissed) {
     }
 }
 
-// A host may set both configurations anew: no step relies on the one before.
+// A host may change both configurations: no step relies on the previous one.
 TEST(CandidateSearch, BothConfigurationsMayJump) {
   const exec_space space;
   Random random(5);
@@ -182,8 +184,8 @@ TEST(CandidateSearch, BothConfigurationsMayJump) {
   EXPECT_LT(search.searches(), 20);
 }
 
-// A node and a face move by half the margin, to within a few units in the last place, and end about where their boxes begin
-// to touch.
+// A node and a face move by half the margin, to within a few units in the last place, and end near
+// the positions where their boxes begin to touch.
 TEST(CandidateSearch, RoundingAtTheEndOfTheMarginLosesNoPair) {
   const exec_space space;
   std::int64_t kept_and_touching = 0;
@@ -239,10 +241,10 @@ TEST(CandidateSearch, PairsAreNotMissingAfterStepsForGhostsAlone) {
       search.updateGhosts(space, local.surface);
     }
   }
-  EXPECT_EQ(search.searches(), 2); // the first of all, and the first with pairs
+  EXPECT_EQ(search.searches(), 2); // the first update, and the first one with pairs
 }
 
-// What rests is not charged for its distance from the origin.
+// Bodies at rest are kept whatever their distance from the origin.
 TEST(CandidateSearch, RestingNodesFarAwayCostNoSearch) {
   const exec_space space;
   const SurfaceCase c = makeCase(8, sizeOf(comm)); // coordinates of 1e300
@@ -257,7 +259,7 @@ TEST(CandidateSearch, RestingNodesFarAwayCostNoSearch) {
   EXPECT_EQ(search.searches(), 2);
 }
 
-// Corners of faces change in place, which no look at sizes and Views can tell.
+// Corners of faces change in place, which sizes and Views do not show.
 TEST(CandidateSearch, AForgottenSurfaceIsSeenAnew) {
   const exec_space space;
   SurfaceCase c = makeCase(0, sizeOf(comm));
@@ -268,7 +270,8 @@ TEST(CandidateSearch, AForgottenSurfaceIsSeenAnew) {
   for (const SearchMethod method : all_methods) {
     CandidateSearch search(comm, configOf(c, method), margin);
     search.update(space, local.surface);
-    for (CaseFace& face : c.faces) // each becomes what the last of its rank and body was
+    for (CaseFace& face :
+         c.faces) // each takes the corners of the previous face of its rank and body
       for (const CaseFace& other : c.faces)
         if (other.rank == face.rank && other.body == face.body)
           face.corners = other.corners;
@@ -319,7 +322,7 @@ TEST(CandidateSearch, TolerancesAndMarginMustBeFiniteLengths) {
     EXPECT_THROW(CandidateSearch(comm, config, bad), InputError);
     SearchConfig negative;
     negative.face_tolerance = bad;
-    EXPECT_THROW(CandidateSearch(comm, negative, 5), InputError); // -1 + 5/2 would do
+    EXPECT_THROW(CandidateSearch(comm, negative, 5), InputError); // although -1 + 5/2 > 0
   }
 }
 
@@ -339,7 +342,7 @@ TEST(CandidateSearch, SteadyStepsAllocateNothing) {
       search.update(space, local.surface);
       return num_allocations.load();
     };
-    EXPECT_GT(allocationsOfStep(), 0); // the first search does, so the count counts
+    EXPECT_GT(allocationsOfStep(), 0); // the first search allocates: the counter works
     EXPECT_EQ(allocationsOfStep(), 0);
     EXPECT_EQ(allocationsOfStep(), 0);
     Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);

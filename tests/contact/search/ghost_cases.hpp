@@ -1,5 +1,6 @@
-// Surfaces that are hard for a search in floats: boxes that are equal in floats and not in doubles, all boxes the same, one
-// box that meets all others. They complement the random ones of search_cases.hpp.
+// Surfaces that are difficult for a search in floats: boxes that are equal in floats but not in
+// doubles, identical boxes, one box that overlaps all others. They complement the random surfaces
+// of search_cases.hpp.
 #pragma once
 
 #include "tests/contact/search/search_cases.hpp"
@@ -8,7 +9,8 @@
 
 namespace brickwall::contact::test {
 
-// Corners on a lattice, each coordinate on it or one or two units in the last place off: boxes touch, or just do not.
+// Corners near a lattice, each coordinate off by at most two units in the last place: boxes barely
+// touch, or barely do not.
 inline void addTouching(SurfaceCase& c, Random& random, double offset, double spacing) {
   addQuads(c, 40 + random.below(80), 12, random, [&](int q, int k) {
     Random at(static_cast<std::uint64_t>(q) + 1000 * c.seed);

@@ -1,5 +1,6 @@
-// The global search of all methods against a brute-force evaluation of its definition, and what else it promises:
-// invariants of the partners, exports, the way back, errors found together, no allocation in a steady step.
+// The global search of all methods against a brute-force evaluation of its definition, and its
+// other guarantees: invariants of the partners, exports, reverse sums, errors thrown on all ranks,
+// no allocation in a steady step.
 #include "tests/contact/search/ghost_cases.hpp"
 #include "tests/contact/search/search_checks.hpp"
 
@@ -39,7 +40,7 @@ TEST(GhostSearchTest, GhostsEqualBruteForceOnRandomSurfaces) {
       GlobalSearch search(comm, configOf(c, method));
       ASSERT_TRUE(checkGhosts(c, search, localSurface(c, rankOf(comm)), &num_ghosts)) << c.name();
     }
-  if (sizeOf(comm) > 1) { // the cases are not hollow
+  if (sizeOf(comm) > 1) { // the cases do have ghosts
     EXPECT_GT(allReduce(comm, num_ghosts, MPI_SUM), 10000);
   }
 }
@@ -57,8 +58,8 @@ TEST(GhostSearchTest, BoxesEqualInFloatsAreDecidedInDoubles) {
   }
 }
 
-// Two faces of two ranks, a gap of `ulps` units in the last place of 1 between the node and the face box: closed boxes
-// overlap if it is not positive. All three cases are one and the same in floats.
+// Two faces of two ranks, a gap of `ulps` units in the last place of 1 between the node and the
+// face box: closed boxes overlap if it is not positive. All three cases are identical in floats.
 TEST(GhostSearchTest, OneUnitInTheLastPlaceDecides) {
   const int size = sizeOf(comm);
   if (size == 1)
@@ -78,7 +79,7 @@ TEST(GhostSearchTest, OneUnitInTheLastPlaceDecides) {
             if (f == 1 && ulps != 0)
               x[d] = std::nextafter(1.0, (ulps > 0) == above ? 2.0 : 0.0);
             corners[k] = addNode(c, f, x);
-            // Behind the plane each is thick, so that an overlap is one of volumes.
+            // Each is thick behind the plane, so that volumes overlap.
             if (k % 2 == 1)
               c.nodes[corners[k]].x_new[d] += (f == 1) == above ? 0.5 : -0.5;
           }
@@ -103,7 +104,7 @@ TEST(GhostSearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
   const SurfaceCase first = makeCase(0, sizeOf(comm));
   for (const SearchMethod method : all_methods) {
     GlobalSearch search(comm, configOf(first, method));
-    for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty ones in turn
+    for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty cases alternate
       SurfaceCase c =
           seed % 2 == 0 ? makeCase(seed / 2, sizeOf(comm)) : makeHardCase(seed / 2, sizeOf(comm));
       c.node_tolerance = first.node_tolerance;
@@ -176,7 +177,7 @@ TEST(GhostSearchTest, SendersAndReceiversAgreeOnPartners) {
   }
 }
 
-// What the owners say they sent is what the others hold, in the same order.
+// The faces that the owners report as sent are the ghosts of the destinations, in the same order.
 TEST(GhostSearchTest, SentFacesAreTheGhostsOfTheirDestinations) {
   const exec_space space;
   const int rank = rankOf(comm), size = sizeOf(comm);
@@ -200,7 +201,7 @@ TEST(GhostSearchTest, SentFacesAreTheGhostsOfTheirDestinations) {
     }
 }
 
-// A search in floats may look at a little more, never at less; its hits are first hits.
+// A search in floats may test slightly more candidates, never fewer; its hits are first hits.
 TEST(GhostSearchTest, StatisticsOfTheMethodsAreConsistent) {
   const exec_space space;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -361,7 +362,7 @@ TEST(GhostSearchTest, ASteadyStepAllocatesNothing) {
         });
     num_allocations = 0;
     search.findGhosts(space, local.surface);
-    EXPECT_GT(num_allocations, 0); // the first step does, so the count counts
+    EXPECT_GT(num_allocations, 0); // the first step allocates: the counter works
     num_allocations = 0;
     search.findGhosts(space, local.surface);
     Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);

@@ -1,4 +1,4 @@
-// Candidate rows as a test on the host reads them.
+// Host access to candidate rows, for tests.
 #pragma once
 
 #include "contact/surface/surface.hpp"

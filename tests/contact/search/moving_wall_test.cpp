@@ -1,5 +1,6 @@
-// A wall that moves for many steps through one search: boxes that are refitted find what a search made anew finds, also when
-// bricks have left their places and the order wears out; ten thousand steps need no more memory than the first ones.
+// A wall that moves for many steps with one search object: refitted boxes give the results of a new
+// search, also when bricks have moved away and the order has degraded; ten thousand steps need no
+// more memory than the first ones.
 #include "contact/search/local_search.hpp"
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_checks.hpp"
@@ -28,7 +29,7 @@ SurfaceCase makeWall(std::uint64_t seed) {
   return c;
 }
 
-// x^n := x^{n+1}; every brick goes on along its own way, by at most `speed` along an axis.
+// x^n := x^{n+1}; every brick moves on in its own direction, by at most `speed` along an axis.
 void drift(SurfaceCase& c, double speed) {
   for (CaseNode& node : c.nodes) {
     node.x_old = node.x_new;
@@ -90,7 +91,7 @@ TEST(MovingWallTest, RefittedTreesFindWhatNewOnesFind) {
   }
   EXPECT_GT(allReduce(comm, pairs_found, MPI_SUM), 10000);
   EXPECT_GT(allReduce(comm, orderings, MPI_SUM),
-            4 * sizeOf(comm)); // bricks have parted: sorted again
+            4 * sizeOf(comm)); // bricks have separated: the surface is sorted again
 }
 
 // [block] the nodes of its rows and their faces.
@@ -138,13 +139,13 @@ TEST(MovingWallTest, BlocksThatAreNotMarkedAsChangedHaveTheRowsThatTheyHad) {
       version = pairs.version;
     }
   }
-  if (cluster_size > 1) { // on a device all rows are made anew
+  if (cluster_size > 1) { // on a device all rows are marked as changed
     EXPECT_GT(allReduce(comm, kept, MPI_SUM), 100);
   }
   EXPECT_GT(allReduce(comm, changed, MPI_SUM), 100);
 }
 
-// Bytes of Views alive, counted by Kokkos' own callbacks.
+// Bytes of existing Views, counted by callbacks of Kokkos.
 std::int64_t live_bytes = 0, most_live_bytes = 0;
 
 void countAllocation(Kokkos_Profiling_SpaceHandle, const char*, const void*, std::uint64_t size) {
@@ -161,7 +162,7 @@ std::int64_t residentBytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-// Bricks swing about their places, each with its own phase; the motion returns every 500 steps.
+// Bricks oscillate about their initial positions, each with its own phase; the period is 500 steps.
 void swing(const exec_space& space, int step, const View<const double* [3]>& rest,
            const View<const global_id*>& body, Surface& surface, const View<double* [3]>& other) {
   const View<double* [3]> x = other;
@@ -176,7 +177,7 @@ void swing(const exec_space& space, int step, const View<const double* [3]>& res
 
 TEST(MovingWallTest, TenThousandStepsNeedNoMoreMemoryThanTheFirst) {
   constexpr int num_steps = 10000, warmup = 2000;
-  constexpr std::int64_t allowed = 1 << 20; // what MPI and the C library may still take
+  constexpr std::int64_t allowed = 1 << 20; // for MPI and the C library
   const exec_space space;
   const SurfaceCase c = makeWall(7);
   const LocalSurface local = localSurface(c, rankOf(comm));

@@ -1,5 +1,5 @@
-// The audit of candidate lists against the oracle: nothing is missed by lists of the step and by kept ones, and what stale or
-// narrow lists miss is counted to the pair.
+// The audit of candidate lists against the oracle: lists of the step and kept lists miss nothing,
+// and the pairs that stale or narrow lists miss are counted exactly.
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/search/search_checks.hpp"
 
@@ -76,7 +76,8 @@ TEST(PairAudit, CountsWhatListsOfSmallerBoxesMiss) {
   EXPECT_GT(all_missed, 0);
 }
 
-// Lists of the step before, as a wrong decision to keep them would leave them; ghosts too have stayed behind.
+// Lists of the previous step, as a wrong decision to keep them would leave them; the ghosts are
+// those of that step, too.
 TEST(PairAudit, CountsWhatStaleListsMiss) {
   const exec_space space;
   std::int64_t all_missed = 0;

@@ -1,4 +1,5 @@
-// The fastest pair against a look at all pairs that the search lists, on any ranks and with lists that are kept.
+// The fastest pair against all pairs that the search lists, on any number of ranks and with kept
+// lists.
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
 #include "contact/search/audit/pair_motion.hpp"
 #include "contact/search/audit/read_back.hpp"
@@ -74,7 +75,7 @@ TEST(FastestPair, IsTheOneThatAllPairsShow) {
   EXPECT_GT(expected.motion, 0.1);
 
   const ScenePart part(scene, world, scattered, 0);
-  for (const double margin : {0.0, 1.0}) { // kept lists hold faster pairs that are too far away
+  for (const double margin : {0.0, 1.0}) { // kept lists contain faster pairs that are too far apart
     CandidateSearch search(world, searchOf(0.05), margin);
     search.update(space, part.surface());
     expectSame(fastestPair(space, world, part.surface(), search.ghosts(), search.pairs(), 0.1),

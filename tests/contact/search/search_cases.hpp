@@ -1,5 +1,5 @@
-// Random contact surfaces for the search tests, the same on every rank. Written without anything of the search but its
-// data types.
+// Random contact surfaces for the search tests, the same on every rank. They use nothing of the
+// search but its data types.
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
@@ -231,7 +231,7 @@ inline void buildKind(SurfaceCase& c, Random& random, int kind) {
   }
 }
 
-// How faces fall on ranks: slabs in x, blocks of bodies, at random, or a few ranks with all.
+// Distribution of faces over ranks: slabs in x, blocks of bodies, at random, or all on a few ranks.
 inline void distribute(SurfaceCase& c, Random& random, int num_ranks) {
   const int pattern = random.below(4);
   const int used = pattern == 3 ? 1 + random.below(num_ranks) : num_ranks;

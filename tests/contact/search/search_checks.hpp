@@ -1,4 +1,4 @@
-// What the search tests share: methods by name, ghosts against the definition.
+// Shared by the search tests: methods by name, ghosts against the definition.
 #pragma once
 
 #include "contact/search/global_search.hpp"
@@ -33,7 +33,7 @@ inline bool okOnAllRanks(MPI_Comm comm, bool ok) {
   return allReduce(comm, ok ? 1 : 0, MPI_MIN) == 1;
 }
 
-// Faces of the case that the ghosts are, [ghost]; -1 for an id that the case does not have.
+// [ghost] the face of the case; -1 for an id that the case does not have.
 inline std::vector<int> facesOf(const SurfaceCase& c, const GhostFaces& ghosts) {
   std::map<global_id, int> face_of_id;
   for (std::size_t f = 0; f < c.faces.size(); ++f)
@@ -76,8 +76,9 @@ private:
   AttributeWords::HostMirror _attributes;
 };
 
-// The ghosts are the expected faces with their data, owner by owner; of one owner by face id, but for the cluster method,
-// which has an order of its own. Stops at the first difference, which makes a readable message.
+// Checks that the ghosts are the expected faces with their data, by owner; the ghosts of one owner
+// come by face id, except with the cluster method, which has an order of its own. Stops at the
+// first difference, so that the message is readable.
 inline ::testing::AssertionResult ghostsAre(const SurfaceCase& c, const std::vector<int>& expected,
                                             const GhostFaces& ghosts, SearchMethod method) {
   if (ghosts.count != static_cast<int>(expected.size()))

@@ -1,12 +1,12 @@
-// The ghosts and pairs that the definition gives a random surface, by looking at all pairs. Written without anything of
-// the search but its data types.
+// The ghosts and pairs of a random surface by the definition, from all pairs. Uses nothing of the
+// search but its data types.
 #pragma once
 
 #include "tests/contact/search/search_cases.hpp"
 
 namespace brickwall::contact::test {
 
-// The definition, pair by pair: |ranges| of node and face, inflated, meet in all three directions.
+// The definition of a pair: the inflated ranges of node and face overlap in all three directions.
 inline bool boxesMeet(const SurfaceCase& c, const CaseNode& node, const CaseFace& face) {
   for (int d = 0; d < 3; ++d) {
     const double node_low = std::min(node.x_old[d], node.x_new[d]) - c.node_tolerance;

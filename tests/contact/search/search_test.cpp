@@ -1,5 +1,5 @@
-// Global and local search against a brute-force evaluation of their definition, on random surfaces, and what else the
-// search promises: no allocation in a steady step. Ghosts alone: ghost_search_test.cpp.
+// Global and local search against a brute-force evaluation of their definition, on random surfaces;
+// no allocation in a steady step. The global search alone is tested in ghost_search_test.cpp.
 #include "contact/search/local_search.hpp"
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_checks.hpp"
@@ -84,7 +84,7 @@ TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
       LocalSearch local(global);
       ASSERT_TRUE(checkStep(c, global, local, &counts)) << c.name();
     }
-  // The cases are not hollow.
+  // The cases do have pairs and ghosts.
   EXPECT_GT(allReduce(comm, counts.pairs, MPI_SUM), 100000);
   if (sizeOf(comm) > 1) {
     EXPECT_GT(allReduce(comm, counts.ghosts, MPI_SUM), 10000);
@@ -96,7 +96,7 @@ TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
   for (const SearchMethod method : all_methods) {
     GlobalSearch global(comm, configOf(first, method));
     LocalSearch local(global);
-    for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty ones in turn
+    for (std::uint64_t seed = 0; seed < 30; ++seed) { // large, small and empty cases alternate
       SurfaceCase c = makeCase(seed, sizeOf(comm));
       c.node_tolerance = first.node_tolerance;
       c.face_tolerance = first.face_tolerance;
@@ -106,7 +106,7 @@ TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
   }
 }
 
-// Rows longer than what a query keeps on its stack.
+// Rows longer than the results that a query keeps on its stack.
 TEST(SearchTest, LongRowsOfCoincidentFacesAreComplete) {
   SurfaceCase c;
   c.kind = "coincident";
@@ -137,7 +137,7 @@ TEST(SearchTest, ASteadyStepAllocatesNothing) {
                                                              std::uint64_t) { ++num_allocations; });
   num_allocations = 0;
   step();
-  EXPECT_GT(num_allocations, 0); // the first step does, so the count counts
+  EXPECT_GT(num_allocations, 0); // the first step allocates: the counter works
   num_allocations = 0;
   step();
   Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);

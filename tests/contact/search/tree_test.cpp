@@ -181,7 +181,7 @@ void expectAllOverlaps(const std::vector<Box>& items, const std::vector<Box>& qu
 TEST(TreeTest, QueriesFindWhatAllPairsFind) {
   Random random(11);
   Bvh tree;
-  QueryResults results; // kept, as in a step
+  QueryResults results; // persistent, as between steps
   for (const int num_items : {0, 1, 2, 3, 4, 7, 64, 1000, 9000})
     for (const int num_queries : {0, 1, 50, 2000}) {
       std::vector<Box> items, queries;
@@ -212,7 +212,7 @@ TEST(TreeTest, AnOverflowingResultBufferIsGrownAndTheSearchRepeated) {
   EXPECT_EQ(results.num_passes, 2);
   EXPECT_EQ(results.num_rows, 4000);
   expectAllOverlaps(items, queries, true, tree, results);
-  EXPECT_EQ(results.num_passes, 1); // the high-water mark is kept
+  EXPECT_EQ(results.num_passes, 1); // the buffer keeps its greatest size
 }
 
 } // namespace

@@ -55,9 +55,10 @@ TEST(Projection, NormalOfAFlatFaceIsExactlyFlatAtAnyPlace) {
   }
 }
 
-// A point g n above a warped face is projected back. Warp w and gap g stay well inside the radius of curvature, about
-// 1/w, so the closest point is unique. Newton ends with an error of about the condition of the Hessian (< 10) times
-// the rounding of coordinates of size 10: 1e-13 is loose by ten.
+// A point g n above a warped face is projected back. Warp w and gap g stay well inside the radius
+// of curvature, about 1/w, so the closest point is unique. Newton's method ends with an error of
+// about the condition of the Hessian (< 10) times the rounding of coordinates of size 10: 1e-13 is
+// generous by a factor of ten.
 TEST(Projection, RandomWarpedQuadsGiveBackParametersAndGap) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -108,8 +109,9 @@ TEST(Projection, DegenerateFacesAndNonFinitePointsAreNotValid) {
   EXPECT_FALSE(project(unitSquare(), {NAN, 0, 0}).activeWithin(0.1));
 }
 
-// Where Newton fails (strong warp, point near the centre of curvature) the four triangles must still answer sensibly:
-// the weights reproduce a point whose distance along the normal is the gap.
+// Where Newton's method fails (strong warp, point near the centre of curvature) the four triangles
+// must still give a consistent result: the weights reproduce a point whose distance along the
+// normal is the gap.
 TEST(Projection, AnyAnswerIsConsistentOnWildFaces) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
