@@ -1,5 +1,5 @@
-// The program: starts MPI and Kokkos, runs one command, ends them. The only place that turns an exception into a message and an
-// exit code.
+// The program: starts MPI and Kokkos, runs one command, ends them. The only place that turns an
+// exception into a message and an exit code.
 #include "contact/base/backend.hpp"
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
@@ -65,7 +65,8 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   return code;
 }
 
-// `code`, or that of a failed output if standard output cannot be written: a full disk shows only here.
+// `code`, or that of a failed output if standard output cannot be written: a full disk shows only
+// here.
 int withOutputFlushed(int code) {
   std::cout << std::flush;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout)

@@ -1,4 +1,5 @@
-// See deck.hpp. Text -> tree (toml_tree) -> overrides (deck_overrides) -> checked values (deck_checker).
+// See deck.hpp. Text -> tree (toml_tree) -> overrides (deck_overrides) -> checked values
+// (deck_checker).
 #include "io/deck/deck.hpp"
 
 #include "contact/base/mpi.hpp"

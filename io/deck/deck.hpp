@@ -71,15 +71,17 @@ enum class BlockKind {
 };
 
 struct BlockRule {
-  // Dotted, without <name> or brackets: "wall", "material", "load.pressure". Below a `single` block, such as "search" and
-  // "search.reuse", it is a table inside that one: reuse = { ... } there, or [search.reuse].
+  // Dotted, without <name> or brackets: "wall", "material", "load.pressure". Below a `single`
+  // block, such as "search" and "search.reuse", it is a table inside that one: reuse = { ... }
+  // there, or [search.reuse].
   std::string name;
   BlockKind kind = BlockKind::single;
   std::string help; // one line
   std::vector<KeyRule> keys = {};
   // A `single` block that must be given. Required keys count in given blocks only.
   bool required = false;
-  // Former last component of `name`, accepted with a warning; "" for none. Not for `repeated` blocks.
+  // Former last component of `name`, accepted with a warning; "" for none. Not for `repeated`
+  // blocks.
   std::string former_name = {};
 };
 

@@ -1,5 +1,5 @@
-// See deck_checker.hpp. The tree is walked twice: once to find names that the schema lacks, once by the schema to
-// read the values.
+// See deck_checker.hpp. The tree is walked twice: once to find names that the schema lacks, once by
+// the schema to read the values.
 #include "io/deck/deck_checker.hpp"
 
 #include "io/deck/deck_overrides.hpp"
@@ -187,7 +187,8 @@ private:
     if (prefix.empty())
       for (const std::string& key : keyNames(topBlock(_schema)))
         known.push_back(key);
-    // The last name alone may also mean a block: [fixed] for [[boundary.fixed]], [[load.gravity]] for [gravity].
+    // The last name alone may also mean a block: [fixed] for [[boundary.fixed]], [[load.gravity]]
+    // for [gravity].
     std::string nearest = nearestName(joined(prefix, name), known);
     for (const BlockRule& block : _schema)
       if (nearest.empty() && block.kind != BlockKind::top &&

@@ -36,8 +36,8 @@ struct DeckBlock {
   std::vector<DeckValue> values; // in the order of the rule's keys
 };
 
-// All block instances: for each rule of the schema in order, those of the deck; single blocks are always included. The
-// result points into `schema`.
+// All block instances: for each rule of the schema in order, those of the deck; single blocks are
+// always included. The result points into `schema`.
 std::vector<DeckBlock> checkDeck(const TomlNode& root, const Schema& schema, DeckFaults& faults);
 
 } // namespace brickwall::io

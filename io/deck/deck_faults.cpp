@@ -14,7 +14,8 @@ std::string printable(std::string text) {
   return text;
 }
 
-// Marks `length` bytes from `column` under the line; tabs stay tabs, UTF-8 continuation bytes take no place.
+// Marks `length` bytes from `column` under the line; tabs stay tabs, UTF-8 continuation bytes take
+// no place.
 std::string marksUnder(const std::string& line, int column, int length) {
   const auto isContinuation = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
   const std::size_t begin = std::min<std::size_t>(std::max(column - 1, 0), line.size());

@@ -1,4 +1,5 @@
-// The faults and warnings of a deck, collected and reported together, in the order of the deck's lines.
+// The faults and warnings of a deck, collected and reported together, in the order of the deck's
+// lines.
 #pragma once
 
 #include "io/deck/toml_tree.hpp"
@@ -13,8 +14,8 @@ public:
   // `lines` of the deck, `overrides` as given with --set: the excerpts.
   DeckFaults(std::string path, std::vector<std::string> lines, std::vector<std::string> overrides);
 
-  // `subject`: "[wall] gap" or "". `found` and `expected` complete "found ..., expected ..."; `expected` and `nearest`
-  // (the nearest valid name) may be "".
+  // `subject`: "[wall] gap" or "". `found` and `expected` complete "found ..., expected ...";
+  // `expected` and `nearest` (the nearest valid name) may be "".
   void add(const Position& at, const std::string& subject, const std::string& found,
            const std::string& expected, const std::string& nearest = "");
   void warn(const Position& at, const std::string& text);

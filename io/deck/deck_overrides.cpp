@@ -14,7 +14,8 @@ std::string withoutOuterBlanks(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end + 1 - begin);
 }
 
-// "load.pressure[0].peak" and "load.pressure.0.peak" -> {"load", "pressure", "0", "peak"}; none if a name is empty.
+// "load.pressure[0].peak" and "load.pressure.0.peak" -> {"load", "pressure", "0", "peak"}; none if
+// a name is empty.
 std::optional<std::vector<std::string>> splitPath(const std::string& path) {
   std::vector<std::string> names(1);
   bool after_index = false; // only '.' or '[' may follow a ']'

@@ -7,10 +7,12 @@
 
 namespace brickwall::io {
 
-// The shortest spelling that reads back to the same bits: with a point or an exponent, as TOML requires of a real.
+// The shortest spelling that reads back to the same bits: with a point or an exponent, as TOML
+// requires of a real.
 std::string spellReal(double value);
 
-// A block with its values, defaults filled in; "" for a block that is not given and has required keys or no values.
+// A block with its values, defaults filled in; "" for a block that is not given and has required
+// keys or no values.
 std::string spellBlock(const DeckBlock& block);
 
 } // namespace brickwall::io

@@ -1,5 +1,6 @@
-// Reads TOML with toml11 3.7.1 and corrects its known faults: numbers that are too large are recognised by their spelling,
-// members keep the order of the text, and syntax errors become a position and two short sentences.
+// Reads TOML with toml11 3.7.1 and corrects its known faults: numbers that are too large are
+// recognised by their spelling, members keep the order of the text, and syntax errors become a
+// position and two short sentences.
 #include "io/deck/toml_tree.hpp"
 
 #include <toml.hpp>
@@ -128,7 +129,8 @@ TomlNode convert(const toml::value& value) {
   return node;
 }
 
-// toml11 recurses into brackets: nesting deeper than in any deck is refused before it exhausts the stack.
+// toml11 recurses into brackets: nesting deeper than in any deck is refused before it exhausts the
+// stack.
 void checkNesting(const std::string& text) {
   constexpr int deepest = 64;
   int depth = 0, line = 1, column = 0;
@@ -180,7 +182,8 @@ std::string withoutFunctionName(std::string sentence) {
   return sentence.empty() ? "invalid TOML" : sentence;
 }
 
-// `found` is the message of toml11, `remark` its note at the place: the value that it expected, or more of the value found.
+// `found` is the message of toml11, `remark` its note at the place: the value that it expected, or
+// more of the value found.
 TomlSyntaxError toSyntaxError(const Position& at, std::string found, std::string remark) {
   if (found == "the next token is not a valid string")
     found = "a text that does not end on its line or has an unknown escape";
@@ -196,8 +199,9 @@ TomlSyntaxError toSyntaxError(const Position& at, std::string found, std::string
   return TomlSyntaxError(at, found + " (" + remark + ")", "");
 }
 
-// A message of toml11 holds its excerpts as " 12 | the line", each followed by a line of marks and a remark. The last
-// of them that is a line of the text is the place; the exception's own location may be that of a part of it.
+// A message of toml11 holds its excerpts as " 12 | the line", each followed by a line of marks and
+// a remark. The last of them that is a line of the text is the place; the exception's own location
+// may be that of a part of it.
 TomlSyntaxError readMessage(const std::string& message, const std::vector<std::string>& lines,
                             Position fallback) {
   const std::vector<std::string> parts = splitLines(message);

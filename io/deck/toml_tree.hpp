@@ -1,4 +1,5 @@
-// TOML text as a plain tree with the position of each value. toml11 is included by toml_tree.cpp only.
+// TOML text as a plain tree with the position of each value. toml11 is included by toml_tree.cpp
+// only.
 #pragma once
 
 #include <cstdint>

@@ -27,9 +27,9 @@ std::string reason() {
   return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
 }
 
-// Silences Exodus, and disables the exit handler of HDF5, which crashes when a netCDF-4 file could not be flushed to a full
-// disk, so that the exit code would be lost. This must precede the first use of HDF5; no handle is found when the netCDF
-// library was built without HDF5.
+// Silences Exodus, and disables the exit handler of HDF5, which crashes when a netCDF-4 file could
+// not be flushed to a full disk, so that the exit code would be lost. This must precede the first
+// use of HDF5; no handle is found when the netCDF library was built without HDF5.
 void prepareLibraries() {
   static const bool prepared = [] {
     using Function = int (*)();
@@ -42,7 +42,8 @@ void prepareLibraries() {
   ex_opts(0);
 }
 
-// ex_open writes to standard error when it fails, whatever its options are: netCDF opens the file first.
+// ex_open writes to standard error when it fails, whatever its options are: netCDF opens the file
+// first.
 void checkIsExodus(const std::string& path) {
   int id = -1;
   int code = nc_open(path.c_str(), NC_NOWRITE, &id);

@@ -7,8 +7,8 @@ namespace brickwall::io {
 
 // Owns an open Exodus id. Calls on it are written
 //   file.check(ex_put_time(file.id(), step, &time), "time of step 3");
-// and throw OutputError (a file being written) or InputError (a file being read) naming the file and
-// the failed operation.
+// and throw OutputError (a file being written) or InputError (a file being read) naming the file
+// and the failed operation.
 class ExodusFile {
 public:
   // `flags` as of ex_create; bytes of a real in the file are 8 or 4. Throws OutputError.

@@ -1,4 +1,5 @@
-// The slice of an Exodus mesh file that one rank reads: contiguous elements, nodes and set entries, as the file has them.
+// The slice of an Exodus mesh file that one rank reads: contiguous elements, nodes and set entries,
+// as the file has them.
 #pragma once
 
 #include "io/exodus/exodus_file.hpp"
@@ -42,10 +43,12 @@ struct MeshSlice {
   std::vector<NodeEntry> nodes;
 };
 
-// Throws InputError naming the file: no hex8 block with elements, a block that is not hex8, not three dimensions.
+// Throws InputError naming the file: no hex8 block with elements, a block that is not hex8, not
+// three dimensions.
 MeshContents readContents(const ExodusFile& file);
 
-// Throws InputError naming the file: node, element or side numbers out of range, coordinates that are not finite.
+// Throws InputError naming the file: node, element or side numbers out of range, coordinates that
+// are not finite.
 MeshSlice readSlice(const ExodusFile& file, const MeshContents& contents, int rank, int size);
 
 } // namespace brickwall::io

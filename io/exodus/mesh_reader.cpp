@@ -1,4 +1,5 @@
-// Parallel reader: slices of the file, then all data go by rendezvous to the ranks that RCB assigns.
+// Parallel reader: slices of the file, then all data go by rendezvous to the ranks that RCB
+// assigns.
 //
 //   file slice of elements --RCB--> part            (home of an element: the rank that read it)
 //   file slice of nodes    --asked for--> slice, part (home of a node: the rank that read it)
@@ -35,7 +36,8 @@ public:
       : _comm(comm), _slices{contents.num_nodes, sizeOf(comm)}, _slice(slice),
         _begin(_slices.begin(rankOf(comm))), _id_of_node(slice.coordinates[0].size(), -1) {}
 
-  // Numbers the nodes in `nodes` of any rank, in file order over all ranks. Collective; returns their number.
+  // Numbers the nodes in `nodes` of any rank, in file order over all ranks. Collective; returns
+  // their number.
   global_id numberUsed(const std::vector<global_id>& nodes) {
     for (const auto& from : exchangeByRank(_comm, byHome(nodes)))
       for (const global_id node : from)
@@ -54,7 +56,8 @@ public:
     return total;
   }
 
-  // Numbers and coordinates of `nodes` (ascending, used), in the same order. The home remembers the ranks of the last query.
+  // Numbers and coordinates of `nodes` (ascending, used), in the same order. The home remembers the
+  // ranks of the last query.
   // Collective.
   std::vector<NodeData> ask(const std::vector<global_id>& nodes) {
     const auto asked = exchangeByRank(_comm, byHome(nodes));
@@ -75,7 +78,8 @@ public:
     return data;
   }
 
-  // Sends entries of node sets, with the new number of the node, to every rank of the last query for the node.
+  // Sends entries of node sets, with the new number of the node, to every rank of the last query
+  // for the node.
   // Collective.
   std::vector<NodeEntry> distribute(const std::vector<NodeEntry>& entries) const {
     std::vector<std::vector<NodeEntry>> to_homes(sizeOf(_comm)), to_holders(sizeOf(_comm));

@@ -10,7 +10,8 @@
 
 namespace brickwall::io {
 
-// The same files as those of ResultsWriter, without variables and steps (the names in `config` are ignored).
+// The same files as those of ResultsWriter, without variables and steps (the names in `config` are
+// ignored).
 // Collective; throws OutputError on all ranks.
 void writeMesh(MPI_Comm comm, const std::string& base, const MeshPart& part,
                const ResultsConfig& config);

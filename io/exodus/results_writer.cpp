@@ -1,5 +1,5 @@
-// Exodus results, one file per rank. All variables are defined before any data are written, so that the header never grows
-// and moves the data.
+// Exodus results, one file per rank. All variables are defined before any data are written, so that
+// the header never grows and moves the data.
 #include "io/exodus/results_writer.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -127,7 +127,8 @@ void ResultsWriter::State::putNames(ex_entity_type type, std::vector<std::string
     file.check(ex_put_names(file.id(), type, pointersTo(names).data()), what);
 }
 
-// Blocks and sets without entries here are declared as well: epu requires the same list in every file.
+// Blocks and sets without entries here are declared as well: epu requires the same list in every
+// file.
 void ResultsWriter::State::declareBlocks(const MeshPart& part) {
   block_begin.assign(part.blocks.size() + 1, 0);
   for (const int block : part.elem_block)

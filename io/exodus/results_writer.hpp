@@ -31,8 +31,8 @@ struct ResultsConfig {
   FileFormat format = FileFormat::offset64;
 };
 
-// Name of this rank's file: `base` itself for one rank, otherwise base.N.r with r zero-padded to the
-// width of N. `base` ends in .exo by convention.
+// Name of this rank's file: `base` itself for one rank, otherwise base.N.r with r zero-padded to
+// the width of N. `base` ends in .exo by convention.
 std::string rankFileName(const std::string& base, int num_ranks, int rank);
 
 class ResultsWriter {

@@ -1,4 +1,5 @@
-// Union-find within the rank, then the lowest element id spreads through shared nodes until no label changes.
+// Union-find within the rank, then the lowest element id spreads through shared nodes until no
+// label changes.
 #include "io/mesh/connected_components.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -39,7 +40,8 @@ NodeSets joinElementNodes(const MeshPart& part) {
   return sets;
 }
 
-// Lowers the labels of roots to those of the other sharers of their nodes. True if any label here changed.
+// Lowers the labels of roots to those of the other sharers of their nodes. True if any label here
+// changed.
 bool lowerLabels(MPI_Comm comm, const MeshPart& part, NodeSets& sets,
                  std::vector<global_id>& label_of_root) {
   std::vector<std::vector<global_id>> to_sharers(sizeOf(comm));
@@ -59,7 +61,8 @@ bool lowerLabels(MPI_Comm comm, const MeshPart& part, NodeSets& sets,
   return changed;
 }
 
-// Numbers the distinct labels of all ranks 0, 1, ... in their order, by rendezvous; replaces labels by their numbers.
+// Numbers the distinct labels of all ranks 0, 1, ... in their order, by rendezvous; replaces labels
+// by their numbers.
 global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_id>& labels) {
   const int size = sizeOf(comm);
   const IdSlices homes{part.num_global_elems, size};

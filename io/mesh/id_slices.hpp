@@ -1,5 +1,6 @@
-// Contiguous slices of the ids 0 .. total - 1, one per rank. A rank first reads or generates the entities of its slice, and it is
-// the home of their ids in a rendezvous, where all ranks that know something about an id meet.
+// Contiguous slices of the ids 0 .. total - 1, one per rank. A rank first reads or generates the
+// entities of its slice, and it is the home of their ids in a rendezvous, where all ranks that know
+// something about an id meet.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Local node numbers: the ascending list of the global ids in use, and the place of each occurrence in it.
+// Local node numbers: the ascending list of the global ids in use, and the place of each occurrence
+// in it.
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"

@@ -1,5 +1,5 @@
-// One rank's part of a hexahedral mesh, on the host. The wall generator and the mesh reader make it, and the
-// results writer writes it. Global ids are 0-based (in files, 1-based).
+// One rank's part of a hexahedral mesh, on the host. The wall generator and the mesh reader make
+// it, and the results writer writes it. Global ids are 0-based (in files, 1-based).
 #pragma once
 
 #include "contact/base/backend.hpp"

@@ -106,8 +106,8 @@ std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& id
       Zoltan_LB_Partition(zoltan.get(), &changed, &gid_words, &lid_words, &num_import, &import_gids,
                           &import_lids, &import_ranks, &import_parts, &num_export, &export_gids,
                           &export_lids, &export_ranks, &export_parts);
-  // Only points that leave this rank are listed, in an order of Zoltan. (Its list of all parts fails with
-  // ZOLTAN_FATAL on ranks without points when nothing changes.)
+  // Only points that leave this rank are listed, in an order of Zoltan. (Its list of all parts
+  // fails with ZOLTAN_FATAL on ranks without points when nothing changes.)
   std::unordered_map<global_id, int> rank_of_leaving;
   for (int i = 0; i < num_export; ++i) {
     global_id id = 0;

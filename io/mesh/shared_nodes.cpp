@@ -1,4 +1,5 @@
-// Rendezvous by node id: each rank reports its nodes to their homes, and the homes send each sharer the list of the others.
+// Rendezvous by node id: each rank reports its nodes to their homes, and the homes send each sharer
+// the list of the others.
 #include "io/mesh/shared_nodes.hpp"
 
 #include "contact/base/mpi.hpp"

@@ -1,5 +1,5 @@
-// Finds the nodes that this rank shares with each other rank, by rendezvous: each node id has a home rank
-// where its sharers meet. The cost is proportional to the number of local nodes.
+// Finds the nodes that this rank shares with each other rank, by rendezvous: each node id has a
+// home rank where its sharers meet. The cost is proportional to the number of local nodes.
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"

@@ -7,8 +7,8 @@
 
 namespace brickwall::io {
 
-// Not collective. Permutes the local nodes and the local faces by a hash of (seed, global id); the surface itself
-// with its ids, coordinates, owners and bodies stays the same. Cost: two sorts.
+// Not collective. Permutes the local nodes and the local faces by a hash of (seed, global id); the
+// surface itself with its ids, coordinates, owners and bodies stays the same. Cost: two sorts.
 void shuffleSurface(std::uint64_t seed, SurfacePart& part);
 
 } // namespace brickwall::io

@@ -1,5 +1,5 @@
-// Generates a wall in parallel: each rank takes a slice of the elements (faces), RCB assigns them to
-// ranks, and these generate them from their ids. No rank holds more than its slice and its
+// Generates a wall in parallel: each rank takes a slice of the elements (faces), RCB assigns them
+// to ranks, and these generate them from their ids. No rank holds more than its slice and its
 // part.
 #pragma once
 

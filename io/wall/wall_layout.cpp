@@ -1,5 +1,6 @@
-// Geometry and numbering of the wall. All lengths are multiples of half an element edge plus multiples of the gap, so
-// that nodes of neighbouring bricks that meet get the same bits from the same integers.
+// Geometry and numbering of the wall. All lengths are multiples of half an element edge plus
+// multiples of the gap, so that nodes of neighbouring bricks that meet get the same bits from the
+// same integers.
 #include "io/wall/wall_layout.hpp"
 
 #include "contact/base/error.hpp"
@@ -73,7 +74,8 @@ WallLayout::WallLayout(const WallConfig& config) : _config(config) {
   _nodes_half = elemsOf(e[0] / 2 + 1, e[1] + 1, e[2] + 1);
   _faces_whole = countBrickFaces(e);
   _faces_half = countBrickFaces({e[0] / 2, e[1], e[2]});
-  // An element has at most 8 nodes and 6 faces, and face ids are 6 elem + side: this bounds every id.
+  // An element has at most 8 nodes and 6 faces, and face ids are 6 elem + side: this bounds every
+  // id.
   checkedProduct(checkedProduct(_num_whole + _num_half, _elems_whole), 16);
 }
 
@@ -198,7 +200,8 @@ std::array<double, 3> WallLayout::nodeCoordinates(global_id node) const {
   const auto& e = _config.elements;
   const std::int64_t ex = e[0];
 
-  // Along: half element edges, and half gaps before the brick; the elements of a half brick are shorter by gap / ex each.
+  // Along: half element edges, and half gaps before the brick; the elements of a half brick are
+  // shorter by gap / ex each.
   const bool odd = place.course % 2 == 1;
   std::int64_t half_edges = 0;
   double gaps = 0;

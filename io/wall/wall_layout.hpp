@@ -1,8 +1,9 @@
-// The brick wall as pure functions from global ids to geometry, so that no rank ever holds the whole mesh.
+// The brick wall as pure functions from global ids to geometry, so that no rank ever holds the
+// whole mesh.
 //
 //   course 2   | brick | brick | brick |   axes: x along, y across (wythes), z up (courses)
 //   course 1   |   | brick | brick |   |   flush ends: odd courses begin and end with a half brick
-//   course 0   | brick | brick | brick |   ragged ends: odd courses are whole bricks, shifted by half a brick
+//   course 0   | brick | brick | brick |   ragged ends: odd courses are shifted by half a brick
 //
 // Ids are 0-based: whole bricks first (course by course, wythe by wythe, along x), then half
 // bricks; elements and nodes brick by brick, i fastest, then j, then k. Each brick has nodes of its
@@ -31,7 +32,8 @@ struct WallConfig {
   WallEnds ends = WallEnds::flush;
 };
 
-// Random displacement of the nodes in `brickwall search`, so that coordinates of neighbouring bricks differ.
+// Random displacement of the nodes in `brickwall search`, so that coordinates of neighbouring
+// bricks differ.
 struct WallJitter {
   double amplitude = 0.0; // largest displacement along each axis, over the element edge
   std::uint64_t seed = 1;
@@ -105,7 +107,8 @@ public:
   // side (0-based).
   global_id faceId(std::int64_t face) const;
 
-  // Whether side `side` (0-based, hex8) of the element lies on the outer side of the wall of that name.
+  // Whether side `side` (0-based, hex8) of the element lies on the outer side of the wall of that
+  // name.
   bool onWallSide(global_id elem, int side, WallSide wall_side) const;
   bool inNodeSet(global_id node, WallNodeSet set) const;
 

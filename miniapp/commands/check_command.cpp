@@ -1,4 +1,5 @@
-// `brickwall check`: the contents of a scene and its needs, from the deck alone for walls of any size.
+// `brickwall check`: the contents of a scene and its needs, from the deck alone for walls of any
+// size.
 #include "contact/base/mpi.hpp"
 #include "io/wall/wall_layout.hpp"
 #include "miniapp/commands/commands.hpp"
@@ -34,7 +35,8 @@ Config smallestLikeScene(const Config& config) {
   return small;
 }
 
-// Whether some bodies of a wall have initial conditions of their own, which the smallest like scene omits.
+// Whether some bodies of a wall have initial conditions of their own, which the smallest like scene
+// omits.
 bool startsUnlike(const Config& config) {
   const auto is_of_one = [](const InitialSelection& initial) {
     return initial.brick.has_value() || initial.body.has_value();

@@ -1,4 +1,5 @@
-// The four commands of the program. All are collective, return the exit code, and throw the same Error on every rank.
+// The four commands of the program. All are collective, return the exit code, and throw the same
+// Error on every rank.
 #pragma once
 
 #include "miniapp/commands/command_line.hpp"
@@ -14,7 +15,8 @@ int runSimulation(MPI_Comm comm, const Config& config, const Options& options);
 int checkScene(MPI_Comm comm, const Config& config, const Options& options);
 // `mesh`: writes the Exodus mesh.
 int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options);
-// `search`: global and local search alone on the surface of the wall, repeated; search.json and its table.
+// `search`: global and local search alone on the surface of the wall, repeated; search.json and its
+// table.
 int runSearch(MPI_Comm comm, const Config& config, const Options& options);
 
 } // namespace brickwall::miniapp

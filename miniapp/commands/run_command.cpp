@@ -21,7 +21,8 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// True once per interval, at the first step at or after each multiple of it; with interval 0, in every step if `always`.
+// True once per interval, at the first step at or after each multiple of it; with interval 0, in
+// every step if `always`.
 class Ticker {
 public:
   Ticker(double interval, bool always) : _interval(interval), _always(always) {}
@@ -76,7 +77,8 @@ public:
     try {
       loop();
     } catch (const PhysicsError& error) {
-      // Every rank has the same error and the state of the last good step, which is written and reported as at any other end.
+      // Every rank has the same error and the state of the last good step, which is written and
+      // reported as at any other end.
       _breakdown = error.what();
     }
     finishOutput();

@@ -55,7 +55,8 @@ public:
 private:
   // Each repetition searches unless the deck gives a margin.
   double margin() const { return _config.search.has_margin ? _config.search.margin : 0; }
-  // The copy of the surface on the host is freed here: it does not belong to the memory of the search.
+  // The copy of the surface on the host is freed here: it does not belong to the memory of the
+  // search.
   SearchSurface makeSurface() {
     const SearchConfig& search = _config.search;
     const auto seed = static_cast<std::uint64_t>(search.seed);

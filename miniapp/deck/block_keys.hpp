@@ -1,5 +1,6 @@
-// The keys of a deck's block, each named once together with the field of a struct that it sets. The same list makes the schema, in
-// which the values of a default-constructed struct are the defaults, and reads a deck into the struct.
+// The keys of a deck's block, each named once together with the field of a struct that it sets. The
+// same list makes the schema, in which the values of a default-constructed struct are the defaults,
+// and reads a deck into the struct.
 //
 //   void dampingKeys(BlockKeys& keys, Config& config) {
 //     keys.add("mass", config.mass_damping, "alpha of the force -alpha m v").in("1/s").atLeast(0);
@@ -24,8 +25,8 @@ public:
   BlockKeys(const io::Deck& deck, std::string instance)
       : _deck(&deck), _instance(std::move(instance)) {}
 
-  // One key. A key that the deck does not give, or whose value is faulty, leaves its field as it is. Texts, optional and infinite
-  // values have no default.
+  // One key. A key that the deck does not give, or whose value is faulty, leaves its field as it
+  // is. Texts, optional and infinite values have no default.
   template <class Field>
   io::KeyRule& add(const std::string& name, Field& field, const std::string& help) {
     _rules.push_back(ruleOf(name, field, help));

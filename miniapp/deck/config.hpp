@@ -1,5 +1,5 @@
-// The contents of a deck as plain structs. Their initial values are the defaults of the deck (*_blocks.cpp). Units are SI, or any
-// consistent set that the deck states.
+// The contents of a deck as plain structs. Their initial values are the defaults of the deck
+// (*_blocks.cpp). Units are SI, or any consistent set that the deck states.
 #pragma once
 
 #include "contact/enforcement/law/enforcement_config.hpp"
@@ -86,7 +86,8 @@ struct PrescribedVelocityConfig {
   PulseConfig pulse; // multiplies the velocity
 };
 
-// The part of the scene to which an initial condition applies: one block, one brick of a wall, one body, or (none of them) all.
+// The part of the scene to which an initial condition applies: one block, one brick of a wall, one
+// body, or (none of them) all.
 struct InitialSelection {
   std::optional<std::string> block;
   std::optional<std::array<std::int64_t, 3>> brick; // 0-based: along, across, course
@@ -106,9 +107,11 @@ struct InitialDeformationConfig : InitialSelection {
 
 // [contact]
 enum class SelfContact { automatic, never, always };
-// Reaction to nodes and faces that move relative to each other by more than the tolerance of contact in one step.
+// Reaction to nodes and faces that move relative to each other by more than the tolerance of
+// contact in one step.
 enum class GuardAction { cut, stop, off };
-// The keys that the deck has in common with the library are those of EnforcementConfig; the simulation sets the others.
+// The keys that the deck has in common with the library are those of EnforcementConfig; the
+// simulation sets the others.
 struct ContactConfig : contact::EnforcementConfig {
   bool enabled = true;
   double tolerance = 0.05; // box inflation over the shortest skin edge
@@ -121,7 +124,8 @@ struct ContactConfig : contact::EnforcementConfig {
 using contact::SearchMethod;
 struct SearchConfig {
   SearchMethod method = contact::SearchConfig().method;
-  // reuse.margin over the shortest edge: the lists are kept until nodes have moved half of it; 0: a search in every step
+  // reuse.margin over the shortest edge: the lists are kept until nodes have moved half of it; 0: a
+  // search in every step
   double margin = 0.1;
   bool has_margin = false; // given by the deck
   std::int64_t audit =
@@ -146,7 +150,8 @@ struct SkipConfig {
 };
 
 // [time]
-// The stable step is that of whole bodies (mechanics/stability/largest_frequency.hpp), or of the worst element by itself.
+// The stable step is that of whole bodies (mechanics/stability/largest_frequency.hpp), or of the
+// worst element by itself.
 enum class StepBound { lanczos, element };
 struct TimeConfig {
   double end = 0; // time
@@ -198,8 +203,8 @@ struct Config {
 // The table of all blocks and keys.
 const io::Schema& deckSchema();
 
-// Collective; rank 0 reads the deck and judges it. `overrides` as in --set. Throws InputError with all
-// faults of the deck.
+// Collective; rank 0 reads the deck and judges it. `overrides` as in --set. Throws InputError with
+// all faults of the deck.
 Config readConfig(MPI_Comm comm, const std::string& deck_path,
                   const std::vector<std::string>& overrides);
 
@@ -207,11 +212,13 @@ Config readConfig(MPI_Comm comm, const std::string& deck_path,
 Config parseConfig(const std::string& deck_text, const std::string& deck_path,
                    const std::vector<std::string>& overrides = {});
 
-// Inflation of the boxes of nodes and faces, length: contact.tolerance of the shortest edge, or more on long faces, so that the
-// two together reach half as far again as a node may stand beyond the edge of a face and still be in contact with it.
+// Inflation of the boxes of nodes and faces, length: contact.tolerance of the shortest edge, or
+// more on long faces, so that the two together reach half as far again as a node may stand beyond
+// the edge of a face and still be in contact with it.
 double boxTolerance(const ContactConfig& contact, double shortest_edge, double longest_edge);
 
-// Greatest penetration at which a contact may become active, length: the tolerances of node and face over the shortest edge.
+// Greatest penetration at which a contact may become active, length: the tolerances of node and
+// face over the shortest edge.
 double deepestActivation(const ContactConfig& contact, double shortest_edge);
 
 // Whether pairs within one body are excluded from the search.

@@ -1,4 +1,5 @@
-// The blocks of a deck, group by group: their rules, and how they are read into Config with the checks that concern several keys.
+// The blocks of a deck, group by group: their rules, and how they are read into Config with the
+// checks that concern several keys.
 #pragma once
 
 #include "io/deck/deck.hpp"

@@ -6,9 +6,10 @@
 
 namespace brickwall::miniapp {
 
-// The runs of verification/ and inputs/ have energy and contact errors up to 5e-4, momentum errors up to 6e-15, angular momentum
-// errors up to 5e-10 (at strains of 1e-6, where forces are rounded to 2^-54 of those at a strain of one), hourglass shares up to
-// 0.25 with two elements or more through the thickness and 1 with one element that bends, and penetrations up to 0.003.
+// The runs of verification/ and inputs/ have energy and contact errors up to 5e-4, momentum errors
+// up to 6e-15, angular momentum errors up to 5e-10 (at strains of 1e-6, where forces are rounded to
+// 2^-54 of those at a strain of one), hourglass shares up to 0.25 with two elements or more through
+// the thickness and 1 with one element that bends, and penetrations up to 0.003.
 const std::array<GaugeRule, num_gauges> gauge_rules = {{
     {"energy_error", "energy error", "over the peak energy", 0.1, 0.02},
     {"momentum_error", "momentum error", "over the impulse of the loads", 1e-6, 1e-10},

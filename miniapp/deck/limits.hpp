@@ -1,4 +1,5 @@
-// Limits of a run, gauge by gauge: a stop limit ends the run with FAIL, a warn limit is reported once.
+// Limits of a run, gauge by gauge: a stop limit ends the run with FAIL, a warn limit is reported
+// once.
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@ enum Gauge : int {
 };
 using GaugeValues = std::array<double, num_gauges>;
 
-// Name of a gauge in [limits] and in messages, and its limits where the deck gives none (infinite: no limit).
+// Name of a gauge in [limits] and in messages, and its limits where the deck gives none (infinite:
+// no limit).
 struct GaugeRule {
   const char* key;
   const char* words;

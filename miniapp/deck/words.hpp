@@ -1,4 +1,5 @@
-// The words of each enumeration: one table, which the schema of the deck, its reader, the resolved deck and all reports use.
+// The words of each enumeration: one table, which the schema of the deck, its reader, the resolved
+// deck and all reports use.
 #pragma once
 
 #include "contact/enforcement/law/enforcement_config.hpp"

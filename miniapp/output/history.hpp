@@ -1,4 +1,5 @@
-// history.csv: one row per history interval. The file can be read at any time of the run, also after the run was killed.
+// history.csv: one row per history interval. The file can be read at any time of the run, also
+// after the run was killed.
 #pragma once
 
 #include <mpi.h>
@@ -18,9 +19,9 @@ public:
   HistoryWriter(const HistoryWriter&) = delete;
   HistoryWriter& operator=(const HistoryWriter&) = delete;
 
-  // Collective; the values of rank 0 count, one for each column. Each is printed so that it reads back
-  // to the same bits (whole numbers without a point). The row is in the file when this returns;
-  // throws OutputError on every rank when that fails.
+  // Collective; the values of rank 0 count, one for each column. Each is printed so that it reads
+  // back to the same bits (whole numbers without a point). The row is in the file when this
+  // returns; throws OutputError on every rank when that fails.
   void write(const std::vector<double>& values);
 
 private:

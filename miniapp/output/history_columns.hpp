@@ -1,4 +1,5 @@
-// The columns of history.csv, which are also the global variables of the Exodus file, by the same names and in the same order.
+// The columns of history.csv, which are also the global variables of the Exodus file, by the same
+// names and in the same order.
 // Columns of physics that the deck does not use are omitted.
 #pragma once
 

@@ -1,4 +1,5 @@
-// Files and folders of the output. All functions are collective: rank 0 acts, and a failure is an OutputError on every rank.
+// Files and folders of the output. All functions are collective: rank 0 acts, and a failure is an
+// OutputError on every rank.
 #pragma once
 
 #include <mpi.h>

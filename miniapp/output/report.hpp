@@ -1,5 +1,5 @@
-// The report of a run: report.json (its field names are fixed), the printed tables, the FOM line and PASS or FAIL; and the parts
-// that it has in common with the report of `brickwall search`.
+// The report of a run: report.json (its field names are fixed), the printed tables, the FOM line
+// and PASS or FAIL; and the parts that it has in common with the report of `brickwall search`.
 #pragma once
 
 #include "miniapp/timing/phase_report.hpp"
@@ -129,7 +129,8 @@ std::string reportJson(const RunReport& report);
 // Collective: rank 0 writes; throws OutputError on every rank when that fails.
 void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report);
 
-// Table of phases, FOM line, and last line PASS or FAIL with the reasons. For the standard output of rank 0.
+// Table of phases, FOM line, and last line PASS or FAIL with the reasons. For the standard output
+// of rank 0.
 void printReport(std::ostream& out, const RunReport& report);
 
 // Parts of both reports.

@@ -32,8 +32,8 @@ io::ResultsConfig resultsConfig(const Config& config) {
   return results;
 }
 
-// Status and gap of the nodes owned here as message words. Only the owner of a node knows its contacts: the words of
-// all other sharers are zero, so that a sum forwards the bits of the owner.
+// Status and gap of the nodes owned here as message words. Only the owner of a node knows its
+// contacts: the words of all other sharers are zero, so that a sum forwards the bits of the owner.
 void packContact(const exec_space& space, const Scene& scene,
                  const contact::Enforcement& enforcement, const View<std::int64_t**>& words) {
   Kokkos::deep_copy(space, words, 0);
@@ -69,7 +69,8 @@ void Results::writeStep(Simulation& simulation) {
   _writer.writeStep(simulation.clock().time, _nodal, _element, globalValues(simulation));
 }
 
-// Displacement and contact force at t^n; velocity at t^n from that of the half step after it, v^{n+1/2} - dt/2 a^n.
+// Displacement and contact force at t^n; velocity at t^n from that of the half step after it,
+// v^{n+1/2} - dt/2 a^n.
 void Results::fillNodal(Simulation& simulation) {
   const mechanics::NodalForces& forces = simulation.forces();
   const auto u =

@@ -7,8 +7,8 @@
 
 namespace brickwall::miniapp {
 
-// All but the name of the case, the number of searches within the timed steps, and the warnings and failures of the time loop; the
-// warnings and failures of judgeNumbers are included. Collective.
+// All but the name of the case, the number of searches within the timed steps, and the warnings and
+// failures of the time loop; the warnings and failures of judgeNumbers are included. Collective.
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
 

@@ -1,4 +1,5 @@
-// The report of `brickwall search`: search.json (its field names are fixed), the printed table, the FOM line and PASS.
+// The report of `brickwall search`: search.json (its field names are fixed), the printed table, the
+// FOM line and PASS.
 #pragma once
 
 #include "miniapp/output/report.hpp"
@@ -42,7 +43,8 @@ struct SearchOnlyReport {
 
   double first_seconds = 0; // the first search, which allocates and sorts; slowest rank
   SearchTimes seconds;
-  // CPU seconds of all threads of a rank; with Timing::paper, those of waiting for other ranks are excluded.
+  // CPU seconds of all threads of a rank; with Timing::paper, those of waiting for other ranks are
+  // excluded.
   SearchTimes cpu_seconds;
   std::vector<PhaseSteps> timers; // the 13, own seconds per search
   std::vector<PhaseTime> phases; // sums over the counted searches

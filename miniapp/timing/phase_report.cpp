@@ -1,5 +1,5 @@
-// The callbacks of Kokkos are plain functions, so that a pointer in this file holds the installed recorder: the only global
-// variable of the program.
+// The callbacks of Kokkos are plain functions, so that a pointer in this file holds the installed
+// recorder: the only global variable of the program.
 #include "miniapp/timing/phase_report.hpp"
 
 #include "contact/base/backend.hpp"
@@ -68,8 +68,8 @@ std::vector<std::string> splitNames(const std::string& text) {
   return names;
 }
 
-// Collective. All names of any rank, in the same order on all ranks: first those of rank 0, then those that the next rank
-// adds, and so on.
+// Collective. All names of any rank, in the same order on all ranks: first those of rank 0, then
+// those that the next rank adds, and so on.
 std::vector<std::string> agreeOnNames(MPI_Comm comm, const std::vector<std::string>& mine) {
   std::vector<std::string> known;
   const auto isKnown = [&](const std::string& name) {

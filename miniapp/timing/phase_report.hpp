@@ -1,7 +1,7 @@
-// Phase times from profiling regions: the recorder uses the region callbacks of Kokkos, so that the solver contains no
-// timer calls. Regions of the global search are named "search::<timer>" with the 13
-// timers of Fig. 11 of the paper, those of the solver "step::<verb>"; "search" encloses one whole search,
-// from the boxes to the list of pairs.
+// Phase times from profiling regions: the recorder uses the region callbacks of Kokkos, so that the
+// solver contains no timer calls. Regions of the global search are named "search::<timer>" with the
+// 13 timers of Fig. 11 of the paper, those of the solver "step::<verb>"; "search" encloses one
+// whole search, from the boxes to the list of pairs.
 #pragma once
 
 #include "miniapp/timing/region_tree.hpp"
@@ -30,13 +30,13 @@ struct PhaseSteps {
 
 // Accumulates calls and seconds per region on this rank. At most one recorder exists at a time; it
 // is installed by its constructor (after Kokkos::initialize) and removed by its destructor; tools
-// that were loaded earlier still receive every call. Regions are opened by one thread only. Nothing is
-// allocated once every region has been seen.
+// that were loaded earlier still receive every call. Regions are opened by one thread only. Nothing
+// is allocated once every region has been seen.
 class PhaseRecorder {
 public:
-  // With Timing::paper the beginning of each region "search::..." fences the device and waits for all
-  // ranks of `comm` (counted as "search::waiting"), and its end fences: every rank must then open the
-  // same regions of this kind in the same order.
+  // With Timing::paper the beginning of each region "search::..." fences the device and waits for
+  // all ranks of `comm` (counted as "search::waiting"), and its end fences: every rank must then
+  // open the same regions of this kind in the same order.
   PhaseRecorder(MPI_Comm comm, Timing timing);
   ~PhaseRecorder();
   PhaseRecorder(const PhaseRecorder&) = delete;
@@ -53,11 +53,11 @@ public:
   // Keeps one sample per step of the region's seconds; `expected_steps` are reserved. Same on all
   // ranks.
   void watch(const std::string& region, std::int64_t expected_steps);
-  // The same of the CPU seconds that all threads of this process spend in these regions, less those in
-  // "search::waiting". Once, with no region open.
+  // The same of the CPU seconds that all threads of this process spend in these regions, less those
+  // in "search::waiting". Once, with no region open.
   void watchCpu(const std::vector<std::string>& regions, std::int64_t expected_steps);
-  // The same of the own seconds of each of the 13 timers; their CPU seconds are counted with Timing::paper only, after
-  // watchCpu().
+  // The same of the own seconds of each of the 13 timers; their CPU seconds are counted with
+  // Timing::paper only, after watchCpu().
   void watchSearchTimers(std::int64_t expected_steps);
   // Ends a step: takes one sample of each watched region.
   void endStep();
@@ -66,15 +66,16 @@ public:
   StepStatistics secondsPerStep(const std::string& region) const;
   StepStatistics busyCpuPerStep(const std::string& region) const;
   double medianPerStep(const std::string& region) const { return secondsPerStep(region).median; }
-  // Collective. The 13 timers in the order of the paper, by their bare names; empty when they are not watched.
+  // Collective. The 13 timers in the order of the paper, by their bare names; empty when they are
+  // not watched.
   std::vector<PhaseSteps> searchTimersPerStep() const;
 
   // Collective. All regions in the order of first opening, by name, "search" and the 13 timers
   // included.
   std::vector<PhaseTime> phases() const;
-  // Collective. The 13 timers of the global search in the order of the paper, by their bare names; unused timers are 0;
-  // "other" is the rest of region "search" without the local search. Each excludes the timers nested in it, so that
-  // they add up.
+  // Collective. The 13 timers of the global search in the order of the paper, by their bare names;
+  // unused timers are 0; "other" is the rest of region "search" without the local search. Each
+  // excludes the timers nested in it, so that they add up.
   std::vector<PhaseTime> searchTimers() const;
 
   struct State; // for the callbacks

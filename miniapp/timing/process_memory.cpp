@@ -21,7 +21,8 @@ std::int64_t statusBytes(const std::string& name) {
   return 0;
 }
 
-// Linux: writing 5 to clear_refs sets the peak to the present resident size. Where that is refused, the earlier peak stays.
+// Linux: writing 5 to clear_refs sets the peak to the present resident size. Where that is refused,
+// the earlier peak stays.
 void restartPeak() {
   std::ofstream("/proc/self/clear_refs") << 5;
 }

@@ -1,17 +1,19 @@
-// Resident memory of this process, and its growth during a piece of work. Host memory only, as the kernel counts it.
+// Resident memory of this process, and its growth during a piece of work. Host memory only, as the
+// kernel counts it.
 #pragma once
 
 #include <cstdint>
 
 namespace brickwall::miniapp {
 
-// Present and peak resident memory (the peak since the last MemoryAbove, if there is one), bytes; 0 where the system does not
-// report it.
+// Present and peak resident memory (the peak since the last MemoryAbove, if there is one), bytes; 0
+// where the system does not report it.
 std::int64_t residentBytes();
 std::int64_t peakResidentBytes();
 
-// Measures the memory that work after its construction needs in addition to that resident at its construction. Memory that was
-// freed earlier is first returned to the system and the peak is reset, so that a larger set-up does not hide the work.
+// Measures the memory that work after its construction needs in addition to that resident at its
+// construction. Memory that was freed earlier is first returned to the system and the peak is
+// reset, so that a larger set-up does not hide the work.
 class MemoryAbove {
 public:
   MemoryAbove();

@@ -37,7 +37,8 @@ int searchTimerOf(const std::string& region) {
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-// The phases that every rank opens in every search, so that all ranks can wait for each other at their beginning.
+// The phases that every rank opens in every search, so that all ranks can wait for each other at
+// their beginning.
 bool isMeetingPoint(const std::string& region) {
   static const char* const names[] = {"node boxes", "face boxes",       "rank-box exchange",
                                       "partners",   "searches 0 and 1", "node-box exchange",

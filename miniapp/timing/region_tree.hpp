@@ -1,5 +1,5 @@
-// The tree of profiling regions that one rank has opened, with calls, seconds and CPU seconds of each; the same name
-// under two parents is two nodes. PhaseRecorder (phase_report.hpp) fills it.
+// The tree of profiling regions that one rank has opened, with calls, seconds and CPU seconds of
+// each; the same name under two parents is two nodes. PhaseRecorder (phase_report.hpp) fills it.
 #pragma once
 
 #include "miniapp/timing/timing.hpp"
@@ -12,13 +12,14 @@
 
 namespace brickwall::miniapp {
 
-// Names of the 13 timers of the global search, in the order of the paper; their regions are "search::<name>".
+// Names of the 13 timers of the global search, in the order of the paper; their regions are
+// "search::<name>".
 const std::vector<std::string>& searchTimerNames();
 
 class RegionTree {
 public:
-  // With Timing::paper the outermost phases of the search fence, and all ranks of `comm` wait for each other at their
-  // beginning, in a region "search::waiting".
+  // With Timing::paper the outermost phases of the search fence, and all ranks of `comm` wait for
+  // each other at their beginning, in a region "search::waiting".
   RegionTree(MPI_Comm comm, Timing timing);
 
   void push(const char* name);
@@ -26,18 +27,22 @@ public:
   // Forgets all calls and seconds; open regions count from this point.
   void reset();
 
-  // Starts to count the CPU seconds of all threads of this process in regions of these names (with Timing::paper in all
-  // regions). Costs a system call at both ends of each such region. None of them may be open.
+  // Starts to count the CPU seconds of all threads of this process in regions of these names (with
+  // Timing::paper in all regions). Costs a system call at both ends of each such region. None of
+  // them may be open.
   void countCpu(const std::vector<std::string>& regions);
 
-  // Sums over the regions of that name on this rank, not counting twice those inside another region of that name.
+  // Sums over the regions of that name on this rank, not counting twice those inside another region
+  // of that name.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
-  // The same of CPU seconds, less those in "search::waiting" inside: a rank that waits for others keeps its core busy.
+  // The same of CPU seconds, less those in "search::waiting" inside: a rank that waits for others
+  // keeps its core busy.
   double busyCpuSeconds(const std::string& region) const;
 
-  // Own time of each of the 13 timers, without that of nested timers; the last, "other", is the rest of region "search"
-  // without the local search: the sum is the time of the global search. CPU seconds as far as they are counted.
+  // Own time of each of the 13 timers, without that of nested timers; the last, "other", is the
+  // rest of region "search" without the local search: the sum is the time of the global search. CPU
+  // seconds as far as they are counted.
   struct TimerSums {
     std::vector<double> seconds, cpu_seconds;
     std::vector<std::int64_t> calls;

@@ -21,7 +21,8 @@ public:
   // Reserves memory for so many steps; the running sum starts at `total`.
   explicit StepSamples(std::int64_t expected_steps, double total = 0);
 
-  // Ends a step: `total` is the running sum of the quantity, the sample is its growth since the step before.
+  // Ends a step: `total` is the running sum of the quantity, the sample is its growth since the
+  // step before.
   void endStep(double total);
   // Forgets all samples; running sums start from 0.
   void reset();

@@ -5,7 +5,9 @@ namespace brickwall::miniapp {
 
 enum class Timing {
   normal, // no synchronisation beyond that of the algorithm
-  paper // fences and barriers at the beginning of each phase of the search, which separate waiting from work
+  // Fences and barriers at the beginning of each phase of the search, which separate waiting from
+  // work.
+  paper
 };
 
 inline const char* nameOf(Timing timing) {

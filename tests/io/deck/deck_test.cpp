@@ -1,4 +1,5 @@
-// Decks: every fault is reported with its line, all of them in one pass; defaults, overrides, the resolved deck.
+// Decks: every fault is reported with its line, all of them in one pass; defaults, overrides, the
+// resolved deck.
 #include "contact/base/error.hpp"
 #include "io/deck/deck.hpp"
 #include "tests/support/expect_contains.hpp"

@@ -1,4 +1,5 @@
-// Exodus meshes in: the same mesh on any number of ranks, and one error for each thing that can be wrong.
+// Exodus meshes in: the same mesh on any number of ranks, and one error for each thing that can be
+// wrong.
 #include "tests/io/support/io_test_support.hpp"
 
 #include "io/exodus/classic_netcdf.hpp"
@@ -37,8 +38,8 @@ struct RawBlock {
   std::vector<std::int64_t> nodes; // 1-based
 };
 
-// Rank 0 writes a mesh whose nodes are the corners of unit cubes along x, four to a plane, with blocks 10, 20, ... and
-// one side set 5 and node set 6, all without names.
+// Rank 0 writes a mesh whose nodes are the corners of unit cubes along x, four to a plane, with
+// blocks 10, 20, ... and one side set 5 and node set 6, all without names.
 void writeRaw(const std::string& path, int num_nodes, const std::vector<RawBlock>& blocks,
               std::vector<std::int64_t> side_elems = {}, std::vector<std::int64_t> sides = {},
               std::vector<std::int64_t> set_nodes = {}) {
@@ -88,7 +89,8 @@ void writeRaw(const std::string& path, int num_nodes, const std::vector<RawBlock
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-// Nodes of the hex between plane p and p + 1, x being its third direction: any order that is a hex will do here.
+// Nodes of the hex between plane p and p + 1, x being its third direction: any order that is a hex
+// will do here.
 std::vector<std::int64_t> cube(int plane) {
   std::vector<std::int64_t> nodes;
   for (int c = 0; c < 8; ++c)
@@ -124,7 +126,8 @@ TEST(MeshReader, ReadsBackWhatWasWrittenOnAnyNumberOfRanks) {
 }
 
 TEST(MeshReader, GivesTheSamePartsAsTheGenerator) {
-  // The same centroids go into the same RCB: only their last bits may differ, and no cut of this wall hangs on them.
+  // The same centroids go into the same RCB: only their last bits may differ, and no cut of this
+  // wall hangs on them.
   const TemporaryFolder folder(MPI_COMM_WORLD);
   writeAlone(folder / "wall.exo", smallWall(), FileFormat::offset64);
   const MeshPart part = readMesh(MPI_COMM_WORLD, folder / "wall.exo");
@@ -135,7 +138,8 @@ TEST(MeshReader, GivesTheSamePartsAsTheGenerator) {
 TEST(MeshReader, NumbersNodesInUseAndNamesWhatHasNoName) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const std::string path = folder / "raw.exo";
-  // Seven planes of nodes; elements use planes 1..2, 3..4 and 5..6: plane 0 and the set's node there drop out.
+  // Seven planes of nodes; elements use planes 1..2, 3..4 and 5..6: plane 0 and the set's node
+  // there drop out.
   writeRaw(path, 28, {cubes({5, 1}), RawBlock{"TETRA", 4, {}}, cubes({3})}, {3, 1, 3, 1},
            {6, 2, 1, 2}, {28, 1, 5, 5, 28});
   const MeshPart part = readMesh(MPI_COMM_WORLD, path);

@@ -1,4 +1,5 @@
-// Results out: rank files that epu joins to the file of one rank, steps that survive, failures found at once.
+// Results out: rank files that epu joins to the file of one rank, steps that survive, failures
+// found at once.
 #include "tests/io/support/io_test_support.hpp"
 
 #include "io/exodus/mesh_reader.hpp"
@@ -76,7 +77,8 @@ std::string complaintOf(const std::string& command, const std::string& log) {
   return code == 0 ? "" : command + " returned " + std::to_string(code) + "\n" + contentsOf(log);
 }
 
-// Every entry of every set. Node sets in the order of the file; epu appends side sets file by file, so they are sorted.
+// Every entry of every set. Node sets in the order of the file; epu appends side sets file by file,
+// so they are sorted.
 std::string listSets(const std::string& path) {
   int real_bytes = 8, stored_bytes = 0;
   float version = 0;
@@ -114,7 +116,8 @@ std::string listSets(const std::string& path) {
   return text.str();
 }
 
-// Joins rank files with epu, which writes into the current folder, and compares with the file that rank 0 wrote alone.
+// Joins rank files with epu, which writes into the current folder, and compares with the file that
+// rank 0 wrote alone.
 void expectJoinedEqual(const TemporaryFolder& folder, const std::string& base,
                        const std::string& alone) {
   MPI_Barrier(MPI_COMM_WORLD);
@@ -285,7 +288,8 @@ TEST(ResultsWriter, SaysOnAllRanksThatAFileCannotBeCreated) {
   EXPECT_NE(message.find("missing/results.exo"), std::string::npos) << message;
 }
 
-// Files of this process end at `bytes` while this lives, as on a full disk: writes beyond fail with EFBIG.
+// Files of this process end at `bytes` while this lives, as on a full disk: writes beyond fail with
+// EFBIG.
 class FileSizeLimit {
 public:
   explicit FileSizeLimit(rlim_t bytes) : _handler(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -85,8 +85,8 @@ TEST(SharedNodes, AreFoundOnBothSidesAndOwnedByTheLowest) {
   }
 }
 
-// A bar of hexes in x; the hexes are dealt out to ranks in turn, so that every neighbour is elsewhere. Cut before the
-// elements in `cuts`.
+// A bar of hexes in x; the hexes are dealt out to ranks in turn, so that every neighbour is
+// elsewhere. Cut before the elements in `cuts`.
 MeshPart dealtBars(int num_elems, const std::set<int>& cuts) {
   MeshPart part;
   const int rank = rankOf(MPI_COMM_WORLD), size = sizeOf(MPI_COMM_WORLD);

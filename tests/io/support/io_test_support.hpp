@@ -1,4 +1,5 @@
-// Helpers of the io tests: a folder for files, and a mesh gathered from all ranks so that it can be compared.
+// Helpers of the io tests: a folder for files, and a mesh gathered from all ranks so that it can be
+// compared.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -47,8 +48,8 @@ struct WholeMesh {
   }
 };
 
-// Collective. Joins the parts and checks on the way that they fit together: no element twice, the same bits of a node on
-// all its ranks.
+// Collective. Joins the parts and checks on the way that they fit together: no element twice, the
+// same bits of a node on all its ranks.
 inline WholeMesh gatherMesh(MPI_Comm comm, const MeshPart& part) {
   struct ElemMessage {
     global_id id, block, body, nodes[8];
@@ -109,8 +110,8 @@ inline WholeMesh gatherMesh(MPI_Comm comm, const MeshPart& part) {
   return mesh;
 }
 
-// Collective. Lists ascend, numbers are complete, shared lists are symmetric and complete, owners are the lowest
-// sharers, a shared node is in a set on all its ranks or on none.
+// Collective. Lists ascend, numbers are complete, shared lists are symmetric and complete, owners
+// are the lowest sharers, a shared node is in a set on all its ranks or on none.
 inline void expectConsistent(MPI_Comm comm, const MeshPart& part) {
   EXPECT_TRUE(std::is_sorted(part.node_ids.begin(), part.node_ids.end()));
   EXPECT_TRUE(std::is_sorted(part.elem_ids.begin(), part.elem_ids.end()));

@@ -315,7 +315,8 @@ TEST(WallSurface, JitterStaysInItsBoundsAndDoesNotDependOnRanks) {
   }
 }
 
-// What a surface says of each face, whatever its local order: body, and id, place, owner and body of each corner.
+// What a surface says of each face, whatever its local order: body, and id, place, owner and body
+// of each corner.
 using FaceFacts = std::vector<std::array<double, 6>>;
 std::map<global_id, FaceFacts> factsByFace(const SurfacePart& part) {
   std::map<global_id, FaceFacts> facts;

@@ -1,5 +1,6 @@
-// A program in which the last rank fails alone while the others wait for it, or, with the argument "of_all_ranks", every rank
-// fails together. The test checks its exit code and that it ends (see CMakeLists.txt).
+// A program in which the last rank fails alone while the others wait for it, or, with the argument
+// "of_all_ranks", every rank fails together. The test checks its exit code and that it ends (see
+// CMakeLists.txt).
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/commands/failure.hpp"

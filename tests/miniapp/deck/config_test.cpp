@@ -1,5 +1,5 @@
-// From decks to the structs of the program: every key, checks of several keys, former names, all decks of inputs/, and
-// many broken decks.
+// From decks to the structs of the program: every key, checks of several keys, former names, all
+// decks of inputs/, and many broken decks.
 #include "contact/base/error.hpp"
 #include "miniapp/deck/config.hpp"
 #include "tests/support/expect_contains.hpp"
@@ -285,7 +285,8 @@ TEST(Config, RefusesMotionsThatContradictEachOther) {
   EXPECT_CONTAINS(faultsOf(smallest + "[[boundary.fixed]]\n[[boundary.fixed]]\n"), "no key");
 }
 
-// A brick of one element is an edge thick: contact that reaches as far would find nodes of its far side inside it.
+// A brick of one element is an edge thick: contact that reaches as far would find nodes of its far
+// side inside it.
 TEST(Config, ContactDoesNotReachThroughABrick) {
   EXPECT_EQ(faultsOf(smallest + "[contact]\ntolerance = 0.45\n"), "");
   EXPECT_CONTAINS(faultsOf(smallest + "[contact]\ntolerance = 0.5\n"), "at most 0.45");

@@ -42,7 +42,8 @@ void oneSearch(double seconds) {
   work(seconds);
 }
 
-// Sleeping for s takes at least s, and longer on a busy machine, so that upper bounds come from sums.
+// Sleeping for s takes at least s, and longer on a busy machine, so that upper bounds come from
+// sums.
 TEST(PhaseRecorder, SeparatesTimers) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
   oneSearch(0.01);
