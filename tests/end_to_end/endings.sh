@@ -101,7 +101,7 @@ expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-
 expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
 # A rotation of a linear body by a sixth of a turn.
-expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has turned' 1 run "$inputs/one_brick.toml" \
+expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has rotated' 1 run "$inputs/one_brick.toml" \
   --set 'material.brick.model="linear"' --set 'load.pressure[0].peak=1' --set 'initial.velocity[0].angular_velocity=[0,0,1000]' --set time.end=1e-3
 expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
