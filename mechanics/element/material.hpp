@@ -5,9 +5,27 @@
 
 #include "contact/base/pack.hpp"
 #include "contact/base/portable_math.hpp"
-#include "mechanics/mesh/hex_mesh.hpp"
+
+#include <cmath>
 
 namespace brickwall::mechanics {
+
+enum class MaterialModel { neo_hookean, svk, linear };
+
+struct Material {
+  MaterialModel model = MaterialModel::neo_hookean;
+  double density = 0; // reference mass per volume
+  double youngs = 0; // Young's modulus, pressure
+  double poisson = 0; // Poisson's ratio
+  KOKKOS_INLINE_FUNCTION double lambda() const {
+    return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  }
+  KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
+  // c_d, of waves of compression at small strain, length/time.
+  KOKKOS_INLINE_FUNCTION double dilatationalSpeed() const {
+    return std::sqrt((lambda() + 2 * mu()) / density);
+  }
+};
 
 // ln(1 + d) = 2 artanh(s), s = d/(2 + d), t = s^2; of the series five terms for |d| <= 1/16: the first one left out is at most
 // half an ulp of the sum. In pairs, so that few operations wait for each other. The same arithmetic on every back end; log1p

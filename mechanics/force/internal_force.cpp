@@ -4,7 +4,6 @@
 #include "contact/base/mpi.hpp"
 #include "mechanics/force/lattice/lattice_force.hpp"
 #include "mechanics/force/packs/element_fields_kernel.hpp"
-#include "mechanics/force/packs/viscous_force.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>
@@ -102,8 +101,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
     if (skips_lattices && _all_in_lattices)
       break;
     arguments.first_chunk = group.first;
-    const ForceSums sums = viscosity.any() ? addWithViscosity(space, _kind, group, arguments)
-                                           : launchForces<false>(space, _kind, group, arguments);
+    const ForceSums sums = addPackForces(space, _kind, group, arguments);
     result.energy += sums.energy;
     result.failure += sums.failure;
     result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);

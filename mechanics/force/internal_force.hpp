@@ -4,17 +4,13 @@
 #pragma once
 
 #include "mechanics/element/bulk_viscosity.hpp"
-#include "mechanics/element/hex8_full.hpp"
-#include "mechanics/element/hex8_one_point.hpp"
-#include "mechanics/force/packs/element_chunks.hpp"
+#include "mechanics/force/packs/element_tables.hpp"
 #include "mechanics/mesh/brick_lattice.hpp"
 #include "mechanics/mesh/element_failure.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 
 namespace brickwall::mechanics {
-
-enum class ElementKind { one_point, full };
 
 // F = max over elements and ranks of (lambda + 2 mu) h_max^2: the force that a strain of one would make. From input
 // data only. Collective.
@@ -23,38 +19,12 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 // Sets all columns to zero.
 void zeroForces(const exec_space& space, const NodalForces& forces);
 
-// Stored energies of this rank's elements: 0 material, 1 hourglass.
-enum StoredEnergy : int { stored_material, stored_hourglass, num_stored_energies };
-
 struct InternalForceResult {
   LimbSums<num_stored_energies> energy; // zero when not asked for
   ElementFailure failure; // this rank's
   double compression_rate =
       0; // largest l |tr D|/c_d of this rank's elements in compression; 0 without viscosity
   bool has_energy = false;
-};
-
-// Element output fields; rows [0, num_elems) are valid.
-struct ElementFields {
-  // Cauchy, mean over the integration points [elem][xx yy zz xy yz zx], pressure unit
-  View<double* [6]> stress;
-  View<double*> pressure; // -tr(stress)/3
-  View<double*> energy_density; // stored energy (hourglass included) per reference volume
-};
-
-// The shape of a congruent body's elements.
-struct CongruentShape {
-  bool is_brick = false;
-  OnePointBrick brick;
-  OnePointBox box;
-  static CongruentShape of(const Mat3& jacobian) {
-    CongruentShape shape;
-    shape.is_brick = isOnePointBrick(jacobian);
-    shape.box = onePointBox(jacobian);
-    if (shape.is_brick)
-      shape.brick = onePointBrick(jacobian);
-    return shape;
-  }
 };
 
 class InternalForce {
@@ -98,22 +68,10 @@ public:
   LimbScale energyScale() const { return _energy_scale; }
   const Quantum& quantum() const { return _quantum; }
 
-  // What the kernels read (public: device code may not name private types).
-  struct Tables {
-    MeshViews mesh;
-    int num_elems = 0;
-    View<ElementChunk*> chunks;
-    View<ElementPack*> packs;
-    View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
-    View<FullGeometry<double>*> full_shapes; // [body], full integration; "
-    View<double** [simd_width]>
-        geometry; // [pack][component][lane] of OnePointGeometry or FullGeometry
-    View<BrickLattice*> lattices;
-  };
-  const Tables& tables() const { return _tables; }
+  const ElementTables& tables() const { return _tables; }
 
 private:
-  Tables _tables;
+  ElementTables _tables;
   LatticeTables _lattices; // empty on devices and for full integration
   View<LatticeSlab*> _slabs, _left_out; // of what add() sweeps, and of what it leaves out
   std::vector<ChunkGroup> _groups;

@@ -105,7 +105,6 @@ public:
   Vec3 meanVelocity() const; // of all mass, at the last half step
 
 private:
-  struct Contact; // its energies of a step
   void bookStored(double dt_kick, double dt, const InternalForceResult& internal,
                   const LimbSums<num_stored_energies>& stored, const KickSums& kick);
   void gaugeHalfStep();

@@ -71,6 +71,11 @@ using MotionSums = LimbSums<num_motion_terms>;
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,
                     const LedgerScales& scales);
 
+// The power of the nodal forces of one kind: sum of f . v over all nodes of all ranks; `forces` are totals (after the shared-node sum). The same bits on any layout. Collective.
+double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                  const NodalForces& forces, const NodalState& state, ForceKind kind,
+                  const LedgerScales& scales);
+
 // Contact's part of the balance at step n+1, this rank's share, in LedgerScales::energy. "Half" are those of the half step
 // n+1/2, the others are totals since the start up to the kick of step n. What a scene does not have is 0.
 enum ContactEnergy : int {

@@ -41,8 +41,6 @@ public:
 
   bool hasHalf() const { return _has_half; }
   double half() const { return _half; } // of the half step before the last booked step
-  bool hasEnergy() const { return _has_energy; } // of the last step
-  double stored() const { return _stored; } // U^n
   // What S would have been before the start, so that S - initial() - change() is minus the work since then.
   double initial() const { return _initial; }
   // By how much the steps' lengths have changed the invariant until the half step of half(); 0 if they never changed.

@@ -1,5 +1,5 @@
 // Bodies (or this rank's parts of them) that are lattices of hexahedra: nx x ny x nz elements and their nodes, both numbered
-// one after the other, i fastest, then j, then k. Sweeps over them (brick_sweep.hpp) need no connectivity.
+// one after the other, i fastest, then j, then k. Sweeps over them (lattice_sweep.hpp) need no connectivity.
 #pragma once
 
 #include "mechanics/mesh/congruent_bodies.hpp"
@@ -7,7 +7,7 @@
 
 namespace brickwall::mechanics {
 
-// Where the numbers of an element's shape are stored: row and lane of InternalForce::Tables::geometry.
+// Where the numbers of an element's shape are stored: row and lane of ElementTables::geometry.
 struct GeometryPlace {
   int row = 0, lane = 0;
 };

@@ -2,30 +2,13 @@
 #pragma once
 
 #include "contact/base/backend.hpp"
+#include "mechanics/element/material.hpp"
 
 #include <mpi.h>
 
-#include <cmath>
 #include <vector>
 
 namespace brickwall::mechanics {
-
-enum class MaterialModel { neo_hookean, svk, linear };
-
-struct Material {
-  MaterialModel model = MaterialModel::neo_hookean;
-  double density = 0; // reference mass per volume
-  double youngs = 0; // Young's modulus, pressure
-  double poisson = 0; // Poisson's ratio
-  KOKKOS_INLINE_FUNCTION double lambda() const {
-    return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
-  }
-  KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
-  // c_d, of waves of compression at small strain, length/time.
-  KOKKOS_INLINE_FUNCTION double dilatationalSpeed() const {
-    return std::sqrt((lambda() + 2 * mu()) / density);
-  }
-};
 
 // Elements [first, first + count) that are one body's on this rank. Bodies share no nodes.
 struct ElementRange {

@@ -105,15 +105,6 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
   return chosen;
 }
 
-KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
-                                         OnePointGeometry<double>& geometry) {
-  geometry = onePointGeometry(X);
-}
-KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X,
-                                         FullGeometry<double>& geometry) {
-  coordinateModes(X, geometry.X);
-}
-
 template <class Geometry>
 View<Geometry*> geometriesOf(const exec_space& space, const HexMesh& mesh) {
   const auto geometries =

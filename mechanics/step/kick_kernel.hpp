@@ -72,14 +72,6 @@ struct KickNode {
   LedgerScales scales;
   SpeedTest test;
 
-  KOKKOS_INLINE_FUNCTION const LimbScale& scaleOf(int plain_term) const {
-    return plain_term < plain_power
-               ? scales.energy
-               : (plain_term == plain_power
-                      ? scales.power
-                      : (plain_term < plain_angular ? scales.momentum : scales.angular));
-  }
-
   // The impulse of damping by mass between two velocities: -dt alpha m (old + v)/2.
   KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
     return (-0.5 * dt * boundary.mass_damping * m) * (old + v);

@@ -2,7 +2,7 @@
 
 #include "contact/base/exchange_plan.hpp"
 #include "contact/base/region.hpp"
-#include "mechanics/step/acceleration.hpp"
+#include "mechanics/step/nodal_motion.hpp"
 #include "miniapp/output/history_columns.hpp"
 #include "miniapp/output/report.hpp"
 

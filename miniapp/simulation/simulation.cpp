@@ -2,9 +2,8 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "mechanics/ledger/force_power.hpp"
 #include "mechanics/step/central_difference.hpp"
-#include "mechanics/step/undo_step.hpp"
+#include "mechanics/step/nodal_motion.hpp"
 #include "miniapp/simulation/step_failure.hpp"
 
 namespace brickwall::miniapp {

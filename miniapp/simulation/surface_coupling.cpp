@@ -1,7 +1,7 @@
 #include "miniapp/simulation/surface_coupling.hpp"
 
 #include "contact/base/to_device.hpp"
-#include "mechanics/step/acceleration.hpp"
+#include "mechanics/step/nodal_motion.hpp"
 
 #include <utility>
 

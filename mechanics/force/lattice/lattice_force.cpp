@@ -1,36 +1,10 @@
 #include "mechanics/force/lattice/lattice_force.hpp"
 
-#include "mechanics/force/lattice/brick_sweep.hpp"
+#include "mechanics/force/lattice/force_planes.hpp"
 
 namespace brickwall::mechanics {
 
 namespace {
-
-// Displacements in, forces out.
-template <int W>
-struct ForcePlanes {
-  const BrickLattice& lattice;
-  const ForceArguments& a;
-
-  void load(int plane, const PlaneBuffers<W>& buffers) const {
-    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
-    for (int p = 0; p < nodes; p += W) {
-      PackOf<W> u[3];
-      loadSomeTriples(&a.displacement(first + p, 0), nodes - p, u);
-      for (int axis = 0; axis < 3; ++axis)
-        storePack(u[axis], buffers.displacement(plane, axis) + p);
-    }
-  }
-  void finish(int plane, int p, const IntPackOf<W> (&force)[3]) const {
-    const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes + p;
-    std::int64_t f[3][W];
-    for (int axis = 0; axis < 3; ++axis)
-      storePack(force[axis], f[axis]);
-    for (int lane = 0; lane < minOf(W, nodes - p); ++lane)
-      for (int axis = 0; axis < 3; ++axis)
-        a.forces(first + lane, 3 * internal_force + axis) += f[axis][lane];
-  }
-};
 
 template <int W>
 struct LatticeForceFunctor {
@@ -46,7 +20,7 @@ struct LatticeForceFunctor {
       return;
     ForcePlanes<W> planes{lattice, a};
     const auto thread = token.acquire();
-    sweepSlab<W>(lattice, slab, a, &tables.scratch(thread, 0), sums, planes);
+    sweepSlab(lattice, slab, a, &tables.scratch(thread, 0), sums, planes);
     token.release(thread);
   }
 };
@@ -56,7 +30,7 @@ ForceSums launch(const exec_space& space, const LatticeTables& tables,
                  const View<LatticeSlab*>& slabs, const ForceArguments& arguments) {
   ForceSums sums;
   if constexpr (W > 1) {
-    Kokkos::parallel_reduce("mechanics::internalForce::lattices",
+    Kokkos::parallel_reduce("mechanics::InternalForce::add::lattices",
                             dynamicPolicy(space, static_cast<std::int64_t>(slabs.extent(0)), 1),
                             LatticeForceFunctor<W>{tables, slabs, arguments, {}},
                             PlusReducer<ForceSums>(sums));

@@ -1,7 +1,7 @@
-// Forces of lattices of elements, plane by plane, in place of the packs of internal_force_kernel.hpp: the same bits.
+// Forces of lattices of elements, plane by plane, in place of packs (pack_forces.hpp): the same bits.
 #pragma once
 
-#include "mechanics/force/packs/internal_force_kernel.hpp"
+#include "mechanics/force/packs/pack_forces.hpp"
 
 namespace brickwall::mechanics {
 

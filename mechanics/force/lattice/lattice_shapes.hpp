@@ -1,9 +1,9 @@
 // Shapes of a lattice's elements as a sweep reads them: one for all, or stored, W elements at a time. Included by
-// brick_sweep.hpp only.
+// lattice_sweep.hpp only.
 #pragma once
 
 #include "contact/base/pack_memory.hpp"
-#include "mechanics/force/packs/internal_force_kernel.hpp"
+#include "mechanics/force/packs/pack_forces.hpp"
 
 namespace brickwall::mechanics {
 

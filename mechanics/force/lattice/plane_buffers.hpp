@@ -1,5 +1,5 @@
 // What a sweep over a lattice keeps between two layers of elements, per thread: small, so that it stays in the first-level
-// cache. Host code. Included by brick_sweep.hpp only.
+// cache. Host code. Included by lattice_sweep.hpp only.
 #pragma once
 
 #include "contact/base/pack_memory.hpp"

@@ -62,7 +62,7 @@ KOKKOS_INLINE_FUNCTION double meanStress(const double (&u)[3][num_modes],
 
 template <ElementKind kind>
 struct FieldFunctor {
-  Tables tables;
+  ElementTables tables;
   View<const double* [3]> displacement;
   ElementFields fields;
 

@@ -3,13 +3,54 @@
 #pragma once
 
 #include "contact/base/pack.hpp"
-#include "mechanics/force/internal_force.hpp"
+#include "mechanics/element/hex8_full.hpp"
+#include "mechanics/element/hex8_one_point.hpp"
+#include "mechanics/force/packs/element_chunks.hpp"
 
 #include <cstring>
 
 namespace brickwall::mechanics {
 
-using Tables = InternalForce::Tables;
+enum class ElementKind { one_point, full };
+
+// Stored energies of this rank's elements: 0 material, 1 hourglass.
+enum StoredEnergy : int { stored_material, stored_hourglass, num_stored_energies };
+
+// Element output fields; rows [0, num_elems) are valid.
+struct ElementFields {
+  // Cauchy, mean over the integration points [elem][xx yy zz xy yz zx], pressure unit
+  View<double* [6]> stress;
+  View<double*> pressure; // -tr(stress)/3
+  View<double*> energy_density; // stored energy (hourglass included) per reference volume
+};
+
+// The shape of a congruent body's elements.
+struct CongruentShape {
+  bool is_brick = false;
+  OnePointBrick brick;
+  OnePointBox box;
+  static CongruentShape of(const Mat3& jacobian) {
+    CongruentShape shape;
+    shape.is_brick = isOnePointBrick(jacobian);
+    shape.box = onePointBox(jacobian);
+    if (shape.is_brick)
+      shape.brick = onePointBrick(jacobian);
+    return shape;
+  }
+};
+
+// Read by all kernels.
+struct ElementTables {
+  MeshViews mesh;
+  int num_elems = 0;
+  View<ElementChunk*> chunks;
+  View<ElementPack*> packs;
+  View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
+  View<FullGeometry<double>*> full_shapes; // [body], full integration; "
+  View<double** [simd_width]>
+      geometry; // [pack][component][lane] of OnePointGeometry or FullGeometry
+  View<BrickLattice*> lattices;
+};
 
 // Visits the numbers of a geometry in storage order.
 template <class Real, class Visit>
@@ -55,23 +96,25 @@ inline void loadLanes(const GeometryView& stored, int row, int component, int, P
 
 // All lanes for a Pack, the given lane for a double.
 template <class Geometry>
-KOKKOS_INLINE_FUNCTION void loadGeometry(const Tables& tables, int row, int lane, Geometry& g) {
+KOKKOS_INLINE_FUNCTION void loadGeometry(const ElementTables& tables, int row, int lane,
+                                         Geometry& g) {
   visitGeometry(g, [&](int component, auto& value) {
     loadLanes(tables.geometry, row, component, lane, value);
   });
 }
 
 // Of an element in pack p of a chunk that is not congruent.
-KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const Tables& tables, const ElementChunk& chunk,
-                                                   int p, int lane, int elem) {
+KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const ElementTables& tables,
+                                                   const ElementChunk& chunk, int p, int lane,
+                                                   int elem) {
   if (chunk.lattice >= 0)
     return tables.lattices(chunk.lattice).geometryPlace(elem);
   return {chunk.geometry_row + p, lane};
 }
 // All lanes of a pack of a chunk; lanes beyond the count repeat the last element.
 template <class Geometry>
-KOKKOS_INLINE_FUNCTION void loadPackGeometry(const Tables& tables, const ElementChunk& chunk, int p,
-                                             const ElementPack& pack, Geometry& g) {
+KOKKOS_INLINE_FUNCTION void loadPackGeometry(const ElementTables& tables, const ElementChunk& chunk,
+                                             int p, const ElementPack& pack, Geometry& g) {
   if (chunk.lattice < 0) {
     loadGeometry(tables, chunk.geometry_row + p, 0, g);
     return;
@@ -87,7 +130,7 @@ KOKKOS_INLINE_FUNCTION void loadPackGeometry(const Tables& tables, const Element
 
 template <class Geometry>
 struct StoreGeometry {
-  Tables tables;
+  ElementTables tables;
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t c) const {
     const ElementChunk chunk = tables.chunks(c);
     if (chunk.shape >= 0)
@@ -110,7 +153,7 @@ struct StoreGeometry {
   }
 };
 template <class Geometry>
-void storeGeometry(const exec_space& space, int num_rows, Tables& tables) {
+void storeGeometry(const exec_space& space, int num_rows, ElementTables& tables) {
   tables.geometry =
       View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
                                   int(Geometry::size)); // zero where lattices have no element
@@ -139,8 +182,9 @@ KOKKOS_INLINE_FUNCTION FullGeometry<Real> inAllLanes(const FullGeometry<double>&
 
 // Modes of the displacements of the pack's elements, [xyz][mode]; lanes beyond the count repeat the last element.
 template <class Real>
-KOKKOS_INLINE_FUNCTION void gatherModes(const Tables& tables, const View<const double* [3]>& u,
-                                        const ElementPack& pack, Real (&modes)[3][num_modes]) {
+KOKKOS_INLINE_FUNCTION void gatherModes(const ElementTables& tables,
+                                        const View<const double* [3]>& u, const ElementPack& pack,
+                                        Real (&modes)[3][num_modes]) {
   constexpr int width = NumLanes<Real>::value;
   Real corner[3][8];
   for (int lane = 0; lane < width; ++lane) {

@@ -36,7 +36,7 @@ struct BrickStepFunctor {
     SteppedPlanes<W> planes{lattice,        displacement, node_kick.velocity, node_kick.reference,
                             node_kick.mass, drifts,       dt_drift,           kicker};
     const auto thread = token.acquire();
-    sweepSlab<W>(lattice, slab, a, &tables.scratch(thread, 0), sums.force, planes);
+    sweepSlab(lattice, slab, a, &tables.scratch(thread, 0), sums.force, planes);
     token.release(thread);
   }
 };

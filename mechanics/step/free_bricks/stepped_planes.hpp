@@ -2,7 +2,7 @@
 // scheduled_sweeps.cpp only.
 #pragma once
 
-#include "mechanics/force/lattice/brick_sweep.hpp"
+#include "mechanics/force/lattice/lattice_sweep.hpp"
 #include "mechanics/step/kick_kernel.hpp"
 
 namespace brickwall::mechanics {
@@ -10,6 +10,7 @@ namespace brickwall::mechanics {
 // Planes drift as they are loaded and are kicked when their forces are complete.
 template <int W>
 struct SteppedPlanes {
+  static constexpr bool always_with_energy = true;
   const BrickLattice& lattice;
   const View<double* [3]>& displacement;
   const View<double* [3]>& velocity;
@@ -92,5 +93,15 @@ struct SteppedPlanes {
 // This sweep is compiled by itself, in scheduled_sweeps.cpp.
 void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
               const LatticeSlab& slab, SteppedPlanes<8>& planes);
+
+extern template void sweepModel<MaterialModel::neo_hookean>(const BrickLattice&, const LatticeSlab&,
+                                                            const ForceArguments&, double*,
+                                                            ForceSums&, SteppedPlanes<simd_width>&);
+extern template void sweepModel<MaterialModel::svk>(const BrickLattice&, const LatticeSlab&,
+                                                    const ForceArguments&, double*, ForceSums&,
+                                                    SteppedPlanes<simd_width>&);
+extern template void sweepModel<MaterialModel::linear>(const BrickLattice&, const LatticeSlab&,
+                                                       const ForceArguments&, double*, ForceSums&,
+                                                       SteppedPlanes<simd_width>&);
 
 } // namespace brickwall::mechanics

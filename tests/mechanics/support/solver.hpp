@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mechanics/ledger/energy.hpp"
-#include "mechanics/ledger/force_power.hpp"
 #include "mechanics/loads/pressure_load.hpp"
 #include "mechanics/mesh/skin.hpp"
 #include "mechanics/stability/stable_time_step.hpp"

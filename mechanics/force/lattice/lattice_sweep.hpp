@@ -40,10 +40,10 @@ public:
         addLayer<false, false>(plane, planes);
       else if (!has_layer)
         finishLast(plane, planes);
-      else if (_a.with_energy)
+      else if (Planes::always_with_energy || _a.with_energy)
         addLayer<true, true>(plane, planes);
       else
-        addLayer<true, false>(plane, planes);
+        addLayer<true, Planes::always_with_energy>(plane, planes);
     }
     fold();
   }
@@ -116,7 +116,7 @@ private:
         TakeForces{*this, layer, p, rounded, force}, point);
     rounded.need(isWithin(point.J - 1.0, small_volume_change<model>));
     if (__builtin_expect(!rounded.isGood(), 0)) {
-      addUnusualPack<is_counted, with_energy>(layer, p, force);
+      addUnusualPack(layer, p, is_counted, with_energy, force);
       return;
     }
     if (with_energy)
@@ -148,8 +148,8 @@ private:
   }
 
   // The same for packs in which elements deform far or fail: those that fail give no force and no energy.
-  template <bool is_counted, bool with_energy>
-  __attribute__((noinline)) void addUnusualPack(int layer, int p, Integer (&force)[3]) {
+  __attribute__((noinline)) void addUnusualPack(int layer, int p, bool is_counted, bool with_energy,
+                                                Integer (&force)[3]) {
     Real u[3][num_modes];
     gatherModes(layer, p, u);
     OnePointForces<Real> forces;
@@ -244,32 +244,38 @@ void runSweep(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
   sweep.run(slab, planes);
 }
 
-// Runs the lattice's sweep for its material and shape.
-template <int W, class Planes>
-void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const ForceArguments& a,
-               double* memory, ForceSums& sums, Planes& planes) {
-  const Material material = a.tables.mesh.materials(lattice.block);
-  const CongruentShape& shape = a.tables.boxes(lattice.body);
-  const auto run = [&](auto model) {
-    const auto sweep = [&](const auto& shapes) {
-      using Shapes = std::decay_t<decltype(shapes)>;
-      LatticeSweep<decltype(model)::value, Shapes, W> its_sweep(lattice, shapes, a, memory, sums);
-      runSweep(its_sweep, slab, planes);
+// Runs the sweep of a slab for the shape of the lattice's elements, whose material model is `model`. Instantiated for each model in
+// a file of its own.
+template <MaterialModel model, int W, template <int> class PlanesOf>
+void sweepModel(const BrickLattice& lattice, const LatticeSlab& slab, const ForceArguments& a,
+                double* memory, ForceSums& sums, PlanesOf<W>& planes) {
+  if constexpr (W > 1) { // devices have no packs
+    const Material material = a.tables.mesh.materials(lattice.block);
+    const CongruentShape& shape = a.tables.boxes(lattice.body);
+    const auto run = [&](const auto& shapes) {
+      LatticeSweep<model, std::decay_t<decltype(shapes)>, W> sweep(lattice, shapes, a, memory,
+                                                                   sums);
+      runSweep(sweep, slab, planes);
     };
     if (lattice.geometry_row >= 0)
-      sweep(StoredShapes<W>(lattice, material, a));
+      run(StoredShapes<W>(lattice, material, a));
     else if (shape.is_brick)
-      sweep(SharedShape<OnePointBrick>(shape.brick, material, a));
+      run(SharedShape<OnePointBrick>(shape.brick, material, a));
     else
-      sweep(SharedShape<OnePointBox>(shape.box, material, a));
-  };
-  switch (material.model) {
+      run(SharedShape<OnePointBox>(shape.box, material, a));
+  }
+}
+
+template <int W, template <int> class PlanesOf>
+void sweepSlab(const BrickLattice& lattice, const LatticeSlab& slab, const ForceArguments& a,
+               double* memory, ForceSums& sums, PlanesOf<W>& planes) {
+  switch (a.tables.mesh.materials(lattice.block).model) {
   case MaterialModel::neo_hookean:
-    return run(std::integral_constant<MaterialModel, MaterialModel::neo_hookean>());
+    return sweepModel<MaterialModel::neo_hookean>(lattice, slab, a, memory, sums, planes);
   case MaterialModel::svk:
-    return run(std::integral_constant<MaterialModel, MaterialModel::svk>());
+    return sweepModel<MaterialModel::svk>(lattice, slab, a, memory, sums, planes);
   default:
-    return run(std::integral_constant<MaterialModel, MaterialModel::linear>());
+    return sweepModel<MaterialModel::linear>(lattice, slab, a, memory, sums, planes);
   }
 }
 

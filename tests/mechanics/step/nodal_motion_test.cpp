@@ -1,5 +1,5 @@
 // The last good state after a failed step: what a step did is taken back, up to rounding.
-#include "mechanics/step/undo_step.hpp"
+#include "mechanics/step/nodal_motion.hpp"
 #include "tests/mechanics/support/solver.hpp"
 
 #include <gtest/gtest.h>
@@ -42,8 +42,8 @@ void undoEachStep(PulseKind kind) {
     const auto u = copyOf(bar.state.displacement), v = copyOf(bar.state.velocity);
     bar.step(dt);
     const auto u_after = copyOf(bar.state.displacement), v_after = copyOf(bar.state.velocity);
-    miniapp::undoKickAndDrift(bar.space, bar.blocks.mesh, *bar.boundary, {time, bar.time}, dt, dt,
-                              bar.forces, bar.state);
+    undoKickAndDrift(bar.space, bar.blocks.mesh, *bar.boundary, {time, bar.time}, dt, dt,
+                     bar.forces, bar.state);
     EXPECT_LE(largestDifference(bar.state.velocity, v), 4e-15) << "in step " << step;
     EXPECT_LE(largestDifference(bar.state.displacement, u), 1e-15) << "in step " << step;
     Kokkos::deep_copy(bar.state.displacement, u_after);

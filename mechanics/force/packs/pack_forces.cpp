@@ -1,13 +1,12 @@
-// Force kernel of InternalForce: gather a pack's displacements as modes, evaluate the element, round the modes, add to
-// the corners in integers. Included by internal_force.cpp and viscous_force.cpp only.
-#pragma once
+// Force kernel of element packs: gather a pack's displacements as modes, evaluate the element, round the modes, add to the
+// corners in integers.
+#include "mechanics/force/packs/pack_forces.hpp"
 
 #include "contact/base/pack_rounding.hpp"
-#include "mechanics/force/packs/element_tables.hpp"
-
-#include <type_traits>
 
 namespace brickwall::mechanics {
+
+namespace {
 
 // One element's corner forces of one force kind: [xyz][corner] in quanta.
 template <class Integer>
@@ -38,44 +37,6 @@ KOKKOS_INLINE_FUNCTION void roundToCorners(const Real (&modes)[3][3], Real& larg
     }
     linearModesToCorners(rounded, corners.value[i]);
   }
-}
-
-struct ForceArguments {
-  Tables tables;
-  View<const double* [3]> displacement;
-  View<const double* [3]> velocity; // only with viscosity
-  View<std::int64_t**> forces; // [node][3 * kind + xyz]
-  BulkViscosity viscosity;
-  double inverse_quantum;
-  LimbScale energy_scale;
-  int first_chunk;
-  bool with_energy;
-  bool skips_lattices;
-  View<const int*> is_resting = {}; // [body]; empty: none rests
-
-  KOKKOS_INLINE_FUNCTION bool rests(int body) const {
-    return is_resting.extent(0) > 0 && is_resting(body) != 0;
-  }
-};
-
-struct ForceSums {
-  LimbSums<num_stored_energies> energy;
-  ElementFailure failure;
-  double compression_rate = 0; // largest
-  KOKKOS_INLINE_FUNCTION ForceSums& operator+=(const ForceSums& b) {
-    energy += b.energy;
-    failure += b.failure;
-    compression_rate = maxOf(compression_rate, b.compression_rate);
-    return *this;
-  }
-};
-
-KOKKOS_INLINE_FUNCTION int failureReason(double J, double largest) {
-  if (J <= 0)
-    return inverted_element;
-  if (J != J || largest != largest)
-    return not_a_number;
-  return fitsFixedPoint(largest) ? no_failure : force_overflow;
 }
 
 // A pack's forces and energies, ready to be added.
@@ -115,9 +76,9 @@ packForces(const Real (&u)[3][num_modes], const FullGeometry<Real>& geometry,
 
 // Adds to the columns of a force kind.
 template <class Integer>
-KOKKOS_INLINE_FUNCTION void addCorners(const Tables& tables, const View<std::int64_t**>& forces,
-                                       const ElementPack& pack, int lane, int kind,
-                                       const CornerForces<Integer>& corners) {
+KOKKOS_INLINE_FUNCTION void addCorners(const ElementTables& tables,
+                                       const View<std::int64_t**>& forces, const ElementPack& pack,
+                                       int lane, int kind, const CornerForces<Integer>& corners) {
   for (int c = 0; c < 8; ++c) {
     const int node = tables.mesh.elem_to_nodes(pack.first + lane, c);
     for (int i = 0; i < 3; ++i) {
@@ -255,29 +216,38 @@ struct ForceFunctor {
 template <ElementKind kind, MaterialModel model, bool with_viscosity>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
   ForceSums sums;
-  Kokkos::parallel_reduce("mechanics::internalForce::elements", rangePolicy(space, group.count),
+  Kokkos::parallel_reduce("mechanics::InternalForce::add::packs", rangePolicy(space, group.count),
                           ForceFunctor<kind, model, with_viscosity>{a},
                           PlusReducer<ForceSums>(sums));
   space.fence();
   return sums;
 }
-template <ElementKind kind, bool with_viscosity>
+template <ElementKind kind, MaterialModel model>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
-  switch (group.model) {
-  case MaterialModel::neo_hookean:
-    return launchForces<kind, MaterialModel::neo_hookean, with_viscosity>(space, group, a);
-  case MaterialModel::svk:
-    return launchForces<kind, MaterialModel::svk, with_viscosity>(space, group, a);
-  default:
-    return launchForces<kind, MaterialModel::linear, with_viscosity>(space, group, a);
-  }
+  return a.viscosity.any() ? launchForces<kind, model, true>(space, group, a)
+                           : launchForces<kind, model, false>(space, group, a);
 }
-template <bool with_viscosity>
+
+template <MaterialModel model>
 ForceSums launchForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
                        const ForceArguments& a) {
   return kind == ElementKind::one_point
-             ? launchForces<ElementKind::one_point, with_viscosity>(space, group, a)
-             : launchForces<ElementKind::full, with_viscosity>(space, group, a);
+             ? launchForces<ElementKind::one_point, model>(space, group, a)
+             : launchForces<ElementKind::full, model>(space, group, a);
+}
+
+} // namespace
+
+ForceSums addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
+                        const ForceArguments& a) {
+  switch (group.model) {
+  case MaterialModel::neo_hookean:
+    return launchForces<MaterialModel::neo_hookean>(space, kind, group, a);
+  case MaterialModel::svk:
+    return launchForces<MaterialModel::svk>(space, kind, group, a);
+  default:
+    return launchForces<MaterialModel::linear>(space, kind, group, a);
+  }
 }
 
 } // namespace brickwall::mechanics

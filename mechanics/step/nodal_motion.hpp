@@ -4,9 +4,10 @@
 
 #include "contact/base/vec3.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
+#include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 
-namespace brickwall::miniapp {
+namespace brickwall::mechanics {
 
 // Views may be those of the device or their host copies.
 template <class Values, class Masses, class Motions>
@@ -51,9 +52,15 @@ struct NodalMotion {
 template <class Values, class Masses, class Motions>
 NodalMotion<Values, Masses, Motions> nodalMotion(const Values& values, const Masses& mass,
                                                  const Motions& motion, double quantum,
-                                                 const mechanics::BoundaryConditions& boundary) {
+                                                 const BoundaryConditions& boundary) {
   return {values,        mass, motion, quantum, boundary.massDamping(), boundary.gravity(),
           boundary.any()};
 }
 
-} // namespace brickwall::miniapp
+// v^{n+1/2} -> v^{n-1/2} with the forces and the step `dt_kick` of the kick, then u^n -> u^{n-1} with the drift over t^{n-1} to
+// t^n, of length `dt_drift`. Prescribed components get back the velocity that they had in this drift.
+void undoKickAndDrift(const exec_space& space, const HexMesh& mesh,
+                      const BoundaryConditions& boundary, const TimeSpan& drift, double dt_kick,
+                      double dt_drift, const NodalForces& forces, const NodalState& state);
+
+} // namespace brickwall::mechanics

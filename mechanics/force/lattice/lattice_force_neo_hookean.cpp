@@ -1,0 +1,9 @@
+#include "mechanics/force/lattice/force_planes.hpp"
+
+namespace brickwall::mechanics {
+
+template void sweepModel<MaterialModel::neo_hookean>(const BrickLattice&, const LatticeSlab&,
+                                                     const ForceArguments&, double*, ForceSums&,
+                                                     ForcePlanes<simd_width>&);
+
+} // namespace brickwall::mechanics
