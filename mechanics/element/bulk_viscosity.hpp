@@ -1,9 +1,11 @@
-// Bulk viscosity: a pressure against fast compression that spreads a shock over a few elements instead of leaving it
-// ringing (quadratic: von Neumann and Richtmyer 1950; linear: Landshoff 1955). sigma += q I with
+// Bulk viscosity: a pressure against fast compression that spreads a shock over a few elements
+// (quadratic term: von Neumann and Richtmyer 1950; linear term: Landshoff 1955); theory.md,
+// equations (14) and (15). With sigma += q I,
 //   q = rho l tr D (b1 c_d + b2^2 l |tr D| H(-tr D)),  P = J q F^-T,
-// tr D = F^-T : dF/dt, rho = rho_0/J, c_d the dilatational speed, l twice the least half-length of the element at rest (so
-// that thin elements are not damped beyond what their step allows). Small-strain linear materials: F = I, J = 1. It is no
-// elastic force: the velocity is lagged, v^{n-1/2}, and its work is lost. Point-wise, templates on the scalar type.
+// tr D = F^-T : dF/dt, rho = rho_0/J, c_d the dilatational wave speed, and l twice the shortest
+// half-edge of the element at rest, so that thin elements are not damped beyond what their time
+// step allows. Linear materials use F = I and J = 1. The velocity is lagged, v^{n-1/2}, and the
+// work is dissipated. Point-wise templates on the scalar type.
 #pragma once
 
 #include "mechanics/element/hex8_full.hpp"
@@ -17,7 +19,7 @@ struct BulkViscosity {
   KOKKOS_INLINE_FUNCTION bool any() const { return linear > 0 || quadratic > 0; }
 };
 
-// Of one material.
+// Viscous moduli of one material.
 struct ViscousModuli {
   double linear = 0; // rho_0 b1 c_d
   double quadratic = 0; // rho_0 b2^2
@@ -34,7 +36,7 @@ struct ViscousStress {
   Real rate; // l |tr D|/c_d of compression, 0 in expansion
 };
 
-// From the gradients of displacement and velocity, H and dH/dt.
+// Stress from the gradients of displacement and velocity, H and dH/dt.
 template <MaterialModel model, class Real>
 KOKKOS_INLINE_FUNCTION void viscousStress(const Real (&H)[3][3], const Real (&H_dot)[3][3],
                                           const Real& length, const ViscousModuli& moduli,
@@ -64,11 +66,11 @@ KOKKOS_INLINE_FUNCTION void viscousStress(const Real (&H)[3][3], const Real (&H_
       out.P[i][j] = J_q * G[i][j];
 }
 
-// l of the elements, twice the least norm of the columns of dX/dxi at the centre.
-// Rows of Q are unit vectors over the norms.
+// The element length l is twice the smallest norm of the columns of dX/dxi at the centre. The rows
+// of Q are unit vectors divided by these norms.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real lengthByFrame(const Real (&Q)[3][3]) {
-  Real square[3]; // of inverse norms
+  Real square[3]; // squares of inverse norms
   for (int k = 0; k < 3; ++k)
     square[k] = Q[k][0] * Q[k][0] + Q[k][1] * Q[k][1] + Q[k][2] * Q[k][2];
   return 2.0 / squareRoot(maxMagnitude(square[0], maxMagnitude(square[1], square[2])));
@@ -86,18 +88,18 @@ KOKKOS_INLINE_FUNCTION double elementLength(const OnePointBrick& brick) {
 }
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real elementLength(const FullGeometry<Real>& geometry) {
-  const auto& X = geometry.X; // 8 times the columns
+  const auto& X = geometry.X; // 8 times dX/dxi at the centre
   Real square[3];
   for (int k = 0; k < 3; ++k)
     square[k] = X[0][k] * X[0][k] + X[1][k] * X[1][k] + X[2][k] * X[2][k];
   return 0.25 * squareRoot(minOrNan(square[0], minOrNan(square[1], square[2])));
 }
 
-// Forces by modes, multiplied by `scale` (1/quantum).
+// Modal forces multiplied by `scale` (1/quantum).
 template <class Real, int modes>
 struct ViscousForces {
   Real force[3][modes]; // [xyz][mode]
-  Real rate; // largest of the points
+  Real rate; // largest over the integration points
 };
 
 // P_i . B_m
@@ -127,7 +129,7 @@ KOKKOS_INLINE_FUNCTION void viscousForces(const Real (&u)[3][num_modes],
       out.force[i][m] = factor * gradientForce(point.P[i], geometry, m);
 }
 
-// Full integration: at each of the 2x2x2 points.
+// Full integration evaluates the viscous stress at each of the 2x2x2 points.
 template <MaterialModel model, class Real>
 KOKKOS_INLINE_FUNCTION void
 viscousForces(const Real (&u)[3][num_modes], const Real (&v)[3][num_modes],

@@ -1,4 +1,4 @@
-// The displacement gradient at the centre of an element, for what looks at elements now and then. Point-wise.
+// The displacement gradient at the centre of an element, for diagnostics. Point-wise.
 #pragma once
 
 #include "mechanics/element/hex8_geometry.hpp"

@@ -1,5 +1,6 @@
-// Fully integrated (2x2x2 Gauss) total-Lagrangian hexahedron in Walsh-Hadamard modes; it has no hourglass share. Stiff
-// in bending and near incompressibility: an option for comparison. Templates on the scalar type.
+// Fully integrated (2x2x2 Gauss) total-Lagrangian hexahedron in Walsh-Hadamard modes; theory.md,
+// equation (13). It has no hourglass energy. It is stiff in bending and near incompressibility and
+// serves for comparison. Templates on the scalar type.
 #pragma once
 
 #include "mechanics/element/hex8_geometry.hpp"
@@ -7,7 +8,7 @@
 
 namespace brickwall::mechanics {
 
-// Coordinate modes, X_m = sum_I h_mI X_I.
+// Modes of the reference coordinates, X_m = sum_I h_mI X_I.
 template <class Real>
 struct FullGeometry {
   static constexpr int gradient_modes = num_modes;
@@ -17,9 +18,9 @@ struct FullGeometry {
 
 template <class Real>
 struct FullForces {
-  Real material[3][num_modes]; // minus dU/du_m times scale, [xyz][mode]
-  Real J; // smallest of the points
-  Real material_energy; // only when asked for
+  Real material[3][num_modes]; // -dU/du_m times scale, [xyz][mode]
+  Real J; // smallest over the integration points
+  Real material_energy; // set only if with_energy
 };
 
 // Local gradient of a field at a point, times 8: sum_m field_m grad psi_m.
@@ -34,7 +35,7 @@ KOKKOS_INLINE_FUNCTION void localGradient(const Real (&field)[3][num_modes], con
   }
 }
 
-// H at a point, and C = 64 cof(dX/dxi), D = 512 det(dX/dxi).
+// H at a point, C = 64 cof(dX/dxi) and D = 512 det(dX/dxi).
 template <class Real>
 KOKKOS_INLINE_FUNCTION void pointGradient(const Real (&u)[3][num_modes],
                                           const FullGeometry<Real>& geometry, const double (&xi)[3],
@@ -50,7 +51,7 @@ KOKKOS_INLINE_FUNCTION void pointGradient(const Real (&u)[3][num_modes],
       H[i][j] = inverse_D * (du[i][0] * C[j][0] + du[i][1] * C[j][1] + du[i][2] * C[j][2]);
 }
 
-// Adds the modes of the stress P at a point with the C of pointGradient, times `factor`.
+// Adds the modal forces of the stress P at a point, times `factor`; C is that of pointGradient.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void addPointForces(const Real (&P)[3][3], const Real (&C)[3][3],
                                            const double (&xi)[3], double factor,

@@ -1,4 +1,5 @@
-// Reference geometry of one hexahedron from its corner coordinates: Jacobian, volume, mean gradient, local frame.
+// Reference geometry of one hexahedron from its corner coordinates: Jacobian, volume, mean
+// gradient, local frame.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -46,7 +47,7 @@ KOKKOS_INLINE_FUNCTION Mat3 cofactorsOf(const Mat3& p) {
   return transpose(inverse(p, 1.0));
 }
 
-// Volume by 2x2x2 Gauss (exact), and the smallest Jacobian determinant at those points.
+// Volume by 2x2x2 Gauss quadrature (exact), and the smallest Jacobian determinant at those points.
 struct HexVolume {
   double volume = 0;
   double min_determinant = HUGE_VAL;
@@ -66,7 +67,8 @@ KOKKOS_INLINE_FUNCTION HexVolume hexVolume(const CornerCoordinates& X) {
   return result;
 }
 
-// Mean gradient by modes: b_m = sum_I h_mI b_I = (1/V) integral of grad psi_m, exactly by 2x2x2 Gauss.
+// Mean gradient by modes, b_m = sum_I h_mI b_I = (1/V) integral of grad psi_m, exact by 2x2x2 Gauss
+// quadrature (Flanagan and Belytschko 1981).
 KOKKOS_INLINE_FUNCTION void meanGradientModes(const double (&modes)[3][num_modes], double volume,
                                               double (&b)[num_modes][3]) {
   for (int m = 0; m < num_modes; ++m)
@@ -84,7 +86,7 @@ KOKKOS_INLINE_FUNCTION void meanGradientModes(const double (&modes)[3][num_modes
   }
 }
 
-// G_ij = sum_I b_iI b_jI = (1/8) sum_m b_mi b_mj (the mean mode of b is zero).
+// G_ij = sum_I b_iI b_jI = (1/8) sum_m b_mi b_mj; the constant mode of b is zero.
 KOKKOS_INLINE_FUNCTION Mat3 gradientGram(const double (&b)[num_modes][3]) {
   Mat3 gram;
   for (int i = 0; i < 3; ++i)
@@ -94,7 +96,8 @@ KOKKOS_INLINE_FUNCTION Mat3 gradientGram(const double (&b)[num_modes][3]) {
   return gram;
 }
 
-// Orthogonal polar factor R of p = R U by Newton's iteration with Frobenius scaling (Higham 1986). det p != 0.
+// Orthogonal polar factor R of p = R U by Newton's iteration with Frobenius scaling (Higham 1986).
+// Requires det p != 0.
 KOKKOS_INLINE_FUNCTION Mat3 polarFactor(const Mat3& p) {
   Mat3 r = p;
   for (int iteration = 0; iteration < 30; ++iteration) {

@@ -1,6 +1,8 @@
-// Walsh-Hadamard modes of the eight corners of a hexahedron: h_mI, m = 1..7, are xi,
-// eta, zeta, eta zeta, zeta xi, xi eta, xi eta zeta at corner I; psi_m are the same as functions. With u_m =
-// sum_I h_mI u_I the trilinear field is u(xi) = u_mean + (1/8) sum_m u_m psi_m(xi). Modes are stored at m - 1.
+// Walsh-Hadamard modes of the eight corners of a hexahedron; theory.md, equation (1). h_mI, m =
+// 1..7, are xi, eta, zeta, eta zeta, zeta xi, xi eta, xi eta zeta at corner I; psi_m are the same
+// as functions. With u_m = sum_I h_mI u_I the trilinear field is u(xi) = u_mean + (1/8) sum_m u_m
+// psi_m(xi). Mode m is stored at index m - 1. The last four are the hourglass modes (Flanagan and
+// Belytschko 1981).
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -8,16 +10,16 @@
 namespace brickwall::mechanics {
 
 constexpr int num_modes = 7;
-constexpr int num_hourglass_modes = 4; // the last four
-constexpr int num_face_modes = 4; // of the corners of a face: 1, xi, eta, xi eta
+constexpr int num_hourglass_modes = 4; // the last four modes
+constexpr int num_face_modes = 4; // 1, xi, eta, xi eta of the corners of a face
 
-// Local coordinates of the corners, Exodus order.
+// Local coordinates of the corners in Exodus order.
 KOKKOS_INLINE_FUNCTION double cornerXi(int corner, int axis) {
-  const int bits = corner ^ ((corner >> 1) & 1); // corner in binary: zeta, eta, xi
+  const int bits = corner ^ ((corner >> 1) & 1); // zeta, eta, xi in binary
   return ((bits >> axis) & 1) ? 1.0 : -1.0;
 }
 
-// The same of a face with its corners a at (-,-), b (+,-), c (+,+), d (-,+): modes 1, xi, eta, xi eta.
+// Modes 1, xi, eta, xi eta of a face with corners a at (-,-), b (+,-), c (+,+), d (-,+).
 template <class T>
 KOKKOS_FORCEINLINE_FUNCTION void faceToModes(const T& a, const T& b, const T& c, const T& d,
                                              T (&face)[num_face_modes]) {
@@ -40,7 +42,8 @@ KOKKOS_FORCEINLINE_FUNCTION void facesToModes(const T (&low)[num_face_modes],
   modes[6] = high[3] - low[3];
 }
 
-// modes[m-1] = sum_I h_mI corner[I], by faces at zeta = -1 and +1, in the order that sweeps over lattices have.
+// modes[m-1] = sum_I h_mI corner[I], from the faces at zeta = -1 and +1. The order of operations is
+// that of the sweeps over lattices.
 template <class T>
 KOKKOS_FORCEINLINE_FUNCTION void cornersToModes(const T (&corner)[8], T (&modes)[num_modes]) {
   T low[num_face_modes], high[num_face_modes];
@@ -49,14 +52,15 @@ KOKKOS_FORCEINLINE_FUNCTION void cornersToModes(const T (&corner)[8], T (&modes)
   facesToModes(low, high, modes);
 }
 
-// corner[I] = sum_m h_mI modes[m-1]: the transpose. The corners sum to exactly zero in integers.
+// corner[I] = sum_m h_mI modes[m-1], the transpose. In integers the corner values sum to exactly
+// zero.
 template <class T>
 KOKKOS_INLINE_FUNCTION void modesToCorners(const T (&modes)[num_modes], T (&corner)[8]) {
-  // at zeta = -1 (minus) and +1 (plus): coefficients of 1, eta, xi, xi eta
+  // Coefficients of 1, eta, xi, xi eta at zeta = -1 (minus) and +1 (plus).
   const T eta_minus = modes[1] - modes[3], eta_plus = modes[1] + modes[3];
   const T xi_minus = modes[0] - modes[4], xi_plus = modes[0] + modes[4];
   const T xe_minus = modes[5] - modes[6], xe_plus = modes[5] + modes[6];
-  const T a0 = -modes[2] - eta_minus, b0 = xi_minus - xe_minus; // eta = -1: value = a + xi b
+  const T a0 = -modes[2] - eta_minus, b0 = xi_minus - xe_minus; // at eta = -1 the value is a + xi b
   const T a1 = eta_minus - modes[2], b1 = xi_minus + xe_minus;
   const T a2 = modes[2] - eta_plus, b2 = xi_plus - xe_plus;
   const T a3 = modes[2] + eta_plus, b3 = xi_plus + xe_plus;
@@ -66,7 +70,7 @@ KOKKOS_INLINE_FUNCTION void modesToCorners(const T (&modes)[num_modes], T (&corn
   corner[7] = a3 - b3, corner[6] = a3 + b3;
 }
 
-// The same for the three linear modes alone.
+// The transpose for the three linear modes alone.
 template <class T>
 KOKKOS_INLINE_FUNCTION void linearModesToCorners(const T (&modes)[3], T (&corner)[8]) {
   const T minus = -modes[2] - modes[1], mixed = modes[1] - modes[2];
@@ -76,7 +80,7 @@ KOKKOS_INLINE_FUNCTION void linearModesToCorners(const T (&modes)[3], T (&corner
   corner[7] = -corner[1], corner[6] = -corner[0];
 }
 
-// Gradient of psi_m in the local coordinates at point xi.
+// Gradient of psi_m with respect to the local coordinates at the point xi.
 KOKKOS_INLINE_FUNCTION void modeGradients(const double (&xi)[3], double (&gradient)[num_modes][3]) {
   for (int m = 0; m < num_modes; ++m)
     for (int k = 0; k < 3; ++k)

@@ -1,12 +1,14 @@
-// Total-Lagrangian one-point hexahedron with assumed-strain ("physical") hourglass stiffness (TL-PS),
-// in Walsh-Hadamard modes: U = V W(F) + U_h, forces are the exact gradient. Templates on the scalar type.
+// One-point hexahedron with physical stabilisation: total Lagrangian, one evaluation of the
+// material at the mean gradient, and an assumed-strain hourglass stiffness from the elastic moduli;
+// theory.md, equations (2), (3) and (10) to (12). U = V W(F) + U_h, and the forces are its exact
+// gradient. In Walsh-Hadamard modes; templates on the scalar type.
 #pragma once
 
 #include "mechanics/element/hex8_one_point_stiffness.hpp"
 
 namespace brickwall::mechanics {
 
-// H_ij = sum_m u_mi B_mj, u [xyz][mode].
+// Mean displacement gradient, H_ij = sum_m u_mi B_mj with u [xyz][mode]; equation (2).
 template <class Real, class Geometry>
 KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const Geometry& geometry,
                                          Real (&H)[3][3]) {
@@ -26,7 +28,7 @@ KOKKOS_INLINE_FUNCTION void meanGradient(const Real (&u)[3][num_modes], const On
       H[i][j] = u[i][j] * brick.b[j];
 }
 
-// 8 g_a = 8 sum_I gamma_aI u_I = u_a - H M_a, [a][xyz].
+// Hourglass strains, 8 g_a = 8 sum_I gamma_aI u_I = u_a - H M_a, [a][xyz]; equation (3).
 template <class Real>
 KOKKOS_INLINE_FUNCTION void
 hourglassStrains(const Real (&u)[3][num_modes], const OnePointGeometry<Real>& geometry,
@@ -45,7 +47,7 @@ KOKKOS_INLINE_FUNCTION void hourglassStrains(const Real (&u)[3][num_modes], cons
       g[a][i] = u[i][3 + a];
 }
 
-// A = F Q^T, so that q_a = Q F^T g_a = A^T g_a.
+// A = F Q^T, so that the corotated hourglass strains are q_a = Q F^T g_a = A^T g_a.
 template <class Real, class Geometry>
 KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& geometry,
                                          Real (&A)[3][3]) {
@@ -54,7 +56,8 @@ KOKKOS_INLINE_FUNCTION void deformedAxes(const Real (&H)[3][3], const Geometry& 
       A[i][k] = geometry.Q[k][i] + (H[i][0] * geometry.Q[k][0] + H[i][1] * geometry.Q[k][1] +
                                     H[i][2] * geometry.Q[k][2]);
 }
-// Forces on the modes of one axis i of space, from row i of dU/dF = P, of T = sum_a g_a (x) s_a and of r_a = A s_a:
+// Modal forces on axis i of space from row i of dU/dF = P, of T = sum_a g_a (x) s_a and of r_a = A
+// s_a, equation (12):
 // f_m = (P + T Q - sum_a r_a (x) M_a) B_m + r_m.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void
@@ -84,14 +87,14 @@ KOKKOS_FORCEINLINE_FUNCTION void modeForces(const Real (&P)[3], const Real (&T)[
     force[3 + a] = r[a];
 }
 
-// What an element tells besides its forces.
+// Results of an element besides its forces.
 template <class Real>
 struct OnePointPoint {
   Real J;
-  Real material_energy, hourglass_energy; // only when asked for
+  Real material_energy, hourglass_energy; // set only if with_energy
 };
 
-// What the forces on one axis of space are made of.
+// Terms of the forces on one axis of space.
 template <class Real, class Geometry>
 struct OnePointParts {
   const Geometry& geometry;
@@ -107,7 +110,8 @@ struct OnePointParts {
     modeForces(P[i], T, r, geometry, force);
   }
 };
-// take(i, force) for the axes i of space, with i constant in each call: loops would keep arrays out of registers.
+// Calls take(i, force) for the axes i of space. i is constant in each call, because loops would
+// keep the arrays out of registers.
 template <class Real, class Parts, class Take>
 KOKKOS_FORCEINLINE_FUNCTION void takeForces(const Parts& parts, const Take& take) {
   Real x[num_modes], y[num_modes], z[num_modes];
@@ -119,8 +123,8 @@ KOKKOS_FORCEINLINE_FUNCTION void takeForces(const Parts& parts, const Take& take
   take(2, z);
 }
 
-// Calls take(axis, force) for one axis of space after the other, as soon as its forces are known: by mode, minus dU/du_m in
-// quanta. What takes them at once leaves registers to the other axes.
+// Calls take(axis, force) for each axis of space as soon as its modal forces, -dU/du_m in quanta,
+// are known. A caller that consumes them at once leaves the registers to the other axes.
 template <MaterialModel model, VolumeChange volume, class Real, class Geometry, class Stiffness,
           class Take>
 KOKKOS_FORCEINLINE_FUNCTION void onePointForcesByAxis(const Real (&u)[3][num_modes],
@@ -220,7 +224,7 @@ struct StoreForces {
       forces.force[axis][m] = force[m];
   }
 };
-// All at once.
+// Stores the forces on all axes.
 template <MaterialModel model, VolumeChange volume = VolumeChange::any, class Real, class Geometry,
           class Stiffness>
 KOKKOS_FORCEINLINE_FUNCTION void

@@ -1,5 +1,5 @@
-// Reference geometry of the one-point hexahedron (hex8_one_point.hpp): of a general one, of a parallelepiped, and of a box
-// along the axes of space.
+// Reference geometry of the one-point hexahedron (hex8_one_point.hpp) in three forms: a general
+// hexahedron, a parallelepiped, and a box along the axes of space.
 #pragma once
 
 #include "mechanics/element/hex8_geometry.hpp"
@@ -10,16 +10,17 @@ namespace brickwall::mechanics {
 template <class Real>
 struct OnePointGeometry {
   static constexpr int gradient_modes = num_modes;
-  static constexpr int size = 46; // numbers stored
-  Real B[num_modes][3]; // b_m / 8: H_ij = sum_m u_mi B_mj
+  static constexpr int size = 46; // numbers stored per element
+  Real B[num_modes][3]; // b_m/8, so that H_ij = sum_m u_mi B_mj
   Real M[num_hourglass_modes][3]; // h_a . X
-  // Rows: local axes (the polar factor of dX/dxi, transposed), each divided by the norm of its column of dX/dxi.
+  // The rows of Q are the local axes (the transposed polar factor of dX/dxi), each divided by the
+  // norm of its column of dX/dxi.
   Real Q[3][3];
-  Real thinness[3]; // squares of the other two norms' inverses over that of this one's
+  Real thinness[3]; // (l_j^-2 + l_k^-2)/l_i^-2 for half-edges l
   Real volume;
 };
 
-// Parallelepiped: b has linear modes only and h_a . X = 0 (gamma = h/8).
+// Parallelepiped: b has linear modes only and h_a . X = 0, so gamma = h/8.
 struct OnePointBox {
   static constexpr int gradient_modes = 3;
   double B[3][3];
@@ -28,20 +29,21 @@ struct OnePointBox {
   double volume;
 };
 
-// Parallelepiped whose edges are along the axes of space, in their order: B is diagonal and the local axes are those of
-// space. Its forces are those of OnePointBox but for rounding.
+// Parallelepiped whose edges are along the axes of space, in their order: B is diagonal and the
+// local axes are those of space. Its forces are those of OnePointBox up to rounding.
 struct OnePointBrick {
   static constexpr int gradient_modes = 3;
   double b[3]; // diagonal of B
-  double inverse_length[3]; // of the half-edges
+  double inverse_length[3]; // inverse half-edges
   double volume;
 };
 
-// Rows of Q do not depend on the numbering of the corners but for order and sign, nor does the energy.
+// The numbering of the corners changes only the order and the signs of the rows of Q, and does not
+// change the energy.
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION void setFrame(const Mat3& jacobian, Geometry& geometry) {
   const Mat3 r = polarFactor(jacobian);
-  double square[3]; // of inverse lengths
+  double square[3]; // squares of inverse half-edges
   for (int i = 0; i < 3; ++i) {
     const Vec3 column = {jacobian(0, i), jacobian(1, i), jacobian(2, i)};
     const double inverse_length = 1.0 / norm(column);
@@ -85,7 +87,7 @@ KOKKOS_INLINE_FUNCTION bool isOnePointBrick(const Mat3& jacobian) {
       is_brick = is_brick && (i == j ? jacobian(i, j) > 0 : jacobian(i, j) == 0);
   return is_brick;
 }
-// Needs isOnePointBrick(jacobian).
+// Requires isOnePointBrick(jacobian).
 KOKKOS_INLINE_FUNCTION OnePointBrick onePointBrick(const Mat3& jacobian) {
   OnePointBrick brick;
   brick.volume = 8 * (jacobian(0, 0) * jacobian(1, 1) * jacobian(2, 2));

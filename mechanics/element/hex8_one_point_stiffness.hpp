@@ -1,4 +1,5 @@
-// Physical stabilisation of the one-point hexahedron (hex8_one_point.hpp): the stiffness of its hourglass modes.
+// Physical stabilisation of the one-point hexahedron (hex8_one_point.hpp): the stiffness of its
+// hourglass modes, theory.md, equation (11).
 #pragma once
 
 #include "mechanics/element/hex8_one_point_geometry.hpp"
@@ -6,7 +7,7 @@
 
 namespace brickwall::mechanics {
 
-// Moduli of one material as the element uses them.
+// Moduli of one material in the form that the element uses.
 struct ElementModuli {
   double lambda = 0, mu = 0, poisson = 0;
   double bending = 0; // E / (6 (1 - nu^2))
@@ -18,21 +19,22 @@ struct ElementModuli {
   }
 };
 
-// What an element's stiffness adds to its geometry: moduli times -volume/quantum, so that forces come in quanta; those of
-// the hourglass part also over 64, since strains are 8 g. Modulus is double where all lanes share it.
+// Moduli times -volume/quantum, so that forces come in quanta. Those of the hourglass energy are
+// also divided by 64, since the hourglass strains are 8 g. Modulus is double where all lanes share
+// it.
 template <class Modulus>
 struct OnePointStiffness {
   Modulus lambda, mu;
-  Modulus bend, bend_cross; // of a pair of bending modes: E/(1 - nu^2)/3, and nu times that
-  Modulus twist, twist_own[3]; // mu/3; what each mode has besides the sum of the three
+  Modulus bend, bend_cross; // a pair of bending modes: E/(1 - nu^2)/3, and nu times that
+  Modulus twist, twist_own[3]; // mu/3; the excess of each mode over the sum of the three
   Modulus fourth; // E/9
   double inverse_factor; // energy = inverse_factor * (energy by these moduli)
 };
 struct BrickStiffness {
   double lambda, mu;
-  double own[3][3]; // [mode a][axis]: of bending on the off-diagonal, of torsion on the diagonal
-  double cross[3][3]; // of mode (a, i) with (i, a): bending; symmetric
-  double twist[3]; // of modes (i, i) and (j, j), i, j other than the index
+  double own[3][3]; // [mode a][axis]: bending off the diagonal, torsion on it
+  double cross[3][3]; // couples mode (a, i) with (i, a) in bending; symmetric
+  double twist[3]; // couples modes (i, i) and (j, j), with i and j different from the index
   double fourth[3];
   double inverse_factor;
 };
@@ -89,7 +91,8 @@ KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const OnePointBrick& brick,
   return result;
 }
 
-// s = d(U_h/V)/dq for the corotated hourglass strains q [a][local axis], each over the length of its axis: U_h/V is the sum of
+// s = d(U_h/V)/dq for the corotated hourglass strains q [a][local axis]. Each strain is divided by
+// the half-edge of its axis, and U_h/V is the sum of
 //   bending  E/(1 - nu^2)/6 (p^2 + r^2 + 2 nu p r), (p, r) = (q3x/a, q1z/c), (q2x/a, q1y/b), (q3y/b, q2z/c)
 //   torsion  mu/6 (t1^2 + t2^2 + t3^2), t1 = q1x/b + q2y/a, t2 = q2y/c + q3z/b, t3 = q3z/a + q1x/c
 //   fourth   E/18 [(q4x/a)^2 + (q4y/b)^2 + (q4z/c)^2]

@@ -1,6 +1,7 @@
-// Elastic materials: St.Venant-Kirchhoff, ln J neo-Hookean, and small-strain linear. Point-wise, templates on the
-// scalar type (double or Pack), from the displacement gradient H = du/dX (F = I + H is never formed from positions, and
-// strains come from H without cancellation).
+// Elastic materials: St. Venant-Kirchhoff, neo-Hookean and small-strain linear; theory.md,
+// equations (4) to (9). Point-wise templates on the scalar type (double or Pack). They take the
+// displacement gradient H = du/dX, since F = I + H formed from positions would lose the digits of
+// small strains to cancellation.
 #pragma once
 
 #include "contact/base/pack.hpp"
@@ -21,22 +22,23 @@ struct Material {
     return youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
   }
   KOKKOS_INLINE_FUNCTION double mu() const { return youngs / (2 * (1 + poisson)); }
-  // c_d, of waves of compression at small strain, length/time.
+  // Speed c_d of compression waves at small strain, length/time.
   KOKKOS_INLINE_FUNCTION double dilatationalSpeed() const {
     return std::sqrt((lambda() + 2 * mu()) / density);
   }
 };
 
-// ln(1 + d) = 2 artanh(s), s = d/(2 + d), t = s^2; of the series five terms for |d| <= 1/16: the first one left out is at most
-// half an ulp of the sum. In pairs, so that few operations wait for each other. The same arithmetic on every back end; log1p
-// beyond.
+// ln(1 + d) = 2 artanh(s) with s = d/(2 + d), t = s^2. For |d| <= 1/16 five terms of the series are
+// used; the first neglected term is at most half an ulp of the sum. The terms are paired to shorten
+// the chain of dependent operations. Beyond that portableLog1p is used. The arithmetic is the same
+// on every back end.
 constexpr double log_series_reach = 0.0625;
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real logSeries(const Real& s, const Real& t) {
-  // t^2 has no name: nvcc knows no packs, not even of the host, as variables of a function for both
+  // t^2 has no name: nvcc accepts no variable of a pack type in a host-device function.
   return s * ((2.0 + t * (2.0 / 3)) + (t * t) * ((2.0 / 5 + t * (2.0 / 7)) + (t * t) * (2.0 / 9)));
 }
-// With s known.
+// The same with s = d/(2 + d) given.
 KOKKOS_INLINE_FUNCTION double logOnePlus(double d, double s) {
   return std::fabs(d) <= log_series_reach ? logSeries(s, s * s) : portableLog1p(d);
 }
@@ -54,13 +56,14 @@ KOKKOS_INLINE_FUNCTION Real logOnePlus(const Real& d) {
   return logOnePlus(d, Real(d / (2.0 + d)));
 }
 
-// Whether det F may be anything, or is known to be within small_volume_change of 1: then the lanes of a pack need no tests.
+// Whether det F is arbitrary or known to be within small_volume_change of 1, in which case the
+// lanes of a pack need no tests.
 enum class VolumeChange { any, small };
 template <MaterialModel model>
 constexpr double small_volume_change =
     model == MaterialModel::neo_hookean ? 0.999 * log_series_reach : 1.0;
 
-// Cofactors of F = I + H, so that F^-T = cofactor / J.
+// Cofactors of F = I + H, so that F^-T = cofactor/J.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3]) {
   c[0][0] = F[1][1] * F[2][2] - F[1][2] * F[2][1];
@@ -74,7 +77,7 @@ KOKKOS_FORCEINLINE_FUNCTION void cofactors(const Real (&F)[3][3], Real (&c)[3][3
   c[2][2] = F[0][0] * F[1][1] - F[0][1] * F[1][0];
 }
 
-// J - 1 by the invariants of H.
+// J - 1 from the invariants of H.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real volumeChange(const Real (&H)[3][3]) {
   Real c[3][3];
@@ -94,12 +97,13 @@ KOKKOS_INLINE_FUNCTION void deformationGradient(const Real (&H)[3][3], Real (&F)
 template <class Real>
 struct StressPoint {
   Real P[3][3]; // first Piola-Kirchhoff, dW/dH
-  Real J; // det F; 1 for the linear material, which knows no inversion
-  Real W; // energy per reference volume; only when asked for
+  Real J; // det F; 1 for the linear material, for which no inversion is defined
+  Real W; // energy per reference volume; set only if with_W
 };
 
-// neo-Hookean: W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = mu (F - F^-T) + lambda ln J F^-T. With C = cof H,
-// t = tr H, e = tr C + det H = J - 1 - t and cof F = (1 + t) I - H^T + C that is, without cancellation at small strain,
+// Neo-Hookean material, equations (6) and (7): W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2
+// and P = mu (F - F^-T) + lambda ln J F^-T. With C = cof H, t = tr H, e = tr C + det H = J - 1 - t
+// and cof F = (1 + t) I - H^T + C, the stress without cancellation at small strain is
 //   P = mu H + (p - r) (H^T - C) + (p e + r (1 + t)) I,  p = mu/J, r = lambda ln J/J.
 // The moduli are double, or Real where they differ between lanes.
 template <VolumeChange volume = VolumeChange::any, class Real, class Modulus>
@@ -113,7 +117,7 @@ KOKKOS_FORCEINLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus
       (C[0][0] + C[1][1] + C[2][2]) + (H[0][0] * C[0][0] + H[0][1] * C[0][1] + H[0][2] * C[0][2]);
   const Real d = t + e;
   out.J = 1.0 + d;
-  const Real two_plus_d = 2.0 + d; // one division serves 1/J and d/(2 + d)
+  const Real two_plus_d = 2.0 + d; // one division yields both 1/J and d/(2 + d)
   const Real inverse = 1.0 / (two_plus_d * out.J);
   const Real inverse_J = two_plus_d * inverse;
   const Real s = (d * out.J) * inverse;
@@ -133,7 +137,7 @@ KOKKOS_FORCEINLINE_FUNCTION void neoHookean(const Real (&H)[3][3], const Modulus
   }
 }
 
-// St.Venant-Kirchhoff: W = lambda/2 (tr E)^2 + mu E:E, P = F S.
+// St. Venant-Kirchhoff material, equation (5): W = lambda/2 (tr E)^2 + mu E:E, P = F S.
 template <class Real, class Modulus>
 KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], const Modulus& lambda,
                                                  const Modulus& mu, bool with_W,
@@ -160,7 +164,7 @@ KOKKOS_INLINE_FUNCTION void saintVenantKirchhoff(const Real (&H)[3][3], const Mo
   }
 }
 
-// Small strain: W = lambda/2 (tr e)^2 + mu e:e, P = dW/dH.
+// Linear material at small strain, equation (4): W = lambda/2 (tr e)^2 + mu e:e, P = dW/dH.
 template <class Real, class Modulus>
 KOKKOS_INLINE_FUNCTION void linearElastic(const Real (&H)[3][3], const Modulus& lambda,
                                           const Modulus& mu, bool with_W, StressPoint<Real>& out) {
@@ -191,7 +195,8 @@ KOKKOS_FORCEINLINE_FUNCTION void evaluateMaterial(const Real (&H)[3][3], const M
     linearElastic(H, lambda, mu, with_W, out);
 }
 
-// Cauchy stress sigma = P F^T / J, as xx yy zz xy yz zx; the linear material's is P itself.
+// Cauchy stress sigma = P F^T/J in the order xx yy zz xy yz zx, equation (9). For the linear
+// material it is P itself.
 KOKKOS_INLINE_FUNCTION void cauchyStress(const double (&H)[3][3], const Material& material,
                                          double (&sigma)[6]) {
   StressPoint<double> point;

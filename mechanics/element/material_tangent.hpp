@@ -1,4 +1,5 @@
-// First elasticity tensor A = d^2 W/dH^2 of the elastic materials, for the stable step of a deformed element.
+// First elasticity tensor A = d^2 W/dH^2 of the elastic materials, for the stable time step of a
+// deformed element; theory.md, equation (8).
 #pragma once
 
 #include "mechanics/element/hex8_geometry.hpp"
@@ -6,9 +7,10 @@
 
 namespace brickwall::mechanics {
 
-// A[3 i + j][3 k + l] = dP_ij/dH_kl. False, and A unset, when J is not positive (linear: when H is not a number).
+// A[3 i + j][3 k + l] = dP_ij/dH_kl. Returns false and leaves A unset if J is not positive (linear:
+// if H is not a number).
 // neo-Hookean: mu d_ik d_jl + lambda G_ij G_kl + (mu - lambda ln J) G_il G_kj with G = F^-T;
-// St.Venant-Kirchhoff: d_ik S_jl + lambda F_ij F_kl + mu (F_il F_kj + (F F^T)_ik d_jl).
+// St. Venant-Kirchhoff: d_ik S_jl + lambda F_ij F_kl + mu (F_il F_kj + (F F^T)_ik d_jl).
 KOKKOS_INLINE_FUNCTION bool materialTangent(const double (&H)[3][3], const Material& material,
                                             double (&A)[9][9]) {
   const double lambda = material.lambda(), mu = material.mu();

@@ -1,5 +1,5 @@
-// Forces of one hexahedron for small displacements from rest: K u of both kinds of element, by Walsh-Hadamard modes. All
-// materials have the same moduli at rest.
+// Forces K u of one hexahedron for small displacements from rest, for both kinds of element, by
+// Walsh-Hadamard modes. All materials have the same moduli at rest.
 #pragma once
 
 #include "mechanics/element/hex8_full.hpp"
@@ -7,11 +7,12 @@
 
 namespace brickwall::mechanics {
 
-// dU/du_m of the one-point element, linear in u: onePointForces at F = I.
+// dU/du_m of the one-point element, linear in u: onePointForces linearised at F = I.
 KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
                                        const OnePointGeometry<double>& geometry,
                                        const Material& material, double (&forces)[3][num_modes]) {
-  const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), -1.0); // times volume
+  // moduli times the volume
+  const auto stiffness = stiffnessOf(geometry, ElementModuli::of(material), -1.0);
   double H[3][3];
   meanGradient(u, geometry, H);
   StressPoint<double> point;
@@ -25,7 +26,7 @@ KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
           geometry.Q[k][0] * g[a][0] + geometry.Q[k][1] * g[a][1] + geometry.Q[k][2] * g[a][2];
   hourglassStress(q, stiffness, s);
 
-  // r_a = Q^T s_a; g_a holds -H M_a, so the mean gradient takes its share of r.
+  // r_a = Q^T s_a. g_a contains -H M_a, so the mean gradient takes its share of r.
   double r[num_hourglass_modes][3];
   for (int a = 0; a < num_hourglass_modes; ++a)
     for (int i = 0; i < 3; ++i)
@@ -45,7 +46,7 @@ KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
     }
 }
 
-// The same of full integration.
+// dU/du_m of the fully integrated element.
 KOKKOS_INLINE_FUNCTION void restForces(const double (&u)[3][num_modes],
                                        const FullGeometry<double>& geometry,
                                        const Material& material, double (&forces)[3][num_modes]) {

@@ -1,11 +1,13 @@
-// Eigenvalues of small symmetric matrices by cyclic Jacobi rotations, and the Cholesky factor of a 3x3 matrix.
+// Eigenvalues of small symmetric matrices by cyclic Jacobi rotations, and the Cholesky factor of a
+// 3x3 matrix.
 #pragma once
 
 #include "contact/base/vec3.hpp"
 
 namespace brickwall::mechanics {
 
-// Destroys the matrix; its diagonal then holds the eigenvalues, in no order, to rounding of the norm.
+// Overwrites the matrix. Its diagonal then holds the eigenvalues in no particular order, accurate
+// to rounding of the norm.
 template <int N>
 KOKKOS_INLINE_FUNCTION void diagonalise(double (&a)[N][N]) {
   for (int sweep = 0; sweep < 30; ++sweep) {
@@ -61,7 +63,7 @@ KOKKOS_INLINE_FUNCTION double largestEigenvalue(const double (&matrix)[N][N]) {
   return largest;
 }
 
-// Lower factor L of a positive matrix, L L^T.
+// Lower Cholesky factor L of a positive definite matrix L L^T.
 KOKKOS_INLINE_FUNCTION void cholesky(const Mat3& p, double (&L)[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {

@@ -51,7 +51,7 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
     const auto lattices = findBrickLattices(space, mesh, shapes);
     _lattices = latticeTables(space, lattices, latticeScratch(lattices));
   }
-  leaveOut(space, {});
+  skipLattices(space, {});
   const ElementChunks cut = cutIntoChunks(space, mesh, shapes, _lattices.on_host, _threads);
   _all_in_lattices = cut.all_in_lattices;
   _groups = cut.groups;
@@ -115,7 +115,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
   return result;
 }
 
-void InternalForce::leaveOut(const exec_space& space, const std::vector<int>& free_lattices) {
+void InternalForce::skipLattices(const exec_space& space, const std::vector<int>& free_lattices) {
   std::vector<int> others;
   for (int row = 0; row < static_cast<int>(_lattices.on_host.size()); ++row)
     if (std::find(free_lattices.begin(), free_lattices.end(), row) == free_lattices.end())
@@ -125,12 +125,13 @@ void InternalForce::leaveOut(const exec_space& space, const std::vector<int>& fr
                     cutIntoSlabs(_lattices.on_host, rows, _threads));
   };
   _slabs = slabsOf("slabs", others);
-  _left_out = slabsOf("left_out", free_lattices);
+  _skipped_slabs = slabsOf("skipped_slabs", free_lattices);
 }
 
-void InternalForce::addLeftOut(const exec_space& space, const View<const double* [3]>& displacement,
-                               const NodalForces& forces) const {
-  addLatticeForces(space, _lattices, _left_out,
+void InternalForce::addSkippedLattices(const exec_space& space,
+                                       const View<const double* [3]>& displacement,
+                                       const NodalForces& forces) const {
+  addLatticeForces(space, _lattices, _skipped_slabs,
                    {_tables,
                     displacement,
                     {},
@@ -151,10 +152,12 @@ void InternalForce::computeFields(const exec_space& space,
   growTo(space, fields.energy_density, _tables.num_elems);
   const auto num_chunks = static_cast<std::int64_t>(_tables.chunks.extent(0));
   if (_kind == ElementKind::one_point)
-    Kokkos::parallel_for("mechanics::computeFields::one_point", rangePolicy(space, num_chunks),
+    Kokkos::parallel_for("mechanics::InternalForce::computeFields::one_point",
+                         rangePolicy(space, num_chunks),
                          FieldFunctor<ElementKind::one_point>{_tables, displacement, fields});
   else
-    Kokkos::parallel_for("mechanics::computeFields::full", rangePolicy(space, num_chunks),
+    Kokkos::parallel_for("mechanics::InternalForce::computeFields::full",
+                         rangePolicy(space, num_chunks),
                          FieldFunctor<ElementKind::full>{_tables, displacement, fields});
 }
 

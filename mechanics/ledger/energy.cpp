@@ -13,7 +13,7 @@ Vec3 vectorOf(const LimbSums<N>& sums, int first, const LimbScale& scale) {
           sums.sum[first + 2].value(scale)};
 }
 
-// Everything that one step adds over the ranks, as one message.
+// All sums of a step over the ranks, as one message.
 struct StepSums {
   KickSums kick;
   LimbSums<num_stored_energies> stored;
@@ -74,12 +74,12 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
 
   bookContactChange(dt_kick, dt, step.kick);
   const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
-  _first_moment +=
-      _dt * _balance.momentum; // of the drift that led here; there is none before the start
+  // over the drift that led to this step; 0 at the start
+  _first_moment += _dt * _balance.momentum;
   bookWorks(dt_kick, step.kick);
   bookImpulses(dt_kick, step.kick);
   bookMoments(dt_kick, step.kick);
-  // Of the start, whose kick begins with v^0 = (v^{-1/2} + v^{1/2})/2.
+  // At the start the kick begins with v^0 = (v^{-1/2} + v^{1/2})/2.
   const double kinetic_part = _steps == 0 ? 2 * shadow - _balance.kinetic : shadow;
   _balance.shadow = kinetic_part + _balance.stored_material + _balance.stored_hourglass;
   _balance.fast_nodes = step.kick.sum[kick_fast_nodes].high;
@@ -138,7 +138,7 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
   b.work_edge = value(contact_edge_work);
 }
 
-// As StoredGauge::change(), of springs in contact: -F . v is the rate of what they store.
+// As StoredGauge::change() for contact springs, whose stored energy changes at the rate -F . v.
 void EnergyLedger::bookContactChange(double dt_kick, double dt, const KickSums& kick) {
   if (_steps == 0 || dt == _dt)
     return;
@@ -209,10 +209,11 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
                    (b.momentum - _initial_momentum);
   raise(_momentum_gap, norm(gap));
   raise(_largest_load, norm(b.impulse_external));
-  // Without loads: the momenta of the parts, which may cancel in the sum, are at most sqrt(2 K M) (Cauchy-Schwarz).
+  // Without loads the scale is sqrt(2 K M), which bounds the sum of the parts' momenta, which may
+  // cancel (Cauchy-Schwarz).
   raise(_largest_other, std::max({std::sqrt(2 * b.kinetic * _total_mass), norm(b.impulse_gravity),
                                   norm(b.impulse_reaction)}));
-  // A load that has hardly begun is no measure.
+  // A load that has only just begun is no measure.
   const double size =
       _largest_load > 0 ? std::max(_largest_load, 1e-4 * _largest_other) : _largest_other;
   b.momentum_error = quotient(_momentum_gap, std::max(size, _scales.momentum_noise));
@@ -228,7 +229,7 @@ void EnergyLedger::bookMoments(double dt_kick, const KickSums& kick) {
   const Vec3 gap = b.moment_external + b.moment_gravity + b.moment_reaction + b.moment_damping -
                    (b.angular_momentum - _initial_angular);
   raise(_angular_gap, norm(gap));
-  // The angular momenta of the parts are at most R sqrt(2 K M) in all (Cauchy-Schwarz).
+  // The sum of the parts' angular momenta is at most R sqrt(2 K M) (Cauchy-Schwarz).
   raise(_largest_moment,
         std::max({norm(b.moment_external), norm(b.moment_gravity), norm(b.moment_reaction),
                   _radius_of_gyration * std::sqrt(2 * b.kinetic * _total_mass)}));

@@ -1,14 +1,16 @@
-// The energy and momentum ledger and the half-step energy gauge.
-// Ledger: v+ M v+/2 - v- M v-/2 = sum over k of dt f_k . (v+ + v-)/2, one term per force kind, exact for any forces.
-// It is an identity, so it can not tell whether forces are right. Gauges of that, all of exact sums:
+// The ledger of energy and momentum and the half-step energy gauges; theory.md, equations (24) to
+// (29).
+// Ledger: v+ M v+/2 - v- M v-/2 = sum over k of dt f_k . (v+ + v-)/2, one term per force kind,
+// exact for any forces. Since it is an identity, it does not verify the forces. The gauges do, all
+// from exact sums:
 //   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp) + contact stored + dissipated
-//   stored        stored energies against the work of their forces
-//                 Where steps change in length, so do the invariants, by what is known (StoredGauge): that is taken off.
-//   contact       what contact has stored and dissipated against its work
+//   stored        stored energies against the work of their forces; a known change of the
+//                 invariant with the length of the step (StoredGauge) is subtracted
+//   contact       energy that contact has stored and dissipated against its work
 //   shadow        H^n = v- M v+/2 + U^n, which is vbar M vbar/2 - (dt^2/8) a M a + U^n with vbar = (v- + v+)/2: the
 //                 invariant of central differences for a linear body at constant dt without loads and contact
 //   momentum      P^{n+1/2} - P^{n-1/2} = sum of dt f^n, and likewise the angular momentum about the origin:
-//                 L^{n+1/2} = sum of x^n x m v^{n+1/2}; since x^n - x^{n-1} is parallel to v^{n-1/2}, node by node,
+//                 L^{n+1/2} = sum of x^n x m v^{n+1/2}; since x^n - x^{n-1} is parallel to v^{n-1/2} at each node,
 //                 L^{n+1/2} - L^{n-1/2} = sum of x^n x dt f^n exactly, at any dt
 #pragma once
 
@@ -19,90 +21,99 @@
 
 namespace brickwall::mechanics {
 
-// Energy lost for good since the start, up to a half step, one term a mechanism; each >= 0 but for rounding.
+// Dissipated energy since the start, up to a half step, one term per mechanism; each is >= 0 up to
+// rounding.
 struct DissipatedEnergy {
   double friction = 0; // sliding contacts
   double contact_damping = 0;
-  double damping = 0; // damping by mass
-  double viscosity = 0; // bulk viscosity, lagged: a single step may give back a little
+  double damping = 0; // mass-proportional damping
+  double viscosity = 0; // bulk viscosity; lagged, so a single step may return a little energy
   double inContact() const { return friction + contact_damping; }
   double total() const { return inContact() + damping + viscosity; }
 };
 
-// Everything global, equal on all ranks. "Half" values belong to the half step before the last forces; errors and peaks are
-// the largest so far. Energies below LedgerScales::noise are no measure of errors.
+// Global quantities, equal on all ranks. "Half" values belong to the half step before the last
+// forces. Errors and peaks are the largest since the start. Energies below LedgerScales::noise are
+// no measure of errors.
 struct EnergyBalance {
   double kinetic = 0; // K(v^{n+1/2}) after the last kick
   double stored_material = 0; // U^n at the last evaluation
-  double stored_hourglass = 0; // "
-  double stored_half = 0; // elastic (material + hourglass) energy at the half step, by the gauge
-  double stored_contact = 0; // of normal contact springs at the half step
-  double stored_friction = 0; // of tangential contact springs at the half step
-  double stored_edge = 0; // of edge-edge contact at the half step
+  double stored_hourglass = 0; // U^n of the hourglass modes
+  double stored_half = 0; // elastic energy (material and hourglass) at the half step, by the gauge
+  double stored_contact = 0; // normal contact springs, at the half step
+  double stored_friction = 0; // tangential contact springs, at the half step
+  double stored_edge = 0; // edge-to-edge contact, at the half step
   DissipatedEnergy dissipated; // up to the half step
-  // kinetic + all stored + all dissipated at the half step, less what changes of the steps' lengths have made of their sum
+  // kinetic + all stored + all dissipated at the half step, less the change of this invariant with
+  // the length of the steps
   double total_half = 0;
-  double shadow =
-      0; // H^n of the last step that began with v^{n-1/2}: elastic and kinetic energy only
+  // H^n of the last step that began with v^{n-1/2}; elastic and kinetic energy only
+  double shadow = 0;
   double work[num_force_kinds] = {}; // W_k since the start
-  double work_hourglass =
-      0; // of hourglass stiffness up to the positions of step n, by its energy; part of work[internal_force]
-  double work_edge = 0; // of edge-edge contact; part of work[contact_force]
+  // of hourglass stiffness up to the positions of step n, by its energy; part of
+  // work[internal_force]
+  double work_hourglass = 0;
+  double work_edge = 0; // of edge-to-edge contact; part of work[contact_force]
   double work_gravity = 0;
   double work_reaction = 0; // of prescribed motions
-  double work_damping = 0; // of damping by mass, <= 0
+  double work_damping = 0; // of mass-proportional damping, <= 0
   double external_work = 0; // external + gravity + reaction, up to the last kick
   Vec3 momentum, angular_momentum; // at the last half step
   // since the start
   Vec3 impulse_external, impulse_gravity, impulse_reaction, impulse_damping, impulse_contact;
-  // x cross impulse, about the origin, since the start
+  // x cross impulse about the origin, since the start
   Vec3 moment_external, moment_gravity, moment_reaction, moment_damping;
   double energy_error = 0; // |total_half - external work - E_0| / peak_total
   double stored_error = 0; // |stored_half - U_0 + W_internal| / peak_total
   double contact_error = 0; // |contact stored + dissipated + W_contact| / peak_total
-  // |impulses - change of momentum| / impulse of loads; without loads, over the largest of sqrt(2 K M) and the other
-  // impulses, of which it is 1e-4 at least.
+  // |impulses - change of momentum| / impulse of loads. Without loads it is relative to the largest
+  // of sqrt(2 K M) and the other impulses; the denominator is at least 1e-4 of these.
   double momentum_error = 0;
-  // |moments of impulses - change of angular momentum| / largest of these moments and R sqrt(2 K M), R^2 = sum m |x|^2 / M
+  // |moments of impulses - change of angular momentum| / the largest of these moments and R sqrt(2
+  // K M), R^2 = sum m |x|^2 / M
   double angular_momentum_error = 0;
-  double ledger_residual = 0; // now: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
+  double ledger_residual = 0; // of the last step: |K - K_0 - sum W_k| / (K_0 + max K + sum |W_k|)
   double peak_kinetic = 0, peak_stored = 0;
   double peak_total = 0; // of kinetic + stored at half steps
-  bool is_above_noise = false; // peak_total: else the errors of energy tell nothing
-  double peak_internal = 0, peak_hourglass = 0; // of U^n, and of its hourglass share
-  std::int64_t fast_nodes = 0; // of the last kick, by its SpeedTest, over all ranks
+  bool is_above_noise = false; // by peak_total; otherwise the errors of energy are meaningless
+  double peak_internal = 0, peak_hourglass = 0; // of U^n, and of its hourglass part
+  std::int64_t fast_nodes = 0; // nodes beyond the SpeedTest of the last kick, over all ranks
   std::int64_t host_counts[num_host_counts] = {}; // of the last step, over all ranks
   std::int64_t failures = 0; // failed elements, loads or sums of the last step, over all ranks
 
-  // Peak of the hourglass energy over the peak of the internal energy.
+  // Peak hourglass energy over peak internal energy.
   double hourglassShare() const { return peak_internal > 0 ? peak_hourglass / peak_internal : 0; }
 };
 
 class EnergyLedger {
 public:
   EnergyLedger() = default;
-  // `initial`: motionOf the initial positions and velocities (this rank's). Collective.
+  // `initial` is this rank's motionOf the initial positions and velocities. Collective.
   EnergyLedger(MPI_Comm comm, const LedgerScales& scales, const Vec3& gravity, double total_mass,
                const MotionSums& initial);
 
-  // Books the kick with forces at step n: the step's one all-reduce of energies, momenta and counts. `dt_kick` is the
-  // kick's dt (half a step at the start), `dt` the step of the drift that follows it. Half-step gauges are evaluated when
-  // `internal.has_energy` in this and the previous call. `counts`: failures e.g. of loads, and what the host likes to add
-  // up. Afterwards balance().failures > 0 on all ranks or none; then everything else in balance() is as before. Collective.
+  // Adds the kick with forces at step n to the ledger, with the step's one all-reduce of energies,
+  // momenta and counts. `dt_kick` is the kick's dt (half a step at the start), `dt` the length of
+  // the drift that follows. Half-step gauges are evaluated if `internal.has_energy` in this and the
+  // previous call. `counts` holds failures of loads and sums for the host program. Afterwards
+  // balance().failures > 0 on all ranks or on none; if it is, the rest of balance() is unchanged.
+  // Collective.
   void bookStep(MPI_Comm comm, double dt_kick, double dt, const InternalForceResult& internal,
                 const ContactEnergySums& contact, const KickSums& kick,
                 const StepCounts& counts = {});
 
-  // Before bookStep() of a step whose drift is of another length than the last one: the power of the contact forces at the
-  // velocities before the kick, of all ranks. Of a step that bookCorrection() shortens the contact's part is not known.
+  // Sets the power of the contact forces at the velocities before the kick, over all ranks. Call
+  // before bookStep() of a step whose drift differs in length from the last one. The contact's part
+  // of a step that bookCorrection() shortens is not known.
   void setContactPower(double contact_power) { _contact_power = contact_power; }
 
-  // Books a further kick by the same forces at step n: the drift to come is now `dt` long, and the kick before it should
-  // have been longer by `dt_kick` (negative where the step is shortened). Collective; failures as of bookStep().
+  // Adds a further kick by the same forces at step n: the next drift is `dt` long, so the kick
+  // changes by `dt_kick` (negative if the step is shortened). Collective; failures as in
+  // bookStep().
   void bookCorrection(MPI_Comm comm, double dt_kick, double dt, const KickSums& kick);
 
   const EnergyBalance& balance() const { return _balance; }
-  Vec3 meanVelocity() const; // of all mass, at the last half step
+  Vec3 meanVelocity() const; // of the total mass, at the last half step
 
 private:
   void bookStored(double dt_kick, double dt, const InternalForceResult& internal,
@@ -121,15 +132,15 @@ private:
   double _initial_kinetic = 0, _initial_energy = 0;
   Vec3 _initial_momentum, _initial_angular;
   Vec3 _first_moment; // sum of m x^n
-  double _radius_of_gyration = 0; // of the start, about the origin
-  std::int64_t _steps = 0; // booked, the start included
+  double _radius_of_gyration = 0; // of the initial positions, about the origin
+  std::int64_t _steps = 0; // recorded steps, including the start
   bool _has_initial_energy = false;
   StoredGauge _stored;
   double _initial_hourglass = 0; // energy
   double _dt = 0; // of the drift after the last kick
-  double _contact_power = 0; // of a step that changes in length
-  double _contact_change = 0; // energy; as of StoredGauge
-  // The largest so far of what errors are made of.
+  double _contact_power = 0; // at a step that changes in length
+  double _contact_change = 0; // energy; as StoredGauge::change()
+  // Largest absolute errors and scales since the start.
   double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
   double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;
   double _angular_gap = 0, _largest_moment = 0;

@@ -16,7 +16,7 @@ struct MeshExtremes {
   double fastest = 0; // sqrt((lambda + 2 mu)/rho)
   double inverse_slowest = 0;
   double farthest = 0; // coordinate magnitude
-  double inverse_softest = 0; // 1/(mu h): of the least stiffness, that of shear
+  double inverse_softest = 0; // 1/(mu h), of the least shear stiffness
   KOKKOS_INLINE_FUNCTION MeshExtremes& operator+=(const MeshExtremes& b) {
     force = maxOf(force, b.force);
     edge = maxOf(edge, b.edge);
@@ -54,20 +54,20 @@ MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_ele
   return result;
 }
 
-// Energy: of all elements' shear springs under forces of as many quanta as a hundred roundings make. Nearly incompressible
-// materials have coarse quanta, for these follow the stiffness against compression.
+// Energy of all elements' shear springs under forces of 128 quanta, a bound of many roundings.
+// Nearly incompressible materials have coarse quanta, since these follow the bulk stiffness.
 double noiseOfForces(double largest_force, double inverse_softest, std::int64_t num_elems) {
   constexpr double quanta = 128;
   const double force = quanta * Quantum::forForceScale(largest_force).value;
   return static_cast<double>(num_elems) * force * force * inverse_softest;
 }
 
-// What the rounding of terms to the last limb may do to a sum over elements or nodes, times a factor.
+// Effect of the rounding of terms to the last limb on a sum over elements or nodes, times a factor.
 double noiseOfSums(const LimbScale& scale, std::int64_t num_elems, double factor) {
   return factor * 0.5 * scale.tail_quantum * static_cast<double>(num_elems);
 }
-constexpr double of_energy = 256; // what several sums err by is then a hundredth
-constexpr double of_momentum = 1e11; // and 1e-10 after many steps
+constexpr double of_energy = 256; // so that the error of several sums is below a hundredth
+constexpr double of_momentum = 1e11; // so that the error after many steps is below 1e-10
 
 } // namespace
 
@@ -132,7 +132,7 @@ double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   const LimbScale scale = scales.power;
   LimbSums<1> sums;
   Kokkos::parallel_reduce(
-      "mechanics::forcePower", rangePolicy(space, mesh.num_nodes),
+      "mechanics::forcePower::nodes", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, LimbSums<1>& all) {
         if (!m.node_is_owned(node))
           return;

@@ -1,5 +1,5 @@
-// The exact sums that the ledger of energy and momentum is made of: their terms, their scales, and those of a state of
-// motion. Those of a kick are made by it (central_difference.hpp).
+// Exact sums of the ledger of energy and momentum: their terms, their scales, and those of a state
+// of motion. The kick (central_difference.hpp) computes its own sums.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
@@ -11,7 +11,7 @@
 
 namespace brickwall::mechanics {
 
-// Scales of the exact sums, from input data only, so the same on every rank.
+// Scales of the exact sums, from input data only and therefore equal on every rank.
 struct LedgerScales {
   LimbScale energy; // energies and works
   LimbScale power; // f . v
@@ -19,22 +19,24 @@ struct LedgerScales {
   LimbScale angular; // angular momenta
   LimbScale first_moment; // m x
   LimbScale inertia; // m x^2
-  // Energy: what the rounding of sums and of forces may come to. Below it energies are no measure of errors.
+  // Noise floor of energies: bound of the rounding of sums and of forces. Smaller energies are no
+  // measure of errors.
   double noise = 0;
-  // Likewise of momenta and angular momenta: 1e11 times what rounding does to one of their sums.
+  // Noise floors of momenta and angular momenta: 1e11 times the rounding of one of their sums.
   double momentum_noise = 0, angular_noise = 0;
 };
 
-// Terms up to 2^20 times those of an element at strain one moving at the speed of sound fit. Collective.
+// Terms fit up to 2^20 times those of an element at strain one that moves at the speed of sound.
+// Collective.
 LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 
-// Sums over owned nodes made by one kick; vectors take three places.
+// Sums of one kick over owned nodes; vectors take three places.
 enum KickTerm : int {
   kick_kinetic, // m v+.v+/2
   kick_shadow, // m v-.v+/2
   kick_work, // dt f_k.(v- + v+)/2 for each force kind k
   kick_work_reaction = kick_work + num_force_kinds,
-  kick_work_damping, // of damping by mass: -dt alpha m |(v- + v+)/2|^2
+  kick_work_damping, // of mass-proportional damping: -dt alpha m |(v- + v+)/2|^2
   kick_power, // dU/du . v- (minus the nodal forces)
   kick_momentum, // m v+
   kick_angular = kick_momentum + 3, // x^n x m v+
@@ -45,18 +47,18 @@ enum KickTerm : int {
   kick_moment_external = kick_impulse_damping + 3, // x^n x dt f_external
   kick_moment_reaction = kick_moment_external + 3,
   kick_moment_damping = kick_moment_reaction + 3,
-  kick_fast_nodes = kick_moment_damping + 3, // a count, in the high limb: nodes beyond SpeedTest
+  kick_fast_nodes = kick_moment_damping + 3, // a count in the high limb: nodes beyond SpeedTest
   num_kick_terms
 };
 using KickSums = LimbSums<num_kick_terms>;
 
-// Counts owned nodes whose new velocity is further than `limit` from `around`, or NaN.
+// Counts owned nodes whose new velocity differs from `around` by more than `limit`, or is NaN.
 struct SpeedTest {
   Vec3 around; // length/time
   double limit = HUGE_VAL; // length/time
 };
 
-// Sums over owned nodes of a state of motion.
+// Sums of a state of motion over owned nodes.
 enum MotionTerm : int {
   motion_kinetic, // m v.v/2
   motion_momentum, // m v
@@ -67,33 +69,35 @@ enum MotionTerm : int {
 };
 using MotionSums = LimbSums<num_motion_terms>;
 
-// This rank's, of u and v. Not collective.
+// Sums of this rank, from u and v. Not collective.
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,
                     const LedgerScales& scales);
 
-// The power of the nodal forces of one kind: sum of f . v over all nodes of all ranks; `forces` are totals (after the shared-node sum). The same bits on any layout. Collective.
+// The power of the nodal forces of one kind, the sum of f . v over all nodes of all ranks. `forces`
+// are totals (after the shared-node sum). The bits do not depend on the partition. Collective.
 double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                   const NodalForces& forces, const NodalState& state, ForceKind kind,
                   const LedgerScales& scales);
 
-// Contact's part of the balance at step n+1, this rank's share, in LedgerScales::energy. "Half" are those of the half step
-// n+1/2, the others are totals since the start up to the kick of step n. What a scene does not have is 0.
+// Contact's part of the balance at step n+1, this rank's share, on the scale LedgerScales::energy.
+// "Half" terms belong to the half step n+1/2, the others are totals since the start up to the kick
+// of step n. Terms without contact are 0.
 enum ContactEnergy : int {
   contact_stored_half, // normal springs: sum of k p^n p^{n+1} / 2
   contact_friction_stored_half, // tangential springs
   contact_friction_dissipated, // by sliding
   contact_damping_dissipated,
-  contact_edge_stored_half, // edge-edge contact
-  contact_edge_work, // of its forces on the bodies; part of the work of contact_force
+  contact_edge_stored_half, // edge-to-edge contact
+  contact_edge_work, // work of edge-to-edge contact; part of the work of contact_force
   num_contact_energies
 };
 using ContactEnergySums = LimbSums<num_contact_energies>;
 
-// What a rank counts in a step; added up with the step's sums.
+// Counts of a rank in a step, reduced together with the step's sums.
 constexpr int num_host_counts = 3;
 struct StepCounts {
-  std::int64_t failures = 0; // e.g. of loads: the step must not go on
-  std::int64_t host[num_host_counts] = {}; // for the host code alone
+  std::int64_t failures = 0; // for example of loads; any failure ends the run
+  std::int64_t host[num_host_counts] = {}; // for the host program
 };
 
 } // namespace brickwall::mechanics

@@ -10,7 +10,7 @@ NeglectedStrain neglectedStrain(const exec_space& space, MPI_Comm comm, const He
   const MeshViews m = viewsOf(mesh);
   NeglectedStrain local;
   Kokkos::parallel_reduce(
-      "mechanics::neglectedStrain", rangePolicy(space, mesh.num_elems),
+      "mechanics::neglectedStrain::elements", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, NeglectedStrain& all) {
         if (m.materials(m.elem_block(elem)).model != MaterialModel::linear)
           return;

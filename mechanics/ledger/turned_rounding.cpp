@@ -33,7 +33,7 @@ void raiseNoiseFloorForRotation(const exec_space& space, MPI_Comm comm, const He
   const LedgerScales s = scales;
   TurnedSums sums;
   Kokkos::parallel_reduce(
-      "mechanics::raiseNoiseFloorForRotation", rangePolicy(space, mesh.num_elems),
+      "mechanics::raiseNoiseFloorForRotation::elements", rangePolicy(space, mesh.num_elems),
       KOKKOS_LAMBDA(const std::int64_t elem, TurnedSums& all) {
         const Material material = m.materials(m.elem_block(elem));
         if (material.model != MaterialModel::neo_hookean)

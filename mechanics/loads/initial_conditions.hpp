@@ -1,4 +1,5 @@
-// Velocities and displacements at the start: an affine field of the reference position on the nodes of chosen elements.
+// Initial velocities and displacements: an affine field of the reference position on the nodes of
+// chosen elements.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -7,7 +8,7 @@
 
 namespace brickwall::mechanics {
 
-// value + gradient (X - center).
+// value + gradient (X - center)
 struct AffineField {
   Vec3 value;
   Mat3 gradient;
@@ -15,12 +16,13 @@ struct AffineField {
   KOKKOS_INLINE_FUNCTION Vec3 at(const Vec3& X) const { return value + gradient * (X - center); }
 };
 
-// velocity + angular_velocity x (X - center): a body that moves as if it were rigid.
+// velocity + angular_velocity x (X - center), the velocity of a rigid motion.
 AffineField rigidVelocity(const Vec3& velocity, const Vec3& angular_velocity = {},
                           const Vec3& center = {});
 
-// Sets target(node, :) to field.at(X) on all nodes of the elements chosen here or, at shared nodes, on another rank
-// (elem_is_chosen [num_elems], host); from the node's X alone, so sharers get the same bits. Collective.
+// Sets target(node, :) to field.at(X) on all nodes of the elements chosen on this rank or, at
+// shared nodes, on another rank (elem_is_chosen [num_elems], host). The value depends on the node's
+// X alone, so sharers get the same bits. Collective.
 void setInitialField(const exec_space& space, const HexMesh& mesh, SharedNodeSum& shared,
                      const std::vector<unsigned char>& elem_is_chosen, const AffineField& field,
                      const View<double* [3]>& target);

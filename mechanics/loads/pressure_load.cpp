@@ -6,7 +6,7 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Adds one face's loads; returns how many of its four corners did not fit.
+// Adds one face's loads and counts the corners whose load does not fit the fixed-point range.
 struct AddPressure {
   MeanPressure pressure;
   bool follower;
@@ -37,7 +37,7 @@ struct AddPressure {
   }
 };
 
-// No point of a face is farther from the centre than its farthest corner.
+// Largest distance of a corner from the centre; no point of a face is farther away.
 double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& centre,
                       const View<int* [4]>& face_to_nodes) {
   const auto X = mesh.reference_coordinates;

@@ -1,5 +1,6 @@
-// Pressure on faces: consistent nodal loads of the bilinear quad by 2x2 Gauss (exact for uniform pressure, also on a
-// warped face), on the current face (follower) or the reference face (dead), in fixed point.
+// Pressure on faces: consistent nodal loads of the bilinear quadrilateral by 2x2 Gauss quadrature
+// (exact for uniform pressure, also on a warped face), on the current face (follower) or the
+// reference face (dead), in fixed point; theory.md, equations (20) to (22).
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -9,19 +10,21 @@
 
 namespace brickwall::mechanics {
 
-// p(X, t) = peak shape(t - start - r/speed) exp(-r^2 / (2 radius^2)), r = |X - centre| on the reference face.
+// p(X, t) = peak shape(t - start - r/speed) exp(-r^2/(2 radius^2)) with r = |X - centre| on the
+// reference face.
 struct Pressure {
-  double peak = 0; // pressure, positive pushes into the body
+  double peak = 0; // pressure; positive pushes into the body
   PulseShape shape;
   double start = 0; // time
   bool follower = true; // false: dead load
   bool gaussian = false; // false: uniform
   Vec3 centre; // length
   double radius = HUGE_VAL; // length (standard deviation)
-  double speed = HUGE_VAL; // of the arrival, length/time; infinite: at once everywhere
+  double speed = HUGE_VAL; // speed of the front, length/time; infinite: simultaneous everywhere
 };
 
-// The mean of a pressure over a span of time, by place. What does not differ from place to place is worked out once.
+// The mean of a pressure over a span of time as a function of position. Terms that do not depend on
+// the position are computed once.
 class MeanPressure {
 public:
   KOKKOS_INLINE_FUNCTION MeanPressure(const Pressure& pressure, const TimeSpan& span)
@@ -30,7 +33,8 @@ public:
         _is_wave(pressure.gaussian && pressure.speed < HUGE_VAL),
         _everywhere(_is_wave ? 0 : pressure.peak * pressure.shape.mean(_span, _width)) {}
 
-  // Everywhere, without looking: before the start, which no wave is ahead of, or where the pulse is 0.
+  // Whether the mean is zero at every position without evaluating any: before the start, which no
+  // front precedes, or where the pulse is 0.
   bool isZero() const {
     return _is_wave ? _pressure.shape.kind != PulseKind::constant && _span.end < 0
                     : _everywhere == 0;
@@ -50,14 +54,15 @@ private:
   }
 
   Pressure _pressure;
-  TimeSpan _span; // from the start
+  TimeSpan _span; // relative to the start of the load
   PulseShape::Width _width;
   bool _is_wave;
   double _everywhere;
 };
 
-// Nodal loads of pressure on one quad with corners x, outward by the right-hand rule; X are the reference corners.
-// load_I = -integral p N_I (x_xi cross x_eta); the integrand is biquadratic for uniform p.
+// Nodal loads of a pressure on one quadrilateral with corners x, outward by the right-hand rule; X
+// are the reference corners. load_I = -integral p N_I (x_xi cross x_eta); the integrand is
+// biquadratic for uniform p.
 KOKKOS_INLINE_FUNCTION void quadPressureLoads(const MeanPressure& pressure, const Vec3 (&X)[4],
                                               const Vec3 (&x)[4], Vec3 (&load)[4]) {
   constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
@@ -83,21 +88,24 @@ KOKKOS_INLINE_FUNCTION void quadPressureLoads(const MeanPressure& pressure, cons
 
 class PressureLoad {
 public:
-  // `face_to_nodes` [face][4] local mesh nodes, outward normals; each face on one rank only.
+  // `face_to_nodes` [face][4] holds local mesh nodes with outward normals; each face is on one rank
+  // only.
   PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                const std::vector<int>& face_to_nodes);
 
-  // Adds the loads at X + u of the mean pressure over `span` to the external_force columns: the span that the kick covers,
-  // from the middle of the last step to the middle of the next, each beginning where the one before ended.
-  // Returns the number of corner loads on this rank beyond the range of the quantum, or NaN (they are not added);
-  // EnergyLedger::bookStep takes the count. Not collective.
+  // Adds the loads at X + u of the mean pressure over `span` to the external_force columns. The
+  // span is that of the kick, from the middle of the last step to the middle of the next, so that
+  // consecutive spans join. Returns the number of corner loads on this rank that are NaN or beyond
+  // the range of the quantum; these are not added, and EnergyLedger::bookStep takes the count. Not
+  // collective.
   std::int64_t add(const exec_space& space, const HexMesh& mesh,
                    const View<const double* [3]>& displacement, const TimeSpan& span,
                    const NodalForces& forces) const;
 
   const Pressure& pressure() const { return _pressure; }
   const View<int* [4]>& faceToNodes() const { return _face_to_nodes; }
-  // When the pulse has passed the last of this rank's faces: from then on add() does nothing. Infinite without an end.
+  // Time at which the pulse has passed the last of this rank's faces; add() does nothing
+  // afterwards. Infinite for a constant load.
   double end() const {
     return _end;
   }

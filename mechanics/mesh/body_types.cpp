@@ -13,17 +13,18 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Where a body's numbers begin and how large its elements are.
+// Lowest global ids of a body and the size of its elements.
 struct BodyOrigin {
   global_id body = -1, elem = INT64_MAX, node = INT64_MAX;
   double longest_edge = 0;
 };
-// The sum of its elements' hashes, which depends on no order.
+// Sum of the hashes of a body's elements; it does not depend on their order.
 struct BodyHash {
   global_id body = -1;
   std::uint64_t sum = 0;
 };
-// The lowest body of a type; the number that brings equal ones together is the hash.
+// The lowest body of a type. `body` holds the hash, so that combineByBody brings bodies with equal
+// hashes together.
 struct TypeOfBody {
   global_id body = -1;
   global_id lowest = -1;
@@ -60,7 +61,7 @@ std::uint64_t hashOf(const HostMesh& host, int elem, const BodyOrigin& origin) {
   cornersOf(host, elem, X);
   for (int c = 0; c < 8; ++c)
     hash.take(host.node_ids(host.elem_to_nodes(elem, c)) - origin.node);
-  // a little more than the edge, so that copies at a power of two agree
+  // slightly above the edge, so that copies with an edge of a power of two agree
   const int exponent = std::ilogb(1.001 * origin.longest_edge);
   hash.take(std::int64_t(exponent));
   const double units = std::ldexp(1.0, 24 - exponent);
@@ -101,7 +102,7 @@ BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& m
   });
 
   BodyTypes result;
-  // A cut body's first node is on one of its ranks at least, and perhaps on several: the one that owns it counts.
+  // The first node of a cut body may be on several ranks; only its owner counts the type.
   const auto is_owned = toHost(mesh.node_is_owned);
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
     const ElementRange& body = mesh.bodies[b];

@@ -9,7 +9,7 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// The only lattice that the corners of the body's first element allow.
+// The only lattice that is consistent with the corners of the body's first element.
 BrickLattice guessLattice(const HostMesh& host, const ElementRange& body) {
   const auto corner = [&](int c) { return host.elem_to_nodes(body.first, c); };
   BrickLattice lattice;
@@ -50,7 +50,7 @@ std::vector<BrickLattice> findBrickLattices(const exec_space& space, const HexMe
   const HostMesh host = copyToHost(space, mesh);
   std::vector<BrickLattice> lattices;
   int geometry_rows = 0;
-  std::map<global_id, int> rows; // of a body: several lattices of one would share nodes
+  std::map<global_id, int> rows; // ranges per body: several lattices of one body would share nodes
   for (const ElementRange& body : mesh.bodies)
     ++rows[body.body];
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
@@ -80,7 +80,7 @@ LatticeTables latticeTables(const exec_space& space, const std::vector<BrickLatt
   return tables;
 }
 
-// A slab sweeps the layer of elements below it too, so thin slabs cost more.
+// A slab also sweeps the layer of elements below it, so thin slabs cost more.
 std::vector<LatticeSlab> cutIntoSlabs(const std::vector<BrickLattice>& lattices,
                                       const std::vector<int>& rows, int threads) {
   std::int64_t num_elems = 0;

@@ -1,4 +1,5 @@
-// Values that ranks hold of bodies (or of anything with a number of its own) brought together, for set-up.
+// Combines values that several ranks hold for the same body (or any other numbered entity), for
+// set-up.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -8,9 +9,9 @@
 
 namespace brickwall::mechanics {
 
-// Each rank sends one value a body to the body's rendezvous rank (body modulo ranks), which combines them; the
-// combined values come back in the order sent. T has a number `body` >= 0. `combine(T& to, const T& from)` must give
-// the same for any order. Collective.
+// Each rank sends one value per body to the body's rendezvous rank (body modulo ranks), which
+// combines them; the combined values come back in the order sent. T has a member `body` >= 0.
+// `combine(T& to, const T& from)` must not depend on the order. Collective.
 template <class T, class CombineTwo>
 std::vector<T> combineByBody(MPI_Comm comm, const std::vector<T>& values, CombineTwo combine) {
   const int size = sizeOf(comm);

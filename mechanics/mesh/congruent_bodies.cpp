@@ -12,7 +12,7 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// A body's element of lowest global id, on one rank or on all.
+// The element of lowest global id of a body, on one rank or on all.
 struct Reference {
   global_id body = -1, elem = -1;
   double jacobian[3][3];
@@ -48,7 +48,8 @@ Reference localReference(const HostMesh& host, const ElementRange& body) {
   return reference;
 }
 
-// Whether every edge of X is the matching edge of the reference parallelepiped. Depends on this element alone.
+// Whether every edge of X matches the edge of the reference parallelepiped. Depends on this element
+// alone.
 bool isCongruent(const CornerCoordinates& X, const Reference& reference) {
   double magnitude = 0;
   for (int c = 0; c < 8; ++c)
@@ -73,7 +74,7 @@ bool isCongruent(const CornerCoordinates& X, const Reference& reference) {
 struct Verdict {
   global_id body = -1;
   std::int64_t congruent = 1;
-  std::int64_t ranges = 1; // of elements, on all ranks
+  std::int64_t ranges = 1; // of elements, over all ranks
 };
 
 } // namespace

@@ -1,5 +1,5 @@
-// Bodies whose elements are all the same parallelepiped of one material: their elements need no stored geometry
-// Decided per body from input data, the same on every rank.
+// Bodies whose elements are all the same parallelepiped of one material, so that no geometry is
+// stored per element. This is decided per body from input data, and is the same on every rank.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -10,12 +10,14 @@ namespace brickwall::mechanics {
 struct BodyShape {
   bool congruent = false;
   bool whole = false; // all elements of the body are on this rank
-  Mat3
-      jacobian; // dX/dxi of every element, half-edges as columns; of the body's element of lowest global id
+  // dX/dxi of the body's element of lowest global id, half-edges as columns; that of every element
+  // if congruent
+  Mat3 jacobian;
 };
 
-// One entry per mesh.bodies. Elements count as congruent when every edge vector agrees with those of the body's
-// element of lowest global id to 1e-12 of (that element's longest edge + 8 ulp of its coordinates). Collective.
+// One entry per mesh.bodies. Elements are congruent if every edge vector agrees with that of the
+// body's element of lowest global id to 1e-12 of (that element's longest edge + 8 ulp of its
+// coordinates). Collective.
 std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm comm,
                                            const HexMesh& mesh);
 

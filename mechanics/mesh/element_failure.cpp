@@ -43,7 +43,7 @@ GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMe
     return result;
   result.first_elem = first;
   result.reason = allReduce(comm, local.first_elem == first ? local.reason : 0, MPI_MAX);
-  // Only the rank that holds the element knows where it is.
+  // Only the rank that holds the element knows its position.
   double position[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   if (local.first_elem == first) {
     const HostMesh host = copyToHost(space, mesh);

@@ -1,4 +1,5 @@
-// What went wrong in an element, reduced to a count and the lowest global element id, and agreed over ranks.
+// Failures of elements, reduced to a count, the lowest global element id and its reason, and agreed
+// over ranks.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -10,11 +11,11 @@ namespace brickwall::mechanics {
 
 enum FailureReason : int { no_failure, inverted_element, not_a_number, force_overflow };
 
-// Reduced with PlusReducer<ElementFailure>: counts add, the lowest global id wins.
+// Reduced with PlusReducer<ElementFailure>: counts add, the lowest global id is kept.
 struct ElementFailure {
   std::int64_t count = 0;
   global_id first_elem = INT64_MAX; // global id
-  int reason = no_failure; // of first_elem
+  int reason = no_failure; // reason of first_elem
 
   KOKKOS_INLINE_FUNCTION void add(global_id elem, int why) {
     ++count;
@@ -33,7 +34,7 @@ struct ElementFailure {
   }
 };
 
-// The same on every rank.
+// The agreed failure, equal on every rank.
 struct GlobalFailure {
   std::int64_t count = 0;
   global_id first_elem = -1;
@@ -41,12 +42,12 @@ struct GlobalFailure {
   Vec3 position; // mean of the reference coordinates of the first element's corners
 };
 
-// Agrees on the first failed element of all ranks. Collective; for the failing path only, when the step's all-reduce
-// (EnergyLedger::bookStep) has found a count above zero.
+// Agrees on the first failed element of all ranks. Collective; called only after the step's
+// all-reduce (EnergyLedger::bookStep) has found a failure.
 GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                              const ElementFailure& local);
 
-// "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); 3 elements failed".
+// For example "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); 3 element(s) failed".
 std::string describe(const GlobalFailure& failure);
 
 } // namespace brickwall::mechanics

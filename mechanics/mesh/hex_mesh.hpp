@@ -1,4 +1,4 @@
-// One rank's hexahedral mesh on the device, with materials per block.
+// One rank's part of a hexahedral mesh on the device, with materials per block.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -10,7 +10,7 @@
 
 namespace brickwall::mechanics {
 
-// Elements [first, first + count) that are one body's on this rank. Bodies share no nodes.
+// Elements [first, first + count) of one body on this rank. Bodies share no nodes.
 struct ElementRange {
   int first = 0, count = 0;
   global_id body = -1; // number of the body, the same on every rank that holds a part of it
@@ -20,16 +20,16 @@ struct HexMesh {
   int num_nodes = 0;
   int num_elems = 0;
   View<int* [8]> elem_to_nodes; // [elem][corner], Exodus corner order
-  View<global_id*> elem_ids; // 0-based
-  View<global_id*> node_ids; // 0-based
-  View<unsigned char*> node_is_owned; // each node is owned by exactly one rank
+  View<global_id*> elem_ids; // [elem] 0-based
+  View<global_id*> node_ids; // [node] 0-based
+  View<unsigned char*> node_is_owned; // [node] each node is owned by exactly one rank
   View<int*> elem_block; // [elem] index into materials
   View<Material*> materials; // [block]
   View<double* [3]> reference_coordinates; // X [node][xyz], length
-  std::vector<ElementRange> bodies; // this rank's part of each body, contiguous elements
+  std::vector<ElementRange> bodies; // this rank's part of each body, consecutive elements
 };
 
-// The arrays of a mesh that kernels capture (no host containers).
+// The Views of a mesh that kernels capture, without host containers.
 struct MeshViews {
   View<const int* [8]> elem_to_nodes;
   View<const global_id*> elem_ids;
@@ -43,7 +43,8 @@ inline MeshViews viewsOf(const HexMesh& mesh) {
           mesh.elem_block,    mesh.materials, mesh.reference_coordinates};
 }
 
-// Ranks and local nodes shared with each, both sides in the same order: for SharedNodeSum.
+// Neighbour ranks and the local nodes shared with each, in the same order on both sides; for
+// SharedNodeSum.
 struct SharedNodeLists {
   std::vector<int> ranks;
   std::vector<std::vector<int>> nodes;

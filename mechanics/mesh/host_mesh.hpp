@@ -1,4 +1,4 @@
-// Host copies of a mesh for set-up code, and host vectors to the device.
+// Host copies of a mesh for set-up code.
 #pragma once
 
 #include "contact/base/to_device.hpp"
@@ -6,7 +6,7 @@
 
 namespace brickwall::mechanics {
 
-// Host mirrors of the arrays of a HexMesh (the same memory on host back ends).
+// Host mirrors of the Views of a HexMesh (the same memory on host back ends).
 struct HostMesh {
   View<int* [8]>::HostMirror elem_to_nodes;
   View<global_id*>::HostMirror elem_ids;

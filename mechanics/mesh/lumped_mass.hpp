@@ -1,5 +1,6 @@
-// Lumped nodal mass: rho V / 8 of each element at its corners, V by 2x2x2 Gauss (exact), summed in fixed point over
-// elements and ranks, so the same bits on any number of ranks.
+// Lumped nodal mass: rho V/8 of each element at each of its corners, with V by 2x2x2 Gauss
+// quadrature (exact); theory.md, equation (16). Summed in fixed point over elements and ranks, so
+// the bits do not depend on the number of ranks.
 #pragma once
 
 #include "mechanics/mesh/hex_mesh.hpp"
@@ -7,8 +8,8 @@
 
 namespace brickwall::mechanics {
 
-// Mass of every node [node], owned or not. Throws InputError (on all ranks) when an element's volume is not positive,
-// naming the element. Collective.
+// Mass of every node [node], owned or not. Throws InputError on all ranks, naming the element, if
+// an element's volume is not positive. Collective.
 View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                          SharedNodeSum& shared);
 

@@ -1,4 +1,4 @@
-// Kinematics and forces at the nodes. Every sharer of a node holds the same bits.
+// Kinematics and forces at the nodes. All ranks that share a node hold the same bits.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
@@ -11,10 +11,10 @@ struct NodalState {
   View<double*> mass; // lumped, summed over ranks
 };
 
-// Force kinds of the ledger; each is a group of 3 columns of NodalForces::values. Those of bulk viscosity are the last and
-// are there only in runs that have it.
+// Force kinds of the ledger; each is a group of 3 columns of NodalForces::values. The columns of
+// bulk viscosity come last and exist only in runs that use it.
 enum ForceKind : int {
-  internal_force, // of material and hourglass stiffness
+  internal_force, // material and hourglass stiffness
   contact_force,
   external_force,
   viscous_force,
@@ -24,10 +24,10 @@ inline int numForceColumns(bool has_viscosity) {
   return 3 * (has_viscosity ? num_force_kinds : viscous_force);
 }
 
-// Fixed-point nodal forces of this rank's elements and faces, in quanta; after the shared-node sum, totals.
-// Gravity is not here: it is exactly m g at each node.
+// Fixed-point nodal forces of this rank's elements and faces, in quanta; totals after the
+// shared-node sum. Gravity is not included: it is exactly m g at each node.
 struct NodalForces {
-  View<std::int64_t**> values; // [node][3 * kind + xyz], numForceColumns() of them
+  View<std::int64_t**> values; // [node][3 * kind + xyz], numForceColumns() columns
   Quantum quantum; // force of one unit
 };
 

@@ -1,4 +1,4 @@
-// Which nodes a kernel works on: all, or runs of consecutive ones.
+// Nodes that a kernel works on: all nodes, or runs of consecutive ones.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -16,8 +16,8 @@ struct NodeSelection {
 
   bool all = true;
   int num_nodes = 0; // of the mesh
-  View<const NodeRun*> runs; // else; none longer than nodes_per_run
-  bool others_rest = false; // those that are left out, some
+  View<const NodeRun*> runs; // used if not `all`; none is longer than nodes_per_run
+  bool others_rest = false; // some nodes are omitted, and they are at rest
 
   static NodeSelection allOf(int num_nodes) {
     NodeSelection all_nodes;
@@ -34,7 +34,7 @@ struct NodeSelection {
   }
 };
 
-// Adds the next node, the last one's follower or a later one.
+// Appends a node whose number is larger than that of the last one.
 inline void appendNode(int node, std::vector<NodeRun>& runs) {
   if (runs.empty() || runs.back().first + runs.back().count != node ||
       runs.back().count == NodeSelection::nodes_per_run)

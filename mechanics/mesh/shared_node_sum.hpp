@@ -1,5 +1,5 @@
-// Sums of partial nodal values over the ranks that share a node: one message per partner, every sharer then holds
-// the same total (int64, so exactly).
+// Sums of partial nodal values over the ranks that share a node: one message per partner, after
+// which every sharer holds the same total (int64, so exactly).
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
@@ -10,11 +10,12 @@ namespace brickwall::mechanics {
 class SharedNodeSum {
 public:
   SharedNodeSum() = default;
-  // Collective among sharers at use, not here. Throws InputError when `shared.ranks` and `shared.nodes` differ in size.
+  // Not collective; sum() is. Throws InputError if `shared.ranks` and `shared.nodes` differ in
+  // size.
   SharedNodeSum(const exec_space& space, MPI_Comm comm, const SharedNodeLists& shared);
 
-  // values(node, :) = sum of all sharers' values(node, :). View [node][W] of int64, W equal on all ranks.
-  // Collective among sharers.
+  // values(node, :) = sum of all sharers' values(node, :). View [node][W] of int64, with W equal on
+  // all ranks. Collective among sharers.
   void sum(const exec_space& space, const View<std::int64_t**>& values);
 
   const std::vector<int>& partners() const { return _plan.partners(); }

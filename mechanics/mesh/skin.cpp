@@ -49,13 +49,14 @@ struct LocalFace {
   int elem, side;
 };
 
-[[noreturn]] void complainOfThird(const HostMesh& host, int elem, int side) {
+[[noreturn]] void throwThirdElement(const HostMesh& host, int elem, int side) {
   throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
                    std::to_string(host.elem_ids(elem) + 1) + " belongs to more than two elements");
 }
 
-// Faces of this rank's elements that may be of the skin or on a cut, in the order of element, then side: what no other element of
-// this rank shares, and what one does but may belong to a third on another rank, since all its corners are shared.
+// Faces of this rank's elements that may be on the skin or on a cut between ranks, in the order of
+// element, then side: faces that no other element of this rank shares, and faces with only shared
+// corners, which may also belong to an element of another rank.
 std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
                                   const std::vector<char>& is_shared) {
   std::unordered_map<FaceKey, int, KeyHash> uses;
@@ -63,7 +64,7 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
   for (int elem = 0; elem < mesh.num_elems; ++elem)
     for (int side = 0; side < 6; ++side)
       if (++uses[keyOf(host, elem, side)] > 2)
-        complainOfThird(host, elem, side);
+        throwThirdElement(host, elem, side);
   std::vector<LocalFace> faces;
   for (int elem = 0; elem < mesh.num_elems; ++elem)
     for (int side = 0; side < 6; ++side) {
@@ -74,7 +75,7 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
   return faces;
 }
 
-// Only faces whose corners are all shared can lie on a cut.
+// Removes the faces on a cut. Only faces whose corners are all shared can lie on a cut.
 std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
                                    const std::vector<char>& is_shared,
                                    std::vector<LocalFace> faces) {
@@ -93,7 +94,7 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
   rethrowOnAllRanks(comm, [&] {
     for (std::size_t s = 0; s < suspects.size(); ++s)
       if (uses[s] > 2)
-        complainOfThird(host, faces[suspects[s]].elem, faces[suspects[s]].side);
+        throwThirdElement(host, faces[suspects[s]].elem, faces[suspects[s]].side);
   });
   std::size_t next = 0;
   faces.erase(std::remove_if(faces.begin(), faces.end(),
@@ -102,7 +103,8 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
   return faces;
 }
 
-// Surface node of each mesh node, or -1; a node is on the surface when it is so on any rank that shares it.
+// Surface node of each mesh node, or -1. A node is on the surface if it is so on any rank that
+// shares it.
 std::vector<int> surfaceNodes(MPI_Comm comm, const HexMesh& mesh, const HostMesh& host,
                               const SharedNodeLists& shared, const std::vector<LocalFace>& faces,
                               std::vector<int>& surface_to_node) {

@@ -5,13 +5,14 @@
 
 namespace brickwall::mechanics {
 
-// Local corners of the sides of a hex8 (Exodus order, 0-based), outward normal by the right-hand rule.
+// Local corners of the sides of a hex8 (Exodus order, 0-based); the normal is outward by the
+// right-hand rule.
 constexpr int hex8_sides[6][4] = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6},
                                   {0, 4, 7, 3}, {0, 3, 2, 1}, {4, 5, 6, 7}};
 
 struct Skin {
-  int num_faces = 0; // of elements here, in the order of local element, then side
-  int num_nodes = 0; // on the surface, if only by faces of other ranks that share the node
+  int num_faces = 0; // of elements of this rank, in the order of local element, then side
+  int num_nodes = 0; // on the surface, including those only on faces of other ranks
 
   View<int*> face_to_elem; // [face] local element
   View<int*> face_to_side; // [face] 0..5
@@ -21,12 +22,12 @@ struct Skin {
   View<int*> surface_to_node; // [surface node] mesh-local node, ascending
 };
 
-// Faces are matched by their four global node ids, between ranks by a rendezvous. Set-up time; collective.
-// Throws InputError on all ranks when three elements share a face.
+// Faces are matched by their four global node ids, between ranks by a rendezvous. Throws InputError
+// on all ranks if three elements share a face. For set-up; collective.
 Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
               const SharedNodeLists& shared);
 
-// Corner nodes [face][4] of given element sides, for side sets.
+// Corner nodes [face][4] of the given element sides, for side sets.
 std::vector<int> sideNodes(const HexMesh& mesh, const std::vector<int>& elems,
                            const std::vector<int>& sides);
 

@@ -1,4 +1,4 @@
-// What the ranks tell each other to find the skin of cut bodies. Set-up time, host data.
+// Exchanges between ranks to find the skin of cut bodies. Host code for set-up.
 #pragma once
 
 #include "contact/base/mpi.hpp"
@@ -12,11 +12,11 @@ namespace brickwall::mechanics {
 // The four global node ids of a face, ascending.
 using FaceKey = std::array<global_id, 4>;
 
-// For each face how many times the ranks together list it: each key meets its equals on rank (lowest id modulo
+// For each face, how often the ranks together list it. Equal keys meet on rank (lowest id modulo
 // ranks). Collective.
 std::vector<std::int64_t> countFacesOnAllRanks(MPI_Comm comm, const std::vector<FaceKey>& keys);
 
-// flag[node] becomes nonzero where it is so on any rank that shares the node. Collective.
+// flag[node] becomes nonzero if it is so on any rank that shares the node. Collective.
 void spreadToSharers(MPI_Comm comm, const SharedNodeLists& shared, std::vector<char>& flag);
 
 } // namespace brickwall::mechanics

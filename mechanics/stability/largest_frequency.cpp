@@ -16,14 +16,14 @@ namespace {
 
 using Vectors = View<double* [3]>;
 
-// Small bodies have more of them: all products of an element together take about a second.
+// Small bodies take more products; all products of an element together take about a second.
 int productsFor(std::int64_t num_elems) {
   constexpr std::int64_t least = 60, most = 120, elem_products = 1 << 22;
   return static_cast<int>(
       minOf(most, maxOf(least, elem_products / maxOf<std::int64_t>(num_elems, 1))));
 }
 
-// eps: see the header.
+// eps of the header.
 double shareMissed(std::int64_t unknowns, int products) {
   constexpr double chance = 1e-3;
   const double root =
@@ -31,13 +31,13 @@ double shareMissed(std::int64_t unknowns, int products) {
   return root * root;
 }
 
-// One body a type, as a mesh of its own.
+// One body of each type, as a mesh of its own.
 struct Representatives {
   HexMesh mesh;
   SharedNodeSum shared;
   View<double*> mass; // [node]
-  View<global_id*> seeds; // [node]: node id less the body's lowest, so that copies are alike
-  std::int64_t num_elems = 0, num_nodes = 0; // of all ranks
+  View<global_id*> seeds; // [node]: node id less the body's lowest, so that copies have equal seeds
+  std::int64_t num_elems = 0, num_nodes = 0; // over all ranks
 };
 
 Representatives representativesOf(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
@@ -47,7 +47,7 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
   const auto is_owned = toHost(mesh.node_is_owned);
   const auto host_mass = toHost(mass);
   Representatives chosen;
-  std::vector<int> local(static_cast<std::size_t>(mesh.num_nodes), -1); // node there of node here
+  std::vector<int> local(static_cast<std::size_t>(mesh.num_nodes), -1); // new node of each old node
   std::vector<int> elem_nodes, elem_block;
   std::vector<global_id> elem_ids, seeds;
   std::vector<unsigned char> owned;
@@ -80,7 +80,7 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
   chosen.num_nodes = allReduce(comm, chosen.num_nodes, MPI_SUM);
   SharedNodeLists lists;
   for (std::size_t p = 0; p < shared.ranks.size(); ++p) {
-    std::vector<int> nodes; // both sharers keep the same ones, in the same order
+    std::vector<int> nodes; // both sharers keep the same nodes in the same order
     for (const int node : shared.nodes[p])
       if (local[node] >= 0)
         nodes.push_back(local[node]);
@@ -122,7 +122,7 @@ View<Geometry*> geometriesOf(const exec_space& space, const HexMesh& mesh) {
   return geometries;
 }
 
-// sums += M^-1 K v over the element bound's omega^2, in units of `quantum`.
+// sums += M^-1 K v/omega^2 of the element bound, in units of `quantum`.
 template <class Geometry>
 struct AddProduct {
   MeshViews mesh;
@@ -150,7 +150,7 @@ struct AddProduct {
   }
 };
 
-// Everything of the iteration: w is the next direction, v the present one.
+// The Lanczos iteration: w is the next direction, v the present one.
 class Lanczos {
 public:
   Lanczos(const exec_space& space, MPI_Comm comm, Representatives& bodies)
@@ -160,13 +160,15 @@ public:
         _w("mechanics::largestFrequency::w", bodies.mesh.num_nodes),
         _sums("mechanics::largestFrequency::sums", bodies.mesh.num_nodes, 3) {}
 
-  // False where masses differ too much for fixed point: each |v_i| is at most sqrt(total mass/mass of the node).
+  // Returns false if the masses differ too much for fixed point: each |v_i| is at most sqrt(total
+  // mass/mass of the node).
   bool begin();
-  // One product; the residual is that of the largest value so far.
+  // One product; the residual is that of the largest Ritz value.
   template <class Geometry>
   void iterate(const View<Geometry*>& geometries, double omega_square);
 
-  // An eigenvalue to rounding. The start vector would have to lack a larger one to a dozen digits.
+  // The Ritz value is an eigenvalue up to rounding. To miss a larger one the start vector would
+  // have to lack it to a dozen digits.
   bool isConverged() const { return residual() <= 1e-12 * _ritz.value; }
 
   const RitzValue& ritz() const { return _ritz; }
@@ -242,7 +244,7 @@ struct FromSums {
   }
 };
 
-// w -= alpha v + beta before; then before and v move on.
+// w -= alpha v + beta before; then `before` takes the place of v.
 struct Orthogonalise {
   double alpha, beta;
   Vectors before, v, w;

@@ -1,5 +1,5 @@
-// Largest eigenvalue of a symmetric tridiagonal matrix and the last component of its vector: what Lanczos needs to know how
-// far it is. Host.
+// Largest eigenvalue of a symmetric tridiagonal matrix and the last component of its eigenvector,
+// for the Lanczos method. Host.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,9 @@ struct RitzValue {
   double last = 1; // |component| of the unit eigenvector in the last row
 };
 
-// Diagonal alpha [n], off-diagonal beta [n - 1] or more, all > 0. By bisection (Sturm: the ratios of the leading minors of
-// x - T are positive for x above all eigenvalues) and by the vector's recurrence from its end, where it is small.
+// Diagonal alpha [n], off-diagonal beta [n - 1] or more, all > 0. By bisection (Sturm: the ratios
+// of the leading minors of x - T are positive for x above all eigenvalues) and by the recurrence of
+// the eigenvector from its end, where it is small.
 inline RitzValue largestRitzValue(const std::vector<double>& alpha,
                                   const std::vector<double>& beta) {
   const std::size_t n = alpha.size();

@@ -9,8 +9,8 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Smallest dt of elements and, of equals, the lowest global element id; and the largest of what changes the frequencies of
-// whole bodies.
+// Smallest dt of elements with, among equals, the lowest global element id, and the largest changes
+// of the frequencies of whole bodies.
 struct Limits {
   double dt = HUGE_VAL;
   global_id elem = INT64_MAX;
@@ -40,15 +40,16 @@ StableTimeStep agree(MPI_Comm comm, const Limits& local) {
   return result;
 }
 
-// The step that whole bodies allow, by what is largest over all ranks; 0 where it is not known to be longer than that of elements.
+// The step of whole bodies from the largest values over all ranks; 0 if it is not known to be
+// longer than that of elements.
 double stepOfBodies(double viscous, double growth_of_elements, double turn,
                     const StabilityTerms& load, const RestFrequency& rest) {
   if (!(rest.bodies < rest.elements))
     return 0;
-  const double left = 1 - load.contact, growth = growth_of_elements / left;
+  const double remaining = 1 - load.contact, growth = growth_of_elements / remaining;
   const double omega = std::sqrt(rest.bodies + growth) + turn * std::sqrt(rest.elements + growth);
-  const double step = viscousStep(2 / omega, viscous / left);
-  return step > 0 ? step : 0; // not for NaN
+  const double step = viscousStep(2 / omega, viscous / remaining);
+  return step > 0 ? step : 0; // 0 for NaN
 }
 double stepOfBodies(MPI_Comm comm, const Limits& local, const StabilityTerms& load,
                     const RestFrequency& rest) {
@@ -86,7 +87,8 @@ struct LimitsAtRest {
   }
 };
 
-// With `is_quick` norms stand for eigenvalues, and the elements' own step is not found (unless they failed).
+// With `is_quick` norms replace eigenvalues, and the elements' own step is not found (unless they
+// failed).
 struct LimitsAtDeformation {
   MeshViews mesh;
   StabilityTerms load;
@@ -147,8 +149,9 @@ struct LimitsAtDeformation {
 ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                                   const StabilityTerms& load) {
   Limits limits;
-  Kokkos::parallel_reduce("mechanics::findElementsAtRest", rangePolicy(space, mesh.num_elems),
-                          LimitsAtRest{viewsOf(mesh), load}, PlusReducer<Limits>(limits));
+  Kokkos::parallel_reduce("mechanics::findElementsAtRest::elements",
+                          rangePolicy(space, mesh.num_elems), LimitsAtRest{viewsOf(mesh), load},
+                          PlusReducer<Limits>(limits));
   space.fence();
   return {agree(comm, limits), allReduce(comm, limits.bare, MPI_MIN),
           allReduce(comm, limits.viscous, MPI_MAX)};
@@ -174,7 +177,7 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
   const auto limitsOf = [&](bool is_quick) {
     Limits limits;
     Kokkos::parallel_reduce(
-        "mechanics::stableTimeStep::deformed", rangePolicy(space, mesh.num_elems),
+        "mechanics::stableTimeStep::elements", rangePolicy(space, mesh.num_elems),
         LimitsAtDeformation{viewsOf(mesh), load, displacement, is_quick, is_for_bodies},
         PlusReducer<Limits>(limits));
     space.fence();
@@ -194,14 +197,14 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
 }
 
 double contactMassFraction(double penalty, double damping, bool edges) {
-  // As forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) taken at v^{n-1/2}. mult: how often a node's
-  // mass is pushed along one direction.
+  // In terms of forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) at
+  // v^{n-1/2}. mult is the number of contacts that act on a node's mass along one direction.
   const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
   constexpr double most = 0.99; // a tenth of the step is left
   if (!(penalty >= 0 && 0.25 * mult * penalty < most))
     throw InputError("contact.penalty = " + std::to_string(penalty) + "; a value in [0, " +
                      std::to_string(4 * most / mult) + ") is needed" +
-                     (edges ? ", with contact.edges = false more" : ""));
+                     (edges ? "; contact.edges = false allows more" : ""));
   if (!(damping >= 0))
     throw InputError("contact.damping = " + std::to_string(damping) + "; a value >= 0 is needed");
   const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
@@ -222,12 +225,13 @@ double penaltyForMassFraction(double undamped, double damping) {
 
 View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
                                const View<const int*>& surface_to_node, double contact_load) {
-  const auto left = allocate<View<double*>>(space, "mechanics::massUnderContact", mass.extent(0));
-  Kokkos::deep_copy(space, left, mass);
+  const auto reduced =
+      allocate<View<double*>>(space, "mechanics::massUnderContact::mass", mass.extent(0));
+  Kokkos::deep_copy(space, reduced, mass);
   Kokkos::parallel_for(
-      "mechanics::massUnderContact", rangePolicy(space, surface_to_node.extent(0)),
-      KOKKOS_LAMBDA(const std::int64_t s) { left(surface_to_node(s)) *= 1 - contact_load; });
-  return left;
+      "mechanics::massUnderContact::nodes", rangePolicy(space, surface_to_node.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t s) { reduced(surface_to_node(s)) *= 1 - contact_load; });
+  return reduced;
 }
 
 } // namespace brickwall::mechanics

@@ -1,4 +1,5 @@
-// Point-wise parts of the stable step: one element's shape, its largest omega^2, and how that changes as it deforms.
+// Point-wise parts of the stable time step: an element's shape, its largest omega^2, and the change
+// of omega^2 as it deforms.
 #pragma once
 
 #include "mechanics/element/hex8_geometry.hpp"
@@ -8,11 +9,11 @@
 
 namespace brickwall::mechanics {
 
-// The element's geometry as the bound needs it.
+// Geometry of an element for the bounds.
 struct ElementShape {
   double b[num_modes][3]; // modes of the mean gradient
   double hourglass[num_hourglass_modes][3]; // h_a . X
-  double inverse_length[3]; // of the half-edges
+  double inverse_length[3]; // of half-edges
   Mat3 gram; // G
   double length; // l of bulk viscosity
   bool parallelepiped;
@@ -43,13 +44,13 @@ KOKKOS_INLINE_FUNCTION ElementShape shapeOf(const MeshViews& mesh, int elem) {
   return shape;
 }
 
-// The bound is exact on parallelepipeds; elsewhere hourglass modes couple in.
+// The bound is exact on parallelepipeds; elsewhere hourglass modes couple with the mean gradient.
 KOKKOS_INLINE_FUNCTION double stepOf(double omega_square, bool parallelepiped) {
   return (parallelepiped ? 2.0 : 2.0 * 0.98) / std::sqrt(omega_square);
 }
 
-// c = (8/rho) l rho c_d xi tr G, G of the present configuration: the viscous stress is proportional to tr D alone, so
-// the element's C has this one eigenvalue.
+// c = (8/rho) l rho c_d xi tr G with G of the present configuration. The viscous stress is
+// proportional to tr D alone, so the element's C has this single nonzero eigenvalue.
 KOKKOS_INLINE_FUNCTION double viscousRate(const StabilityTerms& load, const Material& material,
                                           double length, double gram_trace) {
   const BulkViscosity& b = load.viscosity;
@@ -64,13 +65,14 @@ KOKKOS_INLINE_FUNCTION double viscousStep(double step, double c) {
   const double xi = 0.25 * c * step;
   return step / (xi + std::sqrt(xi * xi + 1));
 }
-// The same with a mass that is smaller by contact's share.
+// The same with a mass reduced by contact's fraction.
 KOKKOS_INLINE_FUNCTION double loadedStep(double step, double c, const StabilityTerms& load) {
-  const double left = 1 - load.contact;
-  return viscousStep(step * std::sqrt(left), c / left);
+  const double remaining = 1 - load.contact;
+  return viscousStep(step * std::sqrt(remaining), c / remaining);
 }
 
-// L^T A L with G = L L^T: the moduli dP/dH on the mean gradients. Its largest eigenvalue times 8/rho is omega^2.
+// L^T A L with G = L L^T: the moduli dP/dH on the mean gradients. Its largest eigenvalue times
+// 8/rho is omega^2.
 KOKKOS_INLINE_FUNCTION void onMeanGradients(const double (&A)[9][9], const Mat3& gram,
                                             double (&matrix)[9][9]) {
   double L[3][3], half[9][9]; // A L
@@ -93,7 +95,7 @@ KOKKOS_INLINE_FUNCTION void onMeanGradients(const double (&A)[9][9], const Mat3&
       }
 }
 
-// Largest sum of magnitudes of a row: no eigenvalue is larger.
+// Largest row sum of magnitudes, a bound of all eigenvalues.
 template <int N>
 KOKKOS_INLINE_FUNCTION double largestRow(const double (&matrix)[N][N]) {
   double largest = 0;
@@ -106,7 +108,8 @@ KOKKOS_INLINE_FUNCTION double largestRow(const double (&matrix)[N][N]) {
   return largest;
 }
 
-// A(U) - A(0) with F = R U: A_mjnl R_mi R_nk less the moduli at rest. The linear material's do not change.
+// A(U) - A(0) with F = R U: A_mjnl R_mi R_nk less the moduli at rest. Those of the linear material
+// do not change.
 KOKKOS_INLINE_FUNCTION void changeOfModuli(const double (&A)[9][9], const double (&H)[3][3],
                                            const Material& material, double (&change)[9][9]) {
   double rest[9][9], half[9][9];
@@ -134,23 +137,24 @@ KOKKOS_INLINE_FUNCTION void changeOfModuli(const double (&A)[9][9], const double
                                half[6 + j][c] * R(2, i) - rest[3 * i + j][c];
 }
 
-// Growth of the hourglass modes' omega^2: at most max(4 mu, E/(1 - nu))/(3 rho a^2) at rest, a the least half-edge, times
-// the square of the longest stretch.
+// Growth of the hourglass modes' omega^2: at most max(4 mu, E/(1 - nu))/(3 rho a^2) at rest, with a
+// the shortest half-edge, times the square of the largest stretch.
 KOKKOS_INLINE_FUNCTION double hourglassGrowth(const double (&H)[3][3], const Material& material,
                                               const ElementShape& shape) {
   double C[3][3]; // F^T F - I
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       C[i][j] = H[i][j] + H[j][i] + H[0][i] * H[0][j] + H[1][i] * H[1][j] + H[2][i] * H[2][j];
-  double shortest = 0; // its inverse
+  double shortest = 0; // inverse length
   for (int j = 0; j < 3; ++j)
     shortest = maxOf(shortest, shape.inverse_length[j]);
   const double modulus = maxOf(4 * material.mu(), material.youngs / (1 - material.poisson));
   return largestRow(C) * modulus * shortest * shortest / (3 * material.density);
 }
 
-// How far the corners turn against the element's mean rotation: |F - F_corner| / sqrt(2) with F_corner - F = sum of
-// g_a (x) grad h_a, the gradients of unit size along the half-edges they know.
+// Bound of the rotation of corners relative to the element's mean rotation: |F - F_corner|/sqrt(2)
+// with F_corner - F = sum of g_a (x) grad h_a, whose gradients have unit size along the half-edges
+// on which they depend.
 KOKKOS_INLINE_FUNCTION double turnOfCorners(const double (&u)[3][num_modes],
                                             const double (&H)[3][3], const ElementShape& shape) {
   double square[3]; // 1/length^2
@@ -170,7 +174,7 @@ KOKKOS_INLINE_FUNCTION double turnOfCorners(const double (&u)[3][num_modes],
   return turn;
 }
 
-// tr(F^-T G F^-1); of G itself for the small-strain material.
+// tr(F^-T G F^-1), or tr G for the linear material.
 KOKKOS_INLINE_FUNCTION double deformedTrace(const double (&H)[3][3], const Mat3& gram,
                                             MaterialModel model) {
   double F[3][3], c[3][3], sum = 0;

@@ -9,7 +9,7 @@ namespace brickwall::mechanics {
 void drift(const exec_space& space, double dt, const NodalState& state) {
   const auto u = state.displacement;
   const auto v = state.velocity;
-  if (u.span_is_contiguous() && v.span_is_contiguous()) { // and of one layout
+  if (u.span_is_contiguous() && v.span_is_contiguous()) { // and of the same layout
     double* const to = u.data();
     const double* const from = v.data();
     Kokkos::parallel_for(
@@ -43,7 +43,8 @@ void drift(const exec_space& space, double dt, const NodalState& state,
 
 namespace {
 
-// Runs of nodes in packs of W, on a host. Nodes that anything but the internal force acts on are kicked one by one.
+// Kicks runs of nodes in packs of W, on a host. Nodes with other forces than the internal force are
+// kicked one at a time.
 template <int kinds, int W>
 struct KickRuns {
   KickNode<kinds> node_kick;
@@ -59,7 +60,7 @@ struct KickRuns {
           node_kick(node, sums);
   }
 
-  // Does nothing and returns false when other forces act.
+  // Returns false without any effect if other forces act.
   bool kickPack(PackKicker<kinds, W>& kicker, std::int64_t first) const {
     const std::int64_t* const rows = &node_kick.forces(first, 0);
     std::int64_t force[3][W], is_owned[W], others = 0;
@@ -93,7 +94,7 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
     Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.numRuns()),
                             KickRuns<kinds, simd_width>{functor, nodes},
                             PlusReducer<KickSums>(sums));
-  else // a device: all nodes; those that are left out are at rest and stay so
+  else // On a device all nodes are kicked; the omitted ones are at rest and remain so.
     Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.num_nodes), functor,
                             PlusReducer<KickSums>(sums));
   space.fence();
@@ -124,7 +125,7 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
                       ? launch(std::integral_constant<int, num_force_kinds>())
                       : launch(std::integral_constant<int, viscous_force>());
   if (nodes.others_rest && !(dot(test.around, test.around) <= test.limit * test.limit))
-    ++sums.sum[kick_fast_nodes].high; // what rests is fast against the mean
+    ++sums.sum[kick_fast_nodes].high; // The resting nodes are fast relative to the mean.
   return sums;
 }
 

@@ -1,5 +1,5 @@
-// Central differences with velocities at half steps: drift and kick, the kick together with the
-// sums of the energy ledger.
+// Central differences with velocities at half steps (leapfrog): drift and kick, the kick together
+// with the sums of the energy ledger; theory.md, equations (17) to (19).
 #pragma once
 
 #include "mechanics/ledger/ledger_sums.hpp"
@@ -10,20 +10,24 @@
 
 namespace brickwall::mechanics {
 
-// u^{n+1} = u^n + dt v^{n+1/2}. Prescribed components need no more: their velocity is prescribed.
+// u^{n+1} = u^n + dt v^{n+1/2}, equation (17). Prescribed components need no special treatment,
+// since their velocity is prescribed.
 void drift(const exec_space& space, double dt, const NodalState& state);
 
-// The same of some nodes.
+// The same for a selection of nodes.
 void drift(const exec_space& space, double dt, const NodalState& state, const NodeSelection& nodes);
 
-// v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, then prescribed components, with dt = (dt^- + dt^+)/2, or
-// dt^+/2 for the start from v^0; a dt < 0 takes part of a kick back. Damping by mass adds the force
-// -alpha m (v^{n-1/2} + v^{n+1/2})/2, solved for exactly, so that it takes dt alpha m |mean v|^2 of energy in any step: no step
-// is too long for it. `drift` is from t^n to t^{n+1}, what the new velocity is for. `forces` are totals (after the shared-node sum). Returns this rank's ledger sums over owned nodes. Not collective; fences.
+// v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, equation (18), then prescribed components.
+// dt = (dt^- + dt^+)/2, or dt^+/2 for the start from v^0; a dt < 0 takes part of a kick back.
+// Mass-proportional damping adds the force -alpha m (v^{n-1/2} + v^{n+1/2})/2, equation (19),
+// solved exactly, so that it dissipates dt alpha m |mean v|^2 and does not limit the time step.
+// `drift` spans t^n to t^{n+1}, where the new velocity applies. `forces` are totals (after the
+// shared-node sum). Returns this rank's ledger sums over owned nodes. Not collective; fences.
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test = {});
-// The same of some nodes. Where the others rest, these count as one node that is tested for its speed.
+// The same for a selection of nodes. If the others rest, they count as one node in the test of
+// speeds.
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes);

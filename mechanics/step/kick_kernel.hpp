@@ -1,5 +1,5 @@
-// The kick of one node, or of the nodes in the lanes of a pack, with their terms of the ledger. Included by
-// central_difference.cpp and the sweeps over bricks only.
+// The kick of one node, or of the nodes in the lanes of a pack, with their terms of the ledger.
+// Included by central_difference.cpp and the sweeps over free bricks only.
 #pragma once
 
 #include "contact/base/lane_sums.hpp"
@@ -9,7 +9,7 @@
 
 namespace brickwall::mechanics {
 
-// Terms that every kicked node has, in an order of their own.
+// Ledger terms that every kicked node has, numbered consecutively.
 constexpr int num_plain_kick_terms = 10;
 enum PlainKickTerm : int {
   plain_kinetic,
@@ -26,12 +26,13 @@ struct PlainKickTerms {
       kick_angular + 1, kick_angular + 2};
 };
 
-// What every node's kick is made of: `old` velocity, mass, x and the internal force.
+// Operands of a node's kick: the velocity `old` before it, mass, current position x and internal
+// force.
 template <class Real>
 struct NodeKick {
   Real old[3], v[3], x[3], force[3], mass;
 
-  // v = old + (dt/m) total + dt g; a node without elements has no mass.
+  // v = old + (dt/m) total + dt g. A node without elements has no mass.
   KOKKOS_FORCEINLINE_FUNCTION void accelerate(const Real (&total)[3], double dt,
                                               const Vec3& gravity) {
     const Real per_mass = whereNotZero(mass, Real(dt / mass));
@@ -59,7 +60,7 @@ struct NodeKick {
   }
 };
 
-// The first `kinds` of the force kinds have columns.
+// The kick of a node with columns for the first `kinds` force kinds.
 template <int kinds>
 struct KickNode {
   View<const double*[3]> reference, displacement;
@@ -72,12 +73,13 @@ struct KickNode {
   LedgerScales scales;
   SpeedTest test;
 
-  // The impulse of damping by mass between two velocities: -dt alpha m (old + v)/2.
+  // The impulse of mass-proportional damping between two velocities: -dt alpha m (old + v)/2.
   KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
     return (-0.5 * dt * boundary.mass_damping * m) * (old + v);
   }
 
-  // Damping and prescribed motion change the free velocity; `reaction` is the impulse that a prescribed motion needed.
+  // Applies damping and prescribed motion to the free velocity; `reaction` is the impulse of the
+  // prescribed motion.
   KOKKOS_INLINE_FUNCTION void constrain(std::int64_t node, const Vec3& total,
                                         NodeKick<double>& kick, Vec3& reaction) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]};
@@ -177,7 +179,7 @@ struct KickNode {
       ++sums.sum[kick_fast_nodes].high;
   }
 
-  // Of what is no force column, with its work and its moment.
+  // Adds an impulse that has no force column, with its work and its moment.
   KOKKOS_INLINE_FUNCTION void addImpulse(KickSums& sums, const Vec3& x, const Vec3& impulse,
                                          const Vec3& mean_velocity, int work_term, int impulse_term,
                                          int moment_term) const {
@@ -195,7 +197,7 @@ struct KickNode {
   }
 };
 
-// Kicks packs of consecutive nodes and keeps their sums. Host code.
+// Kicks packs of consecutive nodes and accumulates their ledger sums. Host code.
 template <int kinds, int W>
 class PackKicker {
 public:
@@ -213,7 +215,7 @@ public:
   PackKicker(const PackKicker&) = delete;
   PackKicker& operator=(const PackKicker&) = delete;
 
-  // Whether kickPlain() will do for nodes [first, first + W): none has a prescribed motion.
+  // Whether kickPlain() applies to nodes [first, first + W): no damping, no prescribed motion.
   KOKKOS_FORCEINLINE_FUNCTION bool isFree(std::int64_t first) const {
     if (_node_kick.boundary.mass_damping > 0)
       return false;
@@ -225,7 +227,7 @@ public:
       any |= word;
     return any == 0;
   }
-  // The same for the first `count` of them.
+  // The same for the first `count` nodes.
   bool isFree(std::int64_t first, int count) const {
     if (_node_kick.boundary.mass_damping > 0)
       return false;
@@ -236,12 +238,12 @@ public:
     return any == 0;
   }
 
-  // Nodes [first, first + W), all owned, by the internal force `f` alone.
+  // Kicks nodes [first, first + W), all owned, by the internal force `f` alone.
   KOKKOS_FORCEINLINE_FUNCTION void kickPlain(std::int64_t first, const Integer (&f)[3]) {
     kickLanes(
         first, W, f, [](const Real& a) { return a; }, [] { return firstLanes<W>(W); });
   }
-  // The first `count` of them. `owned`: those of them that are owned.
+  // Kicks the first `count` nodes; `owned` marks those that are owned.
   __attribute__((noinline)) void kickSome(std::int64_t first, int count, const Integer (&f)[3],
                                           const Mask& owned) {
     kickLanes(
@@ -249,12 +251,14 @@ public:
         [&] { return owned; });
   }
 
-  void kickOne(std::int64_t node, const std::int64_t (&columns)[3 * kinds]) {
+  // Kicks one node. Not inlined, since it is rare and would fill the instruction cache of the sweeps.
+  __attribute__((noinline)) void kickOne(std::int64_t node,
+                                         const std::int64_t (&columns)[3 * kinds]) {
     _node_kick.kickByColumns(node, columns, _sums);
   }
 
 private:
-  // `ifOwned` of a number in all lanes is 0 in those that are not owned, which `owned` tells.
+  // `ifOwned` sets a number to 0 in the lanes that are not owned; `owned` returns the mask.
   template <class IfOwned, class Owned>
   KOKKOS_FORCEINLINE_FUNCTION void kickLanes(std::int64_t first, int count, const Integer (&f)[3],
                                              const IfOwned& ifOwned, const Owned& owned) {

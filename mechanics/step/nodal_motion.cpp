@@ -10,7 +10,7 @@ void undoKickAndDrift(const exec_space& space, const HexMesh& mesh,
       nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
   const auto u = state.displacement, v = state.velocity;
   Kokkos::parallel_for(
-      "mechanics::undoKickAndDrift", rangePolicy(space, mesh.num_nodes),
+      "mechanics::undoKickAndDrift::nodes", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d) {
           v(node, d) = motion.isPrescribed(node, d)

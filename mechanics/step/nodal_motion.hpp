@@ -1,5 +1,5 @@
-// How the summed forces and damping by mass move a node, for host and device: its acceleration, and its velocity before a
-// kick.
+// Acceleration of a node by the summed forces and mass-proportional damping, and the inverse of a
+// kick, for host and device.
 #pragma once
 
 #include "contact/base/vec3.hpp"
@@ -22,7 +22,7 @@ struct NodalMotion {
   KOKKOS_INLINE_FUNCTION bool isPrescribed(std::int64_t node, int d) const {
     return any_prescribed && motion(node, d);
   }
-  // By all forces and gravity, without damping; 0 where the motion is prescribed.
+  // Acceleration by all forces and gravity, without damping; 0 where the motion is prescribed.
   KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d) const {
     if (isPrescribed(node, d))
       return 0;
@@ -31,14 +31,14 @@ struct NodalMotion {
       force += values(node, column);
     return static_cast<double>(force) * quantum / mass(node) + gravity[d];
   }
-  // (v+ - v)/dt of a kick from v, damping included.
+  // (v+ - v)/dt of a kick from v, including damping.
   KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d, double v, double dt) const {
     const double free = acceleration(node, d);
     if (!(damping > 0) || isPrescribed(node, d))
       return free;
     return (free - damping * v) / (1 + 0.5 * dt * damping);
   }
-  // The velocity from which a kick over dt leads to v. Needs dt * damping < 2.
+  // The velocity from which a kick over dt leads to v. Requires dt * damping < 2.
   KOKKOS_INLINE_FUNCTION double velocityBefore(std::int64_t node, int d, double v,
                                                double dt) const {
     const double before = v - dt * acceleration(node, d);
@@ -57,8 +57,10 @@ NodalMotion<Values, Masses, Motions> nodalMotion(const Values& values, const Mas
           boundary.any()};
 }
 
-// v^{n+1/2} -> v^{n-1/2} with the forces and the step `dt_kick` of the kick, then u^n -> u^{n-1} with the drift over t^{n-1} to
-// t^n, of length `dt_drift`. Prescribed components get back the velocity that they had in this drift.
+// Undoes a kick and the preceding drift, up to rounding, so that the last good state can be written
+// after a failed step. v^{n+1/2} -> v^{n-1/2} with the forces and the step `dt_kick` of the kick,
+// then u^n -> u^{n-1} over the drift from t^{n-1} to t^n of length `dt_drift`. Prescribed
+// components get the velocity that they had in this drift.
 void undoKickAndDrift(const exec_space& space, const HexMesh& mesh,
                       const BoundaryConditions& boundary, const TimeSpan& drift, double dt_kick,
                       double dt_drift, const NodalForces& forces, const NodalState& state);

@@ -10,7 +10,8 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// The first row of each row's body: where a body has several blocks, its elements need not follow each other.
+// First row of the body of each row. The elements of a body with several blocks need not be
+// consecutive.
 std::vector<int> firstRows(const HexMesh& mesh) {
   std::map<global_id, int> first;
   std::vector<int> rows;
@@ -19,7 +20,7 @@ std::vector<int> firstRows(const HexMesh& mesh) {
   return rows;
 }
 
-// [node] first row of its body; `none` for a node of no element here.
+// [node] first row of its body; `none` for a node without elements on this rank.
 std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh,
                              const std::vector<int>& first_row, int none) {
   std::vector<int> body_of(mesh.num_nodes, none);
@@ -30,7 +31,7 @@ std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh,
   return body_of;
 }
 
-// A zero below zero counts: a kick makes it a plain one.
+// A negative zero counts as motion, since a kick changes it to a positive zero.
 bool moves(const View<double* [3]>::HostMirror& field, int node) {
   bool any = false;
   for (int i = 0; i < 3; ++i)
@@ -88,7 +89,7 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
   selectMoving(space);
 }
 
-// Whole runs of the bodies that move; all nodes at once where none rests.
+// Selects whole runs of the moving bodies, or all nodes if no body rests.
 void RestingBodies::selectMoving(const exec_space& space) {
   space.fence();
   Kokkos::deep_copy(_host_flags, _flags);

@@ -179,7 +179,7 @@ private:
     if (_has_large_strain)
       return;
     const mechanics::NeglectedStrain neglected = neglectedStrain(_simulation);
-    _has_large_strain = neglected.strain > mechanics::large_left_out_strain;
+    _has_large_strain = neglected.strain > mechanics::large_neglected_strain;
     if (!_has_large_strain)
       return;
     const Clock& clock = _simulation.clock();

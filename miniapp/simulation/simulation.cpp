@@ -207,7 +207,7 @@ const mechanics::NodalForces& Simulation::forces() {
   if (!_step.has_all_forces) {
     if (_other_nodes.numRuns() == 0)
       allocateForces();
-    _internal_force->addLeftOut(_space, _state.displacement, _forces);
+    _internal_force->addSkippedLattices(_space, _state.displacement, _forces);
     _step.has_all_forces = true;
   }
   return _forces;

@@ -102,7 +102,7 @@ void Simulation::findRestingBodies() {
   _resting =
       mechanics::RestingBodies(_space, _scene.mesh, _state, prescribedMotions(_config, _scene.part),
                                _boundary.gravity(), may_be_pushed);
-  _internal_force->leaveOutResting(_resting.flags());
+  _internal_force->skipRestingBodies(_resting.flags());
 }
 
 } // namespace brickwall::miniapp

@@ -1,11 +1,12 @@
-// Planes of a lattice whose forces are added to the nodal forces. Included by lattice_force*.cpp only.
+// Planes of a lattice for InternalForce: displacements are read, and forces are added to the nodal
+// forces. Included by lattice_force*.cpp only.
 #pragma once
 
 #include "mechanics/force/lattice/lattice_sweep.hpp"
 
 namespace brickwall::mechanics {
 
-// Displacements in, forces out.
+// Implements the `Planes` of lattice_sweep.hpp.
 template <int W>
 struct ForcePlanes {
   static constexpr bool always_with_energy = false;

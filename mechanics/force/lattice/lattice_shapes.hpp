@@ -1,5 +1,5 @@
-// Shapes of a lattice's elements as a sweep reads them: one for all, or stored, W elements at a time. Included by
-// lattice_sweep.hpp only.
+// Shapes of a lattice's elements for a sweep: one shared shape, or stored shapes, W elements at a
+// time. Included by lattice_sweep.hpp only.
 #pragma once
 
 #include "contact/base/pack_memory.hpp"
@@ -7,7 +7,7 @@
 
 namespace brickwall::mechanics {
 
-// One shape: at(layer, p) is {geometry, stiffness} of the elements at p.
+// One shared shape. at(layer, p) is {geometry, stiffness} of the elements at p.
 template <class Shape>
 class SharedShape {
 public:
@@ -38,8 +38,8 @@ public:
         _layer_packs(lattice.layerPacks()) {}
   KOKKOS_FORCEINLINE_FUNCTION Elements at(int layer, int p) const {
     const int row = _first_row + layer * _layer_packs + p / W;
-    // All at once, before any of it is used: what is not there yet then comes in together; later rows after it. Those go to
-    // the second-level cache: the first holds what the sweep keeps.
+    // The whole row is loaded before its first use, so that cache misses overlap. Later rows are
+    // prefetched into the second-level cache; the first level holds the buffers of the sweep.
     Elements elements;
     loadGeometry(_a.tables, row, 0, elements.geometry);
     for (int k = 0; k < Geometry::size; ++k)

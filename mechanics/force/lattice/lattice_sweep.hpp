@@ -1,12 +1,11 @@
-// A sweep over a lattice of elements, plane by plane of nodes: no connectivity, no atomic
-// additions. Lanes are consecutive nodes p = i + (nx+1) j of a plane; the element whose lowest corner is p goes with them, and
-// at the end of a row (i = nx), where there is none, its displacements are masked to zero:
-//
-//     j=1   n n n n|n         one element in five is none when nx = 4
+// A sweep over a lattice of elements, plane by plane of nodes, without connectivity and atomic
+// additions. Lanes are consecutive nodes p = i + (nx+1) j of a plane. The element whose lowest
+// corner is p shares its lane; at the end of a row (i = nx) there is no element, and the
+// displacements are masked to zero:
+//     j=1   n n n n|n         one lane in five has no element if nx = 4
 //     j=0   e e e e|-  ->     p = 0 .. 4, 5 .. 9, ...
-//
-// Elements are those of the other kernels, bit for bit, and integers add up in any order, so the forces are theirs too.
-// Host code. Included by lattice_force.cpp and free_bricks.cpp only.
+// The element functions are those of pack_forces.cpp, and integer sums do not depend on the order,
+// so the forces have the same bits. Host code.
 #pragma once
 
 #include "contact/base/lane_sums.hpp"
@@ -15,8 +14,9 @@
 
 namespace brickwall::mechanics {
 
-// What the elements of a slab do. `Planes` brings the displacements of a plane and takes its forces, W nodes at a time:
-//   planes.load(plane, buffers), planes.finish(plane, p, forces)
+// The sweep over the elements of a slab. `Planes` provides the displacements of a plane and
+// receives its forces, W nodes at a time:
+//   planes.load(plane, buffers), planes.finish(plane, p, forces), Planes::always_with_energy
 template <MaterialModel model, class Shapes, int W>
 class LatticeSweep {
 public:
@@ -51,7 +51,8 @@ public:
 private:
   int numPacks() const { return PlaneBuffers<W>::numPacks(_lattice); }
 
-  // Elements between planes `layer` and layer + 1; those of another slab only bring the forces on their upper faces.
+  // Elements between planes `layer` and layer + 1. Those of another slab (not is_counted) only
+  // contribute the forces on their upper faces.
   template <bool is_counted, bool with_energy, class Planes>
   void addLayer(int layer, Planes& planes) {
     for (int axis = 0; axis < 3; ++axis)
@@ -71,7 +72,7 @@ private:
         planes.finish(layer, p, force);
       }
   }
-  // The uppermost plane, with no elements above.
+  // The uppermost plane, which has no elements above it.
   template <class Planes>
   void finishLast(int plane, Planes& planes) {
     const int slots = numPacks() * W;
@@ -90,7 +91,7 @@ private:
     }
   }
 
-  // Rounds the forces on an axis and scatters them before the next axis' are made.
+  // Rounds the forces on an axis and scatters them before those of the next axis are computed.
   struct TakeForces {
     LatticeSweep& sweep;
     int layer, p;
@@ -103,7 +104,7 @@ private:
       sweep.scatter(layer, p, axis, f, force[axis]);
     }
   };
-  // The elements at p; `force` is what all elements give to nodes [p, p + W) of the lower plane.
+  // The elements at p. `force` receives the total force on nodes [p, p + W) of the lower plane.
   template <bool is_counted, bool with_energy>
   KOKKOS_FORCEINLINE_FUNCTION void addPack(int layer, int p, Integer (&force)[3]) {
     Real u[3][num_modes];
@@ -147,7 +148,8 @@ private:
       u[m] = whereOrZero(is_element, u[m]);
   }
 
-  // The same for packs in which elements deform far or fail: those that fail give no force and no energy.
+  // Repeats a pack in which elements deform strongly or fail, with all tests. Failed elements give
+  // no force and no energy.
   __attribute__((noinline)) void addUnusualPack(int layer, int p, bool is_counted, bool with_energy,
                                                 Integer (&force)[3]) {
     Real u[3][num_modes];
@@ -201,15 +203,15 @@ private:
     _rows = 0;
   }
 
-  // Corner forces combine along xi in registers: a node takes those of its own element and of the one to its left; then eta
-  // and zeta tell rows and planes apart. Each of `f` is a force and Rounding::shift(). Nothing is overwritten that doing a pack
-  // again would need.
+  // Corner forces combine along xi in registers: a node takes those of its own element and of its
+  // left neighbour. Rows and planes then separate eta and zeta. Each of `f` is a force plus
+  // Rounding::shift(). Nothing is overwritten that addUnusualPack() reads.
   KOKKOS_FORCEINLINE_FUNCTION void scatter(int layer, int p, int axis,
                                            const Integer (&f)[num_modes], Integer& force) {
     const FromLeft<W>& left = _from_left[p / W % 2][axis];
     FromLeft<W>& next = _from_left[1 - p / W % 2][axis];
-    const Integer x1 =
-        alongXi(-f[0], f[0], left.sum[0], next.sum[0]); // modes 1, eta, zeta, eta zeta
+    // modes 1, eta, zeta, eta zeta
+    const Integer x1 = alongXi(-f[0], f[0], left.sum[0], next.sum[0]);
     const Integer xe = alongXi(f[1] - f[5], f[1] + f[5], left.sum[1], next.sum[1]);
     const Integer xz = alongXi(f[2] - f[4], f[2] + f[4], left.sum[2], next.sum[2]);
     const Integer xez = alongXi(f[3] - f[6], f[3] + f[6], left.sum[3], next.sum[3]);
@@ -244,8 +246,8 @@ void runSweep(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
   sweep.run(slab, planes);
 }
 
-// Runs the sweep of a slab for the shape of the lattice's elements, whose material model is `model`. Instantiated for each model in
-// a file of its own.
+// Runs the sweep of a slab for the shape of the lattice's elements, whose material model is
+// `model`. Each model is instantiated in a file of its own to keep compile times short.
 template <MaterialModel model, int W, template <int> class PlanesOf>
 void sweepModel(const BrickLattice& lattice, const LatticeSlab& slab, const ForceArguments& a,
                 double* memory, ForceSums& sums, PlanesOf<W>& planes) {

@@ -1,5 +1,5 @@
-// What a sweep over a lattice keeps between two layers of elements, per thread: small, so that it stays in the first-level
-// cache. Host code. Included by lattice_sweep.hpp only.
+// Buffers of a sweep over a lattice between two layers of elements, per thread. They are small
+// enough for the first-level cache. Host code. Included by lattice_sweep.hpp only.
 #pragma once
 
 #include "contact/base/pack_memory.hpp"
@@ -9,9 +9,10 @@
 
 namespace brickwall::mechanics {
 
-// Rounded forces keep the shift S of their rounding (Rounding::shifted), modulo 2^64: sums of forces in integers carry as many
-// S as they have forces on modes with a plus, less those with a minus. Where all eight elements of a node, with those that
-// are not there counted as forces of zero, have been added up, none is left.
+// Rounded forces keep the shift S of their rounding (Rounding::shifted), modulo 2^64. A sum of
+// forces contains S once for each modal force with a plus sign, less once for each with a minus
+// sign. In the sum over all eight elements of a node, where missing elements count as forces of
+// zero, the shifts cancel.
 template <int W>
 struct SumShift {
   static IntPackOf<W> times(std::int64_t count) {
@@ -23,8 +24,8 @@ struct SumShift {
   static IntPackOf<W> behind() { return times(4); }
 };
 
-// Sums of forces of the elements to the left, in the lanes of their nodes at the right: on modes 1, eta, zeta, eta zeta of
-// their faces there.
+// Sums of forces of the elements to the left, in the lanes of the nodes on their right: on modes 1,
+// eta, zeta, eta zeta of the shared faces.
 template <int W>
 struct FromLeft {
   IntPackOf<W> sum[4];
@@ -34,8 +35,8 @@ struct FromLeft {
   }
 };
 
-// In the lanes of one pack of elements: forces that the layer below has given to the nodes at its upper face, of the row of each
-// element's first node, and of the row behind, [xyz].
+// Forces of the layer below on the nodes at its upper face, in the lanes of one pack of elements:
+// `above` for the row of each element's first node, `below` for the next row, [xyz].
 template <int W>
 struct PackBuffers {
   IntPackOf<W> above[3], below[3];
@@ -44,7 +45,7 @@ struct PackBuffers {
 template <int W>
 class PlaneBuffers {
 public:
-  // Numbers that a lattice needs.
+  // Numbers of memory that a lattice needs.
   static std::int64_t sizeFor(const BrickLattice& lattice) {
     return 6 * stride(lattice) + 3 * behindStride(lattice) +
            numPacks(lattice) * (2 * numbers_per_pack + W) + W;
@@ -59,23 +60,23 @@ public:
     clearForces(lattice);
     markElements(lattice);
   }
-  // Of a plane of nodes, up to those behind the last pack of elements.
+  // Displacements of a plane of nodes, up to those after the last pack of elements.
   double* displacement(int plane, int axis) const {
     return _displacement + (plane % 2 * 3 + axis) * _stride;
   }
-  // Of the nodes of a plane, from the layer below.
+  // Forces on the nodes of a plane from the layer below.
   PackBuffers<W>& pack(int plane, int p) const { return _packs[p / W * 2 + plane % 2]; }
-  // Not at the ends of rows.
+  // False at the ends of rows.
   const MaskPackOf<W>& isElement(int p) const { return _is_element[p / W]; }
-  // Complete forces of the elements at p on the nodes of the row behind them.
+  // Complete forces of the elements at p on the nodes of the next row.
   std::int64_t* behind(int axis, int p) const {
     return _behind + axis * _behind_stride + firstRow(_row) + p;
   }
-  // The same by these nodes; none for those of the first row.
+  // The same addressed by these nodes; zero for those of the first row.
   const std::int64_t* atNodes(int axis, int p) const { return behind(axis, p - _row); }
 
   static int packs(int count) { return (count + W - 1) / W; }
-  // Packs of elements in a layer, counting a place at the end of each row.
+  // Packs of elements in a layer, including one place at the end of each row.
   static int numPacks(const BrickLattice& lattice) {
     return packs(lattice.rowNodes() * lattice.ny);
   }
@@ -94,7 +95,7 @@ private:
   static std::int64_t behindStride(const BrickLattice& lattice) {
     return firstRow(lattice.rowNodes()) + (packs(lattice.planeNodes()) + 1) * W;
   }
-  // What is behind the displacements of a plane is read, to be masked.
+  // The memory after the displacements of a plane is read and then masked.
   void clearTails(const BrickLattice& lattice) const {
     for (int row = 0; row < 6; ++row)
       for (int p = lattice.planeNodes(); p < _stride; ++p)

@@ -10,7 +10,8 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Elements that a chunk may have: all of a body on one thread, else about eight chunks a thread.
+// Largest number of elements of a chunk: a whole body on one thread, otherwise about eight chunks
+// per thread.
 int largestChunk(int num_elems, int threads) {
   if (simd_width == 1)
     return 1;
@@ -40,7 +41,7 @@ std::vector<Cut> cutBodies(const HexMesh& mesh, const HostMesh& host, int larges
   return cuts;
 }
 
-// For each node whether two chunks touch it.
+// Whether a node belongs to two chunks or more.
 std::vector<char> nodesOfSeveralChunks(const HexMesh& mesh, const HostMesh& host,
                                        const std::vector<Cut>& cuts) {
   std::vector<int> chunk_of_node(mesh.num_nodes, -1);
@@ -66,7 +67,7 @@ ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
   std::stable_sort(cuts.begin(), cuts.end(), [&](const Cut& a, const Cut& b) {
     return host.materials(a.block).model < host.materials(b.block).model;
   });
-  // A device works on several chunks at once whatever `threads` says.
+  // A device works on several chunks at once for any value of `threads`.
   const std::vector<char> several = threads > 1 || !host_accessible
                                         ? nodesOfSeveralChunks(mesh, host, cuts)
                                         : std::vector<char>(mesh.num_nodes, 0);

@@ -1,6 +1,7 @@
-// How the element kernels divide the work: packs of simd_width elements, gathered into chunks that one thread handles.
-// On a host a chunk is a whole body where that balances, so that no two threads touch one node; larger bodies are cut,
-// and only packs whose nodes another chunk touches add atomically. On a device every element is a chunk.
+// Division of work in the element kernels: packs of simd_width elements form chunks, each handled
+// by one thread. On a host a chunk is a whole body where that balances, so that no two threads
+// touch one node. Larger bodies are cut, and only packs whose nodes belong to another chunk add
+// atomically. On a device every element is a chunk.
 #pragma once
 
 #include "mechanics/mesh/brick_lattice.hpp"
@@ -19,10 +20,10 @@ struct ElementChunk {
   int first_pack = 0, num_packs = 0;
   int body = 0; // row of HexMesh::bodies
   int block = 0;
-  int lattice =
-      -1; // the body's row in the table of lattices, where sweeps over these may handle the elements instead
-  int shape = -1; // the body's row in the table of shapes when it is congruent, else -1
-  int geometry_row = -1; // of its first pack, else; lattices know theirs
+  // row of the body's lattice, whose sweep may handle the elements instead; -1 without a lattice
+  int lattice = -1;
+  int shape = -1; // row of the body in the table of shapes if it is congruent, otherwise -1
+  int geometry_row = -1; // row of its first pack's geometry if neither congruent nor in a lattice
 };
 
 // Chunks of one material model, [first, first + count).
@@ -39,7 +40,7 @@ struct ElementChunks {
   int num_geometry_rows = 0; // packs of bodies that are not congruent, those of lattices first
 };
 
-// `threads`: how many work at once. Host code for set-up; not collective.
+// `threads` is the number of threads that work at once. Host code for set-up; not collective.
 ElementChunks cutIntoChunks(const exec_space& space, const HexMesh& mesh,
                             const std::vector<BodyShape>& shapes,
                             const std::vector<BrickLattice>& lattices, int threads);

@@ -1,5 +1,5 @@
-// Output fields of InternalForce, one element at a time: mean Cauchy stress and stored energy. Included by
-// internal_force.cpp only.
+// Kernel of the output fields of InternalForce, one element at a time: mean Cauchy stress and
+// stored energy. Included by internal_force.cpp only.
 #pragma once
 
 #include "mechanics/force/packs/element_tables.hpp"
@@ -78,7 +78,7 @@ struct FieldFunctor {
     fields.energy_density(elem) = storedEnergy(u, geometry, material) / volume;
   }
 
-  // A congruent body's element has the body's shape, any other its own geometry.
+  // An element of a congruent body has the body's shape, any other its own geometry.
   KOKKOS_INLINE_FUNCTION void fieldsOf(const ElementChunk& chunk, const GeometryPlace& place,
                                        int elem, const Material& material) const {
     if constexpr (kind == ElementKind::one_point) {

@@ -1,5 +1,6 @@
-// What the element kernels read: stored geometry of general elements, [pack][component][lane], shapes of congruent
-// bodies, and displacements as modes. Included by the kernels of InternalForce only.
+// Tables that the element kernels read: stored geometry of general elements,
+// [pack][component][lane], and shapes of congruent bodies; and the functions that load geometry and
+// displacements from them.
 #pragma once
 
 #include "contact/base/pack.hpp"
@@ -13,15 +14,15 @@ namespace brickwall::mechanics {
 
 enum class ElementKind { one_point, full };
 
-// Stored energies of this rank's elements: 0 material, 1 hourglass.
+// Stored energies of elements.
 enum StoredEnergy : int { stored_material, stored_hourglass, num_stored_energies };
 
 // Element output fields; rows [0, num_elems) are valid.
 struct ElementFields {
-  // Cauchy, mean over the integration points [elem][xx yy zz xy yz zx], pressure unit
+  // Cauchy stress, mean over the integration points [elem][xx yy zz xy yz zx], pressure
   View<double* [6]> stress;
   View<double*> pressure; // -tr(stress)/3
-  View<double*> energy_density; // stored energy (hourglass included) per reference volume
+  View<double*> energy_density; // stored energy, including hourglass energy, per reference volume
 };
 
 // The shape of a congruent body's elements.
@@ -39,20 +40,21 @@ struct CongruentShape {
   }
 };
 
-// Read by all kernels.
+// Input of all element kernels.
 struct ElementTables {
   MeshViews mesh;
   int num_elems = 0;
   View<ElementChunk*> chunks;
   View<ElementPack*> packs;
   View<CongruentShape*> boxes; // [body], one-point; rows of congruent bodies are set
-  View<FullGeometry<double>*> full_shapes; // [body], full integration; "
-  View<double** [simd_width]>
-      geometry; // [pack][component][lane] of OnePointGeometry or FullGeometry
+  // [body], full integration; rows of congruent bodies are set
+  View<FullGeometry<double>*> full_shapes;
+  // [pack][component][lane] of OnePointGeometry or FullGeometry
+  View<double** [simd_width]> geometry;
   View<BrickLattice*> lattices;
 };
 
-// Visits the numbers of a geometry in storage order.
+// Visits the numbers of a geometry in the order of storage.
 template <class Real, class Visit>
 KOKKOS_INLINE_FUNCTION void visitGeometry(OnePointGeometry<Real>& g, const Visit& visit) {
   int next = 0;
@@ -94,7 +96,7 @@ inline void loadLanes(const GeometryView& stored, int row, int component, int, P
   memcpy(&value.v, &stored(row, component, 0), sizeof value.v);
 }
 
-// All lanes for a Pack, the given lane for a double.
+// Loads all lanes into a Pack, or one lane into a double.
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION void loadGeometry(const ElementTables& tables, int row, int lane,
                                          Geometry& g) {
@@ -103,7 +105,7 @@ KOKKOS_INLINE_FUNCTION void loadGeometry(const ElementTables& tables, int row, i
   });
 }
 
-// Of an element in pack p of a chunk that is not congruent.
+// Place of the geometry of an element in pack p of a chunk that is not congruent.
 KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const ElementTables& tables,
                                                    const ElementChunk& chunk, int p, int lane,
                                                    int elem) {
@@ -111,7 +113,7 @@ KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(const ElementTables& tables,
     return tables.lattices(chunk.lattice).geometryPlace(elem);
   return {chunk.geometry_row + p, lane};
 }
-// All lanes of a pack of a chunk; lanes beyond the count repeat the last element.
+// Loads all lanes of a pack of a chunk; lanes beyond the count repeat the last element.
 template <class Geometry>
 KOKKOS_INLINE_FUNCTION void loadPackGeometry(const ElementTables& tables, const ElementChunk& chunk,
                                              int p, const ElementPack& pack, Geometry& g) {
@@ -154,16 +156,16 @@ struct StoreGeometry {
 };
 template <class Geometry>
 void storeGeometry(const exec_space& space, int num_rows, ElementTables& tables) {
-  tables.geometry =
-      View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
-                                  int(Geometry::size)); // zero where lattices have no element
+  tables.geometry = View<double** [simd_width]>("mechanics::InternalForce::geometry", num_rows,
+                                                // rows of lattices without an element stay zero
+                                                int(Geometry::size));
   Kokkos::parallel_for("mechanics::InternalForce::storeGeometry",
                        rangePolicy(space, static_cast<std::int64_t>(tables.chunks.extent(0))),
                        StoreGeometry<Geometry>{tables});
   space.fence();
 }
 
-// X modes of a parallelepiped about its centre.
+// Modes of the coordinates of a parallelepiped relative to its centre.
 inline FullGeometry<double> fullShape(const Mat3& jacobian) {
   FullGeometry<double> shape;
   for (int j = 0; j < 3; ++j)
@@ -180,7 +182,8 @@ KOKKOS_INLINE_FUNCTION FullGeometry<Real> inAllLanes(const FullGeometry<double>&
   return result;
 }
 
-// Modes of the displacements of the pack's elements, [xyz][mode]; lanes beyond the count repeat the last element.
+// Modes of the displacements of the pack's elements, [xyz][mode]; lanes beyond the count repeat the
+// last element.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void gatherModes(const ElementTables& tables,
                                         const View<const double* [3]>& u, const ElementPack& pack,

@@ -1,5 +1,6 @@
-// Force kernel of element packs: gather a pack's displacements as modes, evaluate the element, round the modes, add to the
-// corners in integers.
+// Force kernel of element packs: gathers a pack's displacements as modes, evaluates the element
+// (theory.md, equations (10) to (15)), rounds the modes and adds them to the corners in integers
+// (equation (23)).
 #include "mechanics/force/packs/pack_forces.hpp"
 
 #include "contact/base/pack_rounding.hpp"
@@ -8,7 +9,7 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// One element's corner forces of one force kind: [xyz][corner] in quanta.
+// Corner forces of one element and one force kind: [xyz][corner] in quanta.
 template <class Integer>
 struct CornerForces {
   Integer value[3][8];
@@ -39,13 +40,13 @@ KOKKOS_INLINE_FUNCTION void roundToCorners(const Real (&modes)[3][3], Real& larg
   }
 }
 
-// A pack's forces and energies, ready to be added.
+// Forces and energies of a pack before they are added.
 template <class Real, class Integer>
 struct PackForces {
   CornerForces<Integer> corners;
   Real energy[num_stored_energies];
   Real J;
-  Real largest; // magnitude of any mode
+  Real largest; // largest magnitude of a mode
 };
 
 template <MaterialModel model, class Real, class Integer, class Geometry, class Stiffness>
@@ -74,7 +75,7 @@ packForces(const Real (&u)[3][num_modes], const FullGeometry<Real>& geometry,
   out.energy[stored_hourglass] = Real(0.0);
 }
 
-// Adds to the columns of a force kind.
+// Adds to the columns of one force kind.
 template <class Integer>
 KOKKOS_INLINE_FUNCTION void addCorners(const ElementTables& tables,
                                        const View<std::int64_t**>& forces, const ElementPack& pack,
@@ -108,14 +109,15 @@ KOKKOS_INLINE_FUNCTION void addPack(const ForceArguments& a, const ElementPack& 
   }
 }
 
-// A pack's viscous forces.
+// Viscous forces of a pack.
 template <class Real, class Integer>
 struct ViscousPack {
   CornerForces<Integer> corners;
   Real rate;
 };
 
-// Modes beyond the range count in `largest` as those of the other forces do.
+// Computes a pack's viscous forces. `largest` also covers their modes, so that overflow is detected
+// for both force kinds.
 template <MaterialModel model, class Real, class Integer, class Geometry>
 KOKKOS_INLINE_FUNCTION void viscousPack(const ForceArguments& a, const ElementPack& pack,
                                         const Real (&u)[3][num_modes], const Geometry& geometry,
@@ -129,7 +131,8 @@ KOKKOS_INLINE_FUNCTION void viscousPack(const ForceArguments& a, const ElementPa
   out.rate = forces.rate;
 }
 
-// Failed elements were told by addPack() and add nothing here either.
+// Adds a pack's viscous forces. addPack() has reported failed elements, which add nothing here
+// either.
 template <class Real, class Integer>
 KOKKOS_INLINE_FUNCTION void
 addViscousPack(const ForceArguments& a, const ElementPack& pack, const Real& J, const Real& largest,

@@ -1,4 +1,4 @@
-// Forces of elements in packs: arguments and sums of the kernels, and their launch for each material model.
+// Forces of elements in packs: arguments, sums and launch of the force kernels.
 #pragma once
 
 #include "mechanics/element/bulk_viscosity.hpp"
@@ -19,7 +19,7 @@ struct ForceArguments {
   int first_chunk;
   bool with_energy;
   bool skips_lattices;
-  View<const int*> is_resting = {}; // [body]; empty: none rests
+  View<const int*> is_resting = {}; // [body]; empty if no body rests
 
   KOKKOS_INLINE_FUNCTION bool rests(int body) const {
     return is_resting.extent(0) > 0 && is_resting(body) != 0;
@@ -46,7 +46,8 @@ KOKKOS_INLINE_FUNCTION int failureReason(double J, double largest) {
   return fitsFixedPoint(largest) ? no_failure : force_overflow;
 }
 
-// Adds the forces of one group of chunks, and those of bulk viscosity if viscosity.any(). Not collective; fences.
+// Adds the forces of one group of chunks, and those of bulk viscosity if viscosity.any(). Not
+// collective; fences.
 ForceSums addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
                         const ForceArguments& arguments);
 

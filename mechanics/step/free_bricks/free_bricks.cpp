@@ -98,7 +98,7 @@ FreeBricks::FreeBricks(const exec_space& space, const HexMesh& mesh, InternalFor
   _slabs = toDevice(space, "mechanics::FreeBricks::slabs", slabs);
   _own_nodes = selectNodes(space, is_own, 1);
   _other_nodes = selectNodes(space, is_own, 0);
-  internal.leaveOut(space, rows);
+  internal.skipLattices(space, rows);
 }
 
 FreeBricks::Result FreeBricks::step(const exec_space& space, const HexMesh& mesh,

@@ -1,6 +1,6 @@
-// Bricks that step by themselves: lattices of elements, whole on this rank, on which no load acts. In a scene
-// without contact their drift, forces and kick are one sweep that keeps no forces: each node's numbers are read and written
-// once. Every bit is that of drift(), InternalForce::add() and kick().
+// Free bricks: lattices of elements, whole on this rank, without loads and contact. Their drift,
+// forces and kick are one sweep that stores no forces, so that each nodal value is read and written
+// once per step. Every bit is that of drift(), InternalForce::add() and kick().
 #pragma once
 
 #include "mechanics/force/internal_force.hpp"
@@ -13,8 +13,9 @@ namespace brickwall::mechanics {
 class FreeBricks {
 public:
   FreeBricks() = default; // none
-  // Takes these bricks out of InternalForce::add(). `is_loaded` [node]: forces other than the internal ones, gravity,
-  // prescribed motions and damping by mass may act. Not collective.
+  // Removes these bricks from InternalForce::add(). `is_loaded` [node] marks nodes on which forces
+  // may act other than internal forces, gravity, prescribed motions and mass-proportional damping.
+  // Not collective.
   FreeBricks(const exec_space& space, const HexMesh& mesh, InternalForce& internal,
              const std::vector<char>& is_loaded);
 
@@ -26,7 +27,8 @@ public:
     InternalForceResult internal;
     KickSums kick;
   };
-  // u += dt_drift v if `drifts`, then v as kick() does. Arguments as there. Not collective; fences.
+  // u += dt_drift v if `drifts`, then v as in kick(), with the same arguments. Not collective;
+  // fences.
   Result step(const exec_space& space, const HexMesh& mesh, const InternalForce& internal,
               const BoundaryConditions& boundary, const TimeSpan& next_drift, bool drifts,
               double dt_drift, double dt_kick, const NodalState& state, const LedgerScales& scales,
@@ -35,7 +37,8 @@ public:
 private:
   View<LatticeSlab*> _slabs;
   NodeSelection _own_nodes, _other_nodes;
-  bool _has_pieces = false; // of lattices, so that drifts are apart
+  // some lattice is cut into slabs, so that the drift is a separate kernel
+  bool _has_pieces = false;
   std::int64_t _num_elems = 0;
 };
 

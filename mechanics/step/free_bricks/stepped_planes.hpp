@@ -1,5 +1,5 @@
-// Planes of a brick that steps by itself (free_bricks.hpp), and its sweep. Host code. Included by free_bricks.cpp and
-// scheduled_sweeps.cpp only.
+// Planes of a free brick (free_bricks.hpp) for its sweep. Host code. Included by free_bricks.cpp,
+// stepped_planes_*.cpp and scheduled_sweeps.cpp only.
 #pragma once
 
 #include "mechanics/force/lattice/lattice_sweep.hpp"
@@ -7,7 +7,8 @@
 
 namespace brickwall::mechanics {
 
-// Planes drift as they are loaded and are kicked when their forces are complete.
+// Implements the `Planes` of lattice_sweep.hpp: planes drift when they are loaded and are kicked
+// when their forces are complete.
 template <int W>
 struct SteppedPlanes {
   static constexpr bool always_with_energy = true;
@@ -24,7 +25,7 @@ struct SteppedPlanes {
     const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes;
     int p = 0;
     for (; p + W <= nodes; p += W) {
-      // Through registers: what has just been stored is slow to load again.
+      // The transposition works on registers, because loading what has just been stored is slow.
       PackOf<W> rows[3], u[3];
       driftRows(first + p, rows);
       triplesOf([&](int k) { return rows[k]; }, u);
@@ -33,7 +34,7 @@ struct SteppedPlanes {
     if (p < nodes)
       loadRest(plane, p, nodes - p, buffers);
   }
-  // Three packs of `rows` are the displacements of W nodes.
+  // The three packs `rows` are the displacements of W nodes.
   KOKKOS_FORCEINLINE_FUNCTION void driftRows(int node, PackOf<W> (&rows)[3]) const {
     double* const u = &displacement(node, 0);
     const double* const v = &velocity(node, 0);
@@ -64,7 +65,7 @@ struct SteppedPlanes {
       storePack(u[axis], buffers.displacement(plane, axis) + p);
   }
 
-  // What load() and finish() will want of W nodes.
+  // Prefetches the operands of load() and finish() for W nodes.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRows(int node) const {
     const std::size_t at = 3 * static_cast<std::size_t>(node);
     for (int line = 0; line < 3; ++line) {
@@ -90,7 +91,7 @@ struct SteppedPlanes {
   }
 };
 
-// This sweep is compiled by itself, in scheduled_sweeps.cpp.
+// Compiled in scheduled_sweeps.cpp with flags of its own.
 void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
               const LatticeSlab& slab, SteppedPlanes<8>& planes);
 

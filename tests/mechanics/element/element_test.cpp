@@ -1,16 +1,16 @@
-// Point-wise mathematics of materials and elements, without a launch: gradients against differences, objectivity,
-// box against general, numbering.
+// Point-wise mathematics of materials and elements, without a launch: gradients against
+// differences, objectivity, the box against the general element, numbering of corners.
 #include "mechanics/element/hex8_full.hpp"
 #include "mechanics/element/hex8_one_point.hpp"
 #include "mechanics/element/material_tangent.hpp"
-#include "mechanics/element/symmetric_eigenvalue.hpp"
-#include "mechanics/stability/stable_time_step.hpp"
-#include "tests/mechanics/support/block_mesh.hpp"
+#include "tests/mechanics/support/element_force.hpp"
 
 #include <gtest/gtest.h>
 
 namespace brickwall::mechanics {
 namespace {
+
+using namespace testing;
 
 constexpr MaterialModel models[] = {MaterialModel::neo_hookean, MaterialModel::svk,
                                     MaterialModel::linear};
@@ -32,7 +32,7 @@ void randomGradient(int seed, double size, double (&H)[3][3]) {
     H[k / 3][k % 3] = size * randomOf(100 * seed + k);
 }
 
-// 4 ulp (contact/base/portable_math.hpp): 4 * 2^-52 of the value.
+// 4 ulp (contact/base/portable_math.hpp), which is 4 * 2^-52 of the value.
 TEST(Logarithm, AgreesWithTheLibraryAndKeepsLanesApart) {
   PackOf<8> pack;
   for (int i = -500; i < 600; ++i) {
@@ -47,8 +47,9 @@ TEST(Logarithm, AgreesWithTheLibraryAndKeepsLanesApart) {
   }
 }
 
-// Central differences of step e err by e^2 and eps/e: 1e-9 for e = 1e-5 at moduli of order one.
-TEST(Material, StressIsTheGradientOfTheEnergyAndTheTangentThatOfTheStress) {
+// Central differences of step e have errors of e^2 and eps/e: 1e-9 for e = 1e-5 at moduli of order
+// one.
+TEST(Material, StressIsTheGradientOfTheEnergyAndTangentThatOfStress) {
   for (const MaterialModel model : models)
     for (int seed = 0; seed < 5; ++seed) {
       const Material material{model, 1, 1, 0.3};
@@ -78,7 +79,7 @@ TEST(Material, AllModelsAgreeToFirstOrderAndKeepSmallStrainsExact) {
   const auto linear = stressOf(MaterialModel::linear, H, 1.3, 0.7);
   for (const MaterialModel model : models) {
     const auto point = stressOf(model, H, 1.3, 0.7);
-    for (int k = 0; k < 9; ++k) // differs by strain times stress; no cancellation against 1
+    for (int k = 0; k < 9; ++k) // differs by strain times stress, without cancellation against 1
       EXPECT_NEAR(point.P[k / 3][k % 3], linear.P[k / 3][k % 3], 2e-15);
     EXPECT_NEAR(point.W, linear.W, 1e-7 * linear.W + 1e-23);
   }
@@ -95,7 +96,7 @@ TEST(Material, CauchyStressOfUniaxialStretchIsTheClosedForm) {
   EXPECT_NEAR(sigma[3], 0, 1e-16);
 }
 
-TEST(Modes, CornersAndBackIsEightTimesTheFieldWithoutItsMean) {
+TEST(Modes, TransformAndTransposeGiveEightTimesTheFieldWithoutItsMean) {
   double corner[8], modes[num_modes], back[8], mean = 0;
   for (int c = 0; c < 8; ++c)
     mean += (corner[c] = std::floor(1000 * randomOf(c)));
@@ -115,62 +116,6 @@ TEST(Modes, CornersAndBackIsEightTimesTheFieldWithoutItsMean) {
   modesToCorners(all, from_all);
   for (int c = 0; c < 8; ++c)
     EXPECT_EQ(from_linear[c], from_all[c]);
-}
-
-// --- elements
-
-void distortedCorners(int seed, double size, CornerCoordinates& X) {
-  const double edge[3] = {1.0, 0.7, 1.3};
-  for (int c = 0; c < 8; ++c)
-    for (int j = 0; j < 3; ++j)
-      X[c][j] = 0.5 * edge[j] * cornerXi(c, j) + size * randomOf(1000 * seed + 3 * c + j);
-}
-void randomDisplacement(int seed, double size, CornerCoordinates& u) {
-  for (int c = 0; c < 8; ++c)
-    for (int j = 0; j < 3; ++j)
-      u[c][j] = size * randomOf(7777 * seed + 3 * c + j);
-}
-
-struct ElementForce {
-  double energy = 0;
-  double force[8][3];
-};
-
-template <MaterialModel model, class Geometry>
-ElementForce onePointOf(const Geometry& geometry, const CornerCoordinates& u, double poisson) {
-  double modes[3][num_modes];
-  coordinateModes(u, modes);
-  OnePointForces<double> forces;
-  const auto moduli = ElementModuli::of({model, 1, 1, poisson});
-  onePointForces<model>(modes, geometry, stiffnessOf(geometry, moduli, 1.0), true, forces);
-  ElementForce result;
-  result.energy = forces.material_energy + forces.hourglass_energy;
-  for (int i = 0; i < 3; ++i) {
-    double corner[8];
-    modesToCorners(forces.force[i], corner);
-    for (int c = 0; c < 8; ++c)
-      result.force[c][i] = corner[c];
-  }
-  return result;
-}
-template <MaterialModel model>
-ElementForce fullOf(const CornerCoordinates& X, const CornerCoordinates& u, double poisson) {
-  double modes[3][num_modes];
-  coordinateModes(u, modes);
-  FullGeometry<double> geometry;
-  coordinateModes(X, geometry.X);
-  FullForces<double> forces;
-  const Material material{model, 1, 1, poisson};
-  fullForces<model>(modes, geometry, material.lambda(), material.mu(), 1.0, true, forces);
-  ElementForce result;
-  result.energy = forces.material_energy;
-  for (int i = 0; i < 3; ++i) {
-    double corner[8];
-    modesToCorners(forces.material[i], corner);
-    for (int c = 0; c < 8; ++c)
-      result.force[c][i] = corner[c];
-  }
-  return result;
 }
 
 template <class Evaluate>
@@ -268,7 +213,7 @@ Mat3 rotation(double angle) { // about (1, 2, 3)
   return r;
 }
 
-TEST(OnePoint, ForcesTurnWithTheElement) {
+TEST(OnePoint, ForcesRotateWithTheElement) {
   CornerCoordinates X, u, turned;
   distortedCorners(8, 0.12, X);
   randomDisplacement(8, 0.1, u);
@@ -289,7 +234,7 @@ TEST(OnePoint, ForcesTurnWithTheElement) {
   }
 }
 
-// Renumbering: corners turned about zeta by a quarter (new corner c is old corner turn[c]).
+// The corners are rotated about zeta by a quarter turn (new corner c is old corner turn[c]).
 TEST(OnePoint, ForcesDoNotDependOnTheNumberingOfTheCorners) {
   const int turn[8] = {1, 2, 3, 0, 5, 6, 7, 4}, roll[8] = {0, 4, 5, 1, 3, 7, 6, 2};
   for (const auto& order : {turn, roll}) {
@@ -308,117 +253,6 @@ TEST(OnePoint, ForcesDoNotDependOnTheNumberingOfTheCorners) {
       for (int j = 0; j < 3; ++j)
         EXPECT_NEAR(second.force[c][j], first.force[order[c]][j], 1e-14);
   }
-}
-
-// Stiffness of one element by differences of forces; the largest eigenvalue of K/m is omega^2.
-template <class Evaluate>
-double trueStep(const CornerCoordinates& X, double density, const Evaluate& evaluate) {
-  double K[24][24];
-  const double mass = density * hexVolume(X).volume / 8;
-  for (int k = 0; k < 24; ++k) {
-    CornerCoordinates u = {}, down = {};
-    u[k / 3][k % 3] = 0.5;
-    down[k / 3][k % 3] = -0.5;
-    const ElementForce plus = evaluate(u), minus = evaluate(down);
-    for (int r = 0; r < 24; ++r)
-      K[r][k] = (minus.force[r / 3][r % 3] - plus.force[r / 3][r % 3]) / mass;
-  }
-  for (int r = 0; r < 24; ++r)
-    for (int c = 0; c < r; ++c)
-      K[r][c] = K[c][r] = 0.5 * (K[r][c] + K[c][r]);
-  return 2 / std::sqrt(largestEigenvalue(K));
-}
-
-double boundOf(const CornerCoordinates& X, const Material& material) {
-  const exec_space space;
-  testing::BlockMesh one =
-      testing::makeBlocks(space, MPI_COMM_SELF, {testing::Block()}, {material});
-  const auto host = Kokkos::create_mirror_view(one.mesh.reference_coordinates);
-  const int corner_of_grid[8] = {0, 1, 3, 2, 4, 5, 7, 6};
-  for (int g = 0; g < 8; ++g)
-    for (int j = 0; j < 3; ++j)
-      host(g, j) = X[corner_of_grid[g]][j];
-  Kokkos::deep_copy(one.mesh.reference_coordinates, host);
-  return stableTimeStep(space, MPI_COMM_SELF, one.mesh).dt;
-}
-
-// The linear material's force is not linear in u for the hourglass part (q = Q F^T g), so displacements are scaled down.
-template <class Evaluate>
-auto scaledDown(const Evaluate& evaluate) {
-  return [evaluate](const CornerCoordinates& u) {
-    constexpr double small = 1e-7;
-    CornerCoordinates scaled;
-    for (int k = 0; k < 24; ++k)
-      scaled[k / 3][k % 3] = small * u[k / 3][k % 3];
-    ElementForce f = evaluate(scaled);
-    for (auto& row : f.force)
-      for (double& value : row)
-        value /= small;
-    return f;
-  };
-}
-
-TEST(StableTimeStep, IsExactOnABoxAndSafeOnDistortedHexes) {
-  for (const double poisson : {0.0, 0.2, 0.3, 0.45}) {
-    const Material material{MaterialModel::linear, 1, 1, poisson};
-    for (int seed = 0; seed < 6; ++seed) {
-      CornerCoordinates X;
-      distortedCorners(seed, 0.03 * seed, X);
-      const double bound = boundOf(X, material);
-      const double one_point =
-          trueStep(X, 1, scaledDown([&](const CornerCoordinates& u) {
-                     return onePointOf<MaterialModel::linear>(onePointGeometry(X), u, poisson);
-                   }));
-      const double full = trueStep(X, 1, [&](const CornerCoordinates& u) {
-        return fullOf<MaterialModel::linear>(X, u, poisson);
-      });
-      if (seed == 0) {
-        EXPECT_NEAR(bound, one_point, 1e-6 * one_point);
-      }
-      EXPECT_LE(bound, one_point * (1 + 1e-6)) << "seed " << seed << " nu " << poisson;
-      EXPECT_GE(bound, 0.9 * one_point);
-      EXPECT_LE(bound, full * (1 + 1e-6)) << "full, seed " << seed << " nu " << poisson;
-    }
-  }
-}
-
-TEST(StableTimeStep, OfACubeIsTheClosedFormAndDeformationChangesIt) {
-  const exec_space space;
-  for (const MaterialModel model : models) {
-    const Material material{model, 1, 1, 0.3};
-    testing::BlockMesh one =
-        testing::makeBlocks(space, MPI_COMM_SELF, {testing::Block()}, {material});
-    const double speed = std::sqrt(material.lambda() + 2 * material.mu());
-    const double expected = std::sqrt(0.7 / 1.3) / speed;
-    EXPECT_NEAR(stableTimeStep(space, MPI_COMM_SELF, one.mesh).dt, expected, 1e-14);
-    View<double* [3]> u("u", 8);
-    EXPECT_NEAR(stableTimeStep(space, MPI_COMM_SELF, one.mesh, u).dt, expected, 1e-13);
-    u = testing::nodalField(space, one.mesh, [](const Vec3& x) { return 0.1 * x; });
-    const double stretched = stableTimeStep(space, MPI_COMM_SELF, one.mesh, u).dt;
-    if (model == MaterialModel::svk) {
-      EXPECT_LT(stretched, 0.9 * expected); // it stiffens in tension
-    }
-    if (model == MaterialModel::linear) {
-      EXPECT_NEAR(stretched, expected, 1e-13);
-    }
-    u = testing::nodalField(space, one.mesh, [](const Vec3& x) { return Vec3{-2 * x.x, 0, 0}; });
-    if (model != MaterialModel::linear) {
-      EXPECT_EQ(stableTimeStep(space, MPI_COMM_SELF, one.mesh, u).dt, 0);
-    }
-  }
-}
-
-TEST(ContactLoad, IsTheShareOfTheMassThatSpringsAndDampersTake) {
-  EXPECT_DOUBLE_EQ(contactMassFraction(0.5), 0.5 * 2.05 / 4);
-  EXPECT_DOUBLE_EQ(contactMassFraction(0.5, 0.1), 2.05 * (0.125 + 0.1 * std::sqrt(0.5)));
-  EXPECT_DOUBLE_EQ(contactMassFraction(0.75, 0, true), 2.55 * 0.1875);
-  for (const bool edges : {false, true})
-    EXPECT_DOUBLE_EQ(contactMassFraction(penaltyForMassFraction(0.9, 0.2), 0.2, edges),
-                     contactMassFraction(0.9, 0, edges));
-  EXPECT_THROW(contactMassFraction(-1), InputError);
-  EXPECT_THROW(contactMassFraction(2), InputError);
-  EXPECT_THROW(contactMassFraction(0.5, -1), InputError);
-  EXPECT_THROW(contactMassFraction(0.5, 1), InputError);
 }
 
 } // namespace

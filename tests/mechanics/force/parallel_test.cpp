@@ -1,4 +1,5 @@
-// Meshes cut among ranks: patch test, rotation, same bits for any partition, failures, skin, mass.
+// Meshes divided among ranks: patch test, rotation, the same bits for any partition, failures,
+// skin, mass.
 #include "mechanics/mesh/skin.hpp"
 #include "mechanics/stability/stable_time_step.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
@@ -29,7 +30,7 @@ Vec3 distorted(const Vec3& x) {
       y[j] += 0.08 * randomOf(3 * seed + j);
   return y;
 }
-int scattered(global_id elem) { // an arbitrary cut
+int scattered(global_id elem) { // an arbitrary partition
   return static_cast<int>((elem * 2654435761u >> 7) % sizeOf(world));
 }
 bool isInterior(const std::vector<double>& X, global_id node) {
@@ -45,8 +46,8 @@ std::vector<double> globalCoordinates(const BlockMesh& blocks) {
   return X;
 }
 
-// E = 1 and edges 1/3: forces of the patch are of size strain/9; 1e-13 relative to E h^2 leaves room for some
-// hundred roundings.
+// E = 1 and edges 1/3: forces of the patch are of size strain/9. A tolerance of 1e-13 relative to E
+// h^2 covers some hundred roundings.
 TEST(PatchTest, AffineDisplacementLeavesInteriorNodesOfADistortedMeshFree) {
   const exec_space space;
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
@@ -66,13 +67,13 @@ TEST(PatchTest, AffineDisplacementLeavesInteriorNodesOfADistortedMeshFree) {
               std::max(isInterior(X, node) ? largest : boundary, std::fabs(result.force(node, i)));
       EXPECT_LE(largest, 1e-13 / 9);
       EXPECT_GT(boundary, 1e-3);
-      if (kind == ElementKind::one_point) { // constant strain does no hourglass work
+      if (kind == ElementKind::one_point) { // constant strain causes no hourglass energy
         EXPECT_LE(result.hourglass, 1e-26);
       }
     }
 }
 
-TEST(RigidMotion, MakesNoForce) {
+TEST(RigidMotion, CausesNoForce) {
   const exec_space space;
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full}) {
     BlockMesh blocks = makeBlocks(space, world, {cube(3)}, {steelLike()}, distorted, scattered);
@@ -134,7 +135,7 @@ TEST(InternalForce, OfAllNodesSumsToExactlyZero) {
   }
 }
 
-TEST(CongruentBodies, AreFoundAloneAndAgreeWithTheGeneralPath) {
+TEST(CongruentBodies, AreFoundAndAgreeWithTheGeneralPath) {
   const exec_space space;
   const auto count = [&](const Placement& place) {
     BlockMesh blocks =
@@ -144,13 +145,12 @@ TEST(CongruentBodies, AreFoundAloneAndAgreeWithTheGeneralPath) {
     return allReduce(world, internal.numCongruentElems(), MPI_SUM);
   };
   EXPECT_EQ(count(asIs), 35);
-  EXPECT_EQ(count([](const Vec3& x) { // one node of the first body moved: that body is general
-              return norm(x) < 1e-12 ? Vec3{-1e-6, 0, 0} : x;
-            }),
-            8);
+  // one displaced node of the first body makes that body general
+  EXPECT_EQ(count([](const Vec3& x) { return norm(x) < 1e-12 ? Vec3{-1e-6, 0, 0} : x; }), 8);
   EXPECT_EQ(count([](const Vec3& x) { return Vec3{x.x + 0.3 * x.y, x.y, x.z + 0.1 * x.x}; }), 35);
 
-  // One corner node off by 1e-9 of an edge makes the body general; its forces then differ by about that much.
+  // One corner node displaced by 1e-9 of an edge makes the body general; its forces then differ by
+  // about that much.
   const auto forcesAt = [&](double shift) {
     BlockMesh blocks = makeBlocks(
         space, world, {cube(2)}, {steelLike()},
@@ -169,7 +169,7 @@ TEST(CongruentBodies, AreFoundAloneAndAgreeWithTheGeneralPath) {
       EXPECT_NEAR(box.force(node, i), general.force(node, i), 1e-9);
 }
 
-// One body cut into chunks for many threads, with atomic additions where chunks meet.
+// One body in chunks for many threads, with atomic additions where chunks meet.
 TEST(Threads, ChangeNoBit) {
   const exec_space space;
   Block block;
@@ -197,8 +197,9 @@ TEST(Threads, ChangeNoBit) {
   }
 }
 
-// Lattices are swept plane by plane, or in packs by connectivity, in slabs of any number of threads: the same bits, also where
-// elements fail. Blocks of any width, bricks and sheared boxes, whole or cut between layers or anywhere.
+// Sweeps over lattices, in slabs for any number of threads, give the same bits as packs, also where
+// elements fail. The blocks have any width and are boxes or sheared, whole or cut between layers or
+// anywhere.
 TEST(Lattices, ChangeNoBit) {
   const exec_space space;
   const auto bricks = stackOf({{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}});
@@ -262,19 +263,19 @@ TEST(Failure, OfOneElementIsReportedWithItsGlobalIdOnAllRanks) {
     EXPECT_NEAR(failure.position.x, (elem % 3 + 0.5) / 3, 1e-12);
     EXPECT_NE(describe(failure).find("1-based id " + std::to_string(elem + 1)), std::string::npos);
   };
-  // The last layer in z turned inside out: its lowest element is 18.
+  // The last layer in z is inverted; its lowest element is 18.
   check(nodalField(space, blocks.mesh,
                    [](const Vec3& x) {
                      return Vec3{0, 0, x.z > 0.9 ? -1.0 : 0.0};
                    }),
         18, inverted_element);
-  // NaN at the far corner: element 26 alone.
+  // NaN at the far corner affects element 26 alone.
   check(nodalField(space, blocks.mesh,
                    [](const Vec3& x) {
                      return Vec3{x.x + x.y + x.z > 2.9 ? NAN : 0.0, 0, 0};
                    }),
         26, not_a_number);
-  // Blown up a thousandfold: beyond the range.
+  // Scaled by a thousand: beyond the fixed-point range.
   check(nodalField(space, blocks.mesh, [](const Vec3& x) { return 1e4 * x; }), 0, force_overflow);
 }
 
@@ -329,7 +330,7 @@ TEST(Skin, OfACutBlockIsThatOfTheWhole) {
       EXPECT_GT(ids(f), ids(f - 1));
     }
   }
-  // Every owned node on the outside is a surface node here, wherever its faces are.
+  // Every owned node on the outside is a surface node on this rank, wherever its faces are.
   const auto owned =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.node_is_owned);
   int surface_nodes = 0;

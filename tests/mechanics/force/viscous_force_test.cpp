@@ -1,5 +1,5 @@
-// Forces of bulk viscosity: by hand for uniform fields, none in rigid rotation, power never positive, the same bits however
-// the mesh is cut, nothing changed in the other forces.
+// Forces of bulk viscosity: closed form for uniform fields, none in rigid rotation, power never
+// positive, the same bits for any partition, no effect on the other forces.
 #include "tests/mechanics/support/block_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -55,9 +55,10 @@ Viscous evaluate(MPI_Comm comm, BlockMesh& blocks, const Field& displacement, co
   return result;
 }
 
-// A cube of edge h, u = e X, v = a X: F = (1 + e) I, tr D = 3 a/(1 + e), so P = rho l tr D (b1 c_d + b2^2 l |tr D|)/(1 + e)
-// on every face, whose area h^2 is shared by four corners. The small-strain material knows no e.
-TEST(BulkViscosity, OfUniformDilationIsThePressureByHand) {
+// A cube of edge h, u = e X, v = a X: F = (1 + e) I, tr D = 3 a/(1 + e), so P = rho l tr D (b1 c_d
+// + b2^2 l |tr D|)/(1 + e) on every face, whose area h^2 is shared by four corners. For the linear
+// material e has no effect.
+TEST(BulkViscosity, OfUniformDilationIsThePressureInClosedForm) {
   constexpr double h = 0.5, e = -0.1;
   for (const MaterialModel model : models)
     for (const ElementKind kind : kinds)
@@ -83,8 +84,8 @@ TEST(BulkViscosity, OfUniformDilationIsThePressureByHand) {
       }
 }
 
-// On any one element affine fields have the power -V P : dH/dt, exactly.
-TEST(BulkViscosity, OfAffineFieldsHasThePowerByHandOnADistortedElement) {
+// On any single element affine fields have the power -V P : dH/dt exactly.
+TEST(BulkViscosity, OfAffineFieldsHasThePowerInClosedForm) {
   const double gradient[3][3] = {{0.1, 0.05, 0}, {-0.02, -0.15, 0.04}, {0, 0.1, 0.07}};
   const double rate[3][3] = {{-0.4, 0.1, 0.3}, {0.2, 0.1, 0}, {-0.1, 0.25, -0.2}};
   const auto apply = [](const double(&g)[3][3]) {
@@ -122,7 +123,7 @@ TEST(BulkViscosity, OfAffineFieldsHasThePowerByHandOnADistortedElement) {
   }
 }
 
-TEST(BulkViscosity, IsNoneInRigidMotion) {
+TEST(BulkViscosity, IsZeroInRigidMotion) {
   const double angle = 2.3, c = std::cos(angle), s = std::sin(angle);
   const Vec3 spin = {0, 0, 0.7};
   const Field turned = [=](const Vec3& x) {
@@ -146,7 +147,8 @@ TEST(BulkViscosity, IsNoneInRigidMotion) {
     }
 }
 
-// f . v = -(sum of w J q tr D): no element gains energy from its viscosity at the velocity that it is evaluated at.
+// f . v = -(sum of w J q tr D): no element gains energy from its viscosity at the velocity at which
+// it is evaluated.
 TEST(BulkViscosity, NeverHasPositivePower) {
   for (const MaterialModel model : models)
     for (const ElementKind kind : kinds)
@@ -168,7 +170,7 @@ TEST(BulkViscosity, NeverHasPositivePower) {
         }
 }
 
-TEST(BulkViscosity, HasTheSameBitsForAnyCutAndChangesNoOtherForce) {
+TEST(BulkViscosity, HasTheSameBitsForAnyPartitionAndChangesNoOtherForce) {
   const Field u = [](const Vec3& x) {
     return Vec3{0.01 * std::sin(3 * x.y), 0.02 * x.x * x.z, 0.01 * std::cos(2 * x.x)};
   };
@@ -212,7 +214,7 @@ TEST(BulkViscosity, HasTheSameBitsForAnyCutAndChangesNoOtherForce) {
         }
       EXPECT_GT(largest, 1e6);
       for (const std::int64_t component : sum)
-        EXPECT_EQ(component, 0); // internal
+        EXPECT_EQ(component, 0); // internal force
     }
 }
 
@@ -229,8 +231,8 @@ TEST(BulkViscosity, OfAFailedElementIsNotAdded) {
       [](const Vec3& x) { return -0.1 * x; }, both, ElementKind::one_point);
   EXPECT_EQ(allReduce(world, result.failures, MPI_SUM), 1);
   for (global_id node = 0; node < 12; ++node)
-    EXPECT_EQ(result.force(node, 0) != 0, node % 3 != 2)
-        << node; // nodes at x = 1 have that element alone
+    // nodes at x = 1 belong to that element alone
+    EXPECT_EQ(result.force(node, 0) != 0, node % 3 != 2) << node;
 }
 
 } // namespace

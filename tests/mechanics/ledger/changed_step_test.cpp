@@ -1,4 +1,5 @@
-// The gauges of energy where steps change in length: exact for linear bodies and springs, as at constant steps.
+// The energy gauges where steps change in length: as exact for linear bodies and springs as at
+// constant steps.
 #include "tests/mechanics/support/solver.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,8 @@ namespace {
 
 using namespace testing;
 
-// A linear solid that moves in all its modes, every node on a spring of stiffness k to its reference place, booked as contact.
+// A linear solid that moves in all its modes. Every node is on a spring of stiffness k to its
+// reference position, entered in the ledger as contact.
 struct Springs {
   Solver solver;
   double k;
@@ -51,7 +53,7 @@ struct Springs {
     has_last = true;
     return sums;
   }
-  // 200 steps, of which the 50th, 100th and 150th are of another length than those before.
+  // 200 steps, of which the 50th, 100th and 150th change the length of the step.
   const EnergyBalance& run() {
     const double shares[4] = {0.5, 0.2, 0.6, 0.35}, stable = solver.stableStep();
     double dt = shares[0] * stable;
@@ -67,7 +69,7 @@ struct Springs {
   }
 };
 
-TEST(ChangedStep, LeavesTheEnergyOfALinearSolidAsItIs) {
+TEST(ChangedStep, ConservesTheEnergyOfALinearSolid) {
   Springs none(0);
   const EnergyBalance& b = none.run();
   EXPECT_LE(b.energy_error, 1e-12);
@@ -75,7 +77,7 @@ TEST(ChangedStep, LeavesTheEnergyOfALinearSolidAsItIs) {
   EXPECT_EQ(b.contact_error, 0);
 }
 
-TEST(ChangedStep, LeavesTheEnergyOfSpringsInContactAsItIs) {
+TEST(ChangedStep, ConservesTheEnergyOfContactSprings) {
   Springs springs(0.01);
   const EnergyBalance& b = springs.run();
   EXPECT_GT(b.stored_contact, 1e-3 * b.peak_total);
@@ -84,8 +86,9 @@ TEST(ChangedStep, LeavesTheEnergyOfSpringsInContactAsItIs) {
   EXPECT_LE(b.stored_error, 1e-9);
 }
 
-// What is allowed for is what the steps' lengths do, and not what forces do wrong: a tenth of the energy that is not told shows.
-TEST(ChangedStep, HidesNoEnergyThatIsMissing) {
+// The correction covers the effect of the steps' lengths only: a missing tenth of the energy is
+// detected.
+TEST(ChangedStep, HidesNoMissingEnergy) {
   Springs springs(0.01);
   double peak = 0;
   springs.solver.contact = [&] {
@@ -99,8 +102,8 @@ TEST(ChangedStep, HidesNoEnergyThatIsMissing) {
   EXPECT_NEAR(b.contact_error * b.peak_total, 0.1 * peak, 1e-3 * peak);
 }
 
-// The drift is shortened after its kick, which is corrected for it.
-TEST(ChangedStep, ByACorrectionLeavesTheEnergyAsItIs) {
+// The drift is shortened after its kick, which is corrected accordingly.
+TEST(ChangedStep, ByACorrectionConservesTheEnergy) {
   Springs none(0);
   Solver& solver = none.solver;
   const double dt = 0.5 * solver.stableStep();

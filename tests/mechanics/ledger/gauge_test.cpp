@@ -1,4 +1,5 @@
-// The gauges of the ledger against exact answers: invariants of linear bodies, telescoping work, impulses and their moments.
+// The gauges of the ledger against exact solutions: invariants of linear bodies, telescoping work,
+// impulses and their moments.
 #include "tests/mechanics/support/solver.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ Block brick(Vec3 origin = {}) {
   return block;
 }
 
-// All modes: displacements and velocities without any order.
+// Arbitrary displacements and velocities excite all modes.
 void stir(Solver& solver, double amplitude) {
   const auto anyVector = [=](double x, double y, double z) {
     const auto seed = static_cast<std::uint64_t>(1e3 * x + 1e6 * y + 1e9 * z + 1e12);
@@ -30,7 +31,7 @@ void stir(Solver& solver, double amplitude) {
                                      [&](const Vec3& x) { return anyVector(x.z + 3, x.x, x.y); });
 }
 
-// Full integration of the linear material is linear in u exactly.
+// Full integration of the linear material is exactly linear in u.
 Solver linearSolid() {
   return Solver(world, brick(), {MaterialModel::linear, 1, 1, 0.3}, {}, asIs, ElementKind::full);
 }
@@ -92,8 +93,9 @@ TEST(StoredEnergy, OfALinearSolidIsMinusTheWorkOfItsForces) {
   EXPECT_GT(std::fabs(b.work[internal_force]), 1e-3 * b.peak_total);
 }
 
-// However little a body moves, as in the first steps of a smooth pulse: rounding is no error of the physics.
-TEST(EnergyError, OfBodiesThatHardlyMoveIsFarBelowTheUsualLimit) {
+// Rounding is no error of the physics, however small the motion is, as in the first steps of a
+// smooth pulse.
+TEST(EnergyError, OfSmallMotionsIsFarBelowTheUsualLimit) {
   for (double amplitude = 1e-3; amplitude > 1e-22; amplitude *= 0.3) {
     Solver solver = linearSolid();
     stir(solver, amplitude);
@@ -106,7 +108,8 @@ TEST(EnergyError, OfBodiesThatHardlyMoveIsFarBelowTheUsualLimit) {
   }
 }
 
-// Forces are the gradient of the energy; what is left is that of a nonlinear body, of second order in dt.
+// Forces are the gradient of the energy; the remaining error is that of a nonlinear body, of second
+// order in dt.
 TEST(StoredEnergy, FollowsItsWorkWithSecondOrder) {
   const auto errorOf = [](double share) {
     Solver solver(world, brick(), {MaterialModel::neo_hookean, 1, 1, 0.3});
@@ -120,7 +123,7 @@ TEST(StoredEnergy, FollowsItsWorkWithSecondOrder) {
       solver.step(dt);
     const EnergyBalance& b = solver.ledger.balance();
     EXPECT_GT(b.peak_hourglass, 1e-3 * b.peak_total);
-    EXPECT_EQ(b.work_hourglass, -b.stored_hourglass); // there was none at the start
+    EXPECT_EQ(b.work_hourglass, -b.stored_hourglass); // zero at the start
     return b.stored_error;
   };
   const double coarse = errorOf(0.8), fine = errorOf(0.2);
@@ -130,7 +133,7 @@ TEST(StoredEnergy, FollowsItsWorkWithSecondOrder) {
   EXPECT_GE(std::log2(coarse / fine) / 2, 1.8);
 }
 
-TEST(HourglassShare, IsNoneInUniformStrainAndAllInAPureHourglassMode) {
+TEST(HourglassShare, IsZeroInUniformStrainAndOneInAPureHourglassMode) {
   Block one;
   for (const bool is_hourglass : {false, true}) {
     Solver solver(MPI_COMM_SELF, one, {MaterialModel::neo_hookean, 1, 1, 0.3});
@@ -138,15 +141,16 @@ TEST(HourglassShare, IsNoneInUniformStrainAndAllInAPureHourglassMode) {
       const double mode = (2 * x.x - 1) * (2 * x.y - 1);
       return is_hourglass ? Vec3{0, 0, 1e-3 * mode} : Vec3{1e-3 * x.x, 0, 0};
     });
-    solver.start(1e-6); // too short to move
+    solver.start(1e-6); // too short for a visible motion
     const EnergyBalance& b = solver.ledger.balance();
     EXPECT_GT(b.peak_internal, 0);
     EXPECT_NEAR(b.hourglassShare(), is_hourglass ? 1 : 0, 1e-12);
   }
 }
 
-// Every node on a spring to its reference place: the stored energy k u^n.u^{n+1}/2 and the work telescope exactly.
-TEST(ContactError, IsNoneForLinearSpringsAndShowsWhatIsMissing) {
+// Every node is on a spring to its reference position: the stored energy k u^n.u^{n+1}/2 and the
+// work telescope exactly.
+TEST(ContactError, IsZeroForLinearSpringsAndDetectsMissingEnergy) {
   for (const double told : {1.0, 0.9}) {
     Solver solver = linearSolid();
     stir(solver, 1e-3);
@@ -189,12 +193,14 @@ TEST(ContactError, IsNoneForLinearSpringsAndShowsWhatIsMissing) {
       EXPECT_LE(b.contact_error, 1e-9); // forces are rounded to 2^-54 of a strain of one
       EXPECT_LE(b.energy_error, 1e-9);
     } else {
-      EXPECT_NEAR(b.contact_error * b.peak_total, peak / 9, 1e-6 * peak); // a tenth of the truth
+      // a tenth of the exact value
+      EXPECT_NEAR(b.contact_error * b.peak_total, peak / 9, 1e-6 * peak);
     }
   }
 }
 
-// Far from the origin and turning; loads follow the body; every force that can turn it acts; the step changes.
+// Far from the origin and rotating; loads follow the body; every force with a moment acts; the step
+// changes.
 TEST(AngularMomentum, ChangesByTheMomentsOfAllImpulses) {
   Solver solver(world, brick({3, -2, 1}), {MaterialModel::neo_hookean, 1, 1, 0.3});
   solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
@@ -213,9 +219,7 @@ TEST(AngularMomentum, ChangesByTheMomentsOfAllImpulses) {
   solver.start(dt);
   for (int s = 0; s < 400; ++s) {
     const double next = s == 200 ? 0.3 * stable : dt;
-    drift(solver.space, dt, solver.state);
-    solver.time += dt;
-    solver.evaluateAndKick(0.5 * (dt + next), next);
+    solver.step(dt, next);
     dt = next;
   }
   const EnergyBalance& b = solver.ledger.balance();
@@ -228,7 +232,7 @@ TEST(AngularMomentum, ChangesByTheMomentsOfAllImpulses) {
   EXPECT_LE(b.ledger_residual, 1e-13);
 }
 
-// x_0 x M g t, by hand.
+// The closed form is x_0 x M g t.
 TEST(AngularMomentum, OfFreeFallGrowsWithTheTimeOfTheHalfStep) {
   const Vec3 gravity = {0, 0, -0.1}, centre = {4, -1.5, 1.5};
   Solver solver(world, brick({3, -2, 1}), {MaterialModel::neo_hookean, 1, 1, 0.3}, gravity);
@@ -243,8 +247,9 @@ TEST(AngularMomentum, OfFreeFallGrowsWithTheTimeOfTheHalfStep) {
   EXPECT_LE(b.angular_momentum_error, 1e-13);
 }
 
-// A force that the gauge does not know of must show: a couple on 2 of 60 nodes, a small part of R sqrt(2 K M).
-TEST(AngularMomentum, ShowsAMomentFromNowhere) {
+// A force that the gauge does not include is detected: a couple on 2 of 60 nodes, a small part of R
+// sqrt(2 K M).
+TEST(AngularMomentum, DetectsAMomentWithoutASource) {
   Solver solver(MPI_COMM_SELF, brick(), {MaterialModel::neo_hookean, 1, 1, 0.3});
   solver.contact = [&] {
     const auto forces =
@@ -261,8 +266,9 @@ TEST(AngularMomentum, ShowsAMomentFromNowhere) {
   EXPECT_GT(solver.ledger.balance().angular_momentum_error, 0.05);
 }
 
-// A step that is shortened after its kick: the kick is taken back in part, and nothing tells it from one that knew.
-TEST(Correction, OfAKickLeavesWhatTheShorterKickWouldHaveMade) {
+// A step that is shortened after its kick: the kick is taken back in part, with the same result as
+// the shorter kick.
+TEST(Correction, OfAKickGivesTheResultOfTheShorterKick) {
   const auto run = [](bool corrects, bool at_start) {
     auto solver = std::make_unique<Solver>(world, brick({3, -2, 1}),
                                            Material{MaterialModel::neo_hookean, 1, 1, 0.3},
@@ -303,13 +309,13 @@ TEST(Correction, OfAKickLeavesWhatTheShorterKickWouldHaveMade) {
   }
 }
 
-TEST(SpeedTest, CountsTheNodesOfAllRanksThatMoveUnlikeTheRest) {
+TEST(SpeedTest, CountsTheFastNodesOfAllRanks) {
   Solver solver(world, bar(9), {MaterialModel::linear, 1, 1, 0});
   solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
     return Vec3{1, 0, x.x < 1e-9 ? 0.5 : 0.0};
   });
   solver.start(1e-9);
-  EXPECT_EQ(solver.ledger.balance().fast_nodes, 0); // nobody has asked
+  EXPECT_EQ(solver.ledger.balance().fast_nodes, 0); // no test requested
   zeroForces(solver.space, solver.forces);
   const auto count = [&](const SpeedTest& test) {
     KickSums sums = kick(solver.space, solver.blocks.mesh, *solver.boundary, {}, 1e-9,

@@ -1,4 +1,5 @@
-// Bodies that start turned: what rounding leaves of their energy is no error, and energetic ones are judged as before.
+// Bodies with an initial rotation: rounding of their energy is no error, and energetic bodies are
+// judged by the usual limits.
 #include "mechanics/ledger/turned_rounding.hpp"
 #include "mechanics/loads/initial_conditions.hpp"
 #include "tests/mechanics/support/solver.hpp"
@@ -42,7 +43,7 @@ EnergyBalance run(const std::array<double, 2>& turn, double speed, bool allows,
   return solver.ledger.balance();
 }
 
-TEST(TurnedBody, AtRestHasNoErrorsButRounding) {
+TEST(RotatedBody, AtRestHasNoErrorsExceptRounding) {
   bool needs_it = false;
   for (const auto& turn : turns) {
     const EnergyBalance b = run(turn, 0, true), before = run(turn, 0, false);
@@ -54,7 +55,7 @@ TEST(TurnedBody, AtRestHasNoErrorsButRounding) {
   EXPECT_TRUE(needs_it);
 }
 
-TEST(TurnedBody, ThatMovesIsJudgedAsBefore) {
+TEST(RotatedBody, InMotionIsJudgedByTheUsualLimits) {
   for (const double speed : {1e-5, 1e-2}) {
     const EnergyBalance b = run(turns[0], speed, true), before = run(turns[0], speed, false);
     EXPECT_TRUE(b.is_above_noise);
@@ -63,8 +64,8 @@ TEST(TurnedBody, ThatMovesIsJudgedAsBefore) {
   }
 }
 
-// Energies that square a strain have no such rounding: their gauge stays as fine as it is.
-TEST(TurnedBody, OfAnotherMaterialRaisesNoFloor) {
+// Energies that square a strain have no such rounding: their noise floor is unchanged.
+TEST(RotatedBody, OfAnotherMaterialRaisesNoFloor) {
   const exec_space space;
   for (const MaterialModel model : {MaterialModel::svk, MaterialModel::neo_hookean}) {
     const BlockMesh blocks = makeBlocks(space, MPI_COMM_SELF, {bar(3)}, {steelLike(model)}, asIs,
@@ -73,7 +74,7 @@ TEST(TurnedBody, OfAnotherMaterialRaisesNoFloor) {
     const double noise = scales.noise, angular_noise = scales.angular_noise;
     View<double* [3]> u("test::u", blocks.mesh.num_nodes);
     raiseNoiseFloorForRotation(space, MPI_COMM_SELF, blocks.mesh, u, scales);
-    EXPECT_EQ(scales.noise, noise); // not displaced
+    EXPECT_EQ(scales.noise, noise); // no displacement
     u = nodalField(space, blocks.mesh, [](const Vec3& x) { return -2 * Vec3{x.x, x.y, 0}; });
     raiseNoiseFloorForRotation(space, MPI_COMM_SELF, blocks.mesh, u, scales);
     EXPECT_EQ(scales.noise > noise, model == MaterialModel::neo_hookean);

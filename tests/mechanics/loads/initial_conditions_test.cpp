@@ -1,4 +1,5 @@
-// Initial velocities and deformations: shared nodes, the field itself, and the energy that a deformation stores.
+// Initial velocities and deformations: shared nodes, the field itself, and the energy stored by a
+// deformation.
 #include "mechanics/loads/initial_conditions.hpp"
 #include "tests/mechanics/support/solver.hpp"
 
@@ -9,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-// A bar of 6 elements of which the third alone is chosen.
+// A bar of 6 elements of which only the third is chosen.
 struct ChosenThird {
   exec_space space;
   BlockMesh blocks;
@@ -40,7 +41,7 @@ TEST(InitialField, ReachesSharedNodesOfRanksWithoutAChosenElement) {
   }
 }
 
-TEST(InitialField, OfARotationIsTheCrossProductAndHasTheSameBitsCutOrWhole) {
+TEST(InitialField, OfARotationIsTheCrossProductAndHasTheSameBitsForAnyPartition) {
   const Vec3 velocity = {0.1, -0.2, 0.3}, spin = {0.7, -1.1, 0.4}, center = {0.3, 0.2, -0.1};
   const AffineField field = rigidVelocity(velocity, spin, center);
   for (int k = 0; k < 20; ++k) {
@@ -52,9 +53,10 @@ TEST(InitialField, OfARotationIsTheCrossProductAndHasTheSameBitsCutOrWhole) {
             globalWords(MPI_COMM_SELF, whole.blocks, whole.set(field)));
 }
 
-// A block stretched and sheared at the start, at rest, swings: its energy is the stored one, which an affine field gives
-// exactly, and the half-step gauge keeps it (exactly for linear springs, and contact-free).
-TEST(InitialDeformation, IsInTheEnergyOfTheStart) {
+// A block that is initially stretched, sheared and at rest oscillates. Its energy is the stored
+// one, which an affine field gives exactly, and the half-step gauge conserves it (exactly for
+// linear springs without contact).
+TEST(InitialDeformation, IsInTheInitialEnergy) {
   Block block;
   block.elements[0] = 4, block.elements[1] = 3, block.elements[2] = 2;
   Solver solver(world, block, {MaterialModel::linear, 1, 1, 0.3});
@@ -77,10 +79,11 @@ TEST(InitialDeformation, IsInTheEnergyOfTheStart) {
   for (int s = 0; s < 200; ++s)
     solver.step(dt);
   const EnergyBalance& b = solver.ledger.balance();
-  EXPECT_GT(b.peak_kinetic, 0.3 * point.W); // it swings
-  // 1/8 dt^2 a M a, the gauge's own constant, is what sets the invariant apart from U(u^0).
+  EXPECT_GT(b.peak_kinetic, 0.3 * point.W); // it oscillates
+  // 1/8 dt^2 a M a, a constant of the gauge, separates the invariant from U(u^0).
   EXPECT_NEAR(b.total_half, point.W, 0.2 * point.W);
-  // Hourglass stiffness turns with the element: third order in the strain of 1e-3, against second-order energies.
+  // Hourglass stiffness rotates with the element: third order in the strain of 1e-3, against
+  // energies of second order.
   EXPECT_LE(b.energy_error, 1e-4);
   EXPECT_LE(b.ledger_residual, 1e-13);
   EXPECT_LE(b.momentum_error, 1e-13);

@@ -1,4 +1,4 @@
-// Pressure on faces.
+// Pressure on faces: nodal loads, arrival, balance on closed surfaces, end of the pulse.
 #include "mechanics/loads/pressure_load.hpp"
 #include "mechanics/mesh/skin.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
@@ -31,7 +31,7 @@ Vec3 byQuadrature(const Vec3 (&x)[4], int corner) {
   return sum;
 }
 
-TEST(Pressure, LoadsOnAWarpedQuadAreTheIntegrals) {
+TEST(Pressure, LoadsOnAWarpedQuadrilateralAreTheIntegrals) {
   Vec3 x[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, load[4];
   for (int c = 0; c < 4; ++c)
     for (int j = 0; j < 3; ++j)
@@ -77,8 +77,8 @@ TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstant) {
   }
 }
 
-// Pressure on a closed surface exerts no force: the follower loads of all faces of a deformed block sum to zero but for
-// one rounding to the quantum a corner load.
+// Pressure on a closed surface exerts no force: the follower loads of all faces of a deformed block
+// sum to zero up to one rounding to the quantum per corner load.
 TEST(Pressure, OnAClosedSurfaceBalances) {
   const exec_space space;
   testing::Block block;
@@ -117,8 +117,8 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
 }
 
 } // namespace
-// What is skipped is exactly zero, and not before.
-TEST(Pressure, EndsWhenThePulseHasPassedItsFarthestFace) {
+// The load is skipped only when it is exactly zero.
+TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
   const exec_space space;
   testing::Block block;
   block.elements[0] = block.elements[1] = block.elements[2] = 2;

@@ -1,4 +1,5 @@
-// Pulses and their means over steps: against quadrature, and that steps add up to the closed form of any pulse.
+// Pulses and their means over steps: against quadrature, and sums over steps against the closed
+// form of any pulse.
 #include "tests/mechanics/support/solver.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846, rounding = 1.1102230246251565e-16;
 
-// Of unit duration and peak.
+// Pulses of unit duration and peak.
 struct Case {
   PulseShape shape;
   double impulse;
@@ -34,7 +35,7 @@ double valueOf(const PulseShape& shape, double t) {
   return shape.mean({t, t});
 }
 
-// The definitions, by the mathematical library and in long double.
+// The definitions, evaluated by the mathematical library in long double.
 long double exactValue(const PulseShape& shape, long double s) {
   const long double exact_pi = 3.14159265358979323846264338327950288L,
                     sine = std::sin(exact_pi * s);
@@ -52,14 +53,15 @@ long double exactValue(const PulseShape& shape, long double s) {
   }
 }
 
-// Integral from a to b by Simpson's rule on 1600 intervals, between the kinks: errs by (b - a)^4 30^3/(2880 1600^4) at most, 2e-12.
+// Integral from a to b by Simpson's rule on 1600 intervals between the kinks; its error is at most
+// (b - a)^4 30^3/(2880 1600^4) = 2e-12.
 long double exactIntegral(const PulseShape& shape, long double a, long double b) {
   const long double kink = shape.rise;
   if (shape.kind == PulseKind::triangle && a < kink && kink < b)
     return exactIntegral(shape, a, kink) + exactIntegral(shape, kink, b);
   constexpr int n = 1600;
   const long double h = (b - a) / n;
-  // A value at a kink is that of the piece that it ends.
+  // The value at a kink is that of the piece that ends there.
   const auto at = [&](int i, long double part) {
     const long double s = a + (i + part) * h;
     return exactValue(shape, shape.kind == PulseKind::triangle && b <= kink && s >= kink
@@ -99,9 +101,10 @@ TEST(PulseShape, InstantsHaveTheValueOfTheShape) {
   EXPECT_EQ(PulseShape{PulseKind::step}.mean({-1, 3}), 0.75);
 }
 
-// Steps of a length that no binary number is, as the clock adds them up; kicks reach from middle to middle. Each mean errs by some
-// roundings of the part of the pulse that it covers, each step by the rounding of the times at its ends, 2^-53 t/dt of it.
-TEST(PulseShape, KicksAddUpToTheClosedFormOfAnyPulse) {
+// Step lengths without a finite binary representation, summed as by the clock; kicks reach from
+// midpoint to midpoint. Each mean errs by some roundings of its part of the pulse, each step by the
+// rounding of the times at its ends, 2^-53 t/dt of it.
+TEST(PulseShape, ImpulsesOfKicksSumToTheClosedForm) {
   constexpr double dt = 0.0123;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> exponent(-3, 3), any(0, 1);
@@ -140,8 +143,9 @@ TEST(PulseShape, MeansOfResolvedPulsesAreTheValueToSecondOrder) {
   }
 }
 
-// Displacements are sums of steps times means over [t^n, t^{n+1}]: exact like the impulses of kicks.
-TEST(PrescribedMotion, MovesAsFarAsThePulseSays) {
+// Displacements are sums of steps times means over [t^n, t^{n+1}], as exact as the impulses of
+// kicks.
+TEST(PrescribedMotion, HasTheDisplacementOfItsPulse) {
   for (const Case& c : allPulses())
     for (const double steps : {0.01, 0.2, 0.8, 1.0, 7.3, 40.0}) {
       testing::Solver solver(MPI_COMM_WORLD, testing::bar(3), testing::steelLike());
@@ -169,8 +173,9 @@ TEST(PrescribedMotion, MovesAsFarAsThePulseSays) {
     }
 }
 
-// A dead pressure on one end of a bar; a wave that arrives elsewhere later gives every place the same impulse.
-TEST(Pressure, GivesTheImpulseOfItsPulse) {
+// A dead pressure on one end of a bar. A front that arrives later at other positions gives every
+// position the same impulse.
+TEST(Pressure, HasTheImpulseOfItsPulse) {
   for (const Case& c : allPulses())
     for (const double steps : {0.003, 0.5, 3.3})
       for (const double speed : {HUGE_VAL, 0.05}) {
@@ -186,11 +191,11 @@ TEST(Pressure, GivesTheImpulseOfItsPulse) {
         pressure.shape.duration = steps * dt;
         pressure.start = 1.9 * dt;
         pressure.gaussian = speed < HUGE_VAL;
-        pressure.radius = 1e30; // as good as uniform
+        pressure.radius = 1e30; // practically uniform
         pressure.speed = speed / dt;
         solver.press(pressure, [](const Vec3& X) { return X.x == 0; });
         solver.start(dt);
-        for (int step = 0; step < 40; ++step) // sqrt(2) away it arrives 28 steps later
+        for (int step = 0; step < 40; ++step) // at a distance of sqrt(2) it arrives 28 steps later
           solver.step(dt);
         const double exact = 1e-3 * steps * dt * c.impulse;
         // Each of 16 corner loads of a step is rounded to a quantum.

@@ -1,4 +1,5 @@
-// The stable step of deformed bodies by the frequency of the bodies at rest: never above the true one, and not far below.
+// The stable step of deformed bodies by the frequency of the bodies at rest: never above the true
+// one, and not far below it.
 #include "mechanics/element/symmetric_eigenvalue.hpp"
 #include "mechanics/stability/largest_frequency.hpp"
 #include "tests/mechanics/support/solver.hpp"
@@ -11,9 +12,9 @@ using namespace brickwall;
 using namespace brickwall::mechanics;
 using namespace brickwall::mechanics::testing;
 
-constexpr int unknowns = 108; // of 3x2x2 elements
+constexpr int unknowns = 108; // 3x2x2 elements
 
-// 2/omega of K(u) by differences of the forces, symmetrised and over the masses.
+// 2/omega of K(u) by differences of the forces, symmetrised and divided by the masses.
 double trueStep(Solver& solver, const View<double* [3]>& displacement) {
   static double K[unknowns][unknowns];
   constexpr double h = 1e-5;
@@ -93,7 +94,7 @@ std::vector<Deformation> deformations(double size) {
   };
 }
 
-// How the step compares with the true one over all deformations.
+// Comparison of the step with the true one over all deformations.
 void checkSteps(ElementKind kind, MaterialModel model, double distortion, double size) {
   Block block;
   block.elements[0] = 3, block.elements[1] = block.elements[2] = 2;
@@ -117,15 +118,16 @@ void checkSteps(ElementKind kind, MaterialModel model, double distortion, double
     const double exact = trueStep(solver, u), step = stepOf(rest, HUGE_VAL);
     EXPECT_LE(step, exact * (1 + 1e-6)) << what;
     EXPECT_GE(step, deformation.is_smooth ? (1 - 3 * size) * exact : 0.7 * exact) << what;
-    EXPECT_LE(stepOf(rest, 0), step * (1 + 1e-12)) << what; // by norms alone
+    EXPECT_LE(stepOf(rest, 0), step * (1 + 1e-12)) << what; // norms suffice
     EXPECT_GE(step, stepOf({}, HUGE_VAL)) << what;
-    EXPECT_EQ(stepOf(rest, 1.01 * step), step) << what; // norms do not do: eigenvalues
+    // norms do not suffice, so eigenvalues are used
+    EXPECT_EQ(stepOf(rest, 1.01 * step), step) << what;
   }
 }
 
-TEST(DeformedStep, IsSafeAndNearTheTrueOne) {
+TEST(DeformedStep, IsSafeAndCloseToTheTrueStep) {
   if (sizeOf(world) > 1)
-    GTEST_SKIP() << "one rank does";
+    GTEST_SKIP() << "runs on one rank only";
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
     for (const MaterialModel model :
          {MaterialModel::neo_hookean, MaterialModel::svk, MaterialModel::linear})

@@ -1,5 +1,5 @@
-// The largest frequency of assembled bodies: against known steps of bricks, against the true limit of the time loop, and on
-// any number of ranks.
+// The largest frequency of assembled bodies: against known steps of bricks, against the true limit
+// of the time loop, and on any number of ranks.
 #include "mechanics/element/rest_stiffness.hpp"
 #include "mechanics/mesh/body_types.hpp"
 #include "mechanics/stability/largest_frequency.hpp"
@@ -36,7 +36,7 @@ Block cube(int n, double edge = 1, Vec3 origin = {}, int material = 0) {
 }
 
 // dt c_d/h of free bricks of n^3 elements, from dense eigenvalue solutions.
-TEST(LargestFrequency, OfBricksIsKnown) {
+TEST(LargestFrequency, OfBricksHasTheKnownValue) {
   struct Known {
     double poisson;
     int n;
@@ -92,7 +92,8 @@ TEST(RitzValue, OfAChainIsTheClosedForm) {
   }
 }
 
-// Four bodies of two types, whose numbering and materials decide, one body moved, and a distorted one.
+// Four bodies of two types, which numbering and materials determine; one body displaced, and a
+// distorted one.
 BlockMesh someBodies(MPI_Comm comm, double distortion, const Partition& partition) {
   Block small = cube(2, 0.5, {0, 0, 9}, 1);
   const std::vector<Block> blocks = {cube(3), cube(3, 1, {4.1, 0, 0}), small,
@@ -107,12 +108,12 @@ BlockMesh someBodies(MPI_Comm comm, double distortion, const Partition& partitio
   return makeBlocks(exec_space(), comm, blocks, materials, place, partition);
 }
 
-TEST(BodyTypes, AreTheSameWhereMeshAndStiffnessAre) {
+TEST(BodyTypes, AreEqualIfMeshAndStiffnessAre) {
   const exec_space space;
   for (const double distortion : {0.0, 0.1}) {
     const BlockMesh blocks = someBodies(world, distortion, nullptr);
     const BodyTypes types = findBodyTypes(space, world, blocks.mesh);
-    EXPECT_EQ(types.count, distortion > 0 ? 3 : 2); // the material's law does not matter at rest
+    EXPECT_EQ(types.count, distortion > 0 ? 3 : 2); // the material model has no effect at rest
     for (std::size_t b = 0; b < blocks.mesh.bodies.size(); ++b) {
       const global_id body = blocks.mesh.bodies[b].body;
       const global_id expected[] = {0, distortion > 0 ? 1 : 0, 2, 0};
@@ -123,7 +124,7 @@ TEST(BodyTypes, AreTheSameWhereMeshAndStiffnessAre) {
   }
 }
 
-TEST(LargestFrequency, HasTheSameBitsOnAnyRanks) {
+TEST(LargestFrequency, HasTheSameBitsOnAnyNumberOfRanks) {
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
     for (const double distortion : {0.0, 0.1}) {
       BlockMesh whole = someBodies(MPI_COMM_SELF, distortion, onOneRank);
@@ -140,7 +141,7 @@ TEST(LargestFrequency, HasTheSameBitsOnAnyRanks) {
     }
 }
 
-TEST(LargestFrequency, OfSeveralBodiesIsTheLargestOfAny) {
+TEST(LargestFrequency, OfSeveralBodiesIsTheLargestOfEach) {
   const Material stiff = {MaterialModel::neo_hookean, 1, 4, 0.3}, soft = steelLike();
   const auto of = [&](const std::vector<Block>& blocks) {
     BlockMesh mesh =
@@ -152,7 +153,7 @@ TEST(LargestFrequency, OfSeveralBodiesIsTheLargestOfAny) {
               2e-3 * alone);
 }
 
-// Bodies under contact that takes the share `a` of the mass of given nodes.
+// Bodies under contact that takes the fraction `a` of the mass of given nodes.
 double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, double a) {
   const exec_space space;
   const auto mass =
@@ -166,8 +167,9 @@ double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, doub
   return stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, load, rest).dt;
 }
 
-// A chain of masses m and springs k whose end has the mass mu m < m/2 swings there alone, omega^2 = (k/m)/(mu (1 - mu)).
-TEST(StepUnderContact, OfABarPressedAtItsEndsIsKnown) {
+// A chain of masses m and springs k whose end has the mass mu m < m/2 has a mode localised there,
+// omega^2 = (k/m)/(mu (1 - mu)).
+TEST(StepUnderContact, OfABarPressedAtItsEndsHasTheKnownValue) {
   Block bar;
   bar.elements[0] = 40, bar.elements[1] = bar.elements[2] = 1;
   bar.size = {40, 3, 3};
@@ -186,14 +188,14 @@ TEST(StepUnderContact, OfABarPressedAtItsEndsIsKnown) {
     const double expected = free * std::sqrt(4 * mu * (1 - mu));
     const double step = stepUnderContact(blocks, ends, a);
     EXPECT_LE(step, expected * (1 + 1e-9));
-    EXPECT_GE(step, expected * 0.998); // what Lanczos adds
-    // Weyl's bound where every node is pressed.
+    EXPECT_GE(step, expected * 0.998); // margin of the Lanczos bound
+    // Weyl's bound if every node is a contact node.
     EXPECT_NEAR(stepUnderContact(blocks, all, a), free * std::sqrt(1 - a), 1e-9 * free);
   }
 }
 
-// The step that decides is a sharp limit of the time loop: .99 of it is stable, with 1.01 small noise grows beyond all
-// bounds. No contact, small strains, 1e4 steps.
+// The step is a sharp limit of the time loop: 0.99 of it is stable, and at 1.01 small noise grows
+// without bound. No contact, small strains, 1e4 steps.
 struct FreeBody {
   const char* name;
   Block block;
@@ -215,7 +217,7 @@ std::vector<FreeBody> freeBodies() {
            ElementKind::full}};
 }
 
-// Kinetic energy after the steps over that at the start; stops where it has grown a billionfold.
+// Kinetic energy after the steps over that at the start; stops after growth by 1e9.
 double growthOfEnergy(const FreeBody& body, double share) {
   Solver solver(
       MPI_COMM_SELF, body.block, body.material, {},
@@ -244,7 +246,7 @@ double growthOfEnergy(const FreeBody& body, double share) {
 
 TEST(LargestFrequency, IsASharpLimitOfTheStep) {
   if (sizeOf(world) > 1)
-    GTEST_SKIP() << "one rank does";
+    GTEST_SKIP() << "runs on one rank only";
   for (const FreeBody& body : freeBodies()) {
     EXPECT_LT(growthOfEnergy(body, 0.99), 100) << body.name;
     EXPECT_GT(growthOfEnergy(body, 1.01), 1e9) << body.name;

@@ -1,4 +1,4 @@
-// Bricks that step by themselves: the same bits as drift, forces and kick one after the other.
+// Free bricks have the same bits as drift, forces and kick in separate kernels.
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/step/central_difference.hpp"
 #include "mechanics/step/free_bricks/free_bricks.hpp"
@@ -20,8 +20,8 @@ struct Scene {
   std::vector<char> is_loaded;
 };
 
-// Bricks of several sizes, whole on a rank or cut; a sheared one, one with fixed and driven nodes, one that is distorted and
-// one that is kept out as if loaded.
+// Bricks of several sizes, whole on a rank or cut; a sheared one, one with fixed and driven nodes,
+// one that is distorted, and one that is marked as loaded.
 Scene sceneOf(MaterialModel model) {
   Scene scene;
   const auto bricks = stackOf({{7, 3, 2}, {16, 4, 5}, {1, 1, 1}, {8, 8, 3}, {5, 4, 6}, {9, 2, 2}});
@@ -101,8 +101,8 @@ std::vector<std::int64_t> run(Scene& scene, bool frees, int threads, double mass
     EXPECT_EQ(stored.failure.count, 0);
     words.insert(words.end(), sums.data(), sums.data() + sums.size());
     words.insert(words.end(), stored.energy.data(), stored.energy.data() + stored.energy.size());
-    // Forces that were left out can be had.
-    internal.addLeftOut(space, state.displacement, forces);
+    // Forces of skipped lattices are available on request.
+    internal.addSkippedLattices(space, state.displacement, forces);
     for (const auto& view : {state.displacement, state.velocity}) {
       const auto more = globalWords(world, scene.blocks, view);
       words.insert(words.end(), more.begin(), more.end());
@@ -124,8 +124,8 @@ TEST(FreeBricks, ChangeNoBit) {
     }
 }
 
-// Volumes change by more than a sixteenth in some elements, which sweeps handle apart.
-TEST(FreeBricks, ChangeNoBitWhereElementsDeformFar) {
+// Volumes change by more than a sixteenth in some elements, which sweeps handle separately.
+TEST(FreeBricks, ChangeNoBitAtLargeDeformation) {
   for (const MaterialModel model : {MaterialModel::neo_hookean, MaterialModel::svk}) {
     Scene scene = sceneOf(model);
     const auto apart = run(scene, false, 1, 0, 0.2);

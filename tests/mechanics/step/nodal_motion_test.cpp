@@ -1,4 +1,4 @@
-// The last good state after a failed step: what a step did is taken back, up to rounding.
+// The last good state after a failed step: a step is undone up to rounding.
 #include "mechanics/step/nodal_motion.hpp"
 #include "tests/mechanics/support/solver.hpp"
 
@@ -23,7 +23,8 @@ View<double* [3]> copyOf(const View<double* [3]>& values) {
   return largest;
 }
 
-// A bar of length 1 whose one end is driven by pulses of speed 1 that begin and end within these steps, its other end held.
+// A bar of length 1. One end is driven by pulses of speed 1 that begin and end within these steps,
+// the other end is fixed.
 void undoEachStep(PulseKind kind) {
   Solver bar(MPI_COMM_WORLD, mechanics::testing::bar(6), steelLike());
   const double dt = 0.5 * bar.stableStep();
@@ -51,7 +52,7 @@ void undoEachStep(PulseKind kind) {
   }
 }
 
-TEST(UndoStep, LeavesNothingOfAStepWhereEndsAreDriven) {
+TEST(UndoKickAndDrift, RestoresTheStateWithDrivenEnds) {
   for (const PulseKind kind : {PulseKind::step, PulseKind::half_sine, PulseKind::triangle})
     undoEachStep(kind);
 }

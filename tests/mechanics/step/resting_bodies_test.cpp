@@ -1,4 +1,4 @@
-// Bodies at rest are left out, and no bit changes; they wake when a force acts on them.
+// Bodies at rest are skipped without a change of any bit; they wake when a force acts on them.
 #include "mechanics/force/internal_force.hpp"
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/step/central_difference.hpp"
@@ -22,7 +22,7 @@ struct Bricks {
   LedgerScales scales;
   std::vector<char> may_be_pushed;
 
-  // The first two whole on a rank, the others cut; the last one distorted.
+  // The first two are whole on a rank, the others are cut, and the last one is distorted.
   explicit Bricks(MaterialModel model) {
     const int ranks = sizeOf(world);
     blocks = makeBlocks(
@@ -69,7 +69,7 @@ void push(Bricks& bricks, int step) {
     lowest = allReduce(world, lowest, MPI_MIN);
     for (const int node : nodes)
       if (ids(node) == lowest && step >= 3 * (brick + 1))
-        values(node, 3 * external_force + 1) += std::int64_t(1) << 40; // on all that share the node
+        values(node, 3 * external_force + 1) += std::int64_t(1) << 40; // on all sharers of the node
   }
   Kokkos::deep_copy(bricks.forces.values, values);
 }
@@ -84,7 +84,7 @@ std::vector<std::int64_t> run(MaterialModel model, bool lets_rest, std::int64_t&
   RestingBodies resting;
   if (lets_rest)
     resting = bricks.resting();
-  internal.leaveOutResting(resting.flags());
+  internal.skipRestingBodies(resting.flags());
   const NodeSelection all = NodeSelection::allOf(mesh.num_nodes);
   const double dt = 0.02;
   std::vector<std::int64_t> words;
@@ -124,7 +124,8 @@ TEST(RestingBodies, ChangeNoBit) {
     const auto with = run(model, true, skipped), without = run(model, false, none);
     EXPECT_EQ(with, without);
     EXPECT_EQ(none, 0);
-    // Bricks 0, 1, 2 rest in steps 0 to 3, 6, 9, the fourth in all of 15; parts on other ranks until the wave is there.
+    // Bricks 0, 1, 2 rest in steps 0 to 3, 6, 9, the fourth in all of 15; parts on other ranks
+    // until the wave arrives.
     const std::int64_t whole = 4 * 42 + 7 * 180 + 10 * 192 + 15 * 120;
     skipped = allReduce(world, skipped, MPI_SUM);
     EXPECT_GE(skipped, whole);
@@ -134,7 +135,7 @@ TEST(RestingBodies, ChangeNoBit) {
   }
 }
 
-TEST(RestingBodies, AreThoseThatNothingMoves) {
+TEST(RestingBodies, AreThoseThatHaveNotMoved) {
   Bricks bricks(MaterialModel::neo_hookean);
   const std::int64_t all = 42 + 180 + 192 + 120;
   EXPECT_EQ(bricks.restingElems(bricks.resting()), all);
@@ -151,7 +152,8 @@ TEST(RestingBodies, AreThoseThatNothingMoves) {
   EXPECT_EQ(bricks.restingElems(bricks.resting()), all - 192);
 }
 
-// A body of two blocks is two rows of elements where other bodies' lie between them by number: both wake together.
+// A body of two blocks has two rows of elements, with rows of other bodies in between: both wake
+// together.
 TEST(RestingBodies, WakeInAllTheirRows) {
   Bricks bricks(MaterialModel::neo_hookean);
   HexMesh& mesh = bricks.blocks.mesh;
@@ -177,8 +179,9 @@ TEST(RestingBodies, WakeInAllTheirRows) {
   EXPECT_EQ(flags(last), 0);
 }
 
-// The mean moves on, those that rest do not: they are fast against it, though nobody kicks them.
-TEST(RestingBodies, AreFastWhereTheMeanIs) {
+// The mean velocity changes and that of resting nodes does not: they are fast relative to the mean
+// without being kicked.
+TEST(RestingBodies, CountAsFastIfTheMeanIs) {
   Bricks bricks(MaterialModel::linear);
   const HexMesh& mesh = bricks.blocks.mesh;
   const BoundaryConditions boundary(bricks.space, mesh.num_nodes, {}, {});

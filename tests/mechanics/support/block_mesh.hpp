@@ -1,5 +1,6 @@
-// Small meshes of structured blocks for tests, each block a body, cut among the ranks by any rule. Every rank makes
-// the whole mesh in numbers and keeps its part, so tests can compare with the whole.
+// Small meshes of structured blocks for tests, each block a body, divided among the ranks by any
+// rule. Every rank generates the whole mesh and keeps its part, so tests can compare with the
+// whole.
 #pragma once
 
 #include "contact/base/hash.hpp"
@@ -28,7 +29,7 @@ struct Block {
   int material = 0;
 };
 
-// Blocks of these elements (.1 x .2 x .15 each), one above the other, 4 apart.
+// Blocks of these numbers of elements (0.1 x 0.2 x 0.15 each), one above the other, 4 apart.
 inline std::vector<Block> stackOf(const std::vector<std::array<int, 3>>& sizes) {
   std::vector<Block> blocks;
   for (const auto& size : sizes) {

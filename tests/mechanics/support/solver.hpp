@@ -1,4 +1,5 @@
-// The time loop of the mechanics alone, for tests: mesh, state, forces, loads, boundaries and ledger of one block.
+// The time loop of mechanics without contact, for tests: mesh, state, forces, loads, boundary
+// conditions and ledger of one block.
 #pragma once
 
 #include "mechanics/ledger/energy.hpp"
@@ -19,7 +20,6 @@ inline int slices(global_id elem) {
   return static_cast<int>(elem / 3 % sizeOf(world));
 }
 
-// A mesh with everything that the time loop of the mechanics alone needs.
 struct Solver {
   exec_space space;
   MPI_Comm comm;
@@ -32,7 +32,7 @@ struct Solver {
   std::vector<PressureLoad> loads;
   EnergyLedger ledger;
   double time = 0;
-  double pushed_until = 0; // what the loads have given
+  double pushed_until = 0; // end of the time covered by the loads' impulses
   BulkViscosity viscosity;
   std::function<ContactEnergySums()> contact; // adds totals to the contact_force columns
 
@@ -106,11 +106,42 @@ struct Solver {
                           motionOf(space, blocks.mesh, state, scales));
     evaluateAndKick(0.5 * dt, dt);
   }
-  void step(double dt) {
+  // A drift of length dt, then the kick to the step of length `next`.
+  void step(double dt, double next) {
     drift(space, dt, state);
     time += dt;
-    evaluateAndKick(dt, dt);
+    evaluateAndKick(0.5 * (dt + next), next);
   }
+  void step(double dt) { step(dt, dt); }
+
+  // Fixes the face z = 0, drives the edge y = 0, z = 1 along x and presses on the face y = 0, under
+  // gravity.
+  void driveAndPress(PulseKind pulse, double mass_damping = 0) {
+    PrescribedMotion base, side;
+    base.nodes = nodesWhere([](const Vec3& x) { return x.z < 1e-9; });
+    side.nodes = nodesWhere([](const Vec3& x) { return x.z > 1 - 1e-9 && x.y < 1e-9; });
+    side.component[1] = side.component[2] = false;
+    side.velocity = {0.02, 0, 0};
+    side.shape = {PulseKind::half_sine, 3.0};
+    fix({base, side}, {0, 0, -0.001}, mass_damping);
+    Pressure pressure;
+    pressure.peak = 0.01;
+    pressure.shape = {pulse, 4.0};
+    press(pressure, [](const Vec3& x) { return x.y < 1e-9; });
+  }
+
+  // Global id and stress sigma_xx of each element of this rank.
+  std::vector<std::pair<global_id, double>> axialStresses() const {
+    ElementFields fields;
+    internal->computeFields(space, state.displacement, fields);
+    const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fields.stress);
+    const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.elem_ids);
+    std::vector<std::pair<global_id, double>> result;
+    for (int elem = 0; elem < blocks.mesh.num_elems; ++elem)
+      result.emplace_back(ids(elem), stress(elem, 0));
+    return result;
+  }
+
   double stableStep() { return stableTimeStep(space, comm, blocks.mesh, {viscosity}).dt; }
 };
 

@@ -1,4 +1,5 @@
-// Prints element-steps per second of the internal forces alone (not a pass or fail: machines differ).
+// Prints element-steps per second of the internal forces alone, and node-steps per second of the
+// kick.
 #include "mechanics/force/internal_force.hpp"
 #include "mechanics/step/central_difference.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"

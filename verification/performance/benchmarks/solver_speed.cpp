@@ -1,8 +1,9 @@
-// Prints the speed of the whole solver without contact: drift, forces, kick, boundary conditions and ledger; and what it is
-// made of. Not a pass or fail: machines differ. BRICKWALL_BRICKS: how many bricks of 16x8x8 elements (435 are W(8)).
-//   triad      a = b + s c on arrays beyond the caches, in the same run: 3 numbers of 8 bytes each
-//   peak       multiplications and additions of vectors in registers, in the same run
-//   flops      of one element and one node, counted by running the same templates on a number that counts
+// Prints the speed of the whole solver without contact: drift, forces, kick, boundary conditions
+// and ledger. BRICKWALL_BRICKS sets the number of bricks of 16x8x8 elements (435 as in W(8)),
+// BRICKWALL_ONLY selects cases by a part of their name. The same run measures for comparison
+//   triad      a = b + s c on arrays beyond the caches: 3 numbers of 8 bytes each
+//   peak       multiplications and additions of vectors in registers
+// and counts the flops of one element and one node by running their templates on a counting type.
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/step/central_difference.hpp"
 #include "mechanics/step/free_bricks/free_bricks.hpp"
@@ -27,7 +28,7 @@ int numBricks() {
   return text ? std::atoi(text) : 24;
 }
 
-// The median and the least of several calls' times.
+// Median and minimum of the times of several calls.
 struct Seconds {
   double median, best;
 };
@@ -43,7 +44,7 @@ Seconds timeCalls(int calls, const Call& call) {
   return {seconds[calls / 2], seconds[0]};
 }
 
-// --- counting
+// --- counting of operations
 
 struct Counted {
   static inline std::int64_t count = 0;
@@ -117,7 +118,7 @@ double triadBandwidth(const exec_space& space) { // bytes per second
   return 24.0 * n / seconds.median;
 }
 
-// Ten chains of products and ten of sums.
+// Ten independent chains of products and ten of sums.
 template <int W>
 struct PeakLoop {
   View<double*> out;
@@ -139,10 +140,12 @@ struct PeakLoop {
   }
   static constexpr double flops() { return 2.0 * 10 * 2000000 * W; }
 };
-double vectorPeak(const exec_space& space) { // flops per second
-  if constexpr (simd_width > 1) {
+// Flops per second; 0 without SIMD lanes. A template, since PackOf<1> does not exist.
+template <int W>
+double vectorPeak(const exec_space& space) {
+  if constexpr (W > 1) {
     const int threads = concurrency(space);
-    const PeakLoop<simd_width> loop{View<double*>("out", threads)};
+    const PeakLoop<W> loop{View<double*>("out", threads)};
     const Seconds seconds = timeCalls(5, [&] {
       Kokkos::parallel_for("peak", rangePolicy(space, threads), loop);
       space.fence();
@@ -237,7 +240,7 @@ double bytesOf(const Views&... views) {
 }
 
 double measure(const char* name, bool is_distorted, MaterialModel model, bool frees) {
-  const char* const only = std::getenv("BRICKWALL_ONLY"); // part of a name
+  const char* const only = std::getenv("BRICKWALL_ONLY");
   if (only && !std::strstr(name, only))
     return 1;
   Bench bench(is_distorted, model, frees);
@@ -261,7 +264,8 @@ double measure(const char* name, bool is_distorted, MaterialModel model, bool fr
 TEST(SolverSpeed, IsPrinted) {
   const exec_space space;
   const bool all = !std::getenv("BRICKWALL_ONLY");
-  const double triad = all ? triadBandwidth(space) : 1, peak = all ? vectorPeak(space) : 1;
+  const double triad = all ? triadBandwidth(space) : 1,
+               peak = all ? vectorPeak<simd_width>(space) : 1;
   std::printf("  %d thread(s), %d bricks; triad %.1f GB/s; peak %.1f Gflop/s\n", concurrency(space),
               numBricks(), triad * 1e-9, peak * 1e-9);
   const double nodes_per_elem = 17.0 * 9 * 9 / (16 * 8 * 8);
@@ -280,7 +284,8 @@ TEST(SolverSpeed, IsPrinted) {
       flopsOfElement<MaterialModel::neo_hookean>(brick) + nodes_per_elem * flopsOfNode();
   const double hex_flops =
       flopsOfElement<MaterialModel::neo_hookean>(hex) + nodes_per_elem * flopsOfNode();
-  const double traffic = nodes_per_elem * (4 * 24 + 24 + 8 + 3); // u, v to and fro, X, mass, motion
+  // u, v read and written, X, mass, motion
+  const double traffic = nodes_per_elem * (4 * 24 + 24 + 8 + 3);
   std::printf("  congruent: %.0f flops, %.0f B of traffic an element-step, %.2f of peak, %.2f of "
               "triad\n",
               brick_flops, traffic, brick_flops / neo / peak, traffic / neo / triad);
