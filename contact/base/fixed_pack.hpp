@@ -19,9 +19,9 @@ KOKKOS_INLINE_FUNCTION std::int64_t toFixed(double quanta) {
 }
 template <int W>
 inline IntPackOf<W> toFixed(const PackOf<W>& quanta) {
-  typename PackOf<W>::vector rounded;
+  typename PackOf<W>::vector rounded = quanta.v;
   for (int lane = 0; lane < W; ++lane)
-    rounded[lane] = __builtin_rint(quanta.v[lane]);
+    rounded[lane] = __builtin_rint(rounded[lane]);
   rounded = rounded < fixed_point_limit && rounded > -fixed_point_limit
                 ? rounded
                 : typename PackOf<W>::vector{};

@@ -94,7 +94,7 @@ void EnergyLedger::bookCorrection(MPI_Comm comm, double dt_kick, double dt, cons
   if (_balance.failures > 0)
     return;
   _stored.correct(sums.sum[kick_power].value(_scales.power),
-                  sums.sum[kick_work + internal_force].value(_scales.energy), dt_kick, dt);
+                  sums.sum[kickWork(internal_force)].value(_scales.energy), dt_kick, dt);
   bookWorks(dt_kick, sums);
   bookImpulses(dt_kick, sums);
   bookMoments(dt_kick, sums);
@@ -110,7 +110,7 @@ void EnergyLedger::bookStored(double dt_kick, double dt, const InternalForceResu
   const double material = stored.sum[stored_material].value(_scales.energy);
   const double hourglass = stored.sum[stored_hourglass].value(_scales.energy);
   _stored.book(internal.has_energy, material + hourglass, kick.sum[kick_power].value(_scales.power),
-               kick.sum[kick_work + internal_force].value(_scales.energy), dt_kick, dt);
+               kick.sum[kickWork(internal_force)].value(_scales.energy), dt_kick, dt);
   if (_steps == 0) {
     _has_initial_energy = internal.has_energy;
     _initial_hourglass = hourglass;
@@ -142,7 +142,7 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
 void EnergyLedger::bookContactChange(double dt_kick, double dt, const KickSums& kick) {
   if (_steps == 0 || dt == _dt)
     return;
-  const double work = kick.sum[kick_work + contact_force].value(_scales.energy);
+  const double work = kick.sum[kickWork(contact_force)].value(_scales.energy);
   const double power_after = 2 * work / dt_kick - _contact_power;
   _contact_change -= 0.25 * (dt - _dt) * (power_after - _contact_power);
 }
@@ -178,7 +178,7 @@ void EnergyLedger::bookWorks(double dt_kick, const KickSums& kick) {
   EnergyBalance& b = _balance;
   double sum_of_works = 0, sum_of_magnitudes = 0;
   for (int kind = 0; kind < num_force_kinds; ++kind) {
-    b.work[kind] += kick.sum[kick_work + kind].value(_scales.energy);
+    b.work[kind] += kick.sum[kickWork(kind)].value(_scales.energy);
     sum_of_works += b.work[kind];
     sum_of_magnitudes += std::fabs(b.work[kind]);
   }

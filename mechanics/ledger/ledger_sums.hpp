@@ -35,7 +35,7 @@ enum KickTerm : int {
   kick_kinetic, // m v+.v+/2
   kick_shadow, // m v-.v+/2
   kick_work, // dt f_k.(v- + v+)/2 for each force kind k
-  kick_work_reaction = kick_work + num_force_kinds,
+  kick_work_reaction = kick_work + static_cast<int>(num_force_kinds),
   kick_work_damping, // of mass-proportional damping: -dt alpha m |(v- + v+)/2|^2
   kick_power, // dU/du . v- (minus the nodal forces)
   kick_momentum, // m v+
@@ -51,6 +51,11 @@ enum KickTerm : int {
   num_kick_terms
 };
 using KickSums = LimbSums<num_kick_terms>;
+
+// The term of the work of one force kind.
+KOKKOS_INLINE_FUNCTION constexpr int kickWork(int kind) {
+  return kick_work + kind;
+}
 
 // Counts owned nodes whose new velocity differs from `around` by more than `limit`, or is NaN.
 struct SpeedTest {

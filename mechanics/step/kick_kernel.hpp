@@ -21,8 +21,8 @@ enum PlainKickTerm : int {
 };
 struct PlainKickTerms {
   static constexpr int index[num_plain_kick_terms] = {
-      kick_kinetic,     kick_shadow,       kick_work + internal_force, kick_power,
-      kick_momentum,    kick_momentum + 1, kick_momentum + 2,          kick_angular,
+      kick_kinetic,     kick_shadow,       kickWork(internal_force), kick_power,
+      kick_momentum,    kick_momentum + 1, kick_momentum + 2,        kick_angular,
       kick_angular + 1, kick_angular + 2};
 };
 
@@ -140,7 +140,7 @@ struct KickNode {
     kick.terms(dt, term);
     sums.add(kick_kinetic, term[plain_kinetic], scales.energy);
     sums.add(kick_shadow, term[plain_shadow], scales.energy);
-    sums.add(kick_work + internal_force, term[plain_work], scales.energy);
+    sums.add(kickWork(internal_force), term[plain_work], scales.energy);
     sums.add(kick_power, term[plain_power], scales.power);
     for (int i = 0; i < 3; ++i) {
       sums.add(kick_momentum + i, term[plain_momentum + i], scales.momentum);
@@ -159,7 +159,7 @@ struct KickNode {
         force[i] = quantum * static_cast<double>(columns[3 * kind + i]);
       if (isZero(force))
         continue;
-      sums.add(kick_work + kind, dt * dot(force, mean), scales.energy);
+      sums.add(kickWork(kind), dt * dot(force, mean), scales.energy);
       const Vec3 impulse = dt * force;
       if (kind == contact_force)
         addVector(sums, kick_impulse_contact, impulse, scales.momentum);
