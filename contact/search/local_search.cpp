@@ -7,7 +7,7 @@ namespace brickwall::contact {
 const CandidatePairs& LocalSearch::findCandidatePairs(const exec_space& space,
                                                       const SweptBoxes& surface) {
   const Region region("contact::findCandidatePairs");
-  const Region timer("search::local search");
+  const Region timer("contact::search::local_search");
   _global._phases->findPairs(space, surface, _global.ghosts(), _global.config());
   return pairs();
 }

@@ -27,7 +27,7 @@ KOKKOS_INLINE_FUNCTION bool isFinite(const Vec3& x) {
 
 void constructNodeBoxes(const exec_space& space, const SweptBoxes& surface, double tolerance,
                         SurfaceBoxes& boxes) {
-  const Region region("contact::search::node boxes");
+  const Region region("contact::search::node_boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   const auto ids = surface.node_ids;
   const auto owned = surface.node_is_owned;
@@ -54,7 +54,7 @@ void constructNodeBoxes(const exec_space& space, const SweptBoxes& surface, doub
 
 void constructFaceBoxes(const exec_space& space, const SweptBoxes& surface, double tolerance,
                         SurfaceBoxes& boxes) {
-  const Region region("contact::search::face boxes");
+  const Region region("contact::search::face_boxes");
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
   const auto face_to_nodes = surface.face_to_nodes;
   const auto face_boxes = boxes.face_boxes;
@@ -75,7 +75,7 @@ void constructBoxes(const exec_space& space, const SweptBoxes& surface, const Se
                     SurfaceBoxes& boxes) {
   const Region region("contact::constructBoxes");
   {
-    const Region allocation("search::allocation");
+    const Region allocation("contact::search::allocation");
     growTo(space, boxes.node_boxes, surface.num_nodes);
     growTo(space, boxes.face_boxes, surface.num_faces);
   }

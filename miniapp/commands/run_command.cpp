@@ -73,7 +73,7 @@ public:
   }
 
   int execute() {
-    _recorder.watch("search", _simulation.steps().plannedSteps());
+    _recorder.watch("contact::search", _simulation.steps().plannedSteps());
     try {
       loop();
     } catch (const PhysicsError& error) {
@@ -100,7 +100,7 @@ private:
     bool first = true;
     while (!_simulation.isDone()) {
       {
-        const Region region("step");
+        const Region region("miniapp::step");
         _simulation.step();
       }
       if (first) {
@@ -142,7 +142,7 @@ private:
     _last_written = _simulation.clock().step;
   }
   void writeHistory() {
-    const Region region("output");
+    const Region region("miniapp::output");
     std::vector<double> row = {static_cast<double>(_simulation.clock().step),
                                _simulation.clock().time};
     const auto values = globalValues(_simulation);

@@ -145,9 +145,9 @@ private:
     report.most_partners = allReduce(_comm, std::int64_t(counts.num_partners), MPI_MAX);
   }
 
-  static constexpr const char* whole = "search";
+  static constexpr const char* whole = "contact::search";
   static constexpr const char* global = "contact::findGhosts";
-  static constexpr const char* local = "search::local search";
+  static constexpr const char* local = "contact::search::local_search";
 
   MPI_Comm _comm;
   const Config& _config;

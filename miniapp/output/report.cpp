@@ -7,15 +7,44 @@
 #include "miniapp/output/git_commit.hpp"
 #include "miniapp/output/output_files.hpp"
 #include "miniapp/timing/process_memory.hpp"
+#include "miniapp/timing/region_tree.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <fstream>
+#include <map>
 #include <ostream>
 #include <unistd.h>
 
 namespace brickwall::miniapp {
 namespace {
+
+// Reports keep these names of phases, whatever the regions are called.
+std::string phaseName(const std::string& region) {
+  static const std::map<std::string, std::string> names = [] {
+    std::map<std::string, std::string> names = {
+        {"contact::search", "search"},
+        {"contact::search::local_search", "search::local search"},
+        {"miniapp::step", "step"},
+        {"miniapp::output", "output"},
+        {"miniapp::moveNodes", "step::drift"},
+        {"miniapp::guardAgainstTunnelling", "step::tunnelling guard"},
+        {"miniapp::auditCandidates", "step::audit of pairs"},
+        {"miniapp::shortenIfUnstable", "step::stable step"},
+        {"miniapp::computeInternalForces", "step::internal force"},
+        {"miniapp::addLoads", "step::loads"},
+        {"miniapp::sumSharedNodes", "step::shared-node sum"},
+        {"miniapp::enforceContact", "step::contact enforcement"},
+        {"miniapp::kickVelocities", "step::kick"},
+        {"miniapp::stepFreeBricks", "step::free bricks"},
+        {"miniapp::bookEnergies", "step::ledger"}};
+    for (const std::string& timer : searchTimerNames())
+      names[searchTimerRegion(timer)] = "search::" + timer;
+    return names;
+  }();
+  const auto name = names.find(region);
+  return name == names.end() ? region : name->second;
+}
 
 std::string hostName() {
   char name[256] = "";
@@ -172,7 +201,7 @@ void addProvenance(nlohmann::ordered_json& json, const Provenance& provenance) {
 nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
   auto list = nlohmann::ordered_json::array();
   for (const PhaseTime& phase : phases)
-    list.push_back({{"name", phase.name},
+    list.push_back({{"name", phaseName(phase.name)},
                     {"calls", phase.calls},
                     {"min", phase.min},
                     {"mean", phase.mean},
@@ -187,7 +216,7 @@ std::string jsonText(const nlohmann::ordered_json& json) {
 void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases) {
   out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
   for (const PhaseTime& phase : phases)
-    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phase.name.c_str(),
+    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phaseName(phase.name).c_str(),
                   static_cast<long long>(phase.calls), phase.min, phase.mean, phase.max);
 }
 

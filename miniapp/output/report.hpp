@@ -35,7 +35,7 @@ struct SearchReport {
   double margin = 0; // search.reuse.margin
   std::int64_t searches = 0;
   double steps_per_search = 0; // updates of the lists, that of the start included, over searches
-  double seconds_per_step = 0; // PhaseRecorder::medianPerStep("search")
+  double seconds_per_step = 0; // PhaseRecorder::medianPerStep("contact::search")
   // In the last step, sums over all ranks.
   std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;
   std::int64_t lost_contacts = 0; // since the start
@@ -97,7 +97,7 @@ struct RunReport {
   std::int64_t counted_steps = 0; // steps within loop_seconds (the first is not)
   double loop_seconds = 0; // time loop without output and without the first step, slowest rank
   double solver_seconds = 0; // loop_seconds without contact search and enforcement
-  double search_seconds = 0; // the part of loop_seconds in region "search"
+  double search_seconds = 0; // the part of loop_seconds in region "contact::search"
   std::int64_t counted_searches = 0; // searches within search_seconds
   std::vector<PhaseTime> phases; // PhaseRecorder::phases
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers

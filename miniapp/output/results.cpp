@@ -42,7 +42,7 @@ void packContact(const exec_space& space, const Scene& scene,
   const auto status = enforcement.status();
   const auto gap = enforcement.gap();
   Kokkos::parallel_for(
-      "results::packContact", rangePolicy(space, scene.skin.num_nodes),
+      "miniapp::ResultsWriter::packContact", rangePolicy(space, scene.skin.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         if (!is_owned(node))
@@ -59,10 +59,10 @@ Results::Results(MPI_Comm comm, const std::string& base, const Config& config, c
       _writer(comm, base + ".exo", scene.part, resultsConfig(config)),
       _nodal(nodal_names.size(), std::vector<double>(scene.part.node_ids.size())),
       _element(element_names.size(), std::vector<double>(scene.part.elem_ids.size())),
-      _contact_words("results::contact_words", scene.part.node_ids.size(), 2) {}
+      _contact_words("miniapp::ResultsWriter::contact_words", scene.part.node_ids.size(), 2) {}
 
 void Results::writeStep(Simulation& simulation) {
-  const Region region("output");
+  const Region region("miniapp::output");
   fillNodal(simulation);
   fillContact(simulation);
   fillElement(simulation);

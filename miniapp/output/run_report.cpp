@@ -4,8 +4,6 @@
 #include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 
-#include <map>
-
 namespace brickwall::miniapp {
 
 namespace {
@@ -65,23 +63,6 @@ BalanceReport balanceReport(const Config& config, const mechanics::EnergyBalance
   return report;
 }
 
-// report.json and the printed table keep these names of phases, whatever the regions are called.
-const std::map<std::string, std::string>& phaseNames() {
-  static const std::map<std::string, std::string> names = {
-      {"step::moveNodes", "step::drift"},
-      {"step::guardAgainstTunnelling", "step::tunnelling guard"},
-      {"step::auditCandidates", "step::audit of pairs"},
-      {"step::shortenIfUnstable", "step::stable step"},
-      {"step::computeInternalForces", "step::internal force"},
-      {"step::addLoads", "step::loads"},
-      {"step::sumSharedNodes", "step::shared-node sum"},
-      {"step::enforceContact", "step::contact enforcement"},
-      {"step::kickVelocities", "step::kick"},
-      {"step::stepFreeBricks", "step::free bricks"},
-      {"step::bookEnergies", "step::ledger"}};
-  return names;
-}
-
 } // namespace
 
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
@@ -96,20 +77,16 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.end_time = simulation.clock().time;
   report.counted_steps = maxOf<std::int64_t>(report.steps - 1, 0);
   const auto slowest = [&](double seconds) { return allReduce(comm, seconds, MPI_MAX); };
-  report.loop_seconds = slowest(recorder.seconds("step"));
-  report.search_seconds = slowest(recorder.seconds("search"));
-  report.solver_seconds = slowest(recorder.seconds("step") - recorder.seconds("search") -
-                                  recorder.seconds("step::enforceContact"));
+  report.loop_seconds = slowest(recorder.seconds("miniapp::step"));
+  report.search_seconds = slowest(recorder.seconds("contact::search"));
+  report.solver_seconds =
+      slowest(recorder.seconds("miniapp::step") - recorder.seconds("contact::search") -
+              recorder.seconds("miniapp::enforceContact"));
   report.phases = recorder.phases();
-  for (PhaseTime& phase : report.phases) {
-    const auto name = phaseNames().find(phase.name);
-    if (name != phaseNames().end())
-      phase.name = name->second;
-  }
   report.search_timers = recorder.searchTimers();
   const ContactCounts counts = contactCounts(simulation);
   report.search = searchReport(config, counts);
-  report.search.seconds_per_step = recorder.medianPerStep("search");
+  report.search.seconds_per_step = recorder.medianPerStep("contact::search");
   report.time_step = stepReport(config, simulation);
   report.balance = balanceReport(config, simulation.balance(), counts);
   report.skipped = skippedWork(config, simulation, counts, report.elements);

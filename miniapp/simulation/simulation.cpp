@@ -28,7 +28,7 @@ void Simulation::runVerbs(bool moves) {
 
 void Simulation::moveNodes() {
   saveStateForGuard();
-  const Region region("step::moveNodes");
+  const Region region("miniapp::moveNodes");
   // Free bricks drift within their sweep, unless the check of the stable step needs the positions
   // earlier.
   _step.free_bricks_have_drifted = _free_bricks.any() && _steps.checksStability(clock().step + 1);
@@ -44,7 +44,7 @@ void Simulation::moveNodes() {
 void Simulation::findContactCandidates() {
   if (!_contact)
     return;
-  const Region region("search");
+  const Region region("contact::search");
   if (balance().host_counts[deeper_than_boxes] > 0 || _contact->hasGrownTolerance())
     _contact->growSearchTolerance(_step.contact);
   _contact->findCandidates();
@@ -69,7 +69,7 @@ void Simulation::saveStateForGuard() {
 void Simulation::guardAgainstTunnelling() {
   if (!_step.is_guarded)
     return;
-  const Region region("step::guardAgainstTunnelling");
+  const Region region("miniapp::guardAgainstTunnelling");
   ++_guarded_steps;
   while (true) {
     const double allowed = _contact->guard().tolerableMotion(clock().dt, !_contact->hasForces());
@@ -107,7 +107,7 @@ void Simulation::shortenDrift(double longest) {
 void Simulation::auditCandidates() {
   if (!_contact || _config.search.audit == 0 || clock().step % _config.search.audit != 0)
     return;
-  const Region region("step::auditCandidates");
+  const Region region("miniapp::auditCandidates");
   _contact->auditCandidates();
 }
 
@@ -123,7 +123,7 @@ void Simulation::computeInternalForces() {
     mechanics::zeroForces(_space, _forces);
   else
     _forces.values = View<std::int64_t**>(); // only output needs them
-  const Region region("step::computeInternalForces");
+  const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
   _step.internal = _internal_force->add(_space, _state.displacement, _state.velocity,
                                         _config.viscosity, _forces, true);
@@ -146,7 +146,7 @@ mechanics::TimeSpan Simulation::nextLoadSpan() const {
 }
 
 void Simulation::addLoads(const mechanics::TimeSpan& span) {
-  const Region region("step::addLoads");
+  const Region region("miniapp::addLoads");
   _step.previous_load_span = _step.load_span;
   _step.load_span = span;
   _step.load_failures = 0;
@@ -155,14 +155,14 @@ void Simulation::addLoads(const mechanics::TimeSpan& span) {
 }
 
 void Simulation::sumSharedNodes() {
-  const Region region("step::sumSharedNodes");
+  const Region region("miniapp::sumSharedNodes");
   _shared.sum(_space, _forces.values);
 }
 
 void Simulation::enforceContact() {
   if (!_contact)
     return;
-  const Region region("step::enforceContact");
+  const Region region("miniapp::enforceContact");
   const double dt = clock().isAtStart() ? clock().dt : clock().dt_before;
   _step.contact = _contact->enforce({dt, clock().dt}, _forces, _state, _boundary, _shared);
 }
@@ -182,7 +182,7 @@ const mechanics::NodeSelection& Simulation::movingNodes() const {
 void Simulation::kickVelocities(double dt_kick) {
   const mechanics::TimeSpan next_drift{clock().time, clock().time + clock().dt};
   {
-    const Region region("step::kickVelocities");
+    const Region region("miniapp::kickVelocities");
     _resting.wake(_space, _forces);
     const TunnellingGuard guard = _contact ? _contact->guard() : TunnellingGuard();
     _step.kick =
@@ -194,7 +194,7 @@ void Simulation::kickVelocities(double dt_kick) {
 }
 
 void Simulation::stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift) {
-  const Region region("step::stepFreeBricks");
+  const Region region("miniapp::stepFreeBricks");
   const auto sums = _free_bricks.step(_space, _scene.mesh, *_internal_force, _boundary, next_drift,
                                       !_step.free_bricks_have_drifted, clock().dt_before, dt_kick,
                                       _state, _scales);
@@ -214,7 +214,7 @@ const mechanics::NodalForces& Simulation::forces() {
 }
 
 void Simulation::bookEnergies() {
-  const Region region("step::bookEnergies");
+  const Region region("miniapp::bookEnergies");
   _skipped_element_steps += _step.resting_elems;
   mechanics::StepCounts counts;
   mechanics::ContactEnergySums contact_energies;

@@ -111,7 +111,7 @@ void StepController::shorten(double longest, StepCut::Reason reason) {
 }
 
 void StepController::shortenIfUnstable(const View<const double* [3]>& displacement) {
-  const Region region("step::shortenIfUnstable");
+  const Region region("miniapp::shortenIfUnstable");
   constexpr double reserve = 0.9;
   double longest = _clock.dt;
   for (const StepLimit& limit : _limits) {

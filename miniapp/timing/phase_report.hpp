@@ -1,7 +1,6 @@
 // Phase times from profiling regions: the recorder uses the region callbacks of Kokkos, so that the
-// solver contains no timer calls. Regions of the global search are named "search::<timer>" with the
-// 13 timers of Fig. 11 of the paper, those of the solver "step::<verb>"; "search" encloses one
-// whole search, from the boxes to the list of pairs.
+// solver contains no timer calls. The verbs of a step open regions "miniapp::<function>", a search
+// opens "contact::search", and in it the 13 timers of Fig. 11 of the paper (searchTimerRegion).
 #pragma once
 
 #include "miniapp/timing/region_tree.hpp"
@@ -34,8 +33,8 @@ struct PhaseSteps {
 // is allocated once every region has been seen.
 class PhaseRecorder {
 public:
-  // With Timing::paper the beginning of each region "search::..." fences the device and waits for
-  // all ranks of `comm` (counted as "search::waiting"), and its end fences: every rank must then
+  // With Timing::paper the beginning of each timer of the search fences the device and waits for
+  // all ranks of `comm` (counted as "contact::search::waiting"), and its end fences: every rank must then
   // open the same regions of this kind in the same order.
   PhaseRecorder(MPI_Comm comm, Timing timing);
   ~PhaseRecorder();
@@ -54,7 +53,7 @@ public:
   // ranks.
   void watch(const std::string& region, std::int64_t expected_steps);
   // The same of the CPU seconds that all threads of this process spend in these regions, less those
-  // in "search::waiting". Once, with no region open.
+  // in "contact::search::waiting". Once, with no region open.
   void watchCpu(const std::vector<std::string>& regions, std::int64_t expected_steps);
   // The same of the own seconds of each of the 13 timers; their CPU seconds are counted with
   // Timing::paper only, after watchCpu().
@@ -70,11 +69,11 @@ public:
   // not watched.
   std::vector<PhaseSteps> searchTimersPerStep() const;
 
-  // Collective. All regions in the order of first opening, by name, "search" and the 13 timers
+  // Collective. All regions in the order of first opening, by name, "contact::search" and the 13 timers
   // included.
   std::vector<PhaseTime> phases() const;
   // Collective. The 13 timers of the global search in the order of the paper, by their bare names;
-  // unused timers are 0; "other" is the rest of region "search" without the local search. Each
+  // unused timers are 0; "other" is the rest of "contact::search" without the local search. Each
   // excludes the timers nested in it, so that they add up.
   std::vector<PhaseTime> searchTimers() const;
 

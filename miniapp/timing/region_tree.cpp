@@ -12,10 +12,10 @@
 namespace brickwall::miniapp {
 namespace {
 
-constexpr const char* search_prefix = "search::";
-constexpr std::size_t prefix_length = 8;
-constexpr const char* waiting_region = "search::waiting";
-constexpr const char* local_search_region = "search::local search";
+constexpr const char* search_prefix = "contact::search::";
+constexpr std::size_t prefix_length = 17;
+constexpr const char* waiting_region = "contact::search::waiting";
+constexpr const char* local_search_region = "contact::search::local_search";
 
 double now() {
   using clock = std::chrono::steady_clock;
@@ -30,10 +30,10 @@ double cpuNow() {
 }
 
 int searchTimerOf(const std::string& region) {
-  if (region.compare(0, prefix_length, search_prefix) != 0)
-    return -1;
   const auto& names = searchTimerNames();
-  const auto found = std::find(names.begin(), names.end(), region.substr(prefix_length));
+  const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return searchTimerRegion(name) == region;
+  });
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
@@ -43,10 +43,8 @@ bool isMeetingPoint(const std::string& region) {
   static const char* const names[] = {"node boxes", "face boxes",       "rank-box exchange",
                                       "partners",   "searches 0 and 1", "node-box exchange",
                                       "search 2",   "migration",        "local search"};
-  return region.compare(0, prefix_length, search_prefix) == 0 &&
-         std::any_of(std::begin(names), std::end(names), [&](const char* name) {
-           return region.compare(prefix_length, std::string::npos, name) == 0;
-         });
+  return std::any_of(std::begin(names), std::end(names),
+                     [&](const char* name) { return searchTimerRegion(name) == region; });
 }
 
 bool isOneOf(const std::vector<std::string>& names, const std::string& name) {
@@ -63,6 +61,13 @@ const std::vector<std::string>& searchTimerNames() {
       "search 2",       "waiting",          "migration",
       "other"};
   return names;
+}
+
+std::string searchTimerRegion(std::string timer) {
+  for (char& character : timer)
+    if (character == ' ' || character == '-')
+      character = '_';
+  return search_prefix + timer;
 }
 
 RegionTree::RegionTree(MPI_Comm comm, Timing timing) : _comm(comm), _timing(timing) {
@@ -214,9 +219,9 @@ void RegionTree::sumTimers(TimerSums& own) const {
     const double told = std::accumulate(timers.begin(), timers.end() - 1, 0.0);
     timers[other] += std::max(0.0, whole - local - told);
   };
-  addRest(seconds("search"), seconds(local_search_region), own.seconds);
-  addRest(cpuSeconds("search"), cpuSeconds(local_search_region), own.cpu_seconds);
-  own.calls[other] = std::max(own.calls[other], calls("search"));
+  addRest(seconds("contact::search"), seconds(local_search_region), own.seconds);
+  addRest(cpuSeconds("contact::search"), cpuSeconds(local_search_region), own.cpu_seconds);
+  own.calls[other] = std::max(own.calls[other], calls("contact::search"));
 }
 
 std::vector<std::string> RegionTree::names() const {

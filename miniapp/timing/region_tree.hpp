@@ -12,14 +12,15 @@
 
 namespace brickwall::miniapp {
 
-// Names of the 13 timers of the global search, in the order of the paper; their regions are
-// "search::<name>".
+// Names of the 13 timers of the global search, in the order of the paper.
 const std::vector<std::string>& searchTimerNames();
+// The region of a timer: "contact::search::node_boxes" of "node boxes".
+std::string searchTimerRegion(std::string timer);
 
 class RegionTree {
 public:
   // With Timing::paper the outermost phases of the search fence, and all ranks of `comm` wait for
-  // each other at their beginning, in a region "search::waiting".
+  // each other at their beginning, in a region "contact::search::waiting".
   RegionTree(MPI_Comm comm, Timing timing);
 
   void push(const char* name);
@@ -36,12 +37,12 @@ public:
   // of that name.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
-  // The same of CPU seconds, less those in "search::waiting" inside: a rank that waits for others
+  // The same of CPU seconds, less those in "contact::search::waiting" inside: a rank that waits for others
   // keeps its core busy.
   double busyCpuSeconds(const std::string& region) const;
 
   // Own time of each of the 13 timers, without that of nested timers; the last, "other", is the
-  // rest of region "search" without the local search: the sum is the time of the global search. CPU
+  // rest of "contact::search" without the local search: the sum is the time of the global search. CPU
   // seconds as far as they are counted.
   struct TimerSums {
     std::vector<double> seconds, cpu_seconds;

@@ -41,7 +41,7 @@ bool isOfKokkos(const std::string& label) {
 }
 
 void expectScheme(const char* what, const std::set<std::string>& labels) {
-  static const std::regex scheme("(contact|mechanics|io|miniapp)(::[A-Za-z0-9_]+)+");
+  static const std::regex scheme("(base|contact|mechanics|io|miniapp)(::[A-Za-z0-9_]+)+");
   EXPECT_FALSE(labels.empty());
   for (const std::string& label : labels)
     EXPECT_TRUE(isOfKokkos(label) || std::regex_match(label, scheme))

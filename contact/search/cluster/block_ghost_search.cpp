@@ -123,7 +123,7 @@ void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxe
                                         const PartnerMessages& node_boxes,
                                         BlockGhostSearch& search) {
   const Region region("contact::searchLocalFacesAgainstRemoteNodes");
-  const Region timer("search::search 2");
+  const Region timer("contact::search::search_2");
   auto& lists = search.faces_to_send;
   lists.ranks = blocks_to_test.ranks;
   lists.offsets.assign(lists.ranks.size() + 1, 0);
@@ -132,7 +132,7 @@ void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxe
   const ClusterOrder& order = clusters.order();
   buildNodeTrees(space, node_boxes, order.origin, search);
   {
-    const Region copies("search::host-device copies");
+    const Region copies("contact::search::host_device_copies");
     copyToDevice(space, blocks_to_test.offsets, search.starts);
     copyToDevice(space, node_boxes.receiveOffsets(), search.node_offsets);
   }

@@ -75,7 +75,7 @@ void setReach(const exec_space& space, const std::vector<int>& ranks,
   candidates.host_reach.clear();
   for (const int q : ranks)
     candidates.host_reach.push_back(FloatBounds::of(boxes_of_ranks[q], origin).reach());
-  const Region copies("search::host-device copies");
+  const Region copies("contact::search::host_device_copies");
   copyToDevice(space, candidates.host_reach, candidates.reach);
 }
 
@@ -91,7 +91,7 @@ void listByPartner(const exec_space& space, const std::string& label, const Emit
   Kokkos::parallel_for(
       label + "::starts", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t p) { starts(p) = offsets(p * num_chunks); });
-  const Region copies("search::host-device copies");
+  const Region copies("contact::search::host_device_copies");
   copyToHost(space, candidates.starts, num_partners + 1, lists.offsets);
 }
 
@@ -132,13 +132,13 @@ void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& c
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
   const Region region("contact::findPartnersAndCandidates");
   {
-    const Region timer("search::partners");
+    const Region timer("contact::search::partners");
     findPartners(clusters.rankBoxes().node_box, rank_boxes.face_boxes, rank_boxes.rank,
                  candidates.nodes_to_send.ranks);
     findPartners(clusters.rankBoxes().face_box, rank_boxes.node_boxes, rank_boxes.rank,
                  candidates.blocks_to_test.ranks);
   }
-  const Region timer("search::searches 0 and 1");
+  const Region timer("contact::search::searches_0_and_1");
   findNodesToSend(space, clusters, rank_boxes, candidates);
   findBlocksToTest(space, clusters, rank_boxes, candidates);
 }

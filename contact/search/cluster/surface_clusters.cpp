@@ -206,7 +206,7 @@ bool SurfaceClusters::isNew(const SweptBoxes& surface) const {
 
 void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
                             const SearchConfig& config) {
-  const Region timer("search::initialization");
+  const Region timer("contact::search::initialization");
   _is_ordered = false; // in case of a throw
   // The scratch of the sort and the memory of the boxes never exist at the same time.
   _order = ClusterOrder();
@@ -256,7 +256,7 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
   else
     followSurface();
   {
-    const Region timer("search::node boxes");
+    const Region timer("contact::search::node_boxes");
     Sums sums;
     Kokkos::parallel_reduce(
         "contact::SurfaceClusters::nodes", rangePolicy(space, _order.num_clusters),
@@ -270,7 +270,7 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
     _rank_boxes.num_invalid = sums.num_invalid;
     _rank_boxes.first_invalid = sums.first_invalid;
   }
-  const Region timer("search::face boxes");
+  const Region timer("contact::search::face_boxes");
   const RefitBlock refit{_forest.tree(0), _order.corners, _corner_bounds};
   double most = fresh ? HUGE_VAL : _max_extent;
   _extent = refitFaces(space, refit, most);

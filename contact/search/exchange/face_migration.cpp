@@ -42,7 +42,7 @@ void packFaces(const exec_space& space, const SweptBoxes& surface, const Partner
 }
 
 void growGhosts(const exec_space& space, std::int64_t n, int num_attributes, GhostFaces& ghosts) {
-  const Region timer("search::allocation");
+  const Region timer("contact::search::allocation");
   ghosts.count = checkedInt(n, "ghost faces");
   growTo(space, ghosts.face_ids, n);
   growTo(space, ghosts.bodies, n);
@@ -86,7 +86,7 @@ void migrateFaces(const exec_space& space, MPI_Comm comm, const SweptBoxes& surf
                   const PartnerLists& faces_to_send, const std::vector<int>& senders,
                   int num_attributes, bool announces_sizes, FaceMigration& migration) {
   const Region region("contact::migrateFaces");
-  const Region timer("search::migration");
+  const Region timer("contact::search::migration");
   auto& messages = migration.messages;
   const int width = attributes + num_attributes;
   packFaces(space, surface, faces_to_send, num_attributes, messages.buffers);

@@ -57,7 +57,7 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SurfaceBoxe
                        const PartnerLists& nodes_to_send, const std::vector<int>& senders,
                        RemoteNodeBoxes& remote) {
   const Region region("contact::exchangeNodeBoxes");
-  const Region timer("search::node-box exchange");
+  const Region timer("contact::search::node_box_exchange");
   auto& messages = remote.messages;
   remote.ranks = senders;
   remote.offsets = messages.announceSizes(comm, tags::node_box_counts, nodes_to_send.ranks,
@@ -73,7 +73,7 @@ void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes&
                        double node_tolerance, const PartnerLists& nodes_to_send,
                        const std::vector<int>& senders, PartnerMessages& messages) {
   const Region region("contact::exchangeNodeBoxes");
-  const Region timer("search::node-box exchange");
+  const Region timer("contact::search::node_box_exchange");
   packBoxes(space, surface, node_tolerance, nodes_to_send, messages.buffers);
   messages.forwardOfAnySize(space, comm, tags::node_boxes, box_words, nodes_to_send.ranks,
                             nodes_to_send.offsets, senders);

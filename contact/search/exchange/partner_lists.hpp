@@ -61,7 +61,7 @@ inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t
   Kokkos::parallel_for(
       "contact::offsetsOfKept", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
-  const Region copies("search::host-device copies");
+  const Region copies("contact::search::host_device_copies");
   copyToHost(space, starts, num_partners + 1, kept.offsets);
 }
 

@@ -48,7 +48,7 @@ int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
 void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
                        RankBoxes& all) {
   const Region region("contact::exchangeRankBoxes");
-  const Region timer("search::rank-box exchange");
+  const Region timer("contact::search::rank_box_exchange");
   all.rank = rankOf(comm);
   all.size = sizeOf(comm);
   std::int64_t sent[num_words];

@@ -55,7 +55,7 @@ void listByPartner(const exec_space& space, std::int64_t num_rows, RankBoxSearch
         }
         starts(partner) = low;
       });
-  const Region copies("search::host-device copies");
+  const Region copies("contact::search::host_device_copies");
   copyToHost(space, search.starts, num_partners + 1, lists.offsets);
 }
 
@@ -68,7 +68,7 @@ void findGhostingCandidates(const exec_space& space, const View<const Box*>& box
   for (const Box& box : rank_boxes)
     all.include(box);
   {
-    const Region copies("search::host-device copies");
+    const Region copies("contact::search::host_device_copies");
     copyToDevice(space, rank_boxes, search.rank_boxes);
   }
   buildTree(space, search.rank_boxes, static_cast<int>(rank_boxes.size()), all, search.tree);

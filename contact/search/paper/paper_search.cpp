@@ -50,11 +50,11 @@ void PaperSearch::findPartnersAndCandidates(const exec_space& space, const Swept
                                             const RankBoxes& rank_boxes) {
   const Region region("contact::findPartnersAndCandidates");
   {
-    const Region timer("search::partners");
+    const Region timer("contact::search::partners");
     findPartners(_boxes.node_box, rank_boxes.face_boxes, rank_boxes.rank, _nodes_to_send.ranks);
     findPartners(_boxes.face_box, rank_boxes.node_boxes, rank_boxes.rank, _faces_to_test.ranks);
   }
-  const Region timer("search::searches 0 and 1");
+  const Region timer("contact::search::searches_0_and_1");
   listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.face_boxes, _node_search,
                  _nodes_to_send);
   listCandidates(space, _boxes.face_boxes, surface.num_faces, rank_boxes.node_boxes, _face_search,
@@ -83,7 +83,7 @@ void PaperSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
                                                      const SweptBoxes& surface,
                                                      const SearchConfig&) {
   const Region region("contact::searchLocalFacesAgainstRemoteNodes");
-  const Region timer("search::search 2");
+  const Region timer("contact::search::search_2");
   _faces_to_send.ranks = _faces_to_test.ranks;
   _faces_to_send.offsets.assign(_faces_to_send.ranks.size() + 1, 0);
   _overlapping_pairs = 0;

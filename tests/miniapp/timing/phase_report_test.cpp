@@ -30,15 +30,15 @@ const PhaseTime& named(const std::vector<PhaseTime>& phases, const std::string& 
 }
 
 void oneSearch(double seconds) {
-  const Region search("search");
+  const Region search("contact::search");
   {
-    const Region boxes("search::node boxes");
+    const Region boxes("contact::search::node_boxes");
     work(seconds);
-    const Region copies("search::host-device copies");
+    const Region copies("contact::search::host_device_copies");
     work(seconds);
   }
   const Region phase("anything");
-  const Region last("search::search 2");
+  const Region last("contact::search::search_2");
   work(seconds);
 }
 
@@ -60,8 +60,8 @@ TEST(PhaseRecorder, SeparatesTimers) {
   double sum = 0;
   for (const PhaseTime& timer : timers)
     sum += timer.mean;
-  EXPECT_NEAR(sum, named(recorder.phases(), "search").mean, 1e-9); // own times add up
-  EXPECT_GE(recorder.seconds("search::node boxes"), 0.04); // with the region inside it
+  EXPECT_NEAR(sum, named(recorder.phases(), "contact::search").mean, 1e-9); // own times add up
+  EXPECT_GE(recorder.seconds("contact::search::node_boxes"), 0.04); // with the region inside it
 }
 
 TEST(PhaseRecorder, ForgetsWhenReset) {
@@ -71,8 +71,8 @@ TEST(PhaseRecorder, ForgetsWhenReset) {
     const Region outer("outer");
     work(0.02);
     recorder.reset();
-    EXPECT_EQ(recorder.calls("search"), 0);
-    EXPECT_EQ(recorder.seconds("search"), 0.0);
+    EXPECT_EQ(recorder.calls("contact::search"), 0);
+    EXPECT_EQ(recorder.seconds("contact::search"), 0.0);
   }
   EXPECT_EQ(recorder.calls("outer"), 1);
   EXPECT_LT(recorder.seconds("outer"), 0.02); // counts from the reset on
@@ -80,19 +80,19 @@ TEST(PhaseRecorder, ForgetsWhenReset) {
 
 TEST(PhaseRecorder, TakesTheMedianOfTheSlowestRank) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
-  recorder.watch("search", 3);
+  recorder.watch("contact::search", 3);
   const int rank = rankOf(MPI_COMM_WORLD), last = sizeOf(MPI_COMM_WORLD) - 1;
   for (const double seconds : {0.003, 0.2, 0.006}) {
     if (rank == last) { // only the last rank searches for long
-      const Region search("search");
+      const Region search("contact::search");
       work(seconds);
     } else {
-      const Region search("search");
+      const Region search("contact::search");
     }
     recorder.endStep();
   }
-  EXPECT_GE(recorder.medianPerStep("search"), 0.006);
-  EXPECT_LT(recorder.medianPerStep("search"), 0.2);
+  EXPECT_GE(recorder.medianPerStep("contact::search"), 0.006);
+  EXPECT_LT(recorder.medianPerStep("contact::search"), 0.2);
   EXPECT_THROW(recorder.medianPerStep("unheard"), Error);
 }
 
@@ -111,10 +111,10 @@ TEST(PhaseRecorder, CountsWaitsSeparatelyWithPaperTiming) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::paper);
   const bool is_late = rankOf(MPI_COMM_WORLD) == 0;
   {
-    const Region search("search");
+    const Region search("contact::search");
     if (is_late)
       work(0.05);
-    const Region phase("search::rank-box exchange");
+    const Region phase("contact::search::rank_box_exchange");
   }
   const auto timers = recorder.searchTimers();
   if (sizeOf(MPI_COMM_WORLD) > 1) {
@@ -137,28 +137,28 @@ void burn(double seconds) {
 
 TEST(PhaseRecorder, CountsCpuTimeWithoutWaits) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::paper);
-  recorder.watch("search", 2);
-  recorder.watchCpu({"search", "search::local search"}, 2);
+  recorder.watch("contact::search", 2);
+  recorder.watchCpu({"contact::search", "contact::search::local_search"}, 2);
   recorder.watchSearchTimers(2);
   recorder.reset();
   for (int step = 0; step < 2; ++step) {
     {
-      const Region search("search");
-      { const Region early("search::node boxes"); }
+      const Region search("contact::search");
+      { const Region early("contact::search::node_boxes"); }
       if (rankOf(MPI_COMM_WORLD) == 0)
         burn(0.05); // the others wait, some MPIs by spinning
       {
-        const Region phase("search::search 2");
+        const Region phase("contact::search::search_2");
         burn(0.01);
         work(0.02);
       }
-      const Region waiting("search::waiting"); // of the library itself
+      const Region waiting("contact::search::waiting"); // of the library itself
       burn(0.03);
     }
     recorder.endStep();
   }
-  const StepStatistics wall = recorder.secondsPerStep("search");
-  const StepStatistics cpu = recorder.busyCpuPerStep("search");
+  const StepStatistics wall = recorder.secondsPerStep("contact::search");
+  const StepStatistics cpu = recorder.busyCpuPerStep("contact::search");
   EXPECT_GE(wall.min, 0.05 + 0.01 + 0.02 + 0.03);
   EXPECT_GE(cpu.min, 0.06); // of rank 0
   EXPECT_LT(cpu.min, 0.08); // neither sleep nor waits
@@ -167,22 +167,22 @@ TEST(PhaseRecorder, CountsCpuTimeWithoutWaits) {
   const int ranks = sizeOf(MPI_COMM_WORLD);
   // Rank 0 has 60 ms of work, the others 10 ms.
   EXPECT_NEAR(cpu.imbalance, 0.06 * ranks / (0.06 + 0.01 * (ranks - 1)), 0.25);
-  EXPECT_EQ(recorder.busyCpuPerStep("search::local search").max, 0.0);
+  EXPECT_EQ(recorder.busyCpuPerStep("contact::search::local_search").max, 0.0);
   const auto timers = recorder.searchTimersPerStep();
   ASSERT_EQ(timers.size(), 13u);
   EXPECT_EQ(timers[9].name, "search 2");
   EXPECT_GE(timers[9].cpu_seconds.min, 0.01);
   EXPECT_LT(timers[9].cpu_seconds.min, 0.02);
   EXPECT_GE(timers[9].seconds.min, 0.03);
-  EXPECT_THROW(recorder.busyCpuPerStep("findGhosts"), Error);
+  EXPECT_THROW(recorder.busyCpuPerStep("contact::findGhosts"), Error);
 }
 
 TEST(PhaseRecorder, TakesSearchesInsideTheLocalSearchForItsOwn) {
   PhaseRecorder recorder(MPI_COMM_WORLD, Timing::normal);
   {
-    const Region search("search");
-    const Region local("search::local search");
-    const Region copies("search::host-device copies");
+    const Region search("contact::search");
+    const Region local("contact::search::local_search");
+    const Region copies("contact::search::host_device_copies");
     work(0.01);
   }
   for (const PhaseTime& timer : recorder.searchTimers())
