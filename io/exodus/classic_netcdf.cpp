@@ -142,7 +142,7 @@ std::int64_t classicFileBytes(const std::string& path) {
   char magic[4] = {};
   if (!in.read(magic, 4))
     throw truncated(path);
-  const int version = magic[3];
+  const int version = static_cast<unsigned char>(magic[3]);
   if (std::string(magic, 3) != "CDF" || (version != 1 && version != 2 && version != 5))
     return 0;
   Header header(path, in, version);

@@ -19,6 +19,7 @@ namespace {
 std::vector<mechanics::Material> materialsOf(const Config& config,
                                              const std::vector<io::Block>& blocks) {
   std::vector<mechanics::Material> materials;
+  materials.reserve(blocks.size());
   for (const auto& block : blocks)
     materials.push_back(*config.materialOf(block.name));
   return materials;
