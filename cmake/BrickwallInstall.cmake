@@ -50,7 +50,10 @@ brickwall_install_component(
          contact/search/candidate_search.hpp
          contact/search/global_search.hpp
          contact/search/local_search.hpp
-         contact/enforcement/enforcement.hpp)
+         contact/search/audit
+         contact/enforcement/enforcement.hpp
+         contact/enforcement/edge_edge/edge_contact.hpp
+         contact/overlap/initial_overlap.hpp)
 brickwall_install_component(
   mechanics ROOM mechanics TARGETS brickwall_mechanics
   PUBLIC mechanics/element/material.hpp

@@ -10,7 +10,8 @@ namespace brickwall::contact {
 
 namespace {
 
-// Accelerations by all forces: those given, and the contact totals; and which of them have changed.
+// Accelerations by all forces: the given ones and the contact totals. Flags those that have
+// changed.
 void accelerate(const exec_space& space, const NodeList& list,
                 const View<const double* [3]>& by_others,
                 const View<std::int64_t* [3]>& contact_totals, const Quantum& quantum,
@@ -31,6 +32,27 @@ void accelerate(const exec_space& space, const NodeList& list,
       });
 }
 
+// totals = 0 at the listed nodes.
+void zeroTotals(const exec_space& space, const NodeList& list,
+                const View<std::int64_t* [3]>& totals) {
+  if (list.count > 0)
+    Kokkos::parallel_for(
+        "contact::zeroTotals", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (int d = 0; d < 3; ++d)
+            totals(list(i), d) = 0;
+        });
+}
+
+// totals = forces at the listed nodes.
+void copyTotals(const exec_space& space, const NodeList& list,
+                const View<std::int64_t* [3]>& forces, const View<std::int64_t* [3]>& totals) {
+  Kokkos::parallel_for(
+      "contact::copyTotals", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          totals(list(i), d) = forces(list(i), d);
+      });
+}
+
 } // namespace
 
 Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
@@ -40,7 +62,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
       _node_mass(node_mass), _node_faces(space, comm, surface),
       _records(space, surface, _node_faces),
       _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
-      _motion(space, "contact::Enforcement", surface), _still("contact::Enforcement", surface),
+      _motion(space, "contact::Enforcement", surface), _stationary("contact::Enforcement", surface),
       _sleeping(space, "contact::Enforcement", surface.num_nodes) {
   if (!(config.reference_step > 0) || !(config.penalty > 0))
     throw Error(ExitCode::internal, "Enforcement: reference_step is " +
@@ -51,7 +73,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
   _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
-  forgetStatus(space);
+  clearStatus(space);
   _accelerations =
       View<double* [3]>("contact::Enforcement::accelerations",
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
@@ -71,16 +93,16 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   const FaceAccess faces{surface, ghosts};
   if (_config.skip_stationary) {
     _motion.update(space, surface);
-    _still.update(space, surface, _motion, pairs.step_test);
-    _sleeping.wake(space, pairs, _motion, _still.isUnchanged());
+    _stationary.update(space, surface, _motion, pairs.step_test);
+    _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged());
   }
   EnforcementSums sums;
-  if (leavesOutAll()) {
+  if (canSkipAll()) {
     _set.selectNone(space, faces);
-    if (!_still.isUnchanged())
-      _records.forget(space);
+    if (!_stationary.isUnchanged())
+      _records.invalidate(space);
   } else {
-    _records.update(space, faces, pairs, _still.flags(), _sleeping, _node_faces);
+    _records.update(space, faces, pairs, _stationary.flags(), _sleeping, _node_faces);
     sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
   }
   if (edges != nullptr)
@@ -90,7 +112,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   if (_has_forces || had_forces)
     findTouched(space, faces, edges);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
-    makeNeutral(space, faces, steps, neutral, edges, sums);
+    correctEnergy(space, faces, steps, neutral, edges, sums);
   if (_has_forces || had_forces)
     collectForces(space, edges);
   else
@@ -115,10 +137,11 @@ void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges)
     edges->setHasForcesAnywhere(any[1] != 0);
 }
 
-// On several ranks the faces around a node may be others' and move, and their areas are exchanged.
-bool Enforcement::leavesOutAll() const {
+// On several ranks, faces around a node may belong to others and move, and their areas are
+// exchanged.
+bool Enforcement::canSkipAll() const {
   return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 &&
-         (_still.isUnchanged() || _sleeping.numAwake() == 0);
+         (_stationary.isUnchanged() || _sleeping.numAwake() == 0);
 }
 
 ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
@@ -128,62 +151,50 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = faces;
-  select.still = _still.flags();
+  select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
-  NodeFaceKinematics& touch = select.touch;
-  touch.lateral_tolerance = _config.lateral_tolerance;
-  touch.edge_tolerance = _config.edge_tolerance;
-  touch.opposed_cosine = _config.opposed_cosine;
-  touch.shared_cosine = _config.shared_cosine;
-  touch.least_depth = _config.least_depth;
-  touch.around = _node_faces.lists();
-  touch.records = _records.records();
-  touch.num_faces = faces.surface.num_faces;
-  touch.num_remote = _node_faces.numRemote();
-  touch.node_mass = _node_mass;
-  touch.status = _status;
-  touch.gap = _gap;
+  NodeFaceKinematics& kinematics = select.kinematics;
+  kinematics.lateral_tolerance = _config.lateral_tolerance;
+  kinematics.edge_tolerance = _config.edge_tolerance;
+  kinematics.opposed_cosine = _config.opposed_cosine;
+  kinematics.shared_cosine = _config.shared_cosine;
+  kinematics.least_depth = _config.least_depth;
+  kinematics.adjacent_faces = _node_faces.lists();
+  kinematics.records = _records.records();
+  kinematics.num_faces = faces.surface.num_faces;
+  kinematics.num_remote = _node_faces.numRemote();
+  kinematics.node_mass = _node_mass;
+  kinematics.status = _status;
+  kinematics.gap = _gap;
   if (_has_status)
-    forgetStatus(space);
+    clearStatus(space);
   const ContactSums sums = _set.select(space, pairs, select);
-  _has_status = sums.touching > 0;
+  _has_status = sums.penetrating > 0;
   if (_config.skip_stationary)
-    _sleeping.putToSleep(space, touch, faces, pairs, _motion, _set.next().row_count,
-                         _still.flags().known_apart);
+    _sleeping.putToSleep(space, kinematics, faces, pairs, _motion, _set.next().row_count,
+                         _stationary.flags().known_apart);
   return sums;
 }
 
-// As of nodes that touch nothing.
-void Enforcement::forgetStatus(const exec_space& space) {
+// The values of nodes without contact.
+void Enforcement::clearStatus(const exec_space& space) {
   Kokkos::deep_copy(space, _status, static_cast<unsigned char>(0));
   Kokkos::deep_copy(space, _gap, -0.0);
 }
 
-// On several ranks others may act on any node.
+// On several ranks, other ranks may act on any node.
 void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
                               EdgeContact* edges) {
   if (sizeOf(_comm) > 1) {
     _touched.listAll(space);
   } else {
-    forgetTotals(space);
+    zeroTotals(space, _touched.list(), _totals);
     _touched.clear(space);
   }
   _touched.add(space, faces.surface, _set.next());
   if (edges != nullptr)
     edges->addTouched(space, _touched);
-}
-
-void Enforcement::forgetTotals(const exec_space& space) {
-  const auto totals = _totals;
-  const NodeList list = _touched.list();
-  if (list.count > 0)
-    Kokkos::parallel_for(
-        "contact::forgetTotals", rangePolicy(space, list.count),
-        KOKKOS_LAMBDA(const std::int64_t i) {
-          for (int d = 0; d < 3; ++d)
-            totals(list(i), d) = 0;
-        });
 }
 
 // forces() = those of the nodes and edges of this rank.
@@ -192,24 +203,16 @@ void Enforcement::collectForces(const exec_space& space, EdgeContact* edges) {
   _forces.ghost_corners = _set.forces().ghost_corners;
   _forces.nodes = of_set;
   if (sizeOf(_comm) == 1 && (edges == nullptr || !edges->hasForces()))
-    return; // nobody adds to them
+    return; // no forces of edges or of other ranks to add
   _forces.nodes = _totals;
-  const auto nodes = _totals;
-  const NodeList list = _touched.list();
-  Kokkos::parallel_for(
-      "contact::collectForces", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        const int node = list(i);
-        for (int d = 0; d < 3; ++d)
-          nodes(node, d) = of_set(node, d);
-      });
+  copyTotals(space, _touched.list(), of_set, _totals);
   if (edges != nullptr)
     edges->collectForces(space, _forces.nodes);
 }
 
-void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
-                              const StepLengths& steps, const NeutralInput* neutral,
-                              EdgeContact* edges, EnforcementSums& sums) {
+void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces,
+                                const StepLengths& steps, const NeutralInput* neutral,
+                                EdgeContact* edges, EnforcementSums& sums) {
   growTo(space, _ghost_accelerations, faces.ghosts.count);
   const View<const double* [3]> by_others = neutral->accelerations(_touched.list());
   for (int round = 0; round < _config.corrections; ++round) {
@@ -229,7 +232,7 @@ void Enforcement::makeNeutral(const exec_space& space, const FaceAccess& faces,
     sums.edges.invalid += of_edges.invalid;
     const bool is_last = round + 1 == _config.corrections;
     if (!is_last && !isOnAnyRank(of_nodes.changed + of_edges.changed > 0))
-      return; // the next round would find all as this one did
+      return; // the next round would change nothing
   }
 }
 

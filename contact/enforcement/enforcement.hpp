@@ -1,10 +1,13 @@
-// Contact enforcement: penalty forces on nodes that penetrate faces and, as options, energy-neutral first and last steps of a
-// contact (energy_neutral.hpp), Coulomb friction, damping, and edges that cross edges (edge_contact.hpp). Every owned node is
-// tested against every candidate face, so both sides of a joint are nodes and faces in turn (two passes).
+// Contact enforcement by penalty forces on nodes that penetrate faces. Options: energy-neutral
+// first and last steps of a contact (energy_neutral.hpp), Coulomb friction, damping, and
+// edge-to-edge contact (edge_contact.hpp). Every owned node is tested against every candidate face,
+// so both sides of an interface are nodes and faces in turn (two passes). Equations and sources:
+// contact/theory.md.
 //
-// An interaction is born when a node is found inside a face of another body, with the offset e of that penetration which the
-// step's motion did not bring; the spring then feels p = P - e. When the node moves to another face of the body, e is chosen so
-// that p goes on by what the last force closed; in the energy-neutral scheme e also follows the work done on the spring
+// A contact becomes active when a node penetrates a face. The part of the penetration that this
+// step's motion did not cause is stored as the offset e; the spring acts on p = P - e. When the
+// node moves to another face of the body, e is chosen so that p continues with the approach of this
+// step; in the energy-neutral scheme e also follows the work done on the spring
 // (interaction_forces.hpp). Otherwise e never grows while the face stays the same.
 #pragma once
 
@@ -18,10 +21,11 @@
 
 namespace brickwall::contact {
 
-// What the energy-neutral scheme needs of the host code besides.
+// Input of the energy-neutral scheme from the host code.
 struct NeutralInput {
-  // Accelerations by all other forces at x^{n+1}, gravity included, 0 where prescribed [surface node][xyz]; of the listed nodes,
-  // others are not looked at. Asked for once in steps with contact forces on any rank, never in others.
+  // Accelerations by all other forces at x^{n+1}, including gravity, 0 where the motion is
+  // prescribed [surface node][xyz]; only those of the listed nodes are read. Called once in steps
+  // with contact forces on any rank, and never in others.
   std::function<View<const double* [3]>(const NodeList&)> accelerations;
   // Collective. Turns partial sums into totals at every copy of a node: reverseSum, then the
   // shared-node sum.
@@ -33,11 +37,11 @@ struct NeutralInput {
 
 class EdgeContact;
 
-// This rank's sums, apart for nodes with faces and edges with edges.
+// This rank's sums, separately for node-to-face and edge-to-edge contact.
 struct EnforcementSums {
   ContactSums nodes, edges;
 
-  // As ContactSums.
+  // See ContactSums.
   std::int64_t failures() const { return nodes.failures() + edges.failures(); }
   std::int64_t active() const { return nodes.active + edges.active; }
   std::int64_t lost() const { return nodes.lost + edges.lost; }
@@ -52,48 +56,47 @@ public:
               const View<const double*>& node_mass, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);
 
-  // Contact forces at coordinates_new; motion of the step is coordinates_new - coordinates_old, of
-  // length `steps.dt`. `surface` may change its coordinates between calls, nothing else. The first call of
-  // a run sees overlaps as they are: they are taken into the offset and give no force. Collective.
-  // `neutral` is needed for Scheme::energy_neutral only; `edges`, if there, has found the candidates of this step, and
-  // its forces are among forces(). Returns this rank's sums.
+  // Computes the contact forces at coordinates_new. The motion of the step is coordinates_new -
+  // coordinates_old, over the time `steps.dt`. Between calls only the coordinates of `surface` may
+  // change. Overlaps that exist at the first call become offsets and give no force. `neutral` is
+  // needed for Scheme::energy_neutral only. If `edges` is given, it must have found the candidates
+  // of this step; its forces are included in forces(). Collective. Returns this rank's sums.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
 
-  // dt_ref >= every dt to come. Contacts that are born from now on have the stiffness that goes with it; others are never
-  // made stiffer, so that no energy is made.
+  // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
+  // later; active contacts are never stiffened, so that no energy is created.
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
 
-  // Of the last enforce(). Partial sums: the caller returns ghost_corners to their owners (reverseSum) and sums over the
-  // ranks that share a node.
+  // Forces of the last enforce(). They are partial sums: the caller returns ghost_corners to their
+  // owners (reverseSum) and sums over the ranks that share a node.
   const ContactForces& forces() const { return _forces; }
-  // Whether any rank had contact forces in the last enforce(): if not, forces() are zero on all ranks and need no sums.
+  // Whether any rank had contact forces in the last enforce(). If not, forces() are zero on all
+  // ranks and need no sums.
   bool hasForces() const { return _has_forces; }
-  // The nodes where forces() may be other than 0: on a rank alone those that its contacts act on, on several ranks all.
+  // The nodes where forces() may differ from 0: on one rank, those that its contacts act on; on
+  // several ranks, all.
   const NodeList& touched() const { return _touched.list(); }
-  // [surface node] bodies that the node is inside of, under load or not; 0 if not owned.
+  // [surface node] number of bodies that the node penetrates, loaded or not; 0 if not owned.
   const View<unsigned char*>& status() const { return _status; }
-  // [surface node] least gap, length: minus the deepest penetration, or 0.
+  // [surface node] least gap, length: minus the largest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
 
-  // Rows of candidates that need not be looked at.
+  // Dormant rows of candidates.
   const SleepingBlocks& sleeping() const { return _sleeping; }
-  // The interactions, for the next call.
+  // The contact history, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
-  // A step of enforce(), public only for its kernel.
-  void collectForces(const exec_space& space, EdgeContact* edges);
-  void forgetTotals(const exec_space& space);
-
 private:
+  void collectForces(const exec_space& space, EdgeContact* edges);
   void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
-  void forgetStatus(const exec_space& space);
-  bool leavesOutAll() const;
+  void clearStatus(const exec_space& space);
+  bool canSkipAll() const;
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
-  void makeNeutral(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
-                   const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
+  void correctEnergy(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
+                     const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
 
   // Collective.
   bool isOnAnyRank(bool here) const;
@@ -108,18 +111,19 @@ private:
   FaceRecords _records;
   InteractionSet _set;
   SurfaceMotion _motion;
-  StationaryNodes _still;
+  StationaryNodes _stationary;
   SleepingBlocks _sleeping;
   TouchedNodes _touched;
-  ContactForces _forces; // its nodes: _totals, or those of _set
-  View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 where not touched
-  bool _has_forces = false; // on any rank; else _forces are zero
+  ContactForces _forces; // the nodal forces are _totals or those of _set
+  View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 at nodes that are not listed
+  bool _has_forces = false; // on any rank; otherwise _forces are zero
   double _previous_dt = 0;
-  bool _has_status = false; // of any node
+  bool _has_status = false; // whether _status of any node differs from 0
   View<unsigned char*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;
-  View<unsigned char*> _has_changed; // [surface node] its acceleration, since the last round
+  // [surface node] its acceleration has changed since the last round
+  View<unsigned char*> _has_changed;
   View<double* [12]> _ghost_accelerations;
 };
 

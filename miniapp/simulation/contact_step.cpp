@@ -21,7 +21,7 @@ contact::EnforcementConfig enforcementConfig(const Config& config, double shorte
   enforcement.reference_step = reference_step;
   enforcement.self_contact = !dropsSameBody(config);
   enforcement.least_depth = 1e-12 * shortest_edge;
-  enforcement.deepest_birth = deepestActivation(deck, shortest_edge);
+  enforcement.max_activation_depth = deepestActivation(deck, shortest_edge);
   return enforcement;
 }
 
@@ -60,11 +60,11 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
 }
 
 // A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as
-// far as the deepest loaded contact may fade out beyond an edge (its depth times depths_to_end,
-// with a margin), but not farther than the shortest edge.
+// far as the deepest loaded contact may fade out beyond an edge (its depth times
+// fade_depth_ratio, with a margin), but not farther than the shortest edge.
 double ContactStep::toleranceFor(double deepest) const {
-  constexpr double depths_to_end = contact::FadeRegion::depths_to_end;
-  const double reach = 0.5 * ((depths_to_end + 0.2) * deepest +
+  constexpr double fade_depth_ratio = contact::FadeRegion::fade_depth_ratio;
+  const double reach = 0.5 * ((fade_depth_ratio + 0.2) * deepest +
                               0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
   return deepest > 0 ? minOf(reach, 0.5 * _scene.shortest_edge) : 0;
 }

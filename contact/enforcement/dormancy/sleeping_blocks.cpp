@@ -9,10 +9,11 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
       _num_awake(_num_blocks) {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
-  _state.bounds = View<KeptBound*>(label + "::bounds", 0); // the first putToSleep() makes room
+  // the first putToSleep() allocates them
+  _state.bounds = View<SeparationBound*>(label + "::bounds", 0);
   _state.age = View<unsigned char*>(label + "::age", n);
   _state.wait = View<unsigned char*>(label + "::wait", n);
-  _state.patience = View<unsigned char*>(label + "::patience", n);
+  _state.next_wait = View<unsigned char*>(label + "::patience", n);
   Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
 }
 
@@ -45,7 +46,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
         bool sleeps = are_same || changed(block) == 0;
         for (int b = 0; b < count && sleeps; ++b)
           sleeps = state.bound(block, b).holds(motions, rounding);
-        constexpr int soon = 16; // what it costs to find bounds is made up for by then
+        constexpr int soon = 16; // steps after which the search for bounds has paid off
         if (sleeps) {
           state.age(block) = static_cast<unsigned char>(minOf(state.age(block) + 1, soon));
           return;
@@ -53,9 +54,9 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
         state.num_bounds(block) = SleepState::awake;
         ++awake;
         if (state.age(block) < soon)
-          state.leaveAlone(block);
+          state.postpone(block);
         else
-          state.patience(block) = 0;
+          state.next_wait(block) = 0;
       },
       _num_awake);
 }

@@ -1,30 +1,59 @@
-// Blocks of rows of candidates that need not be looked at: when they were, none of their pairs could touch, and by the bounds that
-// were kept then (separation.hpp), the motion of the bodies since does not bring any of them to it. A block wakes when its bounds
-// are used up, or when its rows have changed since the last search: a pair that was not listed then has no bound.
+// Dormant blocks of rows of candidates. When a block was last tested, none of its pairs could be in
+// contact, and the motion of the bodies since then cannot have brought any of them into contact, by
+// the bounds kept then (separation.hpp). A block wakes when its bounds are exhausted or when a
+// search has changed its rows: a new pair has no bound.
 //
-// `Touch` knows the geometry: with node_face_separation.hpp or edge_separation.hpp. Blocks with ghosts do not sleep, for other
-// ranks' motion is not known here, nor do rows with a contact.
+// `Kinematics` provides the geometry (node_face_separation.hpp or edge_separation.hpp). Blocks with
+// ghosts do not sleep, since the motion of other ranks is unknown here, nor do rows with a contact.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleep_state.hpp"
+#include "contact/enforcement/dormancy/separation.hpp"
 #include "contact/surface/face_access.hpp"
 
 namespace brickwall::contact {
+
+constexpr int max_bounds = 6; // pairs of bodies in a block; blocks with more do not sleep
+
+// State of the blocks for kernels, one entry a block.
+struct SleepState {
+  static constexpr unsigned char awake = 255;
+
+  View<unsigned char*> num_bounds; // `awake`, or the number of bounds of a dormant block
+  // First bounds of all blocks, then the second ones, and so on, since few blocks have many.
+  View<SeparationBound*> bounds;
+  // Blocks whose bounds cannot be found, or are exhausted soon, are not tried again for `wait`
+  // steps; the wait doubles each time, up to a limit.
+  View<unsigned char*> age, wait, next_wait;
+
+  KOKKOS_INLINE_FUNCTION SeparationBound& bound(std::int64_t block, int b) const {
+    return bounds(b * static_cast<std::int64_t>(num_bounds.extent(0)) + block);
+  }
+  KOKKOS_INLINE_FUNCTION bool sleeps(std::int64_t block) const {
+    return num_bounds(block) != awake;
+  }
+  KOKKOS_INLINE_FUNCTION void postpone(std::int64_t block) const {
+    constexpr int longest = 31;
+    const int now = next_wait(block);
+    wait(block) = next_wait(block) = static_cast<unsigned char>(minOf(2 * now + 1, longest));
+  }
+};
 
 class SleepingBlocks {
 public:
   SleepingBlocks() = default;
   SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes);
 
-  // At the start of a step: wakes the blocks that must be looked at. `motion` has seen this step. `is_unchanged`: nothing has moved
-  // in it, nor in the last one; rows may then have become less, but not more.
+  // At the start of a step: wakes the blocks that must be tested. `motion` must include this step.
+  // `is_unchanged`: nothing has moved in this step and in the last one; rows may then have lost
+  // pairs, but not gained any.
   void wake(const exec_space& space, const CandidatePairs& pairs, const SurfaceMotion& motion,
             bool is_unchanged);
 
-  // After the blocks that are awake have been looked at: puts to sleep those whose pairs are apart. `row_count` [node]
-  // contacts of the present step; `clear` as of StationaryFlags, which is taken back from rows that sleep.
+  // After the blocks that are awake have been tested: puts those to sleep whose pairs are apart.
+  // `row_count` [node]: contacts of the present step. `known_apart`, see StationaryFlags, is reset
+  // for dormant rows.
   template <class Kinematics>
-  void putToSleep(const exec_space& space, const Kinematics& touch, const FaceAccess& faces,
+  void putToSleep(const exec_space& space, const Kinematics& kinematics, const FaceAccess& faces,
                   const CandidatePairs& pairs, const SurfaceMotion& motion,
                   const View<const unsigned char*>& row_count,
                   const View<unsigned char*>& known_apart);
@@ -37,14 +66,14 @@ public:
 private:
   SleepState _state;
   std::int64_t _num_blocks = 0, _num_awake = 0;
-  std::int64_t _version = 0; // of the pairs that were seen last
-  const unsigned char* _changed = nullptr; // of the same
+  std::int64_t _version = 0; // of the pairs seen last
+  const unsigned char* _changed = nullptr; // likewise
 };
 
-// Kernel functor of putToSleep(): one block.
+// Kernel functor of putToSleep(), for one block.
 template <class Kinematics>
 struct FindBounds {
-  Kinematics touch;
+  Kinematics kinematics;
   FaceAccess faces;
   CandidatePairs pairs;
   BodyMotions motions;
@@ -63,11 +92,11 @@ struct FindBounds {
     const std::int64_t begin = block * CandidatePairs::rows_per_block;
     const std::int64_t end =
         minOf<std::int64_t>(begin + CandidatePairs::rows_per_block, pairs.num_rows);
-    KeptBound bounds[max_bounds];
+    SeparationBound bounds[max_bounds];
     int count = 0;
     for (std::int64_t row = begin; row < end; ++row)
       if (!isWithoutContact(row) || !includeRow(row, bounds, count)) {
-        state.leaveAlone(block);
+        state.postpone(block);
         return;
       }
     for (int b = 0; b < count; ++b)
@@ -82,23 +111,23 @@ private:
   KOKKOS_INLINE_FUNCTION bool isWithoutContact(std::int64_t row) const {
     return row_count(pairs.node(row)) == 0;
   }
-  KOKKOS_INLINE_FUNCTION bool includeRow(std::int64_t row, KeptBound (&bounds)[max_bounds],
+  KOKKOS_INLINE_FUNCTION bool includeRow(std::int64_t row, SeparationBound (&bounds)[max_bounds],
                                          int& count) const {
     const std::int64_t end = pairs.end(row);
     if (pairs.begin(row) == end)
       return true;
     const int node = pairs.node(row);
-    const auto around = surroundingsOf(touch, faces, node);
+    const auto around = surroundingsOf(kinematics, faces, node);
     const int own = motions.find(faces.surface.node_body(node));
     global_id body = -1;
     int other = -1, side = 1;
-    KeptBound* bound = nullptr;
+    SeparationBound* bound = nullptr;
     for (std::int64_t p = pairs.begin(row); p < end; ++p) {
       const int face = pairs.faces(p);
       if (!faces.isOwn(face))
         return false;
-      const Separation apart = separationOf(touch, faces, around, node, face);
-      if (!(apart.holds() && apart.gap > rounding))
+      const Separation separation = separationOf(kinematics, faces, around, node, face);
+      if (!(separation.holds() && separation.gap > rounding))
         return false;
       if (bound == nullptr || faces.surface.face_body(face) != body) {
         body = faces.surface.face_body(face);
@@ -110,12 +139,12 @@ private:
         if (bound == nullptr)
           return false;
       }
-      bound->include(apart, side);
+      bound->include(separation, side);
     }
     return true;
   }
-  KOKKOS_INLINE_FUNCTION KeptBound* boundOf(int first, int second, KeptBound (&bounds)[max_bounds],
-                                            int& count) const {
+  KOKKOS_INLINE_FUNCTION SeparationBound*
+  boundOf(int first, int second, SeparationBound (&bounds)[max_bounds], int& count) const {
     for (int b = 0; b < count; ++b)
       if (bounds[b].body[0] == first && bounds[b].body[1] == second)
         return &bounds[b];
@@ -127,20 +156,21 @@ private:
 };
 
 template <class Kinematics>
-void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& touch,
+void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinematics,
                                 const FaceAccess& faces, const CandidatePairs& pairs,
                                 const SurfaceMotion& motion,
                                 const View<const unsigned char*>& row_count,
                                 const View<unsigned char*>& known_apart) {
-  // Rows of one node a block that every step searches anew count as changed each time: the block would wake at once.
+  // With rows_per_block = 1, a search in every step marks all rows as changed, so the block would
+  // wake at once.
   const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
   if (_num_awake == 0 || pairs.version == 0 || !rows_last)
     return;
   if (_state.bounds.extent(0) == 0)
     _state.bounds =
-        allocate<View<KeptBound*>>(space, _state.bounds.label(), max_bounds * _num_blocks);
+        allocate<View<SeparationBound*>>(space, _state.bounds.label(), max_bounds * _num_blocks);
   Kokkos::parallel_for("contact::SleepingBlocks::putToSleep", rangePolicy(space, _num_blocks),
-                       FindBounds<Kinematics>{touch, faces, pairs, motion.bodies(),
+                       FindBounds<Kinematics>{kinematics, faces, pairs, motion.bodies(),
                                               motion.rounding(), row_count, known_apart, _state});
 }
 

@@ -2,15 +2,43 @@
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
 
 namespace brickwall::contact {
+namespace {
+
+void flagPoints(const exec_space& space, const View<const unsigned char*>& of_surface,
+                const View<const int*>& point_to_node, const View<unsigned char*>& nodes) {
+  Kokkos::parallel_for(
+      "contact::StationaryNodes::flagPoints",
+      rangePolicy(space, static_cast<std::int64_t>(point_to_node.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t i) { nodes(i) = of_surface(point_to_node(i)); });
+}
+
+// A face is stationary if all its corners are. With `num_points` > 0, node num_points + f stands
+// for face f.
+void flagFaces(const exec_space& space, const SweptBoxes& surface,
+               const View<const unsigned char*>& of_points, const View<unsigned char*>& faces,
+               const View<unsigned char*>& nodes, std::int64_t num_points) {
+  Kokkos::parallel_for(
+      "contact::StationaryNodes::flagFaces", rangePolicy(space, surface.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        unsigned all = 1;
+        for (int j = 0; j < 4; ++j)
+          all &= of_points(surface.face_to_nodes(face, j));
+        faces(face) = static_cast<unsigned char>(all);
+        if (num_points > 0)
+          nodes(num_points + face) = static_cast<unsigned char>(all);
+      });
+}
+
+} // namespace
 
 StationaryNodes::StationaryNodes(const std::string& label, const SweptBoxes& surface,
                                  const View<const int*>& point_to_node)
     : _point_to_node(point_to_node),
-      _nodes(label + "::still_nodes", point_to_node.data() ? surface.num_nodes : 0),
-      _faces(label + "::still_faces", surface.num_faces) {
+      _nodes(label + "::stationary_nodes", point_to_node.data() ? surface.num_nodes : 0),
+      _faces(label + "::stationary_faces", surface.num_faces) {
   _flags.nodes = _nodes;
   _flags.faces = _faces;
-  _flags.known_apart = View<unsigned char*>(label + "::clear_rows", surface.num_nodes);
+  _flags.known_apart = View<unsigned char*>(label + "::known_apart", surface.num_nodes);
 }
 
 void StationaryNodes::update(const exec_space& space, const SweptBoxes& surface,
@@ -20,37 +48,20 @@ void StationaryNodes::update(const exec_space& space, const SweptBoxes& surface,
   if (has_grown)
     Kokkos::deep_copy(space, _flags.known_apart, static_cast<unsigned char>(0));
   _last_test = test;
-  _flags.is_any = !motion.isNoneStill();
-  _is_unchanged = _is_all_still && motion.isAllStill() && !has_grown;
-  _is_all_still = motion.isAllStill();
-  if (!_is_unchanged && _flags.is_any) // else all flags are set, or none is looked at
-    setFlags(space, surface, motion);
-}
-
-void StationaryNodes::setFlags(const exec_space& space, const SweptBoxes& surface,
-                               const SurfaceMotion& motion) {
-  const auto still = motion.stillNodes();
-  const auto to_node = _point_to_node;
-  const auto nodes = _nodes, faces = _faces;
-  const auto num_points = static_cast<std::int64_t>(to_node.extent(0));
-  const bool has_list = num_points > 0;
-  if (has_list)
-    Kokkos::parallel_for(
-        "contact::StationaryNodes::points", rangePolicy(space, num_points),
-        KOKKOS_LAMBDA(const std::int64_t i) { nodes(i) = still(to_node(i)); });
-  else
-    _flags.nodes = still;
-  const auto of_points = _flags.nodes;
-  Kokkos::parallel_for(
-      "contact::StationaryNodes::faces", rangePolicy(space, surface.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face) {
-        unsigned all = 1;
-        for (int j = 0; j < 4; ++j)
-          all &= of_points(surface.face_to_nodes(face, j));
-        faces(face) = static_cast<unsigned char>(all);
-        if (has_list)
-          nodes(num_points + face) = static_cast<unsigned char>(all);
-      });
+  _flags.is_any = !motion.isNoneStationary();
+  _is_unchanged = _is_all_stationary && motion.isAllStationary() && !has_grown;
+  _is_all_stationary = motion.isAllStationary();
+  // Otherwise all flags are set, or none is read.
+  if (!_is_unchanged && _flags.is_any) {
+    const auto of_surface = motion.stationaryNodes();
+    const bool has_list = _point_to_node.extent(0) > 0;
+    if (has_list)
+      flagPoints(space, of_surface, _point_to_node, _nodes);
+    else
+      _flags.nodes = of_surface;
+    flagFaces(space, surface, _flags.nodes, _faces, _nodes,
+              static_cast<std::int64_t>(_point_to_node.extent(0)));
+  }
 }
 
 } // namespace brickwall::contact

@@ -1,6 +1,7 @@
-// How a surface has moved since the last call: which nodes have not moved by a bit, and for every body the box of its nodes'
-// motions, summed up from call to call. The difference of two such sums bounds what any node of the body has moved by between
-// them, and the width of that box how much the body can have turned or been bent.
+// Motion of a surface since the last call: the nodes that have not moved by a bit, and for every
+// body the box of its nodes' motions, summed from call to call. The difference of two such sums
+// bounds the motion of any node of the body in between, and the width of that box bounds the body's
+// rotation and deformation.
 #pragma once
 
 #include "contact/surface/surface.hpp"
@@ -9,7 +10,7 @@
 
 namespace brickwall::contact {
 
-// 0 and -0 differ: what is kept then is what would be computed.
+// Compares bits: 0 and -0 differ, so that kept results equal recomputed ones.
 KOKKOS_INLINE_FUNCTION bool sameBits(double a, double b) {
   std::int64_t p, q;
   memcpy(&p, &a, sizeof p);
@@ -22,7 +23,7 @@ struct BodyMotions {
   View<const global_id*> bodies; // ascending
   View<const double* [6]> sums; // [place in `bodies`][low xyz, high xyz], length
 
-  // Place of a body of this rank's nodes, else -1.
+  // Place of a body of this rank's nodes, otherwise -1.
   KOKKOS_INLINE_FUNCTION int find(global_id body) const {
     int begin = 0, end = static_cast<int>(bodies.extent(0));
     while (begin < end) {
@@ -34,7 +35,8 @@ struct BodyMotions {
     }
     return begin < static_cast<int>(bodies.extent(0)) && bodies(begin) == body ? begin : -1;
   }
-  // Bounds of what nodes of the body at place `a` have moved by more than nodes of that at `b`.
+  // Bounds of the motion of any node of the body at place `a` with respect to any node of the body
+  // at `b`.
   KOKKOS_INLINE_FUNCTION double low(int a, int b, int d) const {
     return sums(a, d) - sums(b, 3 + d);
   }
@@ -52,29 +54,26 @@ public:
   void update(const exec_space& space, const Surface& surface);
 
   // [node] 1: its coordinates are those of the last call, and it has not moved in this step.
-  const View<const unsigned char*>& stillNodes() const { return _still; }
-  bool isAllStill() const { return _num_moving == 0; }
-  bool isNoneStill() const { return _num_moving == _num_nodes; }
+  const View<const unsigned char*>& stationaryNodes() const { return _stationary; }
+  bool isAllStationary() const { return _num_moving == 0; }
+  bool isNoneStationary() const { return _num_moving == _num_nodes; }
 
   const BodyMotions& bodies() const { return _bodies; }
-  // Bound of the rounding in a distance between points of the surface, length.
+  // Bound of the rounding error in a distance between points of the surface, length.
   double rounding() const { return _rounding; }
 
-  // Parts of update(), public only for their kernels.
-  void measure(const exec_space& space, const Surface& surface);
-  void addUp(const exec_space& space);
-  void measureExtent(const exec_space& space, const Surface& surface);
-
 private:
+  void accumulateMotion(const exec_space& space);
+
   std::int64_t _num_nodes = 0, _num_moving = 0;
   bool _has_last = false;
   double _extent = 0, _rounding = 0;
   View<double* [3]> _last; // coordinates of the last call [node][xyz]
-  View<const unsigned char*> _still;
-  View<unsigned char*> _flags; // _still
-  View<int*> _piece_begin; // [piece + 1] nodes of one body, which follow each other
+  View<const unsigned char*> _stationary;
+  View<unsigned char*> _stationary_flags; // the same View as _stationary, writable
+  View<int*> _piece_begin; // [piece + 1] first node of a run of nodes of one body
   View<int*> _piece_body; // [piece] place of its body
-  View<double* [6]> _step; // [body] box of the motions since the last call, empty between calls
+  View<double* [6]> _step; // [body] box of the motions since the last call; empty between calls
   View<double* [6]> _sums;
   BodyMotions _bodies;
 };

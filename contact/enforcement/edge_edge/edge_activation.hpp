@@ -1,30 +1,31 @@
-// Which pairs of edges without history may come to be in contact, many pairs at once: all that EdgeEdgeKinematics::test() asks for at
-// ContactTest::activate but what few pairs fail, with a little room for other rounding. First where the lines of two edges come closest
-// (most pairs are near parallel, or cross beyond their ends), then, for what is left, whether that is in a depth and between the
-// faces of both edges.
+// Quick rejection of pairs of edges without history, as many at once as there are SIMD lanes: all
+// tests of EdgeEdgeKinematics::test() at ContactTest::activate that most pairs fail, with some
+// slack for different rounding. First the closest points of the two lines (most pairs are nearly
+// parallel, or cross beyond their ends); then, for the remaining pairs, the penetration and the
+// cones of both edges. Eqs. (29) and (30) of theory.md.
 //
-// Let t be an edge's way, a the area vector of its face, n_1 = f/|f|, f = a - (a . t) t/|t|^2, the face's normal and
-// n_2 = cos n_1 + sin (t/|t| x n_1) that of the other face. A unit vector n across the edge is A n_1 + B (t/|t| x n_1) with, by
-// m = t x a,
-//   A = |t| (n . a)/|m|,  B = (n . m)/|m|.
+// Let t be an edge vector, a the area vector of its face, n_1 = f/|f|, f = a - (a . t) t/|t|^2, the
+// face's normal and n_2 = cos n_1 + sin (t/|t| x n_1) that of the other face. A unit vector n
+// perpendicular to the edge is A n_1 + B (t/|t| x n_1) with, by m = t x a,
+//     A = |t| (n . a)/|m|,  B = (n . m)/|m|.
 #pragma once
 
-#include "contact/enforcement/edge_edge/edge_records.hpp"
+#include "contact/enforcement/edge_edge/edge_surface.hpp"
 #include "contact/enforcement/law/persistent_contact.hpp"
 
 namespace brickwall::contact {
 
-// What the two steps ask for.
-struct EdgeBirthLimits {
+// Limits of the two tests.
+struct EdgeActivationLimits {
   double least_sine; // of the angle between the edges, and of those to their faces
-  double reach; // beyond the ends of edges, in lengths
-  double deepest; // of the shorter edge
-  double across; // an edge that spans a side is longer than so many of its widths
+  double reach; // beyond the ends of edges, in lengths of the edge
+  double deepest; // penetration over the length of the shorter edge
+  double across; // an edge that spans a side is longer than this many of its widths
 };
 
-namespace edge_births {
+namespace edge_activation {
 
-constexpr double slack = 1e-9; // more than rounding makes of sines that count
+constexpr double slack = 1e-9; // above the rounding error of the sines
 
 // Bit l: lane l of a comparison.
 KOKKOS_INLINE_FUNCTION unsigned bitsOf(bool mask) {
@@ -38,7 +39,7 @@ inline unsigned bitsOf(const MaskPackOf<W>& mask) {
   return bits;
 }
 
-// Points of as many pairs as there are lanes: the ends of both edges, or the corners of both faces.
+// Points [point][xyz][lane]: the ends of both edges, or the corners of both faces.
 template <class Real, int points>
 struct PointsOfPairs {
   static constexpr int width = NumLanes<Real>::value;
@@ -60,25 +61,25 @@ KOKKOS_INLINE_FUNCTION void takeCorners(const FaceAccess& faces, int edge, int l
       to[j][d][lane] = quad.corner[j][d];
 }
 
-// Lanes whose lines come closest on both edges.
+// Lanes whose lines have their closest points on both edges.
 template <class Real>
 KOKKOS_INLINE_FUNCTION unsigned lanesAcross(const PointsOfPairs<Real, 2>& ends,
-                                            const EdgeBirthLimits& limits) {
+                                            const EdgeActivationLimits& limits) {
   const Triple<Real> a = loadTriple<Real>(ends.own[0]), b = loadTriple<Real>(ends.other[0]);
   const Triple<Real> da = loadTriple<Real>(ends.own[1]) - a;
   const Triple<Real> db = loadTriple<Real>(ends.other[1]) - b, between = a - b;
   const Real aa = dot(da, da), bb = dot(db, db), ab = dot(da, db);
   const Real ra = dot(da, between), rb = dot(db, between), determinant = aa * bb - ab * ab;
-  // s and t times the determinant, which is > 0 where that matters
+  // s and t times the determinant, which is > 0 where they are used
   const Real s = ab * rb - bb * ra, t = aa * rb - ab * ra;
   const double least = (1 - slack) * limits.least_sine * limits.least_sine;
   const Real past = (limits.reach + 1e-6) * determinant;
-  const auto is_out = (determinant <= least * (aa * bb)) | (s < -past) | (s > determinant + past) |
-                      (t < -past) | (t > determinant + past);
-  return bitsOf(!is_out);
+  const auto is_rejected = (determinant <= least * (aa * bb)) | (s < -past) |
+                           (s > determinant + past) | (t < -past) | (t > determinant + past);
+  return bitsOf(!is_rejected);
 }
 
-// n in the frame of an edge, and where that is against its cone.
+// The components of n in the frame of an edge, and its position with respect to the edge's cone.
 template <class Real>
 struct InCone {
   using Mask = typename MaskOf<Real>::type;
@@ -86,12 +87,12 @@ struct InCone {
   Real cosine, sine;
 
   KOKKOS_INLINE_FUNCTION InCone(const double (&corner)[4][3][NumLanes<Real>::value],
-                                const Triple<Real>& way, const Real& squared_length,
+                                const Triple<Real>& edge_vector, const Real& squared_length,
                                 const Triple<Real>& n, const Real& cos, const Real& sin)
       : cosine(cos), sine(sin) {
     const Triple<Real> area = cross(loadTriple<Real>(corner[2]) - loadTriple<Real>(corner[0]),
                                     loadTriple<Real>(corner[3]) - loadTriple<Real>(corner[1]));
-    const Triple<Real> beside = cross(way, area);
+    const Triple<Real> beside = cross(edge_vector, area);
     const Real scale = Real(1.0) / squareRoot(dot(beside, beside));
     along_first = squareRoot(squared_length) * dot(n, area) * scale;
     beside_first = dot(n, beside) * scale;
@@ -100,7 +101,7 @@ struct InCone {
   KOKKOS_INLINE_FUNCTION Real outward() const {
     return (1.0 + cosine) * along_first + sine * beside_first;
   }
-  // Whether `sign` n is less than `sine` inside, as EdgeCone::depthOf() finds it.
+  // Whether `sign` n is less than `least_sine` inside the cone, as EdgeCone::depthOf() computes it.
   KOKKOS_INLINE_FUNCTION Mask isOutside(const Real& sign, double least_sine) const {
     const Real a = sign * along_first, from_first = sign * beside_first;
     const Real to_second = a * sine - from_first * cosine;
@@ -117,25 +118,26 @@ struct Surroundings {
   static constexpr int width = NumLanes<Real>::value;
   PointsOfPairs<Real, 4> corners;
   double cosine[2][width], sine[2][width]; // of own and other
-  double narrower[2][width]; // width of the sides of own and other, the lesser one
+  double narrower[2][width]; // the smaller width of the sides of own and other
 };
 
-// Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and not on its rim either where the
-// other edge, of this squared length, may span a side.
+// Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and
+// not on its rim where the other edge, of this squared length, may span a side.
 template <class Real>
 KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
 leadsIn(const InCone<Real>& cone, const Real& sign, const Real& squared_length,
-        const Real& narrower, const EdgeBirthLimits& limits) {
+        const Real& narrower, const EdgeActivationLimits& limits) {
   const double across = (1 - slack) * limits.across;
   const auto is_short = squared_length < across * across * narrower * narrower;
   return cone.isOutside(sign, -limits.least_sine) |
          (is_short & cone.isOutside(sign, limits.least_sine));
 }
 
-// Lanes whose edges have crossed, between their faces; of edges that lanesAcross() has let pass.
+// Lanes whose edges have crossed, with the normal inside both cones; for edges that pass
+// lanesAcross().
 template <class Real>
 KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
-                                             const EdgeBirthLimits& limits) {
+                                             const EdgeActivationLimits& limits) {
   const auto& own = pairs.corners.own;
   const auto& other = pairs.corners.other;
   const Triple<Real> a = loadTriple<Real>(own[0]), b = loadTriple<Real>(other[0]);
@@ -148,14 +150,15 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
   const InCone<Real> in_other(other, db, bb, normal, loadLanes<Real>(pairs.cosine[1]),
                               loadLanes<Real>(pairs.sine[1]));
   const Real outward = in_other.outward(), zero = 0.0;
-  const Real sign = where(outward < zero, Real(-1.0), Real(1.0)); // of the normal out of the other
+  // of the normal that leads out of the other edge
+  const Real sign = where(outward < zero, Real(-1.0), Real(1.0));
   const double deepest = (1 + slack) * limits.deepest * limits.deepest;
-  const auto is_out = (depth * depth > deepest * aa) | (depth * depth > deepest * bb) |
-                      ((outward > Real(slack)) & (depth <= zero)) |
-                      ((outward < Real(-slack)) & (-depth <= zero)) | // -n is the normal
-                      leadsIn(in_own, -sign, bb, loadLanes<Real>(pairs.narrower[0]), limits) |
-                      leadsIn(in_other, sign, aa, loadLanes<Real>(pairs.narrower[1]), limits);
-  return bitsOf(!is_out);
+  const auto is_rejected = (depth * depth > deepest * aa) | (depth * depth > deepest * bb) |
+                           ((outward > Real(slack)) & (depth <= zero)) |
+                           ((outward < Real(-slack)) & (-depth <= zero)) | // -n is the normal
+                           leadsIn(in_own, -sign, bb, loadLanes<Real>(pairs.narrower[0]), limits) |
+                           leadsIn(in_other, sign, aa, loadLanes<Real>(pairs.narrower[1]), limits);
+  return bitsOf(!is_rejected);
 }
 
 // Pairs that are tested together as soon as they fill the lanes.
@@ -174,26 +177,26 @@ struct Waiting {
   KOKKOS_INLINE_FUNCTION int at(int lane) const { return minOf(lane, count - 1); }
 };
 
-} // namespace edge_births
+} // namespace edge_activation
 
-// Takes pairs, and keeps the rows of those that may come to be in contact.
+// Receives pairs and flags the rows of those that may become active.
 template <class Real>
-struct EdgeBirths {
+struct EdgeActivationTest {
   static constexpr int width = NumLanes<Real>::value;
   const FaceAccess& faces;
   const EdgeRecords& records;
-  EdgeBirthLimits limits;
+  EdgeActivationLimits limits;
   unsigned rows = 0; // bit r: row r has such a pair
-  edge_births::Waiting<Real> near, crossed;
+  edge_activation::Waiting<Real> waiting, crossed;
 
   // `row` < 32 is the caller's number for the row of edge `own`.
   KOKKOS_INLINE_FUNCTION void add(int row, int own, int other) {
-    if (near.add(row, own, other))
+    if (waiting.add(row, own, other))
       testNear();
   }
-  // To be called at the end.
+  // Tests the remaining pairs; to be called at the end.
   KOKKOS_INLINE_FUNCTION void finish() {
-    if (near.count > 0)
+    if (waiting.count > 0)
       testNear();
     if (crossed.count > 0)
       testCrossed();
@@ -211,27 +214,27 @@ private:
     return minOf(attributes.width[0], attributes.width[1]);
   }
   KOKKOS_INLINE_FUNCTION void testNear() {
-    edge_births::PointsOfPairs<Real, 2> ends;
+    edge_activation::PointsOfPairs<Real, 2> ends;
     for (int lane = 0; lane < width; ++lane) {
-      edge_births::takeEnds(records.of(near.own[near.at(lane)]), lane, ends.own);
-      edge_births::takeEnds(records.of(near.other[near.at(lane)]), lane, ends.other);
+      edge_activation::takeEnds(records.of(waiting.own[waiting.at(lane)]), lane, ends.own);
+      edge_activation::takeEnds(records.of(waiting.other[waiting.at(lane)]), lane, ends.other);
     }
-    const unsigned lanes = edge_births::lanesAcross<Real>(ends, limits);
-    for (int lane = 0; lane < near.count; ++lane)
-      if ((lanes >> lane & 1u) && !(rows >> near.row[lane] & 1u)) {
-        prefetchEdge(near.own[lane]);
-        prefetchEdge(near.other[lane]);
-        if (crossed.add(near.row[lane], near.own[lane], near.other[lane]))
+    const unsigned lanes = edge_activation::lanesAcross<Real>(ends, limits);
+    for (int lane = 0; lane < waiting.count; ++lane)
+      if ((lanes >> lane & 1u) && !(rows >> waiting.row[lane] & 1u)) {
+        prefetchEdge(waiting.own[lane]);
+        prefetchEdge(waiting.other[lane]);
+        if (crossed.add(waiting.row[lane], waiting.own[lane], waiting.other[lane]))
           testCrossed();
       }
-    near.count = 0;
+    waiting.count = 0;
   }
   KOKKOS_INLINE_FUNCTION void testCrossed() {
-    edge_births::Surroundings<Real> pairs;
+    edge_activation::Surroundings<Real> pairs;
     for (int lane = 0; lane < width; ++lane) {
       const int own = crossed.own[crossed.at(lane)], other = crossed.other[crossed.at(lane)];
-      edge_births::takeCorners(faces, own, lane, pairs.corners.own);
-      edge_births::takeCorners(faces, other, lane, pairs.corners.other);
+      edge_activation::takeCorners(faces, own, lane, pairs.corners.own);
+      edge_activation::takeCorners(faces, other, lane, pairs.corners.other);
       pairs.cosine[0][lane] = faces.attributes<EdgeAttributes>(own).cosine;
       pairs.sine[0][lane] = faces.attributes<EdgeAttributes>(own).sine;
       pairs.cosine[1][lane] = faces.attributes<EdgeAttributes>(other).cosine;
@@ -239,7 +242,7 @@ private:
       pairs.narrower[0][lane] = narrowerSide(own);
       pairs.narrower[1][lane] = narrowerSide(other);
     }
-    const unsigned lanes = edge_births::lanesInDepth<Real>(pairs, limits);
+    const unsigned lanes = edge_activation::lanesInDepth<Real>(pairs, limits);
     for (int lane = 0; lane < crossed.count; ++lane)
       rows |= (lanes >> lane & 1u) << crossed.row[lane];
     crossed.count = 0;

@@ -3,9 +3,88 @@
 
 #include "contact/base/region.hpp"
 #include "contact/enforcement/edge_edge/edge_separation.hpp"
-#include "contact/enforcement/edge_edge/edge_surface.hpp"
 
 namespace brickwall::contact {
+namespace {
+
+// Gathers the coordinates of the corners (x_old, x_new) [corner][xyz]. Returns the largest
+// excursion outside `boxes`, those of the last search.
+double gatherCorners(const exec_space& space, const Surface& surface,
+                     const View<const int*>& corner_to_node, const View<const double* [6]>& boxes,
+                     const View<double* [3]>& x_old, const View<double* [3]>& x_new) {
+  const bool has_boxes = boxes.extent(0) > 0;
+  double excursion = 0;
+  Kokkos::parallel_reduce(
+      "contact::EdgeContact::gatherCorners",
+      rangePolicy(space, static_cast<std::int64_t>(corner_to_node.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t i, double& largest) {
+        const int node = corner_to_node(i);
+        const Vec3 before = rowOf(surface.coordinates_old, node);
+        const Vec3 now = rowOf(surface.coordinates_new, node);
+        for (int d = 0; d < 3; ++d) {
+          x_old(i, d) = before[d];
+          x_new(i, d) = now[d];
+        }
+        if (has_boxes)
+          largest = maxOf(largest, excursionOutside(boxes, i, before, now));
+      },
+      Kokkos::Max<double>(excursion));
+  return excursion;
+}
+
+// Computes the swept box of each edge, stored as the coordinates of node num_corners + edge (low
+// corner as x_old, high corner as x_new), and the ends of the edges. Returns the largest excursion
+// outside `boxes`.
+double sweepEdges(const exec_space& space, int num_edges, int num_corners,
+                  const View<const int* [4]>& edge_to_nodes, const View<const double* [6]>& boxes,
+                  const View<double* [3]>& x_old, const View<double* [3]>& x_new,
+                  const View<EdgeRecord*>& records) {
+  const bool has_boxes = boxes.extent(0) > 0;
+  double excursion = 0;
+  Kokkos::parallel_reduce(
+      "contact::EdgeContact::sweepEdges", rangePolicy(space, num_edges),
+      KOKKOS_LAMBDA(const std::int64_t e, double& largest) {
+        const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
+        Vec3 low, high;
+        for (int d = 0; d < 3; ++d) {
+          const double over_old = EdgeEdgeKinematics::overhang * (x_old(b, d) - x_old(a, d));
+          const double over_new = EdgeEdgeKinematics::overhang * (x_new(b, d) - x_new(a, d));
+          const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
+                                  x_new(a, d) - over_new, x_new(b, d) + over_new};
+          low[d] = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
+          high[d] = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
+          x_old(num_corners + e, d) = low[d];
+          x_new(num_corners + e, d) = high[d];
+          records(e).end[0][d] = x_new(a, d);
+          records(e).end[1][d] = x_new(b, d);
+        }
+        if (has_boxes)
+          largest = maxOf(largest, excursionOutside(boxes, num_corners + e, low, high));
+      },
+      Kokkos::Max<double>(excursion));
+  return excursion;
+}
+
+void recordGhosts(const exec_space& space, const FaceAccess& faces,
+                  const View<EdgeRecord*>& records) {
+  Kokkos::parallel_for(
+      "contact::EdgeContact::recordGhosts", rangePolicy(space, faces.ghosts.count),
+      KOKKOS_LAMBDA(const std::int64_t ghost) {
+        const int edge = faces.surface.num_faces + static_cast<int>(ghost);
+        EdgeRecord& record = records(ghost);
+        for (int j = 0; j < 2; ++j) {
+          const Vec3 x =
+              faces.corner(edge, j, faces.surface.coordinates_new, faces.ghosts.coordinates_new);
+          for (int d = 0; d < 3; ++d)
+            record.end[j][d] = x[d];
+        }
+        record.body = faces.body(edge);
+        record.id = faces.id(edge);
+      });
+}
+
+} // namespace
+
 EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
                          const FeatureEdges& edges, const View<const double*>& node_mass,
                          const SearchConfig& search, double margin, const EnforcementConfig& config,
@@ -29,98 +108,42 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
   _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, config, quantum);
-  _still = StationaryNodes("contact::EdgeContact", _edges, _corner_to_node);
+  _stationary = StationaryNodes("contact::EdgeContact", _edges, _corner_to_node);
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
 
-// Returns by how much they have left the boxes of the last search, since they are at hand here.
-double EdgeContact::gather(const exec_space& space, const Surface& surface) {
-  const auto corner_to_node = _corner_to_node;
-  const auto edge_to_nodes = _edges.face_to_nodes;
-  const auto x_old = _old, x_new = _new;
-  const int num_corners = _num_corners;
-  const auto records = _records;
+// Returns the largest excursion outside the boxes of the last search, since the coordinates are at
+// hand here.
+double EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface) {
   const View<const double* [6]> boxes = _search.sweptBoxes();
-  const bool has_boxes = boxes.extent(0) > 0;
-  double of_corners = 0, of_edges = 0;
-  Kokkos::parallel_reduce(
-      "contact::EdgeContact::gatherCorners", rangePolicy(space, num_corners),
-      KOKKOS_LAMBDA(const std::int64_t i, double& most) {
-        const int node = corner_to_node(i);
-        const Vec3 before = rowOf(surface.coordinates_old, node);
-        const Vec3 now = rowOf(surface.coordinates_new, node);
-        for (int d = 0; d < 3; ++d) {
-          x_old(i, d) = before[d];
-          x_new(i, d) = now[d];
-        }
-        if (has_boxes)
-          most = maxOf(most, excursionOutside(boxes, i, before, now));
-      },
-      Kokkos::Max<double>(of_corners));
-  Kokkos::parallel_reduce(
-      "contact::EdgeContact::sweepEdges", rangePolicy(space, _edges.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t e, double& most) {
-        const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
-        Vec3 low, high;
-        for (int d = 0; d < 3; ++d) {
-          const double over_old = EdgeEdgeKinematics::overhang * (x_old(b, d) - x_old(a, d));
-          const double over_new = EdgeEdgeKinematics::overhang * (x_new(b, d) - x_new(a, d));
-          const double ends[4] = {x_old(a, d) - over_old, x_old(b, d) + over_old,
-                                  x_new(a, d) - over_new, x_new(b, d) + over_new};
-          low[d] = minOf(minOf(ends[0], ends[1]), minOf(ends[2], ends[3]));
-          high[d] = maxOf(maxOf(ends[0], ends[1]), maxOf(ends[2], ends[3]));
-          x_old(num_corners + e, d) = low[d];
-          x_new(num_corners + e, d) = high[d];
-          records(e).end[0][d] = x_new(a, d);
-          records(e).end[1][d] = x_new(b, d);
-        }
-        if (has_boxes)
-          most = maxOf(most, excursionOutside(boxes, num_corners + e, low, high));
-      },
-      Kokkos::Max<double>(of_edges));
+  const double of_corners = gatherCorners(space, surface, _corner_to_node, boxes, _old, _new);
+  const double of_edges = sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes,
+                                     boxes, _old, _new, _records);
   space.fence();
   return maxOf(of_corners, of_edges);
 }
 
-void EdgeContact::recordGhosts(const exec_space& space) {
-  const FaceAccess faces = access();
-  growTo(space, _ghost_records, faces.ghosts.count);
-  const auto records = _ghost_records;
-  Kokkos::parallel_for(
-      "contact::EdgeContact::recordGhosts", rangePolicy(space, faces.ghosts.count),
-      KOKKOS_LAMBDA(const std::int64_t ghost) {
-        const int edge = faces.surface.num_faces + static_cast<int>(ghost);
-        EdgeRecord& record = records(ghost);
-        for (int j = 0; j < 2; ++j) {
-          const Vec3 x =
-              faces.corner(edge, j, faces.surface.coordinates_new, faces.ghosts.coordinates_new);
-          for (int d = 0; d < 3; ++d)
-            record.end[j][d] = x[d];
-        }
-        record.body = faces.body(edge);
-        record.id = faces.id(edge);
-      });
-}
-
 void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
-  const double motion = gather(space, surface);
+  const double motion = gatherCoordinates(space, surface);
   _search.update(space, _edges, motion);
-  if (_search.ghosts().count > 0)
-    recordGhosts(space);
+  if (_search.ghosts().count == 0)
+    return;
+  growTo(space, _ghost_records, _search.ghosts().count);
+  recordGhosts(space, access(), _ghost_records);
 }
 
-bool EdgeContact::leavesOutAll() const {
+bool EdgeContact::canSkipAll() const {
   return _search.ghosts().count == 0 && !_has_touched && _set.history().count == 0 &&
-         (_still.isUnchanged() || _sleeping.numAwake() == 0);
+         (_stationary.isUnchanged() || _sleeping.numAwake() == 0);
 }
 
 ContactSums EdgeContact::select(const exec_space& space, double dt, const SurfaceMotion& motion) {
   const CandidatePairs& pairs = _search.pairs();
   if (_config.skip_stationary) {
-    _still.update(space, _edges, motion, pairs.step_test);
-    _sleeping.wake(space, pairs, motion, _still.isUnchanged());
+    _stationary.update(space, _edges, motion, pairs.step_test);
+    _sleeping.wake(space, pairs, motion, _stationary.isUnchanged());
   }
-  if (leavesOutAll()) {
+  if (canSkipAll()) {
     _set.selectNone(space, access());
     findTouched(space);
     return {};
@@ -130,21 +153,21 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   select.dt = dt;
   select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
   select.faces = access();
-  select.first_row = _num_corners; // those of corners, which the searches list before
-  select.still = _still.flags();
+  select.first_row = _num_corners; // rows of corners, which the searches list first
+  select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
-  select.touch.lateral_tolerance = _config.lateral_tolerance;
-  select.touch.edge_tolerance = _config.edge_tolerance;
-  select.touch.num_corners = _num_corners;
-  select.touch.node_mass = _corner_mass;
-  select.touch.records = {_records, _ghost_records};
-  select.touch.previous = _set.history().interactions;
+  select.kinematics.lateral_tolerance = _config.lateral_tolerance;
+  select.kinematics.edge_tolerance = _config.edge_tolerance;
+  select.kinematics.num_corners = _num_corners;
+  select.kinematics.node_mass = _corner_mass;
+  select.kinematics.records = {_records, _ghost_records};
+  select.kinematics.previous = _set.history().interactions;
   const ContactSums sums = _set.select(space, pairs, select);
-  _has_touched = sums.touching > 0;
+  _has_touched = sums.penetrating > 0;
   if (_config.skip_stationary)
-    _sleeping.putToSleep(space, select.touch, select.faces, pairs, motion, _set.next().row_count,
-                         _still.flags().known_apart);
+    _sleeping.putToSleep(space, select.kinematics, select.faces, pairs, motion,
+                         _set.next().row_count, _stationary.flags().known_apart);
   findTouched(space);
   return sums;
 }
@@ -164,7 +187,8 @@ void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int corner = list(i);
         for (int d = 0; d < 3; ++d)
-          nodes(corner_to_node(corner), d) += of_corners(corner, d); // no two corners are one node
+          // distinct corners are distinct nodes
+          nodes(corner_to_node(corner), d) += of_corners(corner, d);
       });
 }
 
@@ -177,7 +201,7 @@ Corrections EdgeContact::correctForces(const exec_space& space, const StepLength
   const auto corner_to_node = _corner_to_node;
   const auto accelerations = _accelerations;
   const auto has_changed = _has_changed;
-  const bool knows_changes = node_has_changed.extent(0) > 0;
+  const bool has_change_flags = node_has_changed.extent(0) > 0;
   const NodeList list = _touched.list();
   Kokkos::parallel_for(
       "contact::EdgeContact::accelerations", rangePolicy(space, list.count),
@@ -185,13 +209,13 @@ Corrections EdgeContact::correctForces(const exec_space& space, const StepLength
         const int corner = list(i), node = corner_to_node(corner);
         for (int d = 0; d < 3; ++d)
           accelerations(corner, d) = node_accelerations(node, d);
-        has_changed(corner) = knows_changes ? node_has_changed(node) : 1;
+        has_changed(corner) = has_change_flags ? node_has_changed(node) : 1;
       });
   growTo(space, _ghost_accelerations, _search.ghosts().count);
   _search.forward(space, _edges, _accelerations, _ghost_accelerations);
   return _set.correctForces(space, access(), steps, relaxation, _accelerations,
                             _ghost_accelerations,
-                            knows_changes ? _has_changed : View<unsigned char*>());
+                            has_change_flags ? _has_changed : View<unsigned char*>());
 }
 
 // With ghosts, other ranks may act on any corner.

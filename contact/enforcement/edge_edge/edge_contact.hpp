@@ -1,10 +1,10 @@
-// Contact of edges that cross each other in mid-cell (edge_edge_kinematics.hpp): the same search and the same interactions as nodes and
-// faces have, on a surface whose faces and pushing points are the convex edges.
+// Edge-to-edge contact of convex edges that cross between their nodes (edge_edge_kinematics.hpp),
+// with the same search and the same interactions as node-to-face contact.
 #pragma once
 
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
-#include "contact/enforcement/edge_edge/edge_records.hpp"
+#include "contact/enforcement/edge_edge/edge_surface.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
 #include "contact/enforcement/selection/touched_nodes.hpp"
@@ -16,8 +16,8 @@ namespace brickwall::contact {
 
 class EdgeContact {
 public:
-  // Collective. `edges`: findFeatureEdges of `surface`; `node_mass`, `energy_scale` as for Enforcement; `search`, `margin` as
-  // for CandidateSearch. `comm` must outlive it.
+  // Collective. `edges`: findFeatureEdges() of `surface`; `node_mass`, `energy_scale`: see
+  // Enforcement; `search`, `margin`: see CandidateSearch.
   EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const FeatureEdges& edges, const View<const double*>& node_mass,
               const SearchConfig& search, double margin, const EnforcementConfig& config,
@@ -26,14 +26,16 @@ public:
   // As CandidateSearch.
   void setTolerance(double tolerance) { _search.setTolerances(tolerance, tolerance); }
 
-  // Collective. Edges that may cross in this step; `surface` as it was given at first, with the coordinates of this step.
+  // Collective. Finds edges that may cross in this step; `surface` as at construction, with the
+  // coordinates of this step.
   void findCandidates(const exec_space& space, const Surface& surface);
 
-  // The parts of Enforcement::enforce, which calls them. `motion`, of the host's surface, has seen this step if
-  // skip_stationary is set. After select() they agree on whether edges of any rank have forces: without, the others do nothing.
-  // collectForces is collective: it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
-  // correctForces is collective; `has_changed` [surface node] as for InteractionSet. addTouched adds the surface nodes that contacts
-  // of this rank act on.
+  // The parts of Enforcement::enforce(), which calls them. `motion`, that of the host's surface,
+  // must include this step if skip_stationary is set. After select(), ranks agree on whether edges
+  // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
+  // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
+  // correctForces() is collective; `has_changed` [surface node]: see InteractionSet. addTouched()
+  // adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
@@ -45,40 +47,38 @@ public:
   }
   void advance(double dt);
 
-  void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // as Enforcement's
-  // Of the candidates of this step (pair_motion.hpp). Collective.
+  void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement
+  // The fastest pair of edges among the candidates of this step (pair_motion.hpp). Collective.
   PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
-  // Of the last step (largest_force.hpp). Collective.
+  // The largest force of the last step (largest_force.hpp). Collective.
   LargestForce largestForce(const exec_space& space, MPI_Comm comm) const {
     return largestEdgeForce(space, comm, _edges, _num_corners, _set.history());
   }
-  // Of pairs of edges (CandidateSearch::countMissedPairs). Collective.
+  // Missed pairs of edges (CandidateSearch::countMissedPairs). Collective.
   std::int64_t countMissedPairs(const exec_space& space) const {
     return _search.countMissedPairs(space, _edges);
   }
 
   bool hasForces() const {
     return _set.hasForces();
-  } // of the present step, from contacts of this rank
+  } // in the present step, from contacts of this rank
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }
-  const SleepingBlocks& sleeping() const { return _sleeping; } // as Enforcement's
+  const SleepingBlocks& sleeping() const { return _sleeping; } // see Enforcement
   const ContactHistory& history() const { return _set.history(); }
-  // Of the nodes that the history names: corners, then edges by numbers of their own.
+  // Ids of the nodes that the history names: corners, then edges with ids of their own.
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
 
-  // Set-up and updates, public only for their kernels.
-  double gather(const exec_space& space, const Surface& surface);
-  void recordGhosts(const exec_space& space);
-
 private:
+  double gatherCoordinates(const exec_space& space, const Surface& surface);
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
-  bool leavesOutAll() const;
+  bool canSkipAll() const;
   void findTouched(const exec_space& space);
-  bool hasOtherRanks() const; // with ghosts of our edges, or the other way round
+  // whether there are ghosts of other ranks' edges, or of these edges on other ranks
+  bool hasOtherRanks() const;
 
-  // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its box: x^n is the box's low
-  // corner, x^{n+1} its high one. Faces: the edges.
+  // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its
+  // box: x^n is the box's low corner, x^{n+1} its high one. Faces: the edges.
   SweptBoxes _edges;
   int _num_corners = 0;
   View<const int*> _corner_to_node; // [corner] node of the host's surface
@@ -88,14 +88,14 @@ private:
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;
   InteractionSet _set;
-  StationaryNodes _still;
+  StationaryNodes _stationary;
   SleepingBlocks _sleeping;
   bool _has_touched = false; // in the last step, with a force or without
   bool _has_forces_anywhere = false; // in the present step, on any rank
   EnforcementConfig _config;
   LimbScale _energy_scale;
   double _previous_dt = 0;
-  TouchedNodes _touched; // corners
+  TouchedNodes _touched; // of corners
   View<double* [3]> _accelerations; // [corner]
   View<unsigned char*> _has_changed; // [corner]
   View<double* [12]> _ghost_accelerations;

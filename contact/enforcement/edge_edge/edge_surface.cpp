@@ -22,7 +22,7 @@ ViewType filled(const exec_space& space, const std::string& label, const Set& se
   return device;
 }
 
-// Numbers that no node of a mesh has.
+// Ids from here on belong to no node of a mesh.
 constexpr global_id first_edge_node_id = global_id(1) << 60;
 
 // Nodes of the host's surface at the corners of the listed faces, ascending.
@@ -92,7 +92,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
                                  : face_body(edges.convex[i - num_corners].face);
       },
       num_nodes);
-  s.node_is_owned = filled<View<unsigned char*>>( // only edges look for partners
+  s.node_is_owned = filled<View<unsigned char*>>( // only rows of edges search
       space, "contact::EdgeContact::node_is_owned",
       [&](auto& v) {
         for (int i = 0; i < num_nodes; ++i)

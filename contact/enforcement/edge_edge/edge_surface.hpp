@@ -1,13 +1,41 @@
-// The surface whose faces and pushing points are the convex edges of another one: what of it stays as it is.
+// The static data of edge-to-edge contact: the convex edges of a surface as rows and candidates of
+// contact.
 #pragma once
 
-#include "contact/enforcement/edge_edge/edge_records.hpp"
+#include "contact/surface/face_access.hpp"
 #include "contact/surface/feature_edges.hpp"
 
 namespace brickwall::contact {
 
+// Attributes of an edge in its role of a face; the masses are those of the corners of the face that
+// lists the edge.
+struct EdgeAttributes : CornerMasses {
+  double cosine, sine; // of the angle between the outward normals of its two faces
+  std::int64_t goes_on; // FeatureEdge::goes_on
+  double width[2]; // FeatureEdge::width, length
+};
+
+// End points, body and id of an edge.
+struct EdgeRecord {
+  double end[2][3]; // at x^{n+1} [first or second][xyz], length
+  global_id body, id;
+};
+static_assert(sizeof(EdgeRecord) == 64, "a cache line");
+
+// For kernels.
+struct EdgeRecords {
+  View<const EdgeRecord*> own, ghosts; // [own edge], [ghost]
+
+  // By candidate index, as FaceAccess.
+  KOKKOS_FORCEINLINE_FUNCTION const EdgeRecord& of(int edge) const {
+    const int num_own = static_cast<int>(own.extent(0));
+    return edge < num_own ? own(edge) : ghosts(edge - num_own);
+  }
+};
+
 struct EdgeSurface {
-  // Nodes: the corners of the faces that list edges, then one for each edge. Faces: the edges. Without coordinates.
+  // Nodes: the corners of the faces that list edges, then one for each edge. Faces: the edges.
+  // Without coordinates.
   SweptBoxes surface;
   int num_corners = 0;
   View<int*> corner_to_node; // [corner] node of the other surface, ascending

@@ -11,12 +11,14 @@ std::string ContactSums::problem() const {
     return std::to_string(invalid + terms.invalid) +
            " contact forces or energies are not finite or beyond the fixed-point range";
   if (overflow > 0)
-    return std::to_string(overflow) + " contacts of nodes that touch more than " +
-           std::to_string(max_interactions) + " bodies at once";
+    return std::to_string(overflow) + " contacts exceed the limit of " +
+           std::to_string(max_interactions) + " bodies per node";
   if (lost > 0)
-    return std::to_string(lost) + " loaded contacts went deeper than the search reaches (deepest " +
+    return std::to_string(lost) +
+           " loaded contacts are lost, since they are deeper than the search reaches (largest "
+           "penetration " +
            std::to_string(max_penetration) +
-           " of a face's size among the rest): raise contact.tolerance or contact.penalty";
+           " of a face's size among the others): increase contact.tolerance or contact.penalty";
   return "";
 }
 
@@ -27,12 +29,12 @@ void sumOverRanks(MPI_Comm comm, ContactSums& sums) {
     counts[i] = sums.terms.data()[i];
   std::int64_t* rest = counts + num_limbs;
   rest[0] = sums.interactions, rest[1] = sums.active, rest[2] = sums.lost;
-  rest[3] = sums.overflow, rest[4] = sums.invalid, rest[5] = sums.touching;
+  rest[3] = sums.overflow, rest[4] = sums.invalid, rest[5] = sums.penetrating;
   allReduce(comm, counts, num_limbs + 6, MPI_SUM);
   for (int i = 0; i < num_limbs; ++i)
     sums.terms.data()[i] = counts[i];
   sums.interactions = rest[0], sums.active = rest[1], sums.lost = rest[2];
-  sums.overflow = rest[3], sums.invalid = rest[4], sums.touching = rest[5];
+  sums.overflow = rest[3], sums.invalid = rest[4], sums.penetrating = rest[5];
   sums.max_penetration = allReduce(comm, sums.max_penetration, MPI_MAX);
   sums.deepest = allReduce(comm, sums.deepest, MPI_MAX);
 }

@@ -1,4 +1,5 @@
-// The energy-neutral correction of one interaction (energy_neutral.hpp), from the accelerations by the present forces.
+// The energy-neutral correction of one interaction from the accelerations by the present forces;
+// eqs. (17) to (19) and (28).
 #pragma once
 
 #include "contact/enforcement/law/coulomb_friction.hpp"
@@ -11,21 +12,22 @@ struct CorrectPair {
   FaceAccess faces;
   View<const double* [12]> ghost_accelerations;
   View<const double* [3]> accelerations;
-  double dt, next_dt; // drifts before and after the kick
+  double dt, next_dt; // lengths of the drifts before and after the kick, time
   double friction_limit; // mu
-  double relaxation; // share of the wanted change that is made
+  double relaxation; // share of the computed change that is applied
 
   struct Correction {
     double force, damping;
     Vec3 friction;
-    double fading = 1; // factor
+    double fading = 1; // factor of the fading force
     bool has_friction = false;
     KOKKOS_INLINE_FUNCTION bool changes(const Interaction& pair) const {
       return has_friction || force != pair.force || damping != pair.damping || fading != 1;
     }
   };
 
-  KOKKOS_INLINE_FUNCTION Correction of(const ContactHistory& pairs, std::int64_t i) const {
+  KOKKOS_INLINE_FUNCTION Correction correctionOf(const ContactHistory& pairs,
+                                                 std::int64_t i) const {
     const Interaction& pair = pairs.interactions(i);
     const double kick = 0.5 * (dt + next_dt);
     const Vec3 relative = relativeAcceleration(pair);
@@ -64,10 +66,10 @@ struct CorrectPair {
   }
 
   template <class Real>
-  KOKKOS_INLINE_FUNCTION Real relaxed(const Real& present, const Real& wanted) const {
-    return relaxation < 1 ? present + relaxation * (wanted - present) : wanted;
+  KOKKOS_INLINE_FUNCTION Real relaxed(const Real& present, const Real& target) const {
+    return relaxation < 1 ? present + relaxation * (target - present) : target;
   }
-  // `acceleration`: of the pushing point against the face point, along the normal.
+  // `acceleration`: normal component, of the pushing point with respect to the face point.
   template <class Real>
   KOKKOS_INLINE_FUNCTION KickedPairOf<Real> kicked(const Real& closing, const Real& inverse_mass,
                                                    const Real& acceleration) const {
@@ -80,7 +82,7 @@ struct CorrectPair {
     return motion;
   }
 
-  // Of the pushing point against the face point.
+  // Of the pushing point with respect to the face point.
   KOKKOS_INLINE_FUNCTION Vec3 relativeAcceleration(const Interaction& pair) const {
     const double share = pair.point.share;
     Vec3 relative = rowOf(accelerations, pair.point.node[0]);
@@ -91,7 +93,7 @@ struct CorrectPair {
         relative -= pair.weight[j] * ofCorner(pair, j);
     return relative;
   }
-  // The fading force times the accelerations of what it acts on.
+  // The fading force times the accelerations of the points that it acts on.
   KOKKOS_INLINE_FUNCTION double power(const FadingForce& fading, const Interaction& pair,
                                       const Vec3& relative) const {
     Vec3 of_corner[4];

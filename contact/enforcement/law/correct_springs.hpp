@@ -1,5 +1,6 @@
-// The energy-neutral correction (correct_pair.hpp) of contacts that have a spring along the normal and no other force, nodes
-// against faces: of many at once, in lanes on a processor. Their forces change by differences of rounded ones.
+// The energy-neutral correction (correct_pair.hpp) of node-to-face contacts with a normal spring
+// and no other force, for as many contacts at once as there are SIMD lanes. Nodal forces change by
+// the difference of the rounded forces.
 #pragma once
 
 #include "contact/base/lane_arrays.hpp"
@@ -10,7 +11,7 @@
 namespace brickwall::contact {
 namespace correct_springs {
 
-// Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
+// Input [quantity][xyz][lane], filled one contact after the other.
 template <class Real>
 struct Gathered {
   static constexpr int width = NumLanes<Real>::value;
@@ -46,15 +47,16 @@ struct Gathered {
   }
 };
 
-// Forces, and by how many quanta those on the node and on the corners change.
+// Corrected forces and the resulting changes, in quanta, of the forces on the node and on the
+// corners.
 template <class Real>
 struct Corrected {
   static constexpr int width = Gathered<Real>::width;
   double force[width], damping[width];
   LaneQuanta<Real> change;
-  double fits[width]; // 1: both forces, as they were and as they are, fit the fixed point
+  double fits[width]; // 1: the forces before and after the correction fit the fixed point
 
-  // Returns whether that changes anything.
+  // Returns whether the force changes.
   KOKKOS_FORCEINLINE_FUNCTION bool scatter(int lane, Interaction& pair,
                                            const PairForces& add) const {
     if (force[lane] == pair.force && damping[lane] == pair.damping)
@@ -102,16 +104,18 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const Corre
 
 } // namespace correct_springs
 
-// Whether an interaction is one of these. With ghosts or without.
+// Whether correctSprings() may take an interaction, on own faces or ghosts.
 KOKKOS_FORCEINLINE_FUNCTION bool hasOnlySpring(const Interaction& pair, const PairForces& add) {
   return !add.has_friction && add.face_corners == 4 && pair.fade_weight == 1 && pair.point.isNode();
 }
 
-// How far ahead interactions are asked for, which follow each other in memory.
+// Prefetch distance, in interactions.
 constexpr std::int64_t pairs_ahead = 64;
 
-// Corrects `count` such interactions, whose numbers are listed, as correctForce() does one; is_changed(number) tells whether it has,
-// `num_changed` counts them. Those whose forces do not fit are left alone; their numbers are then the first ones listed. Returns how many they are.
+// Corrects the `count` listed interactions as correctForce() corrects one; is_changed(number)
+// stores whether the force has changed, and `num_changed` counts those that have. Interactions
+// whose forces do not fit the fixed point are left unchanged and moved to the front of `numbers`;
+// returns how many they are.
 KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const CorrectPair& correct,
                                           const PairForces& add, std::int64_t* numbers, int count,
                                           const View<unsigned char*>& is_changed,

@@ -1,40 +1,43 @@
-// Coulomb friction by return mapping: an elastic spring along the face holds until its force reaches mu F_n, then slips at
-// that force. Point-wise.
+// Coulomb friction by return mapping, eqs. (21) to (23) of theory.md (Simo and Laursen 1992;
+// Wriggers 2006). Point-wise.
 #pragma once
 
 #include "contact/enforcement/law/contact_history.hpp"
 
 namespace brickwall::contact {
 
-// The part of `a` that is perpendicular to the unit vector `normal`.
+// The tangential part of `a` with respect to the unit vector `normal`.
 KOKKOS_INLINE_FUNCTION Vec3 tangentialPart(const Vec3& a, const Vec3& normal) {
   return a - dot(a, normal) * normal;
 }
 
-// A tangential force carried over to a face with another normal: its direction along that face, its magnitude kept, so that
-// the energy in the spring stays as it turns with the body. Zero if nothing of it lies along the face.
+// A tangential force transported to a plane with another normal: projected, with its magnitude
+// kept, so that the energy of the spring is kept as it rotates with the body. Zero if the
+// projection vanishes.
 KOKKOS_INLINE_FUNCTION Vec3 rotateToPlane(const Vec3& force, const Vec3& normal) {
   const Vec3 flat = tangentialPart(force, normal);
   const double square = dot(flat, flat);
   return square > 0 ? std::sqrt(dot(force, force) / square) * flat : Vec3();
 }
 
-// The trial force, or what is left of it when it exceeds the limit (>= 0).
+// The trial force, scaled down to `limit` (>= 0) where it is larger; eq. (21).
 KOKKOS_INLINE_FUNCTION Vec3 returnMap(const Vec3& trial, double limit) {
   const double size = norm(trial);
   return size > limit ? (limit / size) * trial : trial;
 }
 
-// Derivatives of a face's shape functions at the point of these weights. They are those of the bilinear quad, and sum to zero.
-KOKKOS_INLINE_FUNCTION void shapeSlopes(const double (&weight)[4], double (&along_xi)[4],
-                                        double (&along_eta)[4]) {
+// Derivatives of a bilinear face's shape functions at the point with these weights. They sum to
+// zero.
+KOKKOS_INLINE_FUNCTION void shapeDerivatives(const double (&weight)[4], double (&along_xi)[4],
+                                             double (&along_eta)[4]) {
   const double bottom = 0.5 * (weight[0] + weight[1]), top = 0.5 * (weight[2] + weight[3]);
   const double left = 0.5 * (weight[0] + weight[3]), right = 0.5 * (weight[1] + weight[2]);
   along_xi[0] = -bottom, along_xi[1] = bottom, along_xi[2] = top, along_xi[3] = -top;
   along_eta[0] = -left, along_eta[1] = -right, along_eta[2] = right, along_eta[3] = left;
 }
 
-// P times the vectors dual to the tangents: a force t along both has the components lever . t/P. Zero where they are parallel.
+// P times the dual basis of two tangents: a tangential force t has the components lever . t/P. Zero
+// for parallel tangents; eq. (22).
 KOKKOS_INLINE_FUNCTION void dualBasis(const Vec3& first, const Vec3& second, double P,
                                       Vec3 (&lever)[2]) {
   const double a = dot(first, first), b = dot(first, second), c = dot(second, second);
@@ -46,7 +49,7 @@ KOKKOS_INLINE_FUNCTION void dualBasis(const Vec3& first, const Vec3& second, dou
   lever[1] = scale * (a * second - b * first);
 }
 
-// The forces along the normal that balance the couple of the friction force (contact_history.hpp).
+// Adds the normal forces that balance the couple of the friction force; eq. (22).
 KOKKOS_INLINE_FUNCTION void addCouple(const FrictionSpring& friction, const Interaction& pair,
                                       int face_corners, NormalForces& forces) {
   const double q[2] = {dot(friction.lever[0], friction.force),
@@ -58,7 +61,7 @@ KOKKOS_INLINE_FUNCTION void addCouple(const FrictionSpring& friction, const Inte
     return;
   }
   double along_xi[4], along_eta[4];
-  shapeSlopes(pair.weight, along_xi, along_eta);
+  shapeDerivatives(pair.weight, along_xi, along_eta);
   for (int j = 0; j < 4; ++j)
     forces.on_corner[j] -= q[0] * along_xi[j] + q[1] * along_eta[j];
 }

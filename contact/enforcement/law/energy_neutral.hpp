@@ -1,8 +1,9 @@
-// First and last steps of a contact made neutral in energy. With a plain spring F = k p the work of an episode telescopes to
-// -k/2 (p^N p^{N+1} - p^0 p^{-1}): only its first and its last step err, so these two are weighted. Point-wise.
+// Energy-neutral first and last steps of a contact, eqs. (15) to (19) and (28) of theory.md. With a
+// plain spring F = k p the work over the life of a contact telescopes to -k/2 (p^N p^{N+1} - p^0
+// p^{-1}): only its first and its last step err, so these two are corrected. Point-wise.
 //
-// d- and d+ are the closing motions at the speeds before and after the kick, over its length dt; the work of a force F' on the
-// pair is then F' (d- + d+')/2 = -F' (D + F' tau/2).
+// d- and d+ are the approaches at the velocities before and after the kick, over its length dt. A
+// force F' does the work F' (d- + d+')/2 = -F' (D + F' tau/2) on the pair; eq. (17).
 #pragma once
 
 #include "contact/base/pack.hpp"
@@ -13,14 +14,14 @@ namespace brickwall::contact {
 // Motion of a pair around a kick of length dt.
 template <class Real>
 struct KickedPairOf {
-  Real closing; // d-
-  Real next_closing; // d+, if the present forces act
-  Real next_drift; // length of the drift to come, of dt
+  Real closing; // d-, length
+  Real next_closing; // d+, length, with the present forces
+  Real next_drift; // length of the next drift, in units of dt
   Real mobility; // tau = dt^2 (1/m_s + sum N_j^2/m_j), length/force
 };
 using KickedPair = KickedPairOf<double>;
 
-// What is asked of an interaction, by the names of its members.
+// The members of an interaction that the correction reads, by the same names.
 template <class Real>
 struct SpringState {
   Real force, first_force, depth, offset, stored;
@@ -30,69 +31,73 @@ KOKKOS_INLINE_FUNCTION SpringState<double> springOf(const Interaction& pair) {
   return {pair.force, pair.first_force, pair.depth, pair.offset, pair.stored, pair.is_new != 0};
 }
 
-// The force, in [0, ...), at which the contact gives back exactly `energy`: the root of D F + tau F^2/2 = energy.
+// The force F >= 0 at which the contact returns exactly `energy`: the root of D F + tau F^2/2 =
+// energy; eq. (19).
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real forceThatReturns(const Real& energy, const Real& D, const Real& tau) {
   return (-D + squareRoot(D * D + 2 * energy * tau)) / tau;
 }
 
-// The corrected forces of contacts, one or as many as there are lanes.
+// Corrected normal forces, of one contact or of as many as there are lanes; eqs. (18) and (19).
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
                                          const KickedPairOf<Real>& motion) {
   using Mask = typename MaskOf<Real>::type;
   const Real none = 0.0;
   const Real tau = motion.mobility, present = pair.force, first = pair.first_force;
-  const Mask is_fixed = !((tau > none) & (first > none)); // both sides prescribed, or no load
+  // motion prescribed on both sides, or no load
+  const Mask is_fixed = !((tau > none) & (first > none));
   const Real D = -0.5 * (motion.closing + motion.next_closing + present * tau);
   const Real returning = forceThatReturns(maxOf(pair.stored, none), D, tau);
   const Real closing_by_first = motion.next_closing + (present - first) * tau;
-  const Real way_out = minOf(pair.depth, pair.depth + pair.offset); // the spring's end, or the face
-  const Mask is_last = way_out + motion.next_drift * closing_by_first <= none;
+  // until p = 0 or P = 0, whichever is first
+  const Real remaining_depth = minOf(pair.depth, pair.depth + pair.offset);
+  const Mask is_last = remaining_depth + motion.next_drift * closing_by_first <= none;
   Real force = first;
-  Mask is_open = pair.is_new & !is_last & !is_fixed; // stores k w p p+/2 in all
+  Mask is_open = pair.is_new & !is_last & !is_fixed; // first step: stores k w p p+/2 in total
   force = where(is_open, present, force);
   for (int sweep = 0; sweep < 3 && isAny(is_open); ++sweep) {
     const Real closing = motion.next_closing + (present - force) * tau;
     const Real both = motion.closing + closing;
     is_open = is_open & (both > none);
     const Real next_depth = pair.depth + motion.next_drift * closing;
-    const Real wanted = (first * next_depth - 2 * pair.stored) / both;
-    force = where(is_open, minOf(maxOf(wanted, none), first), force);
+    const Real target = (first * next_depth - 2 * pair.stored) / both;
+    force = where(is_open, minOf(maxOf(target, none), first), force);
   }
-  // In the last step it gives back all that is stored.
+  // The last step returns all stored energy.
   const Real last = maxOf(where(pair.stored > none, minOf(returning, 4 * first), none), none);
   force = where(is_last, last, force);
-  // Never does it give back more than is stored.
+  // A contact never returns more than is stored.
   force = where(D + 0.5 * force * tau > none, minOf(force, returning), force);
   return where(is_fixed, first, force);
 }
 
-// A contact that fades out beyond an edge, with the work of its fading force on the pair: `before` and `after` over the kick's
-// length at the speeds before and after the kick, and `gain`, by how much the force itself raises the second.
+// Work of the fading force on the pair over the length of a kick: `before` and `after` at the
+// velocities before and after the kick; `gain` is the part of `after` that the force itself causes.
 struct KickedFading {
   double before, after, gain; // energy
-  double next_drift; // length of the drift to come, of dt
+  double next_drift; // length of the next drift, in units of dt
 };
 
-// By how much to multiply the fading force. In the last step, after which w = 0, it gives back what is stored beyond what the
-// normal force gives back; before, no more than that.
-// `force`: the normal one, corrected; `motion.next_closing` goes with it.
+// Factor of the fading force, eq. (28). In the last step, after which w = 0, the fading force
+// returns what is stored beyond the energy that the normal force returns; in earlier steps at most
+// that. `force` is the corrected normal force, and `motion.next_closing` belongs to it.
 KOKKOS_INLINE_FUNCTION double neutralFading(const Interaction& pair, double force,
                                             const KickedPair& motion, const KickedFading& fading,
                                             double work_to_end) {
   if (!(fading.gain > 0))
     return 1;
   const double by_normal = -0.5 * force * (motion.closing + motion.next_closing);
-  const double left = pair.stored - by_normal;
+  const double remaining = pair.stored - by_normal;
   const double linear = 0.5 * (fading.before + fading.after - fading.gain);
-  const double all =
-      left > 0 ? (-linear + std::sqrt(linear * linear + 2 * fading.gain * left)) / fading.gain
-               : 0.0;
-  // With some reserve, for w falls faster where the depth or the face turns.
+  const double full_release =
+      remaining > 0
+          ? (-linear + std::sqrt(linear * linear + 2 * fading.gain * remaining)) / fading.gain
+          : 0.0;
+  // A reserve, since w falls faster where the depth changes or the face rotates.
   const bool is_last = fading.after * fading.next_drift >= 0.6 * work_to_end;
-  const bool gives = linear + 0.5 * fading.gain > 0;
-  return is_last ? all : gives ? minOf(1.0, all) : 1.0;
+  const bool releases = linear + 0.5 * fading.gain > 0;
+  return is_last ? full_release : releases ? minOf(1.0, full_release) : 1.0;
 }
 
 } // namespace brickwall::contact

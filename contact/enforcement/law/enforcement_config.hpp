@@ -1,4 +1,4 @@
-// What contact enforcement is told.
+// Parameters of contact enforcement.
 #pragma once
 
 #include <cmath>
@@ -6,34 +6,44 @@
 namespace brickwall::contact {
 
 enum class Scheme {
-  penalty, // F = k p, k of the birth
-  energy_neutral, // first and last step of a contact weighted so that no energy is made
+  penalty, // F = k p
+  energy_neutral, // first and last step of a contact corrected so that no energy is created
 };
 
 struct EnforcementConfig {
   Scheme scheme = Scheme::energy_neutral;
-  // s: k = min(eps A, s m_red/dt_ref^2). It takes mult s/4 of the mass of surface nodes, mult 2.05, with crossing edges 2.55: the
-  // step must be stable for what is left.
+  // s: k = min(eps A, s m_red/dt_ref^2), eqs. (11) and (12) of theory.md. Contact takes up to s/4
+  // of the mass of surface nodes, times 2.05, or 2.55 with edge-to-edge contact: the step must be
+  // stable for the rest.
   double penalty = 0.9;
-  double reference_step = 0; // dt_ref >= every dt, time; fixes k whatever dt does
-  double lateral_tolerance = 0.05; // tol: |xi|, |eta| <= 1 + tol is on the face
-  double edge_tolerance =
-      0.1; // the same beyond true edges, where the force fades out (edge_fading.hpp)
-  double friction = 0; // mu, Coulomb
-  double friction_stiffness =
-      1; // k_t/k; up to 1 it needs no smaller step: the spring acts across the normal one
-  double damping =
-      0; // zeta: F_d = 2 zeta sqrt(k m) times the closing speed, k = s m/dt_ref^2; F + F_d >= 0
-  double least_depth = 0; // no contact is shallower, length: above the rounding of coordinates
-  double deepest_birth =
-      HUGE_VAL; // how deep a contact may be found, beyond the way of its first step, length
-  double opposed_cosine = 0.35; // a face of the node opposes the candidate if n_k . n_F < -this
-  double shared_cosine = 0.8; // interactions whose normals are closer than this cosine share A_i
-  bool self_contact = false; // also faces of the node's own body (those that do not touch the node)
-  bool skip_stationary =
-      true; // what has not moved (stationary_nodes.hpp): the same bits either way
-  int corrections = 3; // rounds of the energy-neutral correction
-  // Of what a round after the first wants to change: contacts that share nodes answer each other, all at once, and overshoot.
+  // dt_ref >= every dt, time; sets k independently of dt
+  double reference_step = 0;
+  // |xi|, |eta| <= 1 + this is on the face, in half-lengths
+  double lateral_tolerance = 0.05;
+  // the same beyond true edges, where the force fades out (edge_fading.hpp)
+  double edge_tolerance = 0.1;
+  // mu, Coulomb
+  double friction = 0;
+  // k_t/k; up to 1 it needs no smaller step, since the spring is perpendicular to the normal one
+  double friction_stiffness = 1;
+  // zeta: F_d = 2 zeta sqrt(k m) times the closing velocity, eq. (14); F + F_d >= 0
+  double damping = 0;
+  // smallest penetration of a contact, length; above the rounding of coordinates
+  double least_depth = 0;
+  // largest penetration at activation beyond the approach of that step, length
+  double max_activation_depth = HUGE_VAL;
+  // a face of the node opposes the candidate if n_k . n_F < -this; eq. (8)
+  double opposed_cosine = 0.35;
+  // contacts of a node whose normals are closer than this cosine share A_i
+  double shared_cosine = 0.8;
+  // also faces of the node's own body, except those that contain the node
+  bool self_contact = false;
+  // skip pairs that have not moved (stationary_nodes.hpp); the bits do not depend on it
+  bool skip_stationary = true;
+  // rounds of the energy-neutral correction
+  int corrections = 3;
+  // share of the computed change that rounds after the first apply: all contacts are corrected at
+  // once, so those that share nodes would overshoot
   double relaxation = 0.7;
 };
 

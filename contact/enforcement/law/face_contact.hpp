@@ -1,37 +1,41 @@
-// A face that is touched, and what faces are tested for: between SelectInteractions and what knows the geometry, NodeFaceKinematics or
-// EdgeEdgeKinematics.
+// A face that a node (or edge) penetrates, as the kinematics report it to the selection and to the
+// contact law, and the tests that a pair is put to.
 #pragma once
 
 #include "contact/enforcement/law/persistent_contact.hpp"
 
 namespace brickwall::contact {
 
-// A face that a node or an edge penetrates. No default values: arrays of it are not initialised.
+// No default values: arrays of it are not initialised.
 struct FaceContact {
   double weight[4];
   double normal[3];
-  double place[2]; // of a node: xi, eta on the face; of an edge: share of its second node
-  double depth; // P
-  Vec3 motion; // of the node in this step as seen from the face point
-  double contact_work; // energy that the last force put into the contact with the same body
-  double
-      closing_before; // motion of this step along the last normal, at the point where that force acted
+  double place[2]; // of a node: xi, eta on the face; of an edge: weight of its second node
+  double depth; // P, length
+  Vec3 motion; // of the node in this step with respect to the face point, length
+  double contact_work; // work of the last force on the contact with the same body, energy
+  // approach of this step along the last normal, at the points where the last force acted
+  double closing_at_last_point;
   int face; // candidate index
-  int previous; // interaction with the same body at the last step, or -1
+  int previous; // index of the interaction with the same body in the contact history, or -1
   int previous_face; // candidate index of that interaction's face, or -1
   const PersistentContact*
-      known; // what is known of the contact with that face; null where the hit is another
-  bool is_held; // ContactTest::retain: until it has no load, or its edges cross again
+      persistent; // data of the persistent contact; null if `face` is another face
+  bool is_retained; // ContactTest::retain
   bool is_loaded;
-  bool has_ended; // that interaction: its node is outside the face again
+  bool has_ended; // that interaction has ended: its node is in front of the face again
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
 };
 
-// What a face is tested for: to keep a contact, to bear one (or to go on with it there as if it were born), or, if no face is
-// fit for that, to go on with a contact under load where the surfaces are turned towards each other no more than a little; or, if
-// there is none, to hold on to the last one: between faces or edges that are bent away from each other is a wedge that neither
-// covers.
+// The tests of a pair:
+//   persist   to continue the contact on the same face
+//   activate  to become active, or to take over the spring of a contact with the same body
+//   transfer  to take over the spring of a loaded contact where no face passes `activate`: the
+//             surfaces need to oppose each other only a little
+//   retain    to continue a loaded contact where no face passes `transfer`: a node or edge in the
+//             wedge between two faces or edges that are bent away from each other is covered by
+//             neither
 enum class ContactTest { persist, activate, transfer, retain };
 
 } // namespace brickwall::contact

@@ -1,4 +1,5 @@
-// The force of a contact of a node along the normal, with nothing besides, in quanta: of one or of as many as there are lanes.
+// The normal force of a node-to-face contact in quanta, of one contact or of as many as there are
+// lanes.
 #pragma once
 
 #include "contact/base/fixed_pack.hpp"
@@ -7,7 +8,7 @@
 
 namespace brickwall::contact {
 
-// Quanta as PairForces::round() gives them.
+// The same quanta as PairForces::round().
 template <class Real>
 struct NodeQuanta {
   using Integer = decltype(toFixed(Real()));
@@ -29,7 +30,7 @@ struct NodeQuanta {
       on_corner[3][d] = rest;
     }
   }
-  // What a change from `before` adds.
+  // Leaves the change since `before`.
   KOKKOS_FORCEINLINE_FUNCTION void subtract(const NodeQuanta& before) {
     for (int d = 0; d < 3; ++d) {
       on_node[d] = on_node[d] - before.on_node[d];
@@ -39,7 +40,7 @@ struct NodeQuanta {
   }
 };
 
-// The same of all lanes, kept to be taken out one contact after the other.
+// The quanta of all lanes, stored to be read one contact after the other.
 template <class Real>
 struct LaneQuanta {
   static constexpr int width = NumLanes<Real>::value;

@@ -1,5 +1,5 @@
-// The forces of one interaction on its nodes, as integers: rounded once, plus on the pushing node, minus shared by the corners, of
-// which the last takes the remainder, so that the sum is zero exactly. Kernel part.
+// Nodal forces of one interaction as integers, eq. (35) of theory.md: each is rounded once; the
+// last corner takes the remainder, so that the sum over the pair is exactly zero. Kernel part.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
@@ -14,14 +14,15 @@ struct PairQuanta {
   std::int64_t on_corner[4][3];
 };
 
-// Contact forces in quanta. Partial sums: the caller returns ghost_corners to their owners
+// Contact forces in quanta. They are partial sums: the caller returns ghost_corners to their owners
 // (reverseSum) and sums over the ranks that share a node.
 struct ContactForces {
   View<std::int64_t* [3]> nodes; // [surface node][xyz]
   View<std::int64_t* [12]> ghost_corners; // [ghost face][3 * corner + xyz]; rows [0, ghosts.count)
 };
 
-// Forces of a pair are to add up to less than this, for a node takes part in several.
+// Limit of a pair's forces, as a share of the fixed-point range, since a node takes part in several
+// pairs.
 constexpr double fixed_point_share = 4;
 inline double largestPairForce(const Quantum& quantum) {
   return fixed_point_limit / fixed_point_share * quantum.value;
@@ -31,11 +32,12 @@ struct PairForces {
   FaceAccess faces = {{}, GhostFaces::none()};
   ContactForces target;
   double inverse_quantum = 1;
-  int face_corners = 4; // 4, or 2 where only the first two corners of a face carry weight
+  int face_corners = 4; // 4; 2 if only the first two corners of a face carry weight
   bool has_friction = false;
   bool is_alone = false; // no other thread adds at the same time
 
-  // False if a force is not finite or too large. `friction` is not looked at without friction, `fading` not where fade_weight is 1.
+  // Returns false if a force is not finite or too large. Without friction `friction` is not read;
+  // `fading` is read only if fade_weight < 1.
   KOKKOS_INLINE_FUNCTION bool round(const Interaction& pair, const FrictionSpring& friction,
                                     const FadingForce& fading, PairQuanta& quanta) const {
     Vec3 force = (pair.force + pair.damping) * pair.normal;
@@ -83,7 +85,7 @@ struct PairForces {
                  pair.fade_weight < 1 ? pairs.fading(i) : FadingForce(), quanta);
   }
 
-  // `sign` 1 adds, -1 takes back.
+  // `sign` 1 adds the forces, -1 removes them.
   KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
                                   int sign) const {
     if (is_alone)

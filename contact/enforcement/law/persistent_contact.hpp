@@ -1,5 +1,5 @@
-// Contacts that go on with the face which they had: what the selection wants to know of each, worked out for many together, in
-// lanes on a processor.
+// Persistent contacts: contacts whose face is still a candidate. Projections and relative motions
+// are computed for many of them at once, in SIMD lanes; eqs. (5) to (7) of theory.md.
 #pragma once
 
 #include "contact/base/lane_arrays.hpp"
@@ -8,23 +8,24 @@
 
 namespace brickwall::contact {
 
-// An interaction of the last step whose face is still a candidate.
+// An interaction of the contact history whose face is still a candidate.
 struct PersistentContact {
-  int node; // (or edge) whose row this is
-  int slot; // of its interactions at the last step
-  int previous; // index of that interaction
+  int node; // node (or number of the edge) whose row this is
+  int slot; // position in that row of the contact history
+  int previous; // index of the interaction
   int face; // candidate index
-  Vec3
-      last_motion; // in this step, at the weights of the last one: of the pushing point against the face point
-  // Of a node under load only:
-  FacePoint point; // where the node is on the face now
-  Vec3 motion; // as last_motion, at the weights of `point`
-  double inverse_mass; // 1/m_s + sum N_j^2/m_j, likewise
+  // motion of the pushing point with respect to the face point in this step, with the last
+  // weights, length
+  Vec3 last_motion;
+  // Filled if Kinematics::projects_persistent_contacts:
+  FacePoint point; // closest point at x^{n+1}
+  Vec3 motion; // as last_motion, with the weights of `point`
+  double inverse_mass; // 1/m_s + sum N_j^2/m_j with the weights of `point`
 };
 
 namespace persistent_contact {
 
-// Numbers [kind][xyz or alone] of as many contacts as there are lanes, to be filled one contact after the other.
+// Input [quantity][xyz][lane], filled one contact after the other.
 template <class Real>
 struct Gathered {
   static constexpr int width = NumLanes<Real>::value;
@@ -57,7 +58,7 @@ struct Gathered {
   }
 };
 
-// Motion of the node against the face point with these weights.
+// Motion of the node with respect to the face point with these weights.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Triple<Real> relativeMotion(const Triple<Real>& of_node,
                                                    const Triple<Real> (&of_corner)[4],
@@ -84,7 +85,7 @@ struct Found {
   static constexpr int width = NumLanes<Real>::value;
   double weight[4][width], normal[3][width], gap[width], excess[width], xi[width], eta[width];
   double motion[3][width], last_motion[3][width], inverse_mass[width];
-  double is_found[width]; // 1: else project() is to be asked
+  double is_found[width]; // 1, otherwise projectOne() is needed
 
   KOKKOS_INLINE_FUNCTION void scatter(int lane, PersistentContact& contact) const {
     FacePoint& point = contact.point;
@@ -132,7 +133,7 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, Found<Real>
 
 } // namespace persistent_contact
 
-// The same for one contact: where Newton's method finds no point of the quad, and on triangles.
+// The same for one contact: on triangles, and where Newton's method finds no point of the quad.
 KOKKOS_INLINE_FUNCTION void projectOne(const FaceAccess& faces,
                                        const View<const double*>& node_mass,
                                        PersistentContact& contact) {
@@ -147,7 +148,8 @@ KOKKOS_INLINE_FUNCTION void projectOne(const FaceAccess& faces,
   }
 }
 
-// Fills in what is known of contacts of nodes with faces; the same bits for each as project() and relativeMotion() give.
+// Fills the data of persistent node-to-face contacts, with the same bits for each as project() and
+// relativeMotion() give.
 KOKKOS_INLINE_FUNCTION void projectPersistentContacts(const FaceAccess& faces,
                                                       const View<const double*>& node_mass,
                                                       const ContactHistory& previous, int count,

@@ -4,7 +4,8 @@
 namespace brickwall::contact {
 namespace {
 
-constexpr int least_share = 4; // of blocks asleep so many times fewer: else all faces are wanted
+// records are made for requested faces only if fewer than 1/4 of the blocks are awake
+constexpr int min_asleep_ratio = 4;
 
 void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_row,
                   const View<FaceRecord*>& records) {
@@ -17,13 +18,13 @@ void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_ro
       });
 }
 
-// Own faces that rows which are awake ask for: candidates, and those around the nodes.
-void markWanted(const exec_space& space, const CandidatePairs& pairs, const SleepState& sleep,
-                const NodeFaceLists& around, std::int64_t num_blocks,
-                const View<unsigned char*>& is_wanted) {
-  const int num_faces = static_cast<int>(is_wanted.extent(0));
+// Requests own faces of rows that are awake: candidates, and the faces around the nodes.
+void markRequested(const exec_space& space, const CandidatePairs& pairs, const SleepState& sleep,
+                   const NodeFaceLists& adjacent_faces, std::int64_t num_blocks,
+                   const View<unsigned char*>& is_requested) {
+  const int num_faces = static_cast<int>(is_requested.extent(0));
   Kokkos::parallel_for(
-      "contact::FaceRecords::markWanted", rangePolicy(space, num_blocks),
+      "contact::FaceRecords::markRequested", rangePolicy(space, num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block) {
         if (sleep.sleeps(block))
           return;
@@ -35,11 +36,11 @@ void markWanted(const exec_space& space, const CandidatePairs& pairs, const Slee
             continue;
           for (std::int64_t p = pairs.begin(row); p < last; ++p)
             if (pairs.faces(p) < num_faces)
-              is_wanted(pairs.faces(p)) = 1;
+              is_requested(pairs.faces(p)) = 1;
           const int node = pairs.node(row);
-          for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
-            if (around.rows(k) < num_faces)
-              is_wanted(around.rows(k)) = 1;
+          for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k)
+            if (adjacent_faces.rows(k) < num_faces)
+              is_requested(adjacent_faces.rows(k)) = 1;
         }
       });
 }
@@ -51,32 +52,32 @@ FaceRecords::FaceRecords(const exec_space& space, const Surface& surface,
     : _records(allocate<View<FaceRecord*>>(space, "contact::FaceRecords::records",
                                            surface.num_faces + node_faces.numRemote())),
       _is_current("contact::FaceRecords::is_current", surface.num_faces),
-      _is_wanted("contact::FaceRecords::is_wanted", surface.num_faces) {}
+      _is_requested("contact::FaceRecords::is_requested", surface.num_faces) {}
 
 void FaceRecords::update(const exec_space& space, const FaceAccess& faces,
-                         const CandidatePairs& pairs, const StationaryFlags& still,
+                         const CandidatePairs& pairs, const StationaryFlags& stationary,
                          const SleepingBlocks& sleeping, NodeFaces& node_faces) {
   const int first_ghost = faces.surface.num_faces + node_faces.numRemote();
   const auto num_records = static_cast<std::int64_t>(first_ghost) + faces.ghosts.count;
   if (num_records > static_cast<std::int64_t>(_records.extent(0)))
-    forget(space);
+    invalidate(space);
   growTo(space, _records, num_records);
-  RecordsWanted wanted;
-  wanted.is_current = _is_current;
-  if (still.is_any)
-    wanted.still = still.faces;
-  if (least_share * sleeping.numAwake() < sleeping.numBlocks()) {
-    markWanted(space, pairs, sleeping.state(), node_faces.lists(), sleeping.numBlocks(),
-               _is_wanted);
-    wanted.is_wanted = _is_wanted;
+  RecordSelection selection;
+  selection.is_current = _is_current;
+  if (stationary.is_any)
+    selection.stationary = stationary.faces;
+  if (min_asleep_ratio * sleeping.numAwake() < sleeping.numBlocks()) {
+    markRequested(space, pairs, sleeping.state(), node_faces.lists(), sleeping.numBlocks(),
+                  _is_requested);
+    selection.is_requested = _is_requested;
   }
-  node_faces.updateRecords(space, faces.surface, wanted, _records);
-  if (wanted.is_wanted.extent(0) > 0)
-    Kokkos::deep_copy(space, _is_wanted, static_cast<unsigned char>(0));
+  node_faces.updateRecords(space, faces.surface, selection, _records);
+  if (selection.is_requested.extent(0) > 0)
+    Kokkos::deep_copy(space, _is_requested, static_cast<unsigned char>(0));
   ghostRecords(space, faces, first_ghost, _records);
 }
 
-void FaceRecords::forget(const exec_space& space) {
+void FaceRecords::invalidate(const exec_space& space) {
   Kokkos::deep_copy(space, _is_current, static_cast<unsigned char>(0));
 }
 

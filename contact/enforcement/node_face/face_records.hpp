@@ -1,5 +1,5 @@
-// What is asked of faces first, kept from step to step: planes of faces that have not moved stay as they are, and where most rows
-// of candidates sleep, only the faces of those that do not are worked out.
+// Mean planes, bodies and ids of faces, kept from step to step: planes of stationary faces are not
+// recomputed, and where most rows of candidates are dormant, only faces of the other rows are.
 #pragma once
 
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
@@ -13,18 +13,19 @@ public:
   FaceRecords() = default;
   FaceRecords(const exec_space& space, const Surface& surface, const NodeFaces& node_faces);
 
-  // Collective. The records of this step, of faces that some row which is awake asks for.
+  // Collective. Updates the records of all faces that rows which are awake refer to.
   void update(const exec_space& space, const FaceAccess& faces, const CandidatePairs& pairs,
-              const StationaryFlags& still, const SleepingBlocks& sleeping, NodeFaces& node_faces);
-  // Instead, in a step that needs none in which faces have moved.
-  void forget(const exec_space& space);
+              const StationaryFlags& stationary, const SleepingBlocks& sleeping,
+              NodeFaces& node_faces);
+  // To be called instead in a step that needs no records although faces have moved.
+  void invalidate(const exec_space& space);
 
   const View<FaceRecord*>& records() const { return _records; } // own, remote, ghost faces
 
 private:
   View<FaceRecord*> _records;
   View<unsigned char*> _is_current; // [own face] its record is that of the last step
-  View<unsigned char*> _is_wanted; // [own face], 0 between calls
+  View<unsigned char*> _is_requested; // [own face], 0 between calls
 };
 
 } // namespace brickwall::contact

@@ -1,36 +1,40 @@
-// Contact of surface nodes with faces: closest point, the opposed-normal rule, and the stiffness of a node's area.
+// Kinematics of node-to-face contact: closest point, opposed-normal rule, and the stiffness from
+// the tributary area; eqs. (5) to (12) of theory.md. Fulfils the contract in kinematics.hpp.
 #pragma once
 
 #include "contact/enforcement/law/edge_fading.hpp"
-#include "contact/enforcement/law/persistent_contact.hpp"
+#include "contact/enforcement/law/kinematics.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
 
 namespace brickwall::contact {
 
 struct NodeFaceKinematics {
-  static constexpr bool books_spring_work =
-      false; // it is the ledger's contact work, less that of edges, friction, damping
+  // the ledger derives it from the total contact work
+  static constexpr bool records_spring_work = false;
 
-  static constexpr bool knows_motion = true; // look() works out all of a PersistentContact
-  static constexpr bool tests_rows_together = false;
+  // projectPersistent() fills PersistentContact completely
+  static constexpr bool projects_persistent_contacts = true;
+  static constexpr bool tests_rows_at_once = false;
 
-  // In half-lengths of a face: bodies whose edges overlap by less pass each other.
+  // Bodies whose edges overlap by less than this, in half-lengths of a face, pass each other.
   static constexpr double edge_overlap_tolerance = 0.02;
 
-  // A node whose faces are all steep against a face sticks out against it if its mean normal is within 44.8 degrees. Where it is
-  // farther off, a face of the slimmest corner, its three faces 120 degrees apart, opposes: sin 44.8 cos 60 > opposed_cosine.
+  // A node whose faces are all steep with respect to a face sticks out towards it if its mean
+  // normal is within 44.8 degrees. If the angle is larger, a face of the sharpest corner (three
+  // faces 120 degrees apart) opposes: sin 44.8 cos 60 > opposed_cosine.
   static constexpr double sharp_cosine = 0.71;
 
   double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
-  NodeFaceLists around;
+  NodeFaceLists adjacent_faces;
   View<const FaceRecord*> records; // own, remote, ghost faces
   int num_faces, num_remote;
   View<const double*> node_mass;
   View<unsigned char*> status;
   View<double*> gap;
 
-  // Part of the node's surface that opposes a face: A_i, its mean surface mass, both zero if there is none.
+  // Tributary area of a node with respect to a direction, A_i, and its mean surface mass; both zero
+  // if no face opposes. Eq. (11).
   struct Tributary {
     double area = 0; // length^2
     double surface_mass = 0; // mass/area
@@ -41,14 +45,16 @@ struct NodeFaceKinematics {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     prefetch(&records(recordOf(face)));
   }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const { prefetch(&around.offsets(node)); }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
+    prefetch(&adjacent_faces.offsets(node));
+  }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int node) const {
-    prefetch(&around.rows(around.offsets(node)));
+    prefetch(&adjacent_faces.rows(adjacent_faces.offsets(node)));
     prefetch(&node_mass(node));
   }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchAround(int node) const {
-    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k)
-      prefetch(&records(around.rows(k)));
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchAdjacentFaces(int node) const {
+    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k)
+      prefetch(&records(adjacent_faces.rows(k)));
   }
   KOKKOS_FORCEINLINE_FUNCTION const FaceRecord& recordOfFace(int face) const {
     return records(recordOf(face));
@@ -60,8 +66,8 @@ struct NodeFaceKinematics {
     return records(recordOf(face)).id;
   }
 
-  // False only if test() at ContactTest::activate is false. The first knows no more than where node and face are, the second also how the
-  // faces around the node stand.
+  // False only if test() at ContactTest::activate is false. mayPenetrate() uses positions only;
+  // mayActivate() also the faces around the node.
   KOKKOS_INLINE_FUNCTION bool mayPenetrate(const FaceAccess& faces, int node, int face) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
   }
@@ -71,33 +77,35 @@ struct NodeFaceKinematics {
   }
   KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
     return records(recordOf(face))
-        .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::farthest), least_depth);
+        .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth);
   }
-  KOKKOS_INLINE_FUNCTION void look(const FaceAccess& faces, const ContactHistory& previous,
-                                   int count, PersistentContact* contacts) const {
+  KOKKOS_INLINE_FUNCTION void projectPersistent(const FaceAccess& faces,
+                                                const ContactHistory& previous, int count,
+                                                PersistentContact* contacts) const {
     for (int k = 0; k < count; ++k) {
       const int node = contacts[k].node, face = contacts[k].face;
       faces.prefetchCorners(face, faces.surface.coordinates_new);
       faces.prefetchCorners(face, faces.surface.coordinates_old);
-      prefetchAround(node);
+      prefetchAdjacentFaces(node);
     }
     projectPersistentContacts(faces, node_mass, previous, count, contacts);
   }
 
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face,
-                                   ContactTest test_kind, FaceContact& hit) const {
+                                   ContactTest test_kind, FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     return isFacing(x, node, face, test_kind) &&
-           accept(faces, face, test_kind, project(faces.quad(face), x), hit) &&
+           accept(faces, face, test_kind, project(faces.quad(face), x), contact) &&
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
-             overlapsOnlyAtEdge(faces, node, face, hit));
+             overlapsOnlyAtEdge(faces, node, face, contact));
   }
   // test() at ContactTest::persist.
-  KOKKOS_INLINE_FUNCTION bool testAgain(const FaceAccess& faces, const PersistentContact& known,
-                                        FaceContact& hit) const {
-    const Vec3 x = rowOf(faces.surface.coordinates_new, known.node);
-    return isFacing(x, known.node, known.face, ContactTest::persist) &&
-           accept(faces, known.face, ContactTest::persist, known.point, hit);
+  KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
+                                             const PersistentContact& persistent,
+                                             FaceContact& contact) const {
+    const Vec3 x = rowOf(faces.surface.coordinates_new, persistent.node);
+    return isFacing(x, persistent.node, persistent.face, ContactTest::persist) &&
+           accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
   KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face,
                                        ContactTest test_kind) const {
@@ -105,38 +113,40 @@ struct NodeFaceKinematics {
            isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
-                                     const FacePoint& point, FaceContact& hit) const {
+                                     const FacePoint& point, FaceContact& contact) const {
     if (!(point.gap < -least_depth))
       return false;
     if (!point.activeWithin(lateral_tolerance) &&
         (test_kind == ContactTest::activate ||
-         !reachOf(faces, face, faces.quad(face)).covers(point, pastInner(test_kind))))
+         !fadeRegionOf(faces, face, faces.quad(face)).covers(point, innerTolerance(test_kind))))
       return false;
     for (int j = 0; j < 4; ++j)
-      hit.weight[j] = point.weight[j];
+      contact.weight[j] = point.weight[j];
     for (int d = 0; d < 3; ++d)
-      hit.normal[d] = point.normal[d];
-    hit.place[0] = point.xi;
-    hit.place[1] = point.eta;
-    hit.depth = -point.gap;
-    hit.face = face;
-    hit.is_held = false;
+      contact.normal[d] = point.normal[d];
+    contact.place[0] = point.xi;
+    contact.place[1] = point.eta;
+    contact.depth = -point.gap;
+    contact.face = face;
+    contact.is_retained = false;
     return true;
   }
 
-  // Whether the node is at a true edge of the face, and its body lies beyond that: bodies that only touch along an edge, such as
-  // one that slides over the joint of two others, would else catch on lips of any height. A_i and the face then share no area.
+  // Whether the node is at a true edge of the face and its body lies beyond that edge. Bodies that
+  // meet only along an edge, such as one that slides over the joint between two others, would
+  // otherwise catch on steps of any height; A_i and the face share no area then.
   KOKKOS_INLINE_FUNCTION bool overlapsOnlyAtEdge(const FaceAccess& faces, int node, int face,
-                                                 const FaceContact& hit) const {
-    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1 - edge_overlap_tolerance)
+                                                 const FaceContact& contact) const {
+    if (maxOf(std::fabs(contact.place[0]), std::fabs(contact.place[1])) <
+        1 - edge_overlap_tolerance)
       return false;
     const Quad quad = faces.quad(face);
-    const FadeRegion reach = reachOf(faces, face, quad);
+    const FadeRegion region = fadeRegionOf(faces, face, quad);
     const Vec3* q = quad.corner;
     const Vec3 along[2] = {(q[1] - q[0]) + (q[2] - q[3]), (q[3] - q[0]) + (q[2] - q[1])};
     for (int d = 0; d < 2; ++d) {
-      const double place = hit.place[d];
-      if (std::fabs(place) < 1 - edge_overlap_tolerance || !reach.isTrue(d, place))
+      const double place = contact.place[d];
+      if (std::fabs(place) < 1 - edge_overlap_tolerance || !region.isTrue(d, place))
         continue;
       const double length = norm(along[d]);
       const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along[d];
@@ -148,36 +158,38 @@ struct NodeFaceKinematics {
 
   // In |xi|: farther beyond an edge than a node moves at rest.
   static constexpr double past_edge = 1 + 1e-7;
-  // Up to here a contact does not ask what there is beyond the edge, whichever it is: isPastInner() and fade() leave it as it is.
-  KOKKOS_FORCEINLINE_FUNCTION double farthestSteady() const {
-    FadeRegion reach;
-    reach.edge_tolerance = edge_tolerance;
-    return minOf(past_edge, reach.start());
+  // Largest |xi|, |eta| at which isBeyondInnerEdge() and fade() leave a contact unchanged,
+  // whichever edge is near.
+  KOKKOS_FORCEINLINE_FUNCTION double innerParameterLimit() const {
+    FadeRegion region;
+    region.edge_tolerance = edge_tolerance;
+    return minOf(past_edge, region.start());
   }
-  // Whether the node is beyond an edge where the body's surface goes on.
-  KOKKOS_INLINE_FUNCTION bool isPastInner(const FaceAccess& faces, const FaceContact& hit) const {
-    const bool is_past[2] = {std::fabs(hit.place[0]) > past_edge,
-                             std::fabs(hit.place[1]) > past_edge};
+  // Whether the node is beyond an edge where the body's surface continues.
+  KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess& faces,
+                                                const FaceContact& contact) const {
+    const bool is_past[2] = {std::fabs(contact.place[0]) > past_edge,
+                             std::fabs(contact.place[1]) > past_edge};
     if (!(is_past[0] || is_past[1]))
       return false;
-    const std::int64_t edges = faces.attributes(hit.face).feature_edges;
+    const std::int64_t edges = faces.attributes(contact.face).feature_edges;
     if (edges == FaceAttributes::unknown)
       return false;
-    FadeRegion reach;
-    reach.mask = static_cast<int>(edges);
-    return (is_past[0] && !reach.isTrue(0, hit.place[0])) ||
-           (is_past[1] && !reach.isTrue(1, hit.place[1]));
+    FadeRegion region;
+    region.mask = static_cast<int>(edges);
+    return (is_past[0] && !region.isTrue(0, contact.place[0])) ||
+           (is_past[1] && !region.isTrue(1, contact.place[1]));
   }
-  // Whether the node stands before the face, not behind or beside it.
-  KOKKOS_INLINE_FUNCTION bool isOutside(const FaceAccess& faces, int node, int face) const {
+  // Whether the node is in front of the face, not behind or beside it.
+  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces, int node, int face) const {
     const Quad quad = faces.quad(face);
     const FacePoint point = project(quad, rowOf(faces.surface.coordinates_new, node));
-    return point.gap >= 0 && reachOf(faces, face, quad).covers(point, lateral_tolerance);
+    return point.gap >= 0 && fadeRegionOf(faces, face, quad).covers(point, lateral_tolerance);
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
     double along_xi[4], along_eta[4];
-    shapeSlopes(now.weight, along_xi, along_eta);
+    shapeDerivatives(now.weight, along_xi, along_eta);
     const Quad quad = faces.quad(now.face_index);
     Vec3 t_xi, t_eta;
     for (int j = 0; j < 4; ++j) {
@@ -186,11 +198,11 @@ struct NodeFaceKinematics {
     }
     dualBasis(t_xi, t_eta, P, lever);
   }
-  // Of the motion along the normal, by xi and eta.
-  KOKKOS_INLINE_FUNCTION void slopesOfMotion(const FaceAccess& faces, const Interaction& pair,
-                                             int face, double (&slope)[2]) const {
+  // Derivatives of the normal motion by xi and eta.
+  KOKKOS_INLINE_FUNCTION void normalMotionGradient(const FaceAccess& faces, const Interaction& pair,
+                                                   int face, double (&slope)[2]) const {
     double along_xi[4], along_eta[4];
-    shapeSlopes(pair.weight, along_xi, along_eta);
+    shapeDerivatives(pair.weight, along_xi, along_eta);
     slope[0] = slope[1] = 0;
     for (int j = 0; j < 4; ++j) {
       const double motion = dot(pair.normal, faces.cornerMotion(face, j));
@@ -206,17 +218,17 @@ struct NodeFaceKinematics {
   KOKKOS_INLINE_FUNCTION double inverseMass(const ContactPoint& point) const {
     return 1.0 / node_mass(point.node[0]);
   }
-  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const FaceContact& hit) const {
-    return hit.depth / std::sqrt(records(recordOf(hit.face)).plane.area);
+  KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const FaceContact& contact) const {
+    return contact.depth / std::sqrt(records(recordOf(contact.face)).plane.area);
   }
-  // Of nodes that are never recorded, status is 0 and gap -0.
-  KOKKOS_INLINE_FUNCTION void record(int node, int num_hits, double deepest) const {
-    status(node) = static_cast<unsigned char>(num_hits);
+  // Nodes that are never recorded keep status 0 and gap -0.
+  KOKKOS_INLINE_FUNCTION void record(int node, int num_contacts, double deepest) const {
+    status(node) = static_cast<unsigned char>(num_contacts);
     gap(node) = -deepest;
   }
 
-  // k = min(eps A_i, s m_red/dt_ref^2) at the birth, A_i shared by the node's interactions of one normal direction; later no
-  // more than the second.
+  // k = min(eps A_i, s m_red/dt_ref^2) at activation, eqs. (11) and (12), with A_i divided among
+  // the node's contacts of one normal direction; later at most the second bound.
   KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
                                              const Interaction& now) const {
     return stiffnessCap(config, now.inverse_mass);
@@ -226,17 +238,17 @@ struct NodeFaceKinematics {
                                            const Real& inverse_mass) const {
     return config.penalty / (config.reference_step * config.reference_step) / inverse_mass;
   }
-  KOKKOS_INLINE_FUNCTION double stiffnessAtBirth(const EnforcementConfig& config,
-                                                 const FaceAccess& faces, const Interaction& now,
-                                                 const FaceContact (&hits)[max_interactions],
-                                                 int num_hits, int h) const {
-    const FaceContact& hit = hits[h];
+  KOKKOS_INLINE_FUNCTION double
+  stiffnessAtActivation(const EnforcementConfig& config, const FaceAccess& faces,
+                        const Interaction& now, const FaceContact (&contacts)[max_interactions],
+                        int num_contacts, int h) const {
+    const FaceContact& contact = contacts[h];
     int sharing = 0;
-    for (int other = 0; other < num_hits; ++other)
-      if (other == h || dot(hits[other].unitNormal(), hit.unitNormal()) > shared_cosine)
+    for (int other = 0; other < num_contacts; ++other)
+      if (other == h || dot(contacts[other].unitNormal(), contact.unitNormal()) > shared_cosine)
         ++sharing;
-    const Tributary part = tributary(now.node, records(recordOf(hit.face)).plane.normal);
-    const double face_mass = faces.attributes(hit.face).surface_mass;
+    const Tributary part = tributary(now.node, records(recordOf(contact.face)).plane.normal);
+    const double face_mass = faces.attributes(contact.face).surface_mass;
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
     const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
@@ -244,54 +256,54 @@ struct NodeFaceKinematics {
   }
 
   KOKKOS_INLINE_FUNCTION double fadeWeightOf(const FaceAccess& faces, int,
-                                             const FaceContact& hit) const {
-    const FadeRegion reach = reachOf(faces, hit.face, faces.quad(hit.face));
-    return fadeWeightAt(reach, 0, hit.place[0], hit.depth).value *
-           fadeWeightAt(reach, 1, hit.place[1], hit.depth).value;
+                                             const FaceContact& contact) const {
+    const FadeRegion region = fadeRegionOf(faces, contact.face, faces.quad(contact.face));
+    return fadeWeightAt(region, 0, contact.place[0], contact.depth).value *
+           fadeWeightAt(region, 1, contact.place[1], contact.depth).value;
   }
-  // w of the force beyond true edges, and what comes with it.
+  // Fade weight beyond true edges, with the fading force; eqs. (24) to (26).
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
-                                   const FaceContact& hit, Interaction& now,
+                                   const FaceContact& contact, Interaction& now,
                                    FadingForce& fading) const {
     now.fade_weight = 1;
-    if (maxOf(std::fabs(hit.place[0]), std::fabs(hit.place[1])) < 1)
+    if (maxOf(std::fabs(contact.place[0]), std::fabs(contact.place[1])) < 1)
       return;
-    const Quad quad = faces.quad(hit.face);
-    const FadeRegion reach = reachOf(faces, hit.face, quad);
-    if (reach.mask == 0)
+    const Quad quad = faces.quad(contact.face);
+    const FadeRegion region = fadeRegionOf(faces, contact.face, quad);
+    if (region.mask == 0)
       return;
     const LateralForce lateral =
-        lateralForce(quad, hit.place[0], hit.place[1], now.normal, hit.depth, reach, now.stiffness,
-                     maxOf(now.depth, 0.0));
+        lateralForce(quad, contact.place[0], contact.place[1], now.normal, contact.depth, region,
+                     now.stiffness, maxOf(now.depth, 0.0));
     now.fade_weight = lateral.fade_weight;
     now.first_force += now.stiffness * now.depth * (lateral.fade_weight - 1 + lateral.along_normal);
     fading.on_node = lateral.on_node;
     fading.work_to_end = lateral.work_to_end;
     for (int j = 0; j < 4; ++j)
       fading.normal.on_corner[j] = lateral.on_corner[j];
-    const double way = minOf(reach.fadeLength(0, hit.depth) * reach.half[0],
-                             reach.fadeLength(1, hit.depth) * reach.half[1]);
-    keepWithin(way, config.reference_step, now.inverse_mass, fading);
+    const double fade_length = minOf(region.fadeLength(0, contact.depth) * region.half_length[0],
+                                     region.fadeLength(1, contact.depth) * region.half_length[1]);
+    limitLateralMotion(fade_length, config.reference_step, now.inverse_mass, fading);
   }
 
   KOKKOS_INLINE_FUNCTION int recordOf(int face) const {
     return face < num_faces ? face : face + num_remote;
   }
-  KOKKOS_INLINE_FUNCTION FadeRegion reachOf(const FaceAccess& faces, int face,
-                                            const Quad& quad) const {
-    FadeRegion reach;
-    reach.lateral_tolerance = lateral_tolerance;
-    reach.edge_tolerance = edge_tolerance;
+  KOKKOS_INLINE_FUNCTION FadeRegion fadeRegionOf(const FaceAccess& faces, int face,
+                                                 const Quad& quad) const {
+    FadeRegion region;
+    region.lateral_tolerance = lateral_tolerance;
+    region.edge_tolerance = edge_tolerance;
     const std::int64_t edges = faces.attributes(face).feature_edges;
     if (edges != FaceAttributes::unknown)
-      reach.mask = static_cast<int>(edges);
-    reach.measure(quad);
-    return reach;
+      region.mask = static_cast<int>(edges);
+    region.measure(quad);
+    return region;
   }
-  KOKKOS_INLINE_FUNCTION double pastInner(ContactTest test_kind) const {
+  KOKKOS_INLINE_FUNCTION double innerTolerance(ContactTest test_kind) const {
     return test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
   }
-  // A contact goes on while a face of the node is turned towards the other at all.
+  // A persistent contact continues while a face of the node faces the other one at all.
   KOKKOS_INLINE_FUNCTION double opposedCosine(ContactTest test_kind) const {
     return test_kind == ContactTest::activate   ? opposed_cosine
            : test_kind == ContactTest::transfer ? 0.1
@@ -301,15 +313,16 @@ struct NodeFaceKinematics {
                                              double cosine) {
     return dot(plane.normal, normal) < -cosine;
   }
-  // A face of the node opposes the direction; or the node sticks out against it, all of whose faces may be steep.
+  // Opposed-normal rule, eq. (8): a face of the node opposes the direction, or the node sticks out
+  // towards it with all its faces steep.
   KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
     Vec3 outward;
-    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
-      const int row = around.rows(k);
+    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
+      const int row = adjacent_faces.rows(k);
       const MeanPlane& plane = records(row).plane;
       if (opposes(plane, normal, cosine))
         return true;
-      outward += (around.corner_share(row) * plane.area) * plane.normal;
+      outward += (adjacent_faces.corner_share(row) * plane.area) * plane.normal;
     }
     const double along = dot(outward, normal);
     return along < 0 && along * along > sharp_cosine * sharp_cosine * dot(outward, outward);
@@ -318,22 +331,24 @@ struct NodeFaceKinematics {
     const Tributary part = tributary(node, normal, opposed_cosine);
     return part.area > 0 ? part : tributary(node, normal, 0);
   }
-  // Of the faces that oppose the direction.
+  // Sums over the faces that oppose the direction.
   KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal, double cosine) const {
     Tributary part;
-    for (int k = around.offsets(node); k < around.offsets(node + 1); ++k) {
-      const int row = around.rows(k);
+    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
+      const int row = adjacent_faces.rows(k);
       const MeanPlane& plane = records(row).plane;
       if (!opposes(plane, normal, cosine))
         continue;
-      const double area = around.corner_share(row) * plane.area;
+      const double area = adjacent_faces.corner_share(row) * plane.area;
       part.area += area;
-      part.surface_mass += around.surface_mass(row) * area;
+      part.surface_mass += adjacent_faces.surface_mass(row) * area;
     }
     if (part.area > 0)
       part.surface_mass /= part.area;
     return part;
   }
 };
+
+template struct KinematicsContract<NodeFaceKinematics>;
 
 } // namespace brickwall::contact

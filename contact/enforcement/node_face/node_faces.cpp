@@ -15,7 +15,7 @@ namespace {
 template <class ViewType>
 using HostCopy = decltype(toHost(std::declval<ViewType>()));
 
-// The surface on the host, for set-up.
+// Host copy of the surface, for set-up.
 struct HostSurface {
   explicit HostSurface(const Surface& s)
       : num_nodes(s.num_nodes), num_faces(s.num_faces), face_to_nodes(toHost(s.face_to_nodes)),
@@ -49,7 +49,8 @@ struct HostSurface {
   HostCopy<decltype(Surface::face_attributes)> attributes;
 };
 
-// Collective. The owner's rank of each node that is not owned here. A rank chosen by the id keeps the directory.
+// Collective. Rank of the owner of each node that is not owned here. The directory is distributed
+// over ranks by node id.
 std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
   const int size = sizeOf(comm);
   std::vector<std::vector<global_id>> registered(size), asked(size);
@@ -85,7 +86,7 @@ std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
   return owners;
 }
 
-// A face that another rank has at one of our nodes: one record per (node, face).
+// A face of another rank at one of this rank's nodes: one record per (node, face).
 struct RemoteCorner {
   global_id node_id, face_id;
   double surface_mass, corner_share;
@@ -114,7 +115,8 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
   const int size = sizeOf(comm);
   const auto owners = findOwners(comm, host);
 
-  // Own faces around own nodes; for nodes of others, the records to send and the faces each partner asks for.
+  // Own faces around own nodes; for nodes of others, the records to send and the faces each partner
+  // requests.
   std::vector<std::vector<Adjacent>> around(host.num_nodes);
   std::vector<std::vector<RemoteCorner>> records(size);
   // [rank] own face to its index in the message to that rank
@@ -137,7 +139,7 @@ NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surf
   }
   const auto received = exchangeByRank(comm, records);
 
-  // Remote rows, in the order of (rank, index); both sides of the plan list them so.
+  // Remote rows in the order of (rank, index), as both sides of the plan list them.
   std::map<global_id, int> owned_node;
   for (int node = 0; node < host.num_nodes; ++node)
     if (host.owned(node))
@@ -200,12 +202,12 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const SweptBoxes& surface, int face) {
 } // namespace
 
 void NodeFaces::updateRecords(const exec_space& space, const SweptBoxes& surface,
-                              const RecordsWanted& wanted, const View<FaceRecord*>& records) {
+                              const RecordSelection& selection, const View<FaceRecord*>& records) {
   const SweptBoxes s = surface;
   Kokkos::parallel_for(
       "contact::NodeFaces::ownRecords", rangePolicy(space, _num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
-        if (!wanted.take(face))
+        if (!selection.select(face))
           return;
         records(face) = {meanPlane(ownQuad(s, static_cast<int>(face))), s.face_body(face),
                          s.face_ids(face)};

@@ -1,6 +1,5 @@
-// The skin faces around each owned surface node, those of other ranks included: static lists, and
-// per step the mean planes of the faces. The area A_i of a contact and the opposed-normal
-// rule come from them.
+// The faces around each owned surface node, including those of other ranks: static lists, and the
+// mean planes of the faces per step. The tributary area A_i and the opposed-normal rule use them.
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
@@ -9,27 +8,29 @@
 
 namespace brickwall::contact {
 
-// Faces around nodes, compressed rows: rows(offsets(node)) .. rows(offsets(node + 1) - 1), by
-// ascending global face id. A row below num_faces is an own face, else remote face row - num_faces.
-// Empty for nodes not owned here.
+// Faces around nodes in compressed rows: rows(offsets(node)) .. rows(offsets(node + 1) - 1), by
+// ascending global face id. A row below num_faces is an own face, otherwise remote face row -
+// num_faces. Nodes that are not owned here have none.
 struct NodeFaceLists {
   View<int*> offsets; // [num_nodes + 1]
   View<int*> rows; // [offsets(num_nodes)]
   View<double*> surface_mass; // mu = rho h_n/2, mass/area [num_faces + num_remote]
-  // Part of the face's area that is a corner's: 1/4, 1/3 on triangles [num_faces + num_remote].
+  // Share of the face's area that belongs to a corner: 1/4, or 1/3 on triangles [num_faces +
+  // num_remote].
   View<double*> corner_share;
 };
 
-// Which records of own faces are to be made. Empty Views: no face is still, all are wanted.
-struct RecordsWanted {
-  View<const unsigned char*> still; // [own face] has not moved since the last step
-  View<const unsigned char*> is_wanted; // [own face]
+// The records of own faces to be made. Empty Views: no face is stationary, and all are requested.
+struct RecordSelection {
+  View<const unsigned char*> stationary; // [own face] has not moved since the last step
+  View<const unsigned char*> is_requested; // [own face]
   View<unsigned char*>
-      is_current; // [own face] the record is that of the last step, then of this one
+      // [own face] the record is that of the last step; after select(), that of this step
+      is_current;
 
-  KOKKOS_INLINE_FUNCTION bool take(std::int64_t face) const {
-    const bool has_it = still.extent(0) > 0 && still(face) && is_current(face);
-    const bool takes = !has_it && (is_wanted.extent(0) == 0 || is_wanted(face));
+  KOKKOS_INLINE_FUNCTION bool select(std::int64_t face) const {
+    const bool has_it = stationary.extent(0) > 0 && stationary(face) && is_current(face);
+    const bool takes = !has_it && (is_requested.extent(0) == 0 || is_requested(face));
     is_current(face) = has_it || takes;
     return takes;
   }
@@ -38,25 +39,26 @@ struct RecordsWanted {
 class NodeFaces {
 public:
   NodeFaces() = default;
-  // Collective. Uses ids, ownership, connectivity and the attribute mu of `surface`. Throws (on all
-  // ranks) when a node is owned by no rank that has it on its surface, since its contact would then
-  // be missed.
+  // Collective. Uses ids, ownership, connectivity and the surface mass of `surface`. Throws on all
+  // ranks if a node is owned by no rank that has it on its surface, since its contacts would be
+  // missed.
   NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface);
 
   const NodeFaceLists& lists() const { return _lists; }
   int numRemote() const { return _num_remote; }
 
   // Collective. Fills records(0 .. num_faces + num_remote - 1) at coordinates_new; of remote faces
-  // only the normal and the area. The bits are those of the face's own rank. Own faces that are not wanted are left out.
+  // only the normal and the area, with the bits of the face's own rank. Own faces that are not
+  // selected are skipped.
   void updateRecords(const exec_space& space, const SweptBoxes& surface,
-                     const RecordsWanted& wanted, const View<FaceRecord*>& records);
+                     const RecordSelection& selection, const View<FaceRecord*>& records);
 
 private:
   NodeFaceLists _lists;
   int _num_faces = 0, _num_remote = 0;
-  View<int*> _border_faces; // own faces that other ranks ask for
-  View<double* [3]> _border_areas; // their area vectors
-  View<double* [3]> _remote_areas; // area vectors of remote faces
+  View<int*> _border_faces; // own faces that other ranks request
+  View<double* [3]> _border_areas; // area vectors
+  View<double* [3]> _remote_areas; // of remote faces
   ExchangePlan _plan;
 };
 

@@ -26,7 +26,7 @@ struct HashInteraction {
     hash.take(pair.damping);
     hash.take(pair.closing);
     hash.take(pair.normal);
-    hash.take(pair.is_held);
+    hash.take(pair.is_retained);
     hash.take(pair.point.share);
     hash.take(pair.first_force);
     for (const double weight : pair.weight)

@@ -1,4 +1,4 @@
-// One number for all that contacts remember: equal on any ranks and threads where every bit is.
+// Checksum of the contact history: equal on any number of ranks and threads if every bit is equal.
 #pragma once
 
 #include "contact/enforcement/law/contact_history.hpp"
@@ -7,9 +7,10 @@
 
 namespace brickwall::contact {
 
-// Sum modulo 2^64 of a hash of each interaction, by global ids, so in no order: what the next step reads of them, friction
-// springs included. This rank's part: the sum over ranks does not depend on how bodies are cut. `node_ids` are those of the
-// surface whose nodes the interactions name.
+// Sum modulo 2^64 of a hash of each interaction, independent of the order: all values that the next
+// step reads, friction springs included, with global ids. This is the part of this rank; the sum
+// over ranks does not depend on the partition. `node_ids` are those of the surface whose nodes the
+// interactions name.
 std::uint64_t historyChecksum(const exec_space& space, const View<const global_id*>& node_ids,
                               const ContactHistory& history);
 

@@ -6,10 +6,10 @@ namespace {
 KOKKOS_INLINE_FUNCTION double forceOf(const Interaction& pair) {
   const double force = maxOf(std::fabs(pair.force), std::fabs(pair.first_force)) +
                        maxOf(std::fabs(pair.damping), std::fabs(pair.first_damping));
-  return force <= HUGE_VAL ? force : HUGE_VAL; // NaN too is beyond any range
+  return force <= HUGE_VAL ? force : HUGE_VAL; // a NaN is out of range, too
 }
 
-// `ids` [row - first_row]: what pushes.
+// `ids` [row - first_row]: global ids of the pushing nodes or edges.
 LargestForce largestOf(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                        const View<const global_id*>& ids, int first_row,
                        const ContactHistory& history) {

@@ -28,13 +28,13 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
   return history;
 }
 
-// Interactions that one thread takes at once, so that what they read comes together.
+// Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
 std::int64_t numParts(std::int64_t count) {
   return (count + pairs_at_once - 1) / pairs_at_once;
 }
 
-// Asks for the rows of `values` and `forces` [node][xyz] of the nodes of pairs.
+// Prefetches the rows of `values` and `forces` [node][xyz] of the nodes of pairs.
 template <class NodeView>
 KOKKOS_FORCEINLINE_FUNCTION void
 prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces, const NodeView& values,
@@ -52,7 +52,8 @@ prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces, const NodeVi
   }
 }
 
-// Whether anything of what a pair acts on has changed; of ghosts that is not known.
+// Whether the acceleration of any node of the pair has changed. Changes of ghosts are unknown and
+// assumed.
 KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess& faces,
                                        const View<const unsigned char*>& has_changed) {
   if (!faces.isOwn(pair.face_index))
@@ -63,12 +64,12 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
   return any != 0;
 }
 
-// Of one with a force. Returns whether it has changed anything.
+// Corrects an interaction with a force. Returns whether the force has changed.
 KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
                                          const PairForces& add, std::int64_t i,
                                          Corrections& corrections) {
   const Interaction& pair = pairs.interactions(i);
-  const CorrectPair::Correction corrected = correct.of(pairs, i);
+  const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
   if (!corrected.changes(pair))
     return false;
   PairQuanta quanta;
@@ -79,7 +80,7 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
   if (add.round(pairs, i, quanta))
     add.add(pair, quanta, 1);
   else
-    corrections.invalid += did_fit; // else it has been counted
+    corrections.invalid += did_fit; // otherwise it has been counted before
   ++corrections.changed;
   return true;
 }
@@ -130,38 +131,38 @@ Corrections InteractionSet::correctForces(const exec_space& space, const FaceAcc
   const PairForces add = pairForces(space, faces);
   const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
                             steps.next_dt, _config.friction,    relaxation};
-  growTo(space, _is_unsettled, static_cast<std::int64_t>(pairs.interactions.extent(0)));
-  const auto is_unsettled = _is_unsettled;
-  const bool knows_changes = has_changed.extent(0) > 0;
+  growTo(space, _is_corrected, static_cast<std::int64_t>(pairs.interactions.extent(0)));
+  const auto is_corrected = _is_corrected;
+  const bool has_change_flags = has_changed.extent(0) > 0;
   Kokkos::parallel_reduce(
       "contact::correctForces", rangePolicy(space, numParts(pairs.count)),
       KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        std::int64_t wanted[pairs_at_once];
-        int num_wanted = 0;
+        std::int64_t listed[pairs_at_once];
+        int num_listed = 0;
         for (std::int64_t i = begin; i < end; ++i)
-          if (!knows_changes || is_unsettled(i) ||
+          if (!has_change_flags || is_corrected(i) ||
               hasChanged(pairs.interactions(i), faces, has_changed))
-            wanted[num_wanted++] = i;
-        prefetchPairs(pairs, faces, accelerations, add.target.nodes, wanted, num_wanted);
+            listed[num_listed++] = i;
+        prefetchPairs(pairs, faces, accelerations, add.target.nodes, listed, num_listed);
         std::int64_t springs[pairs_at_once];
         int num_springs = 0, num_others = 0;
-        for (int w = 0; w < num_wanted; ++w) {
-          const Interaction& pair = pairs.interactions(wanted[w]);
+        for (int w = 0; w < num_listed; ++w) {
+          const Interaction& pair = pairs.interactions(listed[w]);
           if (pair.first_force == 0)
-            is_unsettled(wanted[w]) = 0;
+            is_corrected(listed[w]) = 0;
           else if (hasOnlySpring(pair, add))
-            springs[num_springs++] = wanted[w];
+            springs[num_springs++] = listed[w];
           else
-            wanted[num_others++] = wanted[w];
+            listed[num_others++] = listed[w];
         }
-        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_unsettled,
+        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
                                             corrections.changed);
         for (int w = 0; w < num_others; ++w)
-          is_unsettled(wanted[w]) = correctForce(pairs, correct, add, wanted[w], corrections);
+          is_corrected(listed[w]) = correctForce(pairs, correct, add, listed[w], corrections);
         for (int w = 0; w < num_left; ++w)
-          is_unsettled(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
+          is_corrected(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
       },
       PlusReducer<Corrections>(sums));
   return sums;

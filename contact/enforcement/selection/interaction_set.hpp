@@ -1,4 +1,5 @@
-// The interactions of one kind of contact (nodes with faces, or edges with edges) from step to step, and their forces.
+// The interactions of one kind of contact (node-to-face or edge-to-edge) from step to step, and
+// their forces.
 #pragma once
 
 #include "contact/enforcement/law/contact_sums.hpp"
@@ -11,7 +12,7 @@
 
 namespace brickwall::contact {
 
-// Drifts before and after the forces: the kick between them has their mean length.
+// Times of the drifts before and after the forces; the kick between them has their mean length.
 struct StepLengths {
   double dt; // of the motion coordinates_new - coordinates_old
   double next_dt;
@@ -19,10 +20,10 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
-// What a round of corrections has done, over the interactions of this rank.
+// Result of a round of corrections over the interactions of this rank.
 struct Corrections {
   std::int64_t changed = 0;
-  std::int64_t invalid = 0; // forces that do not fit
+  std::int64_t invalid = 0; // forces that do not fit the fixed point
 
   KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
     changed += b.changed;
@@ -34,38 +35,40 @@ struct Corrections {
 class InteractionSet {
 public:
   InteractionSet() = default;
-  // Forces act on the first `num_nodes` of the surface. `face_corners`: 4, or 2 where only the first two corners of a face carry
-  // weight.
+  // Forces act on the first `num_nodes` nodes of the surface. `face_corners` is 4, or 2 if only the
+  // first two corners of a face carry weight.
   InteractionSet(const exec_space& space, const std::string& label, const SweptBoxes& surface,
                  int num_nodes, int face_corners, const EnforcementConfig& config,
                  const Quantum& quantum);
 
-  // One launch of SelectInteractions<Touch> over the rows of `pairs`; again with more room if the interactions did not fit.
-  // Afterwards next() holds those of this step, history() those of the last one, and forces() the forces of next()
-  // (pair_forces.hpp).
+  // Launches SelectInteractions<Kinematics> over the rows of `pairs`, again with more memory if the
+  // interactions did not fit. Afterwards next() holds the interactions of this step, history()
+  // those of the last one, and forces() the forces of next() (pair_forces.hpp).
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
 
-  // The same where there is no interaction, in this step as in the last one.
+  // The same in a step without any interaction that follows a step without any.
   void selectNone(const exec_space& space, const FaceAccess& faces);
 
-  // Energy-neutral forces (energy_neutral.hpp), and what depends on them, from the accelerations by the present ones: forces()
-  // is changed where they are. `has_changed` [surface node], in rounds after the first:
-  // whose accelerations have changed since the last one; a pair that neither they nor the last round changed stays as it is.
+  // Energy-neutral correction (energy_neutral.hpp) of the forces, from the accelerations by the
+  // present forces; updates forces(). `has_changed` [surface node], in rounds after the first:
+  // accelerations that have changed since the last round. A pair is skipped if neither these nor
+  // the last round changed it.
   Corrections correctForces(const exec_space& space, const FaceAccess& faces,
                             const StepLengths& steps, double relaxation,
                             const View<double* [3]>& accelerations,
                             const View<double* [12]>& ghost_accelerations,
                             const View<const unsigned char*>& has_changed = {});
 
-  // dt_ref >= every dt to come, for the stiffness of interactions that are born from now on; others are never made stiffer.
+  // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
+  // later; active contacts are never stiffened.
   void setReferenceStep(double dt) { _config.reference_step = dt; }
 
-  // The step is over: its interactions become the history.
+  // Ends the step: its interactions become the history.
   void advance() { std::swap(_history, _next); }
 
   const ContactForces& forces() const { return _forces; }
-  bool hasForces() const { return !_are_nodes_zero; } // of the present step
+  bool hasForces() const { return !_are_nodes_zero; } // in the present step
   const ContactHistory& history() const { return _history; }
   const ContactHistory& next() const { return _next; } // of the present step, until advance()
 
@@ -77,8 +80,8 @@ private:
   EnforcementConfig _config;
   Quantum _quantum;
   int _face_corners = 4;
-  View<unsigned char*> _is_unsettled; // [as interactions] the last round has changed it
-  ContactHistory _history, _next; // of the last step and of the present one, in turn
+  View<unsigned char*> _is_corrected; // [as interactions] the last round has changed it
+  ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
   ContactForces _forces;
   bool _are_nodes_zero = true; // of _forces
@@ -106,7 +109,7 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     _are_nodes_zero = sums.interactions == 0;
     if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
       return sums;
-    // Of the last step nothing has changed: again.
+    // The contact history is unchanged, so the step can be repeated.
     growInteractions(space, sums.interactions);
   }
 }

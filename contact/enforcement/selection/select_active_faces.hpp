@@ -1,5 +1,5 @@
-// Which faces a node (or edge) is in contact with: one face of each opposing body, kept while it lasts; birth and switch as
-// enforcement.hpp states them. Kernel part of SelectInteractions.
+// Selection of the active faces of a node (or edge): one face of each opposing body, by the rules
+// of theory.md, section 6. Kernel part of SelectInteractions.
 #pragma once
 
 #include "contact/enforcement/selection/persistent_contacts_simd.hpp"
@@ -9,89 +9,98 @@ namespace brickwall::contact {
 template <class Kinematics>
 struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
   using Base = PersistentContactsSimd<Kinematics>;
-  using Base::bookWork;
   using Base::config;
   using Base::faces;
-  using Base::goesOn;
+  using Base::isPersistent;
+  using Base::kinematics;
   using Base::pairs;
   using Base::previous;
-  using Base::touch;
+  using Base::recordWork;
 
-  // One hit per opposing body. Returns their number.
+  // One contact per opposing body. Returns their number.
   KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node,
-                                               const PersistentContact* known, int num_known,
-                                               FaceContact (&hits)[max_interactions],
+                                               const PersistentContact* persistent,
+                                               int num_persistent,
+                                               FaceContact (&contacts)[max_interactions],
                                                ContactSums& sums) const {
     const std::int64_t end = pairs.end(row);
     const global_id own_body = faces.surface.node_body(node);
-    int num_hits = 0;
+    int num_contacts = 0;
     for (std::int64_t pair = pairs.begin(row); pair < end;) {
-      const global_id body = touch.bodyOf(faces, pairs.faces(pair));
+      const global_id body = kinematics.bodyOf(faces, pairs.faces(pair));
       const std::int64_t begin = pair;
-      while (pair < end && touch.bodyOf(faces, pairs.faces(pair)) == body)
+      while (pair < end && kinematics.bodyOf(faces, pairs.faces(pair)) == body)
         ++pair;
-      FaceContact hit;
-      recall(node, body, known, num_known, hit, sums);
-      const bool wanted = (body != own_body || config.self_contact) && touch.pushes(own_body, body);
-      if (!wanted || !selectFaceOfBody(node, begin, pair, hit))
+      FaceContact contact;
+      recallContact(node, body, persistent, num_persistent, contact, sums);
+      const bool is_tested =
+          (body != own_body || config.self_contact) && kinematics.pushes(own_body, body);
+      if (!is_tested || !selectFaceOfBody(node, begin, pair, contact))
         continue;
-      if (num_hits < max_interactions)
-        hits[num_hits++] = hit;
+      if (num_contacts < max_interactions)
+        contacts[num_contacts++] = contact;
       else
         ++sums.overflow;
     }
-    return num_hits;
+    return num_contacts;
   }
 
-  // The face of a body, of its candidates [begin, end), that the node is in contact with: the last one if it still is under load,
-  // else the least penetrated.
+  // Selects the face of a body, from its candidates [begin, end): the last one while it stays in
+  // contact under load, otherwise the least penetrated one.
   KOKKOS_INLINE_FUNCTION bool selectFaceOfBody(int node, std::int64_t begin, std::int64_t end,
-                                               FaceContact& hit) const {
-    // A contact without load is chosen anew: else a node that slid in beside a face would stay with it for ever.
-    const bool is_loaded = hit.previous >= 0 && previous.interactions(hit.previous).depth > 0;
-    const bool has_face = is_loaded && hit.previous_face >= 0;
-    if (has_face && touch.testAgain(faces, *hit.known, hit)) {
-      // Where faces meet, the node's place chooses between them, not which of them was the first: who covers it better takes over.
-      if (touch.isPastInner(faces, hit))
-        findNearest(node, begin, end, ContactTest::activate, true, hit, leastWeight(hit));
+                                               FaceContact& contact) const {
+    // An unloaded contact is selected anew; otherwise a node that slid in beside a face would keep
+    // it for ever.
+    const bool is_loaded =
+        contact.previous >= 0 && previous.interactions(contact.previous).depth > 0;
+    const bool has_face = is_loaded && contact.previous_face >= 0;
+    if (has_face && kinematics.testPersistent(faces, *contact.persistent, contact)) {
+      // Where faces meet, the position of the node decides between them, not the order of contact:
+      // the face that covers it better takes over.
+      if (kinematics.isBeyondInnerEdge(faces, contact))
+        findNearest(node, begin, end, ContactTest::activate, true, contact, leastWeight(contact));
       return true;
     }
-    hit.known = nullptr;
-    // Where it went out through the face, the contact has ended and given back its energy; what it touches now, it meets anew.
-    hit.has_ended = has_face && touch.isOutside(faces, node, hit.previous_face);
-    if (findNearest(node, begin, end, ContactTest::activate, is_loaded, hit))
+    contact.persistent = nullptr;
+    // A node that has left through the face has ended its contact and returned its energy. Another
+    // contact with the body then starts anew.
+    contact.has_ended = has_face && kinematics.isInFront(faces, node, contact.previous_face);
+    if (findNearest(node, begin, end, ContactTest::activate, is_loaded, contact))
       return true;
-    if (!is_loaded || hit.has_ended)
+    if (!is_loaded || contact.has_ended)
       return false;
-    return findNearest(node, begin, end, ContactTest::transfer, is_loaded, hit) ||
-           (has_face && isTouching(node, hit.previous_face, ContactTest::retain, hit));
+    return findNearest(node, begin, end, ContactTest::transfer, is_loaded, contact) ||
+           (has_face && isTouching(node, contact.previous_face, ContactTest::retain, contact));
   }
 
-  // Whether the contact has a force, for all that is known yet. One without is forgotten: the next step chooses its face anew, and
-  // takes the penetration that it finds as the offset.
-  KOKKOS_INLINE_FUNCTION bool isCompressive(int node, FaceContact& hit) const {
-    hit.motion = Kinematics::knows_motion && hit.known != nullptr
-                     ? hit.known->motion
-                     : faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
-    if (!goesOn(hit))
-      return dot(hit.unitNormal(), hit.motion) < 0;
-    const Interaction& last = previous.interactions(hit.previous);
-    return last.face != touch.idOf(faces, hit.face) || last.is_held != hit.is_held ||
-           hit.depth > last.offset;
+  // Whether the contact has a force, as far as is known yet. One without a force is dropped from
+  // the contact history: the next step selects its face anew and takes the present penetration as
+  // the offset.
+  KOKKOS_INLINE_FUNCTION bool isCompressive(int node, FaceContact& contact) const {
+    contact.motion = Kinematics::projects_persistent_contacts && contact.persistent != nullptr
+                         ? contact.persistent->motion
+                         : faces.relativeMotion(kinematics.pointOf(faces, node, contact),
+                                                contact.face, contact.weight);
+    if (!isPersistent(contact))
+      return dot(contact.unitNormal(), contact.motion) < 0;
+    const Interaction& last = previous.interactions(contact.previous);
+    return last.face != kinematics.idOf(faces, contact.face) ||
+           last.is_retained != contact.is_retained || contact.depth > last.offset;
   }
 
-  // The least penetrated of the candidates [begin, end) with a least weight above `covered`, but for a previous face that the node
-  // has left.
+  // The least penetrated of the candidates [begin, end) whose smallest weight exceeds `covered`,
+  // except a previous face that the node has left.
   KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
-                                          ContactTest test_kind, bool has_left, FaceContact& hit,
-                                          double covered = -HUGE_VAL) const {
+                                          ContactTest test_kind, bool excludes_previous,
+                                          FaceContact& contact, double covered = -HUGE_VAL) const {
     bool found = false;
     FaceContact nearest, other;
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = pairs.faces(p);
-      other.previous = has_left || face == hit.previous_face ? hit.previous : -1;
-      if ((has_left && face == hit.previous_face) || !isTouching(node, face, test_kind, other) ||
-          !hasComeThrough(node, other) || !(leastWeight(other) > covered))
+      other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;
+      if ((excludes_previous && face == contact.previous_face) ||
+          !isTouching(node, face, test_kind, other) || !hasEnteredThrough(node, other) ||
+          !(leastWeight(other) > covered))
         continue;
       if (!found || other.depth < nearest.depth)
         nearest = other;
@@ -99,57 +108,63 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
     }
     if (!found)
       return false;
-    nearest.known = nullptr;
-    nearest.previous = hit.previous;
-    nearest.previous_face = hit.previous_face;
-    nearest.contact_work = hit.contact_work;
-    nearest.closing_before = hit.closing_before;
-    nearest.has_ended = hit.has_ended;
-    hit = nearest;
+    nearest.persistent = nullptr;
+    nearest.previous = contact.previous;
+    nearest.previous_face = contact.previous_face;
+    nearest.contact_work = contact.contact_work;
+    nearest.closing_at_last_point = contact.closing_at_last_point;
+    nearest.has_ended = contact.has_ended;
+    contact = nearest;
     return true;
   }
 
-  // Of the face's corners: below 0 beyond an edge.
-  KOKKOS_INLINE_FUNCTION static double leastWeight(const FaceContact& hit) {
-    return minOf(minOf(hit.weight[0], hit.weight[1]), minOf(hit.weight[2], hit.weight[3]));
+  // Smallest weight of the face's corners; negative beyond an edge.
+  KOKKOS_INLINE_FUNCTION static double leastWeight(const FaceContact& contact) {
+    return minOf(minOf(contact.weight[0], contact.weight[1]),
+                 minOf(contact.weight[2], contact.weight[3]));
   }
 
-  // What the node touched on `body` at the last step, if that face is among its candidates, and the work that its forces did since.
-  KOKKOS_INLINE_FUNCTION void recall(int node, global_id body, const PersistentContact* known,
-                                     int num_known, FaceContact& hit, ContactSums& sums) const {
+  // Reads the interaction with `body` from the contact history if its face is still a candidate,
+  // and records the work of its last forces.
+  KOKKOS_INLINE_FUNCTION void recallContact(int node, global_id body,
+                                            const PersistentContact* persistent, int num_persistent,
+                                            FaceContact& contact, ContactSums& sums) const {
     const int slot = previousSlot(node, body);
-    hit.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
-    hit.previous_face = -1;
-    hit.known = nullptr;
-    hit.contact_work = hit.closing_before = 0;
-    hit.has_ended = false;
-    for (int k = 0; k < num_known; ++k)
-      if (known[k].slot == slot) {
-        hit.known = &known[k];
-        hit.previous_face = known[k].face;
-        hit.closing_before = -dot(previous.interactions(hit.previous).normal, known[k].last_motion);
-        hit.contact_work = bookWork(known[k], hit.closing_before, sums);
+    contact.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
+    contact.previous_face = -1;
+    contact.persistent = nullptr;
+    contact.contact_work = contact.closing_at_last_point = 0;
+    contact.has_ended = false;
+    for (int k = 0; k < num_persistent; ++k)
+      if (persistent[k].slot == slot) {
+        contact.persistent = &persistent[k];
+        contact.previous_face = persistent[k].face;
+        contact.closing_at_last_point =
+            -dot(previous.interactions(contact.previous).normal, persistent[k].last_motion);
+        contact.contact_work = recordWork(persistent[k], contact.closing_at_last_point, sums);
       }
   }
 
-  // A node that is much deeper than it was, and than this step can have brought it, has not come through that face but through
-  // another one of the body.
-  KOKKOS_INLINE_FUNCTION bool hasComeThrough(int node, const FaceContact& hit) const {
-    double known = config.deepest_birth;
-    if (hit.depth <= known)
+  // Whether the node can have entered the body through this face. If it is much deeper than before,
+  // and deeper than this step can have brought it, it has entered through another face.
+  KOKKOS_INLINE_FUNCTION bool hasEnteredThrough(int node, const FaceContact& contact) const {
+    double limit = config.max_activation_depth;
+    if (contact.depth <= limit)
       return true;
-    if (hit.previous >= 0) {
-      const Interaction& last = previous.interactions(hit.previous);
-      known += maxOf(last.depth + last.offset, 0.0);
+    if (contact.previous >= 0) {
+      const Interaction& last = previous.interactions(contact.previous);
+      limit += maxOf(last.depth + last.offset, 0.0);
     }
-    const Vec3 motion = faces.relativeMotion(touch.pointOf(faces, node, hit), hit.face, hit.weight);
-    return hit.depth <= known - dot(hit.unitNormal(), motion);
+    const Vec3 motion = faces.relativeMotion(kinematics.pointOf(faces, node, contact), contact.face,
+                                             contact.weight);
+    return contact.depth <= limit - dot(contact.unitNormal(), motion);
   }
 
-  // The cheap tests first. That of the step last, of few pairs: with it the contacts do not depend on the margin.
+  // The cheap test is first. The test of the step's own boxes is last, since few pairs reach it; it
+  // makes contacts independent of the search margin.
   KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, ContactTest test_kind,
-                                         FaceContact& hit) const {
-    return touch.test(faces, node, face, test_kind, hit) &&
+                                         FaceContact& contact) const {
+    return kinematics.test(faces, node, face, test_kind, contact) &&
            faces.isOfThisStep(pairs.step_test, node, face);
   }
   KOKKOS_INLINE_FUNCTION int previousSlot(int node, global_id body) const {
@@ -159,7 +174,8 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
     return -1;
   }
 
-  // A loaded contact cannot leave the candidates (boxes hold x^n and x^{n+1}) unless it is deeper than their tolerance.
+  // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
+  // than their tolerance.
   KOKKOS_INLINE_FUNCTION void countLost(int node, int seen, ContactSums& sums) const {
     for (int s = 0; s < previous.row_count(node); ++s)
       if (!(seen & (1 << s)) && previous.interactions(previous.row_begin(node) + s).depth > 0)

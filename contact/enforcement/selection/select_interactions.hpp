@@ -1,19 +1,21 @@
-// The contacts of a step, row by row of the candidates: what there is to do is gathered for many rows at once, the faces are chosen
-// (select_active_faces.hpp) and their forces written (interaction_forces.hpp). Kernel functor.
+// Kernel functor that finds the contacts of a step, row by row of the candidates: rows that may
+// have a contact are gathered, faces are selected (select_active_faces.hpp), and forces are written
+// (interaction_forces.hpp).
 //
-// `Touch` knows the geometry: NodeFaceKinematics or EdgeEdgeKinematics.
+// `Kinematics` provides the geometry; its contract is in kinematics.hpp.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleep_state.hpp"
+#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
 #include "contact/enforcement/selection/select_active_faces.hpp"
 
 namespace brickwall::contact {
 
-// Rows of candidates, one per surface node, some at once: tests the node against its candidates, chooses one face of each opposing
-// body and writes the node's row of `next`. Rows of candidates are in the order of (body, face id), so ties go to the lower id.
-// Rows without history where no contact can begin (Touch::mayPenetrate, mayActivate, or rowsThatMayActivate) are left as they are: row_count must
-// be 0 before, and what Touch::record() writes that of no contact. Contacts that go on are looked at together.
+// Takes rows_at_once rows of candidates, one row per surface node: tests the node against its
+// candidates, selects one face of each opposing body and writes the node's row of `next`.
+// Candidates are in the order of (body, face id), so ties go to the lower id. Rows without history
+// where no contact can become active are skipped: row_count must be 0 before the launch, and
+// Kinematics::record() values must be those of no contact.
 template <class Kinematics>
 struct SelectInteractions : SelectActiveFaces<Kinematics> {
   using value_type = ContactSums;
@@ -21,118 +23,123 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
   using Base::add;
   using Base::countLost;
   using Base::faces;
-  using Base::interact;
   using Base::isCompressive;
+  using Base::kinematics;
   using Base::next;
   using Base::pairs;
   using Base::previous;
+  using Base::reserveSlots;
   using Base::selectActiveFaces;
-  using Base::takePlaces;
-  using Base::touch;
+  using Base::writeInteraction;
 
   static constexpr int rows_at_once = Base::max_rows;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
-  static constexpr int max_known = simd_width > 1 ? 2 * rows_at_once : max_interactions;
+  static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
   std::int64_t first_row = 0; // rows before it are empty
-  StationaryFlags still;
+  StationaryFlags stationary;
   SleepState sleep;
-  bool has_asleep = false; // else `sleep` is not looked at
+  bool has_asleep = false; // otherwise `sleep` is not read
 
-  // Rows with something to do, and the contacts that they go on with: row r has known[first[r]] .. known[first[r + 1] - 1].
+  // Rows that may have a contact, and their persistent contacts: row r has persistent[first[r]] ..
+  // persistent[first[r + 1] - 1].
   struct Batch {
-    int num_rows = 0, num_known = 0;
+    int num_rows = 0, num_persistent = 0;
     std::int64_t rows[rows_at_once];
     int first[rows_at_once + 1];
-    PersistentContact known[max_known];
+    PersistentContact persistent[max_persistent];
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
     const std::int64_t begin = part * rows_at_once;
     const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
-    std::int64_t to_see[rows_at_once];
-    int num_to_see = 0;
+    std::int64_t awake_rows[rows_at_once];
+    int num_awake_rows = 0;
     for (std::int64_t first = begin; first < end; first += rows_of_block) {
       if (has_asleep && sleep.sleeps(first / rows_of_block))
         continue;
       const std::int64_t last = minOf(first + rows_of_block, end);
       for (std::int64_t row = first; row < last; ++row)
-        if (!isEmpty(row) && !still.isClear(pairs, row))
-          to_see[num_to_see++] = row;
+        if (!isEmpty(row) && !stationary.isKnownApart(pairs, row))
+          awake_rows[num_awake_rows++] = row;
     }
-    if (num_to_see == 0)
+    if (num_awake_rows == 0)
       return;
-    for (int r = 0; r < num_to_see; ++r)
-      prefetchHead(pairs.node(to_see[r]));
-    for (int r = 0; r < num_to_see; ++r)
-      prefetchRow(to_see[r]);
-    if constexpr (Kinematics::tests_rows_together) {
-      num_to_see = keepRowsThatBear(to_see, num_to_see);
-      if (num_to_see == 0)
+    for (int r = 0; r < num_awake_rows; ++r)
+      prefetchHead(pairs.node(awake_rows[r]));
+    for (int r = 0; r < num_awake_rows; ++r)
+      prefetchRow(awake_rows[r]);
+    if constexpr (Kinematics::tests_rows_at_once) {
+      num_awake_rows = keepRowsThatMayActivate(awake_rows, num_awake_rows);
+      if (num_awake_rows == 0)
         return;
     }
-    num_to_see = writeSteadyRows(to_see, num_to_see, sums);
-    if (num_to_see > 0)
-      selectBatches(to_see, num_to_see, sums);
+    num_awake_rows = writeRowsWithSimd(awake_rows, num_awake_rows, sums);
+    if (num_awake_rows > 0)
+      selectBatches(awake_rows, num_awake_rows, sums);
   }
-  KOKKOS_INLINE_FUNCTION void selectBatches(std::int64_t* to_see, int num_to_see,
+  KOKKOS_INLINE_FUNCTION void selectBatches(std::int64_t* awake_rows, int num_awake_rows,
                                             ContactSums& sums) const {
     Batch batch;
-    std::int64_t touching[rows_at_once]; // of rows without history: the first pair that may touch
-    if constexpr (!Kinematics::tests_rows_together)
-      num_to_see = keepRowsThatTouch(to_see, num_to_see, touching);
-    for (int r = 0; r < num_to_see; ++r) {
-      const std::int64_t row = to_see[r];
+    std::int64_t
+        penetrating[rows_at_once]; // of rows without history: the first pair that may penetrate
+    if constexpr (!Kinematics::tests_rows_at_once)
+      num_awake_rows = keepRowsThatMayPenetrate(awake_rows, num_awake_rows, penetrating);
+    for (int r = 0; r < num_awake_rows; ++r) {
+      const std::int64_t row = awake_rows[r];
       const int node = pairs.node(row), count = previous.row_count(node);
-      if constexpr (!Kinematics::tests_rows_together)
-        if (count == 0 && !rowMayActivate(row, node, touching[r]))
+      if constexpr (!Kinematics::tests_rows_at_once)
+        if (count == 0 && !rowMayActivate(row, node, penetrating[r]))
           continue;
-      if (batch.num_known + count > max_known)
-        finish(batch, sums);
+      if (batch.num_persistent + count > max_persistent)
+        selectBatch(batch, sums);
       batch.rows[batch.num_rows] = row;
-      batch.first[batch.num_rows++] = batch.num_known;
+      batch.first[batch.num_rows++] = batch.num_persistent;
       if (count > 0)
-        findKnown(row, node, count, batch);
+        findPersistent(row, node, count, batch);
     }
-    finish(batch, sums);
+    selectBatch(batch, sums);
   }
-  // Those of the listed rows whose contacts go on as they were. The others are then the first ones; returns how many they are.
-  KOKKOS_INLINE_FUNCTION int writeSteadyRows(std::int64_t* rows, int count,
-                                             ContactSums& sums) const {
+  // Writes the rows that the SIMD path can take, and moves the others to the front. Returns the
+  // number of others.
+  KOKKOS_INLINE_FUNCTION int writeRowsWithSimd(std::int64_t* rows, int count,
+                                               ContactSums& sums) const {
     int num_left = 0;
-    if constexpr (Kinematics::knows_motion) {
-      typename Base::SteadyRows steady;
+    if constexpr (Kinematics::projects_persistent_contacts) {
+      typename Base::PersistentRows persistent_rows;
       for (int r = 0; r < count; ++r) {
         const int node = pairs.node(rows[r]), history = previous.row_count(node);
         if (history > 0)
-          still.known_apart(node) = 0;
-        if (history == 0 || !this->hasSteady() || !this->addSteady(rows[r], node, history, steady))
+          stationary.known_apart(node) = 0;
+        if (history == 0 || !this->canUseSimd() ||
+            !this->addPersistentRow(rows[r], node, history, persistent_rows))
           rows[num_left++] = rows[r];
       }
-      const int num_unsteady = this->writeSteady(steady, sums);
-      for (int r = 0; r < num_unsteady; ++r)
-        rows[num_left++] = steady.rows[r];
+      const int num_rejected = this->writePersistentRows(persistent_rows, sums);
+      for (int r = 0; r < num_rejected; ++r)
+        rows[num_left++] = persistent_rows.rows[r];
     } else {
       for (; num_left < count; ++num_left)
         if (previous.row_count(pairs.node(rows[num_left])) > 0)
-          still.known_apart(pairs.node(rows[num_left])) = 0;
+          stationary.known_apart(pairs.node(rows[num_left])) = 0;
     }
     return num_left;
   }
-  // Whether there is neither a candidate nor a contact of the last step.
+  // Whether the row has neither a candidate nor a contact in the history.
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty(std::int64_t row) const {
     if (pairs.begin(row) != pairs.end(row))
       return false;
     const int node = pairs.node(row);
     const bool is_empty = previous.row_count(node) == 0;
     if (is_empty)
-      still.known_apart(node) = 1;
+      stationary.known_apart(node) = 1;
     return is_empty;
   }
-  // What is read of a row comes from many places: all of them are asked for before any is waited for.
+  // The data of a row are scattered in memory, so those of all rows are prefetched before any is
+  // read.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
-    touch.prefetchHead(node);
+    kinematics.prefetchHead(node);
     prefetch(&previous.row_count(node));
     prefetch(&previous.row_begin(node));
   }
@@ -140,84 +147,88 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
     const int node = pairs.node(row);
     const std::int64_t end = pairs.end(row);
     for (std::int64_t p = pairs.begin(row); p < end; ++p)
-      touch.prefetchFace(pairs.faces(p));
+      kinematics.prefetchFace(pairs.faces(p));
     faces.prefetchRow(faces.surface.coordinates_new, node);
     if (previous.row_count(node) == 0)
       return;
     faces.prefetchRow(faces.surface.coordinates_old, node);
     previous.prefetch(previous.row_begin(node));
     prefetch(&faces.surface.node_body(node));
-    touch.prefetchNode(node);
+    kinematics.prefetchNode(node);
   }
-  // Rows with history, and those without where a contact may begin as far as the places of node and faces tell; what else is
-  // asked then is asked for. `clear` remembers the others: none of their pairs could be touched even if the faces around the node
-  // turned. Returns the number of rows kept.
-  KOKKOS_INLINE_FUNCTION int keepRowsThatTouch(std::int64_t* rows, int count,
-                                               std::int64_t* touching) const {
+  // Keeps rows with history, and rows without history where a node may penetrate by its position;
+  // prefetches the data of the tests that follow. `known_apart` flags the others: none of their
+  // pairs could be in contact however the faces around the node were oriented. Returns the number
+  // of rows kept.
+  KOKKOS_INLINE_FUNCTION int keepRowsThatMayPenetrate(std::int64_t* rows, int count,
+                                                      std::int64_t* penetrating) const {
     int num_kept = 0;
     for (int r = 0; r < count; ++r) {
       const std::int64_t row = rows[r], end = pairs.end(row);
       const int node = pairs.node(row);
       std::int64_t p = pairs.begin(row);
       if (previous.row_count(node) == 0) {
-        while (p < end && !touch.mayPenetrate(faces, node, pairs.faces(p)))
+        while (p < end && !kinematics.mayPenetrate(faces, node, pairs.faces(p)))
           ++p;
-        still.known_apart(node) = p == end;
+        stationary.known_apart(node) = p == end;
         if (p == end)
           continue;
-        touch.prefetchNode(node);
+        kinematics.prefetchNode(node);
       }
       rows[num_kept] = row;
-      touching[num_kept++] = p;
+      penetrating[num_kept++] = p;
     }
     for (int r = 0; r < num_kept; ++r)
       if (previous.row_count(pairs.node(rows[r])) == 0)
-        touch.prefetchAround(pairs.node(rows[r]));
+        kinematics.prefetchAdjacentFaces(pairs.node(rows[r]));
     return num_kept;
   }
-  // Whether a contact may begin with the pairs from `touching` on, which itself may touch.
+  // Whether a contact may become active among the pairs from `penetrating` on, which itself may
+  // penetrate.
   KOKKOS_INLINE_FUNCTION bool rowMayActivate(std::int64_t row, int node,
-                                             std::int64_t touching) const {
+                                             std::int64_t penetrating) const {
     const std::int64_t end = pairs.end(row);
-    bool may_bear = touch.mayActivate(node, pairs.faces(touching));
-    for (std::int64_t p = touching + 1; p < end && !may_bear; ++p)
-      may_bear = touch.mayPenetrate(faces, node, pairs.faces(p)) &&
-                 touch.mayActivate(node, pairs.faces(p));
-    return may_bear;
+    bool may_activate = kinematics.mayActivate(node, pairs.faces(penetrating));
+    for (std::int64_t p = penetrating + 1; p < end && !may_activate; ++p)
+      may_activate = kinematics.mayPenetrate(faces, node, pairs.faces(p)) &&
+                     kinematics.mayActivate(node, pairs.faces(p));
+    return may_activate;
   }
-  // The same for rows at once, by Touch::rowsThatMayActivate(), where nothing but the two of a pair matters. Keeps these rows and those with
-  // history; returns their number.
-  KOKKOS_INLINE_FUNCTION int keepRowsThatBear(std::int64_t* rows, int count) const {
+  // The same for several rows at once by Kinematics::rowsThatMayActivate(). Keeps these rows and
+  // those with history; returns their number.
+  KOKKOS_INLINE_FUNCTION int keepRowsThatMayActivate(std::int64_t* rows, int count) const {
     static_assert(rows_at_once <= 32, "a bit for each row");
     unsigned without_history = 0;
     for (int r = 0; r < count; ++r)
       without_history |= static_cast<unsigned>(previous.row_count(pairs.node(rows[r])) == 0) << r;
-    const unsigned bearing = touch.rowsThatMayActivate(faces, pairs, rows, count, without_history);
+    const unsigned activating =
+        kinematics.rowsThatMayActivate(faces, pairs, rows, count, without_history);
     int num_kept = 0;
     for (int r = 0; r < count; ++r) {
       const std::int64_t row = rows[r];
-      const bool has_none = without_history >> r & 1u, may_bear = bearing >> r & 1u;
+      const bool has_none = without_history >> r & 1u, may_activate = activating >> r & 1u;
       if (has_none)
-        still.known_apart(pairs.node(row)) = !may_bear;
+        stationary.known_apart(pairs.node(row)) = !may_activate;
       rows[num_kept] = row;
-      num_kept += !has_none || may_bear;
+      num_kept += !has_none || may_activate;
     }
     return num_kept;
   }
-  KOKKOS_INLINE_FUNCTION void findKnown(std::int64_t row, int node, int count, Batch& batch) const {
+  KOKKOS_INLINE_FUNCTION void findPersistent(std::int64_t row, int node, int count,
+                                             Batch& batch) const {
     const std::int64_t end = pairs.end(row);
     const int first = previous.row_begin(node);
-    int missing = count;
-    for (std::int64_t p = pairs.begin(row); p < end && missing > 0; ++p) {
+    int deficit = count;
+    for (std::int64_t p = pairs.begin(row); p < end && deficit > 0; ++p) {
       const int face = pairs.faces(p);
-      const global_id id = touch.idOf(faces, face);
+      const global_id id = kinematics.idOf(faces, face);
       for (int s = 0; s < count; ++s) {
         if (previous.interactions(first + s).face != id)
           continue;
-        --missing;
+        --deficit;
         if (!faces.isOfThisStep(pairs.step_test, node, face))
           continue;
-        PersistentContact& contact = batch.known[batch.num_known++];
+        PersistentContact& contact = batch.persistent[batch.num_persistent++];
         contact.node = node;
         contact.slot = s;
         contact.previous = first + s;
@@ -226,43 +237,44 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
       }
     }
   }
-  KOKKOS_INLINE_FUNCTION void finish(Batch& batch, ContactSums& sums) const {
-    touch.look(faces, previous, batch.num_known, batch.known);
-    batch.first[batch.num_rows] = batch.num_known;
+  KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
+    kinematics.projectPersistent(faces, previous, batch.num_persistent, batch.persistent);
+    batch.first[batch.num_rows] = batch.num_persistent;
     for (int r = 0; r < batch.num_rows; ++r)
-      selectOfRow(batch.rows[r], batch.known + batch.first[r], batch.first[r + 1] - batch.first[r],
-                  sums);
-    batch.num_rows = batch.num_known = 0;
+      selectOfRow(batch.rows[r], batch.persistent + batch.first[r],
+                  batch.first[r + 1] - batch.first[r], sums);
+    batch.num_rows = batch.num_persistent = 0;
   }
 
-  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const PersistentContact* known,
-                                          int num_known, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const PersistentContact* persistent,
+                                          int num_persistent, ContactSums& sums) const {
     const int node = pairs.node(row);
-    FaceContact hits[max_interactions];
+    FaceContact contacts[max_interactions];
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
-    for (int k = 0; k < num_known; ++k)
-      seen |= 1 << known[k].slot;
-    const int num_hits = selectActiveFaces(row, node, known, num_known, hits, sums);
+    for (int k = 0; k < num_persistent; ++k)
+      seen |= 1 << persistent[k].slot;
+    const int num_contacts =
+        selectActiveFaces(row, node, persistent, num_persistent, contacts, sums);
     countLost(node, seen, sums);
     double deepest = 0;
     int num_loaded = 0;
-    for (int h = 0; h < num_hits; ++h) {
-      deepest = maxOf(deepest, hits[h].depth);
-      hits[h].is_loaded = isCompressive(node, hits[h]);
-      num_loaded += hits[h].is_loaded;
+    for (int h = 0; h < num_contacts; ++h) {
+      deepest = maxOf(deepest, contacts[h].depth);
+      contacts[h].is_loaded = isCompressive(node, contacts[h]);
+      num_loaded += contacts[h].is_loaded;
     }
-    touch.record(node, num_hits, deepest);
-    sums.touching += num_hits;
+    kinematics.record(node, num_contacts, deepest);
+    sums.penetrating += num_contacts;
     next.row_count(node) = static_cast<unsigned char>(num_loaded);
     if (num_loaded == 0)
       return;
-    std::int64_t index = takePlaces(num_loaded);
+    std::int64_t index = reserveSlots(num_loaded);
     next.row_begin(node) = static_cast<int>(index);
-    for (int h = 0; h < num_hits; ++h) {
-      if (!hits[h].is_loaded)
+    for (int h = 0; h < num_contacts; ++h) {
+      if (!contacts[h].is_loaded)
         continue;
       const bool has_room = index < static_cast<std::int64_t>(next.interactions.extent(0));
-      interact(node, hits, num_hits, h, has_room ? index : -1, sums);
+      writeInteraction(node, contacts, num_contacts, h, has_room ? index : -1, sums);
       ++index;
     }
   }

@@ -5,7 +5,7 @@ namespace brickwall::contact {
 namespace {
 
 constexpr int nodes_of_pair = 6;
-constexpr int most_share = 3; // lists of more than a third of the nodes cost more than they spare
+constexpr int most_share = 3; // a list of more than a third of the nodes costs more than it saves
 
 } // namespace
 

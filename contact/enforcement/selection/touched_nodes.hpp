@@ -1,24 +1,36 @@
-// The nodes that the interactions of a step act on. In most steps they are few, and what corrects forces, sums them and takes them
-// to the mesh visits these alone.
+// The nodes that the interactions of a step act on. In most steps they are few, and the kernels
+// that correct and sum forces and pass them to the mesh visit only these.
 #pragma once
 
 #include "contact/enforcement/law/contact_history.hpp"
-#include "contact/enforcement/selection/node_list.hpp"
 #include "contact/surface/surface.hpp"
 
 namespace brickwall::contact {
+
+// The surface nodes that a kernel visits: all of them, or those of a list.
+struct NodeList {
+  std::int64_t count = 0;
+  View<const int*> nodes; // [place], each node once, in any order; null: nodes 0 .. count - 1
+
+  static NodeList allOf(std::int64_t num_nodes) { return {num_nodes, {}}; }
+  bool isAll() const { return nodes.data() == nullptr; }
+  KOKKOS_INLINE_FUNCTION int operator()(std::int64_t place) const {
+    return nodes.data() == nullptr ? static_cast<int>(place) : nodes(place);
+  }
+};
 
 class TouchedNodes {
 public:
   TouchedNodes() = default;
   TouchedNodes(const std::string& label, int num_nodes);
 
-  // Lists none.
+  // Empties the list.
   void clear(const exec_space& space);
-  // Lists all.
+  // Lists all nodes.
   void listAll(const exec_space& space);
-  // Adds the nodes of the interactions of `pairs` (its history's `count` first ones): pushing points and all corners of own faces of
-  // `surface`, each as to_node(it) if there is such a list, else as it is. Where they may be many, all are listed.
+  // Adds the nodes of the `pairs.count` first interactions of `pairs`: pushing points and all
+  // corners of own faces of `surface`, each mapped by `to_node` if that is given. If they may be
+  // many, all nodes are listed.
   void add(const exec_space& space, const SweptBoxes& surface, const ContactHistory& pairs,
            const View<const int*>& to_node = {});
 
@@ -27,7 +39,7 @@ public:
 private:
   int _num_nodes = 0;
   View<int*> _nodes; // [place]
-  View<int*> _is_listed; // [node], of those in _nodes
+  View<int*> _is_listed; // [node] 1: it is in _nodes
   View<int> _count;
   int _num_listed = 0; // in _nodes
   NodeList _list;

@@ -1,4 +1,4 @@
-// Edges that cross in mid-cell push each other before any node is inside.
+// Edges that cross between nodes push each other before any node is inside.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/enforcement/support/spring_bricks.hpp"
 
@@ -28,7 +28,8 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
   }
   for (int d = 0; d < 3; ++d)
     EXPECT_EQ(sum[d], 0);
-  // F = k p: half of s m_red/dt^2; the four ends have mass 1/8 + 1/8 (inner nodes of an edge) and the weights 1/2 +- .013.
+  // F = k p: half of s m_red/dt^2; the four ends have mass 1/8 + 1/8 (inner nodes of an edge) and
+  // the weights 1/2 +- .013.
   const double a = 0.5 - 0.013, b = 0.5 + 0.013;
   const double inverse_mass = 2 * 4 * 0.5 * 0.5 + 4 * (a * a + b * b);
   EXPECT_NEAR(push.z * Quantum::forForceScale(100).value,
@@ -45,7 +46,7 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
       0);
 }
 
-TEST(EdgeContact, BeginsWhenEdgesComeToCrossAndEndsWhenTheyPart) {
+TEST(EdgeContact, BecomesActiveWhenEdgesCrossAndEndsWhenTheySeparate) {
   EdgeRun crossed(crossedRidges(-0.02), MPI_COMM_SELF, onOneRank);
   crossed.step();
   EXPECT_EQ(crossed.sums.active, 0); // an initial overlap gives no force
@@ -58,7 +59,7 @@ TEST(EdgeContact, BeginsWhenEdgesComeToCrossAndEndsWhenTheyPart) {
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
-TEST(EdgeContact, SlidesAlongTheEdgesOfABrickAsAlongOne) {
+TEST(EdgeContact, SlidesAlongSegmentsOfAnEdgeAsAlongOneEdge) {
   EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOneRank);
   run.step();
   run.move(1, {0, 0, -0.02});
@@ -80,7 +81,7 @@ TEST(EdgeContact, SlidesAlongTheEdgesOfABrickAsAlongOne) {
   }
 }
 
-TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodesAndFaces) {
+TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodeToFaceContact) {
   Scene scene; // a running bond: edges cross at right angles in one plane
   scene.addBox({0, 0, 0}, {2, 1, 1}, {2, 1, 1});
   const int top = scene.addBox({1, 0, 0.99}, {2, 1, 1}, {2, 1, 1});
@@ -90,7 +91,7 @@ TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodesAndFaces) {
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
-TEST(EdgeContact, BarsNarrowerThanTheirElementsTouchWhereverTheyCross) {
+TEST(EdgeContact, BarsNarrowerThanTheirElementsAreInContactWhereverTheyCross) {
   for (const double rolled : {0.0, 0.02, 0.1, 0.5})
     for (const double inclined : {0.0, 0.02, 0.1}) {
       EdgeRun run(crossedBars(0.01, rolled, inclined), MPI_COMM_SELF, onOneRank);
@@ -107,7 +108,7 @@ TEST(EdgeContact, BarsNarrowerThanTheirElementsTouchWhereverTheyCross) {
       EXPECT_EQ(all, 0);
       EXPECT_GT(up, 0) << rolled << " " << inclined;
     }
-  // Flush: each edge of the one touches one of the other's.
+  // Flush: each edge of one lies on one of the other.
   EdgeRun flush(crossedBars(0.01, 0, 0), MPI_COMM_SELF, onOneRank);
   flush.move(1, {0, 0, -0.02});
   flush.step();
@@ -115,14 +116,14 @@ TEST(EdgeContact, BarsNarrowerThanTheirElementsTouchWhereverTheyCross) {
   EXPECT_NEAR(flush.sums.deepest, 0.01, 1e-12);
 }
 
-TEST(EdgeContact, BarsWithNodesOverEachOtherAreLeftToThem) {
+TEST(EdgeContact, BarsWithNodesOverEachOtherAreLeftToNodeToFaceContact) {
   EdgeRun run(crossedBars(0.01, 0, 0, 20), MPI_COMM_SELF, onOneRank);
   run.move(1, {0, 0, -0.02});
   run.step();
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
-TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
+TEST(EdgeContact, EdgesThatPassEachOtherOutsideAreNotInContact) {
   Scene scene = crossedRidges(0.01);
   EdgeRun run(scene, MPI_COMM_SELF, onOneRank);
   run.move(1, {0, 4, -0.02}); // beyond the end of the lower one's side
@@ -130,8 +131,8 @@ TEST(EdgeContact, EdgesThatPassEachOtherOutsideDoNotTouch) {
   EXPECT_EQ(run.sums.interactions, 0);
 }
 
-// Every rank finds the same contacts, elements cut one by one.
-TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
+// Every rank finds the same contacts; elements are distributed one by one.
+TEST(EdgeContact, EveryPartitionGivesTheSameIntegers) {
   const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.friction = 0.3;
@@ -152,7 +153,7 @@ TEST(EdgeContact, AnyCutGivesTheSameIntegers) {
   }
 }
 
-// Worst |E/E_0 - 1| while the ridges hit each other and part.
+// Worst |E/E_0 - 1| while the ridges hit each other and separate.
 double worstEnergyError(bool with_edges, double* deepest) {
   EnforcementConfig config;
   SpringBricks bricks(crossedRidges(0.002), config, 0.1, 0.8, 0.3);

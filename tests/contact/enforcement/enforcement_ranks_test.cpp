@@ -1,4 +1,5 @@
-// Contact enforcement on ranks: the same integers however the bricks are cut, exact momentum, values to ghosts and back.
+// Contact enforcement on several ranks: the same integers for every partition, exact momentum,
+// values to ghosts and back.
 #include "contact/enforcement/reports/history_checksum.hpp"
 #include "contact/search/global_search.hpp"
 #include "contact/search/local_search.hpp"
@@ -12,7 +13,7 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// Jittered, turned bricks in a heap that moves at random.
+// A heap of jittered, rotated bricks with random motions.
 Scene heap(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -49,8 +50,9 @@ std::array<std::int64_t, 3> sumOf(const std::vector<std::array<std::int64_t, 3>>
   return sum;
 }
 
-// Elements are cut by slabs and at random: nodes on cuts, nodes owned by a rank that has no face there.
-TEST(Enforcement, AnyCutGivesTheSameIntegersAndTheyAddUpToZero) {
+// Elements are partitioned by slabs and at random: nodes on cuts, nodes owned by a rank that has no
+// face there.
+TEST(Enforcement, EveryPartitionGivesTheSameIntegersWhichAddUpToZero) {
   const int size = sizeOf(MPI_COMM_WORLD);
   for (unsigned seed = 0; seed < 12; ++seed) {
     const Scene scene = heap(seed);
@@ -80,7 +82,7 @@ std::uint64_t checksum(const SceneRun& run, MPI_Comm comm) {
   return static_cast<std::uint64_t>(allReduce(comm, static_cast<std::int64_t>(mine), MPI_SUM));
 }
 
-TEST(HistoryChecksum, IsTheSameOnAnyCutAndTellsEveryStep) {
+TEST(HistoryChecksum, IsTheSameForEveryPartitionAndDiffersInEveryStep) {
   const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.friction = 0.3;
@@ -89,7 +91,7 @@ TEST(HistoryChecksum, IsTheSameOnAnyCutAndTellsEveryStep) {
   SceneRun many(
       scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
   std::set<std::uint64_t> seen = {checksum(one, MPI_COMM_SELF)};
-  EXPECT_EQ(*seen.begin(), 0u); // nothing has touched
+  EXPECT_EQ(*seen.begin(), 0u); // no contact yet
   for (int step = 0; step < 4; ++step) {
     one.step();
     many.step();
@@ -101,7 +103,7 @@ TEST(HistoryChecksum, IsTheSameOnAnyCutAndTellsEveryStep) {
   }
 }
 
-TEST(HistoryChecksum, SeesTheLastBitOfEachValueAndNoOrder) {
+TEST(HistoryChecksum, DependsOnTheLastBitOfEachValueAndNotOnTheOrder) {
   const exec_space space;
   SceneRun run(heap(5), MPI_COMM_SELF, onOneRank);
   run.step();
@@ -129,7 +131,7 @@ TEST(HistoryChecksum, SeesTheLastBitOfEachValueAndNoOrder) {
   EXPECT_NE(sum(), before);
 }
 
-TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersOnAnyCutToo) {
+TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersForEveryPartition) {
   const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.scheme = Scheme::energy_neutral;
@@ -160,9 +162,9 @@ TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersOnAnyCutToo) {
   }
 }
 
-// Search, enforcement and the way back of reactions together, against brute-force pairs on one rank. Both reach .3, but
-// the search lists other pairs than brute force does: those that are not active change no bit.
-TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
+// Search, enforcement and the return of reactions together, against brute-force pairs on one rank.
+// Both reach 0.3, but the search lists other pairs than brute force; inactive pairs change no bit.
+TEST(Enforcement, ForcesWithTheSearchEqualThoseOfBruteForce) {
   const int size = sizeOf(MPI_COMM_WORLD);
   const exec_space space;
   for (unsigned seed = 0; seed < 6; ++seed) {
@@ -193,7 +195,7 @@ TEST(Enforcement, ForcesWithTheRealSearchAreThoseOfBruteForce) {
   }
 }
 
-TEST(Enforcement, GhostCornersGetTheValuesOfTheirOwnersNodes) {
+TEST(Enforcement, GhostCornersReceiveTheValuesOfTheirOwnersNodes) {
   const int size = sizeOf(MPI_COMM_WORLD);
   const exec_space space;
   const Scene scene = heap(5);
@@ -220,8 +222,8 @@ TEST(Enforcement, GhostCornersGetTheValuesOfTheirOwnersNodes) {
   EXPECT_TRUE(size == 1 || brickwall::allReduce(MPI_COMM_WORLD, ghosts.count, MPI_SUM) > 0);
 }
 
-// The stiffness of every node equals the uncut one bit for bit: area and mu of a node on a cut include other ranks'
-// faces.
+// The stiffness of every node equals that of the uncut surface bit for bit: area and surface mass
+// of a node on a cut include the faces of other ranks.
 TEST(Enforcement, AreaOfANodeOnACutIsThatOfTheUncutSurface) {
   const Scene scene = heap(99);
   const int size = sizeOf(MPI_COMM_WORLD);

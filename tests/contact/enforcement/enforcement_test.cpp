@@ -1,4 +1,4 @@
-// Rules of contact enforcement on one rank: selection, history, stiffness, what is reported.
+// Rules of contact enforcement on one rank: selection, contact history, stiffness, error reports.
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,8 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that came down by `fall`.
+// A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that
+// moved down by `fall`.
 Scene blockOnPlate(double depth, double fall) {
   Scene scene;
   scene.addBox({0, 0, -1}, {4, 4, 1}, {4, 4, 1});
@@ -15,23 +16,23 @@ Scene blockOnPlate(double depth, double fall) {
   return scene;
 }
 
-TEST(Enforcement, BirthFeelsOnlyWhatTheStepBrought) {
+TEST(Enforcement, ActivationUsesOnlyThePenetrationOfTheStep) {
   auto run = alone(blockOnPlate(0.05, 0.02));
   run->step();
   const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.05}));
   ASSERT_EQ(contact.size(), 1u);
-  EXPECT_NEAR(contact[0].depth, 0.02, 1e-15); // min(P, closing)
+  EXPECT_NEAR(contact[0].depth, 0.02, 1e-15); // min(P, approach)
   EXPECT_NEAR(contact[0].offset, 0.03, 1e-15);
   EXPECT_NEAR(contact[0].closing, 0.02, 1e-15);
   EXPECT_EQ(contact[0].is_new, 1);
 }
 
-TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherClosingDoes) {
+TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherApproachDoes) {
   auto run = alone(blockOnPlate(0.05, 0));
   for (const auto& f : run->step())
     for (int d = 0; d < 3; ++d)
       EXPECT_EQ(f[d], 0);
-  EXPECT_GT(run->sums.touching, 0);
+  EXPECT_GT(run->sums.penetrating, 0);
   EXPECT_EQ(run->sums.interactions, 0);
   run->scene.step();
   run->scene.move(1, {0, 0, -0.01});
@@ -40,7 +41,7 @@ TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherClosingDoes) {
   ASSERT_EQ(contact.size(), 1u);
   EXPECT_NEAR(contact[0].offset, 0.05, 1e-15);
   EXPECT_NEAR(contact[0].depth, 0.01, 1e-15);
-  // Pushed out of the overlap, the offset shrinks with it: the contact never pulls.
+  // As the block leaves the overlap, the offset shrinks with it: the contact never pulls.
   run->scene.step();
   run->scene.move(1, {0, 0, 0.02});
   run->step();
@@ -51,7 +52,7 @@ TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherClosingDoes) {
   EXPECT_NEAR(run->of(run->scene.nodeAt(1, {2, 2, -0.05}))[0].offset, 0.04, 1e-15);
 }
 
-TEST(Enforcement, GapGivesNoForceHoweverNear) {
+TEST(Enforcement, GapGivesNoForceHoweverSmall) {
   auto run = alone(blockOnPlate(-1e-9, 0.02));
   run->step();
   EXPECT_EQ(run->sums.interactions, 0);
@@ -64,7 +65,7 @@ TEST(Enforcement, AStepWithoutPenetrationEndsTheHistory) {
   run->scene.move(1, {0, 0, 0.03});
   run->step();
   EXPECT_EQ(run->sums.interactions, 0);
-  EXPECT_EQ(run->sums.lost, 0); // it left, it was not lost
+  EXPECT_EQ(run->sums.lost, 0); // it has separated and is not lost
   run->scene.step();
   run->scene.move(1, {0, 0, -0.05});
   run->step();
@@ -74,9 +75,9 @@ TEST(Enforcement, AStepWithoutPenetrationEndsTheHistory) {
   EXPECT_NEAR(contact[0].depth, 0.04, 1e-15);
 }
 
-// The block's nodes lie on nodes of the plate: four faces are equally near, and a slide of .03 stays within the
-// tolerance of the one that was chosen.
-TEST(Enforcement, KeepsItsFaceWhileOnItAndGoesOnClosingOnTheNext) {
+// The block's nodes lie on nodes of the plate: four faces are equally near, and a slide of 0.03
+// stays within the tolerance of the selected one.
+TEST(Enforcement, NodeKeepsItsFaceWhileOnItAndContinuesOnTheNext) {
   auto run = alone(blockOnPlate(0.02, 0.02));
   run->step();
   const int node = run->scene.nodeAt(1, {2, 2, -0.02});
@@ -88,19 +89,21 @@ TEST(Enforcement, KeepsItsFaceWhileOnItAndGoesOnClosingOnTheNext) {
     EXPECT_EQ(run->of(node)[0].face, first.face);
     EXPECT_EQ(run->of(node)[0].is_new, 0);
   }
-  // Ties go to the least face id, which is the face towards lower x and y: leave it, and press on by .03.
+  // Ties go to the least face id, which is the face towards lower x and y: leave it, and press by
+  // 0.03 more.
   run->scene.step();
   run->scene.move(1, {0.5, 0, -0.03});
   run->step();
   const Interaction moved = run->of(node)[0];
   EXPECT_NE(moved.face, first.face);
-  // The cap s m_red fell a little where weights beyond the edge raised sum N_j^2 to 1.01^2 + .01^2: p rose at equal energy.
+  // The cap s m_red fell a little where weights beyond the edge raised sum N_j^2 to 1.01^2 +
+  // 0.01^2: p rose at equal energy.
   EXPECT_NEAR(moved.depth, first.depth * std::sqrt((1 + 1.0202) / 2) + 0.03, 1e-15);
   EXPECT_NEAR(moved.offset, 0.05 - moved.depth, 1e-15);
   EXPECT_NEAR(moved.stiffness, first.stiffness * 2 / (1 + 1.0202), 1e-12);
 }
 
-TEST(Enforcement, BirthFaceIsTheOneOfLeastGlobalIdAmongEquals) {
+TEST(Enforcement, ActivationSelectsTheLeastGlobalIdAmongEqualFaces) {
   auto run = alone(blockOnPlate(0.02, 0.02));
   run->step();
   const int node = run->scene.nodeAt(1, {2, 2, -0.02});
@@ -112,9 +115,9 @@ TEST(Enforcement, BirthFaceIsTheOneOfLeastGlobalIdAmongEquals) {
   EXPECT_EQ(run->of(node)[0].face, least);
 }
 
-// Matching meshes of one material: eps A = (s/dt^2) A/(2/mu) with A = 1, mu = rho h_n/2 = 1/2, and the reduced mass of
-// two columns of mass rho A h/2 is the same: 1/(1/.5 + 1/.5) = 1/4.
-TEST(Enforcement, StiffnessIsTheFormulaAndEdgeNodesHaveTheirArea) {
+// Matching meshes of one material: eps A = (s/dt^2) A/(2/mu) with A = 1, mu = rho h_n/2 = 1/2, and
+// the reduced mass of two columns of mass rho A h/2 is the same: 1/(1/.5 + 1/.5) = 1/4.
+TEST(Enforcement, StiffnessFollowsTheFormulaWithTheTributaryArea) {
   auto run = alone(blockOnPlate(0.02, 0.02));
   run->step();
   const double scale = config().penalty / (dt * dt);
@@ -124,11 +127,12 @@ TEST(Enforcement, StiffnessIsTheFormulaAndEdgeNodesHaveTheirArea) {
   EXPECT_DOUBLE_EQ(stiffness(2, 2), scale / 4);
   EXPECT_DOUBLE_EQ(stiffness(1, 2), scale / 8);
   EXPECT_DOUBLE_EQ(stiffness(1, 1), scale / 16);
-  // A face node is stiff by its own brick's area: the plate's inner node (2, 2, 0) against the block's underside.
+  // A face node has the stiffness of its own brick's area: the plate's inner node (2, 2, 0) against
+  // the block's underside.
   EXPECT_DOUBLE_EQ(run->of(run->scene.nodeAt(0, {2, 2, 0}))[0].stiffness, scale / 4);
 }
 
-TEST(Enforcement, LightNodeOnAHeavyFaceIsCappedByTheReducedMass) {
+TEST(Enforcement, StiffnessOfALightNodeIsCappedByTheReducedMass) {
   Scene scene = blockOnPlate(0.02, 0.02);
   const int node = scene.nodeAt(1, {2, 2, -0.02});
   scene.mass[node] = 1e-3; // far less than mu A
@@ -138,17 +142,17 @@ TEST(Enforcement, LightNodeOnAHeavyFaceIsCappedByTheReducedMass) {
   EXPECT_DOUBLE_EQ(run->of(node)[0].stiffness, config().penalty / (dt * dt) * reduced);
 }
 
-TEST(Enforcement, FixedBodyHasNoEffectOfItsMass) {
+TEST(Enforcement, MassOfAFixedBodyHasNoEffect) {
   Scene scene = blockOnPlate(0.02, 0.02);
   scene.fix(0);
   auto run = alone(scene);
   run->step();
   EXPECT_DOUBLE_EQ(run->of(run->scene.nodeAt(1, {2, 2, -0.02}))[0].stiffness,
-                   config().penalty / (dt * dt) / 4); // the pressure form still counts mu of both
+                   config().penalty / (dt * dt) / 4); // the area formula still includes mu of both
 }
 
-// Offset blocks, side faces coplanar with others': only vertical forces, bitwise.
-TEST(Enforcement, FrictionlessFlushFacesFeelNoTangentialForce) {
+// Offset blocks with side faces coplanar with others: only vertical forces, bit for bit.
+TEST(Enforcement, FrictionlessFlushFacesHaveNoTangentialForce) {
   Scene scene;
   scene.addBox({0, 0, -1 / 3.0}, {2, 1, 1 / 3.0}, {6, 3, 1});
   scene.addBox({2, 0, -1 / 3.0}, {2, 1, 1 / 3.0}, {6, 3, 1}); // head joint with the first, gap 0
@@ -167,17 +171,18 @@ TEST(Enforcement, FrictionlessFlushFacesFeelNoTangentialForce) {
   EXPECT_EQ(lift, -down);
 }
 
-// Running bond, every joint closed by d in this step: bricks [0,2], [2,4] below; [1,3], [3,5] on them; [2,4] above.
+// A running bond; every joint is closed by d in this step: bricks [0,2], [2,4] below; [1,3], [3,5]
+// on them; [2,4] above.
 Scene runningBond(double d) {
   Scene scene;
-  const auto grown = [&](double x, double z) { // a brick that has grown by d/2 all around
+  const auto grown = [&](double x, double z) { // a brick that has grown by d/2 on all sides
     scene.addBrick({2, 1, 1}, {4, 2, 2}, 1, [&](const Vec3& p) {
       return Vec3{x + p.x + d * (p.x - 1) / 2, p.y, z + p.z + d * (p.z - 0.5)};
     });
   };
   for (const auto& [x, z] : {std::make_pair(0, 0), {2, 0}, {1, 1}, {3, 1}, {2, 2}})
     grown(x, z);
-  for (std::size_t i = 0; i < scene.x_old.size(); ++i) { // at x^n it had its proper size
+  for (std::size_t i = 0; i < scene.x_old.size(); ++i) { // at x^n it had its nominal size
     const Vec3 corner[5] = {{0, 0, 0}, {2, 0, 0}, {1, 0, 1}, {3, 0, 1}, {2, 0, 2}};
     const Vec3 c = corner[scene.node_body[i]] + Vec3{1, 0, 0.5};
     Vec3& x = scene.x_old[i];
@@ -186,7 +191,7 @@ Scene runningBond(double d) {
   return scene;
 }
 
-TEST(Enforcement, BrickEdgeNodesOfARunningBondTouchEachNeighbourByItself) {
+TEST(Enforcement, EdgeNodesOfARunningBondHaveAContactWithEachNeighbour) {
   const double d = 0.01;
   auto run = alone(runningBond(d));
   run->step();
@@ -205,7 +210,8 @@ TEST(Enforcement, BrickEdgeNodesOfARunningBondTouchEachNeighbourByItself) {
   EXPECT_EQ(bodies(1, 3, 1 + d / 2), (Bodies{2, 3}));
   // Upper right edge of brick 0: head joint with brick 1, bed joint with brick 2.
   EXPECT_EQ(bodies(0, 2 + d / 2, 1 + d / 2), (Bodies{1, 2}));
-  // Lower left edge of brick 4 on mid brick 2, away from joints; its lower mid node on bricks 2 and 3.
+  // Lower left edge of brick 4 in the middle of brick 2, away from joints; its lower middle node on
+  // bricks 2 and 3.
   EXPECT_EQ(bodies(4, 2 - d / 2, 2 - d / 2), (Bodies{2}));
   EXPECT_EQ(bodies(4, 3, 2 - d / 2), (Bodies{2, 3}));
   for (const Interaction& i : run->of(run->scene.nodeAt(2, {3 + d / 2, 0.5, 1 - d / 2})))
@@ -217,22 +223,25 @@ TEST(Enforcement, NodeUnderAHeadJointSharesItsAreaBetweenBothBricks) {
   const double d = 0.01;
   auto run = alone(runningBond(d));
   run->step();
-  const auto shared = run->of(run->scene.nodeAt(1, {3, 0.5, 1 + d / 2})); // touches 2 and 3
-  const auto single = run->of(run->scene.nodeAt(1, {2.5 - d / 4, 0.5, 1 + d / 2})); // touches 2
+  const auto shared = run->of(run->scene.nodeAt(1, {3, 0.5, 1 + d / 2})); // in contact with 2 and 3
+  // in contact with 2
+  const auto single = run->of(run->scene.nodeAt(1, {2.5 - d / 4, 0.5, 1 + d / 2}));
   ASSERT_EQ(shared.size(), 2u);
   ASSERT_EQ(single.size(), 1u);
   EXPECT_DOUBLE_EQ(shared[0].stiffness, shared[1].stiffness);
   EXPECT_NEAR(shared[0].stiffness, single[0].stiffness / 2, 1e-9 * single[0].stiffness);
-  // Interactions of different directions do not share: a lower edge node has a bed and a head joint, each with the
-  // area of half a cell row, as its neighbour on the end face's rim has for the bed joint alone.
+  // Contacts of different directions do not share their area: a lower edge node has a bed joint and
+  // a head joint, each with the area of half a row of faces, as its neighbour on the rim of the end
+  // face has for the bed joint alone.
   const auto edge = run->of(run->scene.nodeAt(2, {3 + d / 2, 0.5, 1 - d / 2}));
   ASSERT_EQ(edge.size(), 2u);
   EXPECT_NEAR(edge[0].stiffness, single[0].stiffness / 2, 0.05 * single[0].stiffness);
 }
 
-// k is lowered, at equal stored energy, when a second brick comes to share the area; it is not raised again.
-// A heavy node slides from the middle of a light face, where four nodes carry it, to a corner, where one does.
-TEST(Enforcement, StiffnessIsOfTheBirthAndFollowsAFallingCapAtEqualEnergy) {
+// k is reduced, at equal stored energy, when a second brick comes to share the area; it is not
+// raised again. A heavy node slides from the middle of a light face, where four nodes carry it, to
+// a corner, where one does.
+TEST(Enforcement, StiffnessIsThatOfActivationAndFollowsAFallingCapAtEqualEnergy) {
   Scene scene;
   scene.addBox({0, 0, -1}, {6, 6, 1}, {6, 6, 1});
   const int block = scene.addBox({0.5, 0.5, -0.02}, {4, 4, 1}, {2, 2, 1}, 100);
@@ -255,11 +264,11 @@ TEST(Enforcement, StiffnessIsOfTheBirthAndFollowsAFallingCapAtEqualEnergy) {
   const double cap = config().penalty / (dt * dt) / now.inverse_mass;
   EXPECT_DOUBLE_EQ(now.stiffness, cap);
   EXPECT_LT(now.stiffness, 0.5 * before.stiffness);
-  EXPECT_LT(now.offset, 0); // more in the spring than P: it comes back at the end
+  EXPECT_LT(now.offset, 0); // the spring stores more than P, which is returned at the end
 }
 
-TEST(Enforcement, OwnBodyIsTouchedOnlyWhenSelfContactIsAllowed) {
-  // Pairs of this test scene are between bodies; so make the two bricks one body in name only.
+TEST(Enforcement, OwnBodyIsInContactOnlyWithSelfContact) {
+  // Pairs of this test scene are between bodies, so the two bricks are declared one body.
   Scene scene = blockOnPlate(0.02, 0.02);
   auto run = alone(scene);
   const View<global_id*> one("test::one_body", run->part.surface().num_nodes);
@@ -285,7 +294,7 @@ TEST(Enforcement, LoadedContactThatLeavesTheCandidatesIsReported) {
   EXPECT_NEAR(run->sums.max_penetration, 0.02, 1e-15); // faces of area 1
   run->scene.step();
   run->scene.move(1, {0, 0, -0.2});
-  run->step(); // still a candidate: the boxes hold x^n
+  run->step(); // still a candidate: the boxes contain x^n
   EXPECT_EQ(run->sums.lost, 0);
   EXPECT_NEAR(run->sums.max_penetration, 0.22, 1e-15);
   run->scene.step();
@@ -318,7 +327,7 @@ TEST(Enforcement, ForceBeyondTheFixedPointRangeIsReported) {
   EXPECT_NE(run->sums.problem(), "");
 }
 
-TEST(Enforcement, NoFacesNoNodesNoPairsRun) {
+TEST(Enforcement, RunsWithoutFacesNodesAndPairs) {
   Scene scene = blockOnPlate(0.02, 0.02);
   // All elements on the last rank: the others are empty.
   const int last = sizeOf(MPI_COMM_WORLD) - 1;
@@ -330,8 +339,9 @@ TEST(Enforcement, NoFacesNoNodesNoPairsRun) {
     EXPECT_EQ(force, (std::array<std::int64_t, 3>{0, 0, 0}));
 }
 
-// A row of nodes bounces on a fixed face: P, d follow the leapfrog of one oscillator exactly, to rounding.
-TEST(Enforcement, FreeNodeBouncesAsTheLeapfrogOscillator) {
+// A row of nodes bounces on a fixed face: P and d follow the leapfrog integration of one oscillator
+// up to rounding.
+TEST(Enforcement, FreeNodeBouncesAsALeapfrogOscillator) {
   Scene scene;
   scene.addBox({-5, -5, -1}, {10, 10, 1}, {1, 1, 1});
   scene.fix(0);

@@ -1,6 +1,7 @@
-// Contacts that go on as they were, worked out in lanes (persistent_contacts_simd.hpp, correct_springs.hpp), against the same ones that go the
-// long way, one by one: the same bits of all that is remembered, of forces and of sums. The long way is had by a friction too
-// small for a quantum: it changes no force, but contacts with friction are not taken together.
+// Persistent contacts computed in SIMD lanes (persistent_contacts_simd.hpp, correct_springs.hpp)
+// against the same contacts computed one by one: the same bits of the contact history, of forces
+// and of sums. Friction too small for a quantum selects the second path: it changes no force, but
+// contacts with friction are not computed in lanes.
 #include "contact/base/mpi.hpp"
 #include "contact/surface/feature_edges.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
@@ -14,19 +15,21 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// A block on another one, whose mesh has `below` faces a side, with 8 for those of the upper one.
+// A block on another one, whose mesh has `below` faces a side; the upper one's has 8.
 Scene twoBlocks(int below, unsigned seed) {
   Scene scene;
   scene.addBox({-1, -1, -1}, {8, 8, 1}, {below, below, 1});
   scene.addBox({0, 0, 0.001}, {6, 6, 1}, {6, 6, 1});
-  // Some nodes are so light that the cap of the stiffness counts, which falls where a contact moves on to lighter ones.
+  // Some nodes are so light that the stiffness cap applies, which falls where a contact moves on to
+  // lighter ones.
   std::mt19937 random(seed);
   for (double& mass : scene.mass)
     mass *= random() % 3 == 0 ? 0.3 : 1;
   return scene;
 }
 
-// Of the upper block in a step: in; along, beyond edges of the lower one; out, in again and back.
+// Motion of the upper block in a step: inwards; sideways beyond edges of the lower one; out, in
+// again and back.
 constexpr int num_steps = 36;
 Vec3 motionAt(int step) {
   if (step < 4)
@@ -40,12 +43,12 @@ Vec3 motionAt(int step) {
   return {-0.13, 0.02, step % 2 == 0 ? -0.001 : 0.001};
 }
 
-// Of neighbours in stripes.
+// Stripes, so that neighbours are on different ranks.
 int rankOfElement(int element) {
   return element / 9 % sizeOf(MPI_COMM_WORLD);
 }
 
-// [face id] which of the edges are true ones.
+// [face id] mask of true edges.
 std::map<global_id, unsigned char> trueEdges(const Scene& scene) {
   const ScenePart whole(scene, MPI_COMM_SELF, onOneRank, 0);
   const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, whole.surface());
@@ -87,7 +90,7 @@ public:
 
   ContactSums sums;
   std::vector<std::array<std::int64_t, 3>> forces; // of all ranks
-  std::vector<Interaction> interactions; // of this rank, as they follow each other in memory
+  std::vector<Interaction> interactions; // of this rank, in the order of memory
   View<const unsigned char*> status;
   View<const double*> gap;
 
@@ -128,7 +131,7 @@ auto numbersOf(const Interaction& i) {
 }
 auto namesOf(const Interaction& i) {
   return std::make_tuple(i.body, i.face, i.node, i.face_index, i.point.node[0], i.point.node[1],
-                         i.is_held, i.is_new);
+                         i.is_retained, i.is_new);
 }
 
 void expectSame(const Run& a, const Run& b) {
@@ -147,7 +150,7 @@ void expectSame(const Run& a, const Run& b) {
   }
 }
 void expectSameSums(const ContactSums& a, const ContactSums& b) {
-  EXPECT_EQ(a.touching, b.touching);
+  EXPECT_EQ(a.penetrating, b.penetrating);
   EXPECT_EQ(a.interactions, b.interactions);
   EXPECT_EQ(a.active, b.active);
   EXPECT_EQ(a.lost, b.lost);
@@ -162,26 +165,27 @@ void expectSameSums(const ContactSums& a, const ContactSums& b) {
   }
 }
 
-// What has happened to contacts, so that nothing of it goes untested.
+// Events of contacts, to ensure that each is tested.
 struct Counts {
-  std::int64_t steady = 0, softened = 0; // went on with their face; of these, to less stiffness
-  std::int64_t moved = 0, fading = 0, births = 0; // to another face; beyond a true edge
+  std::int64_t steady = 0, softened = 0; // continued on their face; of these, with less stiffness
+  std::int64_t moved = 0, fading = 0,
+               activations = 0; // transferred to another face; beyond a true edge
   std::int64_t together = 0; // steps
 
   void add(const std::vector<Interaction>& last, const Run& lanes, const Run& one_by_one) {
     const auto before = byNode(last);
     for (const Interaction& now : lanes.interactions) {
-      births += now.is_new;
+      activations += now.is_new;
       fading += now.fade_weight < 1;
       const auto found = before.find({now.node, now.body});
       if (now.is_new || found == before.end())
         continue;
-      const bool is_steady = found->second.face == now.face;
-      moved += !is_steady;
-      steady += is_steady;
-      softened += is_steady && now.stiffness < found->second.stiffness;
+      const bool persists = found->second.face == now.face;
+      moved += !persists;
+      steady += persists;
+      softened += persists && now.stiffness < found->second.stiffness;
     }
-    // Those that are taken together have their places in memory before others of their block of rows.
+    // Rows computed in lanes have their places in memory before others of their block of rows.
     bool any = false;
     for (std::size_t i = 0; i < lanes.interactions.size(); ++i)
       any |= lanes.interactions[i].node != one_by_one.interactions[i].node;
@@ -189,13 +193,13 @@ struct Counts {
   }
 };
 Counts onAllRanks(Counts counts) {
-  std::int64_t all[] = {counts.steady, counts.softened, counts.moved,
-                        counts.fading, counts.births,   counts.together};
+  std::int64_t all[] = {counts.steady, counts.softened,    counts.moved,
+                        counts.fading, counts.activations, counts.together};
   allReduce(MPI_COMM_WORLD, all, 6, MPI_SUM);
   return {all[0], all[1], all[2], all[3], all[4], all[5]};
 }
 
-// Collective; false as soon as a rank finds a difference. Adds to `counts`.
+// Collective; false on all ranks if any rank finds a difference. Adds to `counts`.
 bool compareWays(Scheme scheme, int below, unsigned seed, Counts& counts) {
   EnforcementConfig together = config(), one_by_one = config();
   together.scheme = one_by_one.scheme = scheme;
@@ -235,7 +239,7 @@ bool compareWays(Scheme scheme, int below, unsigned seed, Counts& counts) {
 void compareWays(Scheme scheme) {
   Counts counts;
   for (unsigned seed = 1; seed <= 5; ++seed)
-    for (const int below : {8, 5}) // matching meshes and others
+    for (const int below : {8, 5}) // matching and other meshes
       if (!compareWays(scheme, below, seed, counts))
         return;
   counts = onAllRanks(counts);
@@ -243,15 +247,15 @@ void compareWays(Scheme scheme) {
   EXPECT_GT(counts.softened, 500);
   EXPECT_GT(counts.moved, 500);
   EXPECT_GT(counts.fading, 100);
-  EXPECT_GT(counts.births, 1000);
+  EXPECT_GT(counts.activations, 1000);
   EXPECT_GT(counts.together, simd_width > 1 ? 50 : -1);
 }
 
-TEST(PersistentContactsSimd, AreThoseOfOneByOneWithPenaltyForces) {
+TEST(PersistentContactsSimd, EqualScalarContactsWithPenaltyForces) {
   compareWays(Scheme::penalty);
 }
 
-TEST(PersistentContactsSimd, AreThoseOfOneByOneWithCorrectedForces) {
+TEST(PersistentContactsSimd, EqualScalarContactsWithCorrectedForces) {
   compareWays(Scheme::energy_neutral);
 }
 

@@ -1,5 +1,5 @@
-// Contact forces with lists kept over steps are bit for bit those with a search in every step, also where contacts are lost
-// because they are deeper than the search reaches.
+// Contact forces with lists kept over steps equal those of a search in every step bit for bit, also
+// where contacts are lost because they are deeper than the search reaches.
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double margin = 0.1;
 
-// Two stacks of three bricks, each turned a little.
+// Two stacks of three bricks, each rotated a little.
 Scene stacks() {
   Scene scene;
   for (int b = 0; b < 6; ++b) {
@@ -25,7 +25,8 @@ Scene stacks() {
   return scene;
 }
 
-// Bricks swing into each other and out again, each at its own pace; nodes tremble.
+// Bricks swing into each other and out again, each with its own period; nodes are disturbed at
+// random.
 void swing(Scene& scene, const std::vector<Vec3>& start, int step) {
   scene.step();
   for (std::size_t i = 0; i < start.size(); ++i) {
@@ -38,7 +39,7 @@ void swing(Scene& scene, const std::vector<Vec3>& start, int step) {
   }
 }
 
-// A rank's part with a search and the contacts it leads to.
+// A rank's part with a search and its contacts.
 struct SearchedRun {
   SearchedRun(const Scene& scene, double kept_by)
       : part(
@@ -79,7 +80,7 @@ struct SearchedRun {
   ContactSums sums;
 };
 
-TEST(CandidateSearch, ForcesWithKeptListsAreThoseOfASearchInEveryStep) {
+TEST(CandidateSearch, ForcesWithKeptListsEqualThoseOfASearchInEveryStep) {
   Scene scene = stacks();
   const std::vector<Vec3> start = scene.x_new;
   SearchedRun every(scene, 0), kept(scene, margin);
@@ -100,7 +101,7 @@ TEST(CandidateSearch, ForcesWithKeptListsAreThoseOfASearchInEveryStep) {
   }
   EXPECT_EQ(every.search.searches(), steps);
   EXPECT_LT(kept.search.searches(), steps / 3);
-  EXPECT_GT(active, 10 * steps); // the scene is not hollow, and goes deeper than the tolerance
+  EXPECT_GT(active, 10 * steps); // there are many contacts, some deeper than the tolerance
   EXPECT_GT(lost, 100);
 }
 

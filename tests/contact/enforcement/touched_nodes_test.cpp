@@ -1,4 +1,4 @@
-// The nodes that contacts act on are listed, each once, and nothing else is looked at.
+// The nodes that contacts act on are listed once each, and no other node is read.
 #include "contact/enforcement/selection/touched_nodes.hpp"
 #include "tests/contact/enforcement/support/edge_run.hpp"
 
@@ -10,14 +10,14 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// A small brick that stands on the middle of a large one: 602 surface nodes below, 8 above.
+// A small brick on the middle of a large one: 602 surface nodes below, 8 above.
 Scene smallOnLarge() {
   Scene scene;
   scene.addBox({0, 0, 0}, {10, 10, 10}, {10, 10, 10});
   scene.addBox({4.1, 4.2, 10.02}, {0.7, 0.7, 0.7}, {1, 1, 1});
   return scene;
 }
-// Comes down, stays, slides on, and leaves.
+// Moves down, rests, slides, and leaves.
 Vec3 motionAt(int step) {
   return {step >= 6 && step < 9 ? 0.03 : 0.0, 0, step < 3 ? -0.02 : step >= 9 ? 0.02 : 0.001};
 }
@@ -31,7 +31,7 @@ std::set<int> asSet(const NodeList& list) {
   return nodes;
 }
 
-TEST(TouchedNodes, OnlyTheirAccelerationsAreLookedAtAndOnlyTheyHaveForces) {
+TEST(TouchedNodes, OnlyTheirAccelerationsAreReadAndOnlyTheyHaveForces) {
   const exec_space space;
   EnforcementConfig neutral_config = config();
   neutral_config.scheme = Scheme::energy_neutral;
@@ -83,7 +83,7 @@ TEST(TouchedNodes, OnlyTheirAccelerationsAreLookedAtAndOnlyTheyHaveForces) {
   EXPECT_GT(without, 4);
 }
 
-TEST(TouchedNodes, ManyAreAllAndNoneIsNone) {
+TEST(TouchedNodes, ManyAreListedAsAllAndNoneAsNone) {
   const exec_space space;
   SceneRun run(smallOnLarge(), MPI_COMM_SELF, onOneRank);
   for (int step = 0; step < 5; ++step) {
@@ -99,7 +99,7 @@ TEST(TouchedNodes, ManyAreAllAndNoneIsNone) {
   touched.add(space, run.part.surface(), pairs);
   const std::set<int> listed = asSet(touched.list());
   EXPECT_GT(listed.size(), 4u);
-  touched.add(space, run.part.surface(), pairs); // again: no more of them
+  touched.add(space, run.part.surface(), pairs); // adding them twice lists them once
   EXPECT_EQ(asSet(touched.list()), listed);
   touched.clear(space);
   EXPECT_EQ(touched.list().count, 0);
@@ -111,7 +111,8 @@ TEST(TouchedNodes, ManyAreAllAndNoneIsNone) {
   EXPECT_EQ(of_few.list().count, static_cast<std::int64_t>(listed.size()));
 }
 
-// Edges stand for their boxes, whose corners do not move further than the edges do: lists of edges are kept, too.
+// Lists of edges are kept, too: edges are represented by their boxes, whose corners do not move
+// farther than the edges do.
 TEST(EdgeLists, AreKeptWithinTheMarginAndChangeNoBit) {
   EdgeRun anew(crossedRidges(0.05), MPI_COMM_SELF, onOneRank);
   EdgeRun kept(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, {}, 0.2);
@@ -122,7 +123,7 @@ TEST(EdgeLists, AreKeptWithinTheMarginAndChangeNoBit) {
     anew.move(1, motion);
     kept.move(1, motion);
     EXPECT_EQ(anew.step(), kept.step()) << step;
-    EXPECT_EQ(anew.sums.touching, kept.sums.touching) << step;
+    EXPECT_EQ(anew.sums.penetrating, kept.sums.penetrating) << step;
     active += anew.sums.active;
   }
   EXPECT_GT(active, 5);

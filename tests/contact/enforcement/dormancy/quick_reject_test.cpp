@@ -1,5 +1,5 @@
-// Tests that come before the exact ones never reject what those accept, and reject most of what is far; what is known of many
-// contacts together is what is known of each alone, bit by bit.
+// Quick tests never reject a pair that the exact tests accept, and reject most distant pairs; data
+// of many persistent contacts equal those of each alone bit for bit.
 #include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 #include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
@@ -26,7 +26,7 @@ private:
   std::mt19937_64 _engine{7};
 };
 
-// Faces with four nodes each of their own, then `more` nodes.
+// Faces with four nodes of their own each, followed by `more` nodes.
 struct LoneFaces {
   LoneFaces(int n, int more, int words)
       : count(n), x_old("x_old", 4 * n + more), x_new("x_new", 4 * n + more),
@@ -68,7 +68,7 @@ Vec3 turned(const Vec3& p, const Vec3& axis_angle) {
          (1 - std::cos(angle)) * dot(k, p) * k;
 }
 
-// Whether EdgeBirths takes it that the edges of pair_of(pair) may touch, each asked for in a row of its own.
+// Whether EdgeActivationTest accepts the edges of pair_of(pair), each pair in a row of its own.
 template <class PairOf>
 std::vector<bool> mayPenetrate(const LoneFaces& edges, int num_pairs, const PairOf& pair_of) {
   const FaceAccess faces{edges.surface, GhostFaces()};
@@ -81,19 +81,19 @@ std::vector<bool> mayPenetrate(const LoneFaces& edges, int num_pairs, const Pair
   std::vector<bool> all;
   constexpr int rows = 32;
   for (int first = 0; first < num_pairs; first += rows) {
-    EdgeBirths<Lanes> births{faces,
-                             records,
-                             {EdgeEdgeKinematics::least_sine, 0.5 * 0.05,
-                              EdgeEdgeKinematics::deepest_birth,
-                              1 + EdgeEdgeKinematics::beyond_side * 0.05},
-                             0,
-                             {},
-                             {}};
+    EdgeActivationTest<Lanes> activations{faces,
+                                          records,
+                                          {EdgeEdgeKinematics::least_sine, 0.5 * 0.05,
+                                           EdgeEdgeKinematics::max_activation_depth,
+                                           1 + EdgeEdgeKinematics::side_overhang * 0.05},
+                                          0,
+                                          {},
+                                          {}};
     for (int row = 0; row < rows && first + row < num_pairs; ++row)
-      births.add(row, pair_of(first + row)[0], pair_of(first + row)[1]);
-    births.finish();
+      activations.add(row, pair_of(first + row)[0], pair_of(first + row)[1]);
+    activations.finish();
     for (int row = 0; row < rows && first + row < num_pairs; ++row)
-      all.push_back(births.rows >> row & 1u);
+      all.push_back(activations.rows >> row & 1u);
   }
   return all;
 }
@@ -112,7 +112,7 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
     const Vec3 away = {random(-beside, beside), random(-beside, beside), random(-spread, spread)};
     for (int j = 0; j < 4; ++j) {
       edges.set(8 * pair + j, ridge[j], ridge[j]);
-      const Vec3 above = {ridge[j].y, ridge[j].x, -ridge[j].z}; // turned over, and across
+      const Vec3 above = {ridge[j].y, ridge[j].x, -ridge[j].z}; // upside down, and across
       const Vec3 x = turned(above, turn) + away;
       edges.set(8 * pair + 4 + j, x, x + Vec3{0, 0, pair % 5 ? 0.7 : 0.0});
     }
@@ -120,37 +120,37 @@ TEST(QuickReject, NeverRejectsEdgesThatCross) {
       edges.edge(e).cosine = 0;
       edges.edge(e).sine = 1;
       edges.edge(e).goes_on = pair % 4;
-      for (int side = 0; side < 2; ++side) // of one pair in four so narrow that it may be spanned
+      for (int side = 0; side < 2; ++side) // one pair in four is so narrow that it may be spanned
         edges.edge(e).width[side] = pair % 4 == 1 ? random(0.01, 0.5) : 10;
     }
   }
-  EdgeEdgeKinematics touch;
-  touch.lateral_tolerance = 0.05;
-  touch.edge_tolerance = 0.2;
-  touch.num_corners = 8 * n;
+  EdgeEdgeKinematics kinematics;
+  kinematics.lateral_tolerance = 0.05;
+  kinematics.edge_tolerance = 0.2;
+  kinematics.num_corners = 8 * n;
   const FaceAccess faces{edges.surface, GhostFaces()};
   const std::vector<bool> may_touch = mayPenetrate(edges, n, [](int pair) {
     return std::array<int, 2>{2 * pair, 2 * pair + 1};
   });
   int accepted = 0, spanning = 0, rejected = 0;
   for (int pair = 0; pair < n; ++pair) {
-    const int node = touch.num_corners + 2 * pair, other = 2 * pair + 1;
-    FaceContact hit;
-    hit.previous = -1;
-    const bool touches = touch.test(faces, node, other, ContactTest::activate, hit);
-    EXPECT_TRUE(!touches || may_touch[pair]) << pair;
-    accepted += touches;
-    if (touches && pair % 4 == 1) {
+    const int node = kinematics.num_corners + 2 * pair, other = 2 * pair + 1;
+    FaceContact contact;
+    contact.previous = -1;
+    const bool is_in_contact = kinematics.test(faces, node, other, ContactTest::activate, contact);
+    EXPECT_TRUE(!is_in_contact || may_touch[pair]) << pair;
+    accepted += is_in_contact;
+    if (is_in_contact && pair % 4 == 1) {
       for (int e = 2 * pair; e < 2 * pair + 2; ++e)
         for (int side = 0; side < 2; ++side)
           edges.edge(e).width[side] = 10;
-      spanning += !touch.test(faces, node, other, ContactTest::activate, hit);
+      spanning += !kinematics.test(faces, node, other, ContactTest::activate, contact);
     }
     rejected += !may_touch[pair];
   }
   EXPECT_GT(accepted, n / 100);
   EXPECT_GT(spanning, 10); // accepted only because they span a side
-  EXPECT_GT(rejected, n - 2 * accepted); // few are left for the whole test
+  EXPECT_GT(rejected, n - 2 * accepted); // few pairs remain for the exact test
 }
 
 TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
@@ -177,7 +177,7 @@ TEST(QuickReject, RejectsEdgesThatLieFlushOrSideBySide) {
   EXPECT_FALSE(may_touch[1]);
 }
 
-// Bent, flat, repeated corners, and none that is a face at all.
+// Warped, flat, with repeated corners, and degenerate faces.
 Vec3 cornerOf(int kind, int j, Random& random) {
   static const Vec3 square[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   if (kind == 0)
@@ -189,7 +189,7 @@ Vec3 cornerOf(int kind, int j, Random& random) {
   return square[j] + random.vector(kind == 3 ? 0.02 : 0.6);
 }
 
-TEST(KnownContacts, AreThoseOfEachAlone) {
+TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
   if (!host_accessible)
     GTEST_SKIP() << "on a host";
   Random random;
@@ -251,7 +251,7 @@ TEST(KnownContacts, AreThoseOfEachAlone) {
   EXPECT_GT(on_others, n / 10);
 }
 
-TEST(MeanPlane, RejectsAllThatStandBeforeAFlatFace) {
+TEST(MeanPlane, RejectsEveryPointInFrontOfAFlatFace) {
   Random random;
   const MeanPlane plane = meanPlane(Quad{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
   for (int trial = 0; trial < 1000; ++trial) {

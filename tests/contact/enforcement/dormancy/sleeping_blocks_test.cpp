@@ -1,4 +1,5 @@
-// Rows of candidates that sleep wake in time: with them contact is what it is when everything is looked at in every step, bit by bit.
+// Dormant rows of candidates wake in time: contact is the same as if everything were tested in
+// every step, bit by bit.
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/edge_run.hpp"
@@ -21,7 +22,7 @@ std::vector<double> numbersOf(const ViewType& view, std::size_t rows) {
   return all;
 }
 
-// Five bricks, not quite flush, that swing, turn and bend by a little, each in its own way.
+// Five bricks, not quite flush, that swing, rotate and bend a little, each with its own period.
 class SwingingBricks {
 public:
   explicit SwingingBricks(double speed) : _speed(speed) {
@@ -55,7 +56,7 @@ private:
   std::vector<Vec3> _rest;
 };
 
-// Contact of nodes and of edges by the search of the program.
+// Node-to-face and edge-to-edge contact with the program's search.
 struct SearchedRun {
   template <class Cut>
   SearchedRun(const Scene& scene, MPI_Comm comm, const Cut& cut, double margin,
@@ -82,7 +83,7 @@ struct SearchedRun {
                              numbersOf(enforcement.gap(), part.surface().num_nodes)})
       all.insert(all.end(), more.begin(), more.end());
     for (const ContactSums& one : {sums.nodes, sums.edges})
-      for (const double number : {double(one.touching), double(one.interactions),
+      for (const double number : {double(one.penetrating), double(one.interactions),
                                   double(one.active), double(one.lost), one.deepest})
         all.push_back(number);
     return all;
@@ -96,10 +97,10 @@ struct SearchedRun {
 };
 
 struct Count {
-  std::int64_t touching = 0, woken = 0, asleep = 0, edges_asleep = 0;
+  std::int64_t penetrating = 0, woken = 0, asleep = 0, edges_asleep = 0;
 };
 
-// Searches on a device make all rows anew, and say so of each: none sleeps there.
+// On a device each search makes all rows anew and marks them as changed: none sleeps there.
 constexpr bool rows_last = cluster_size > 1;
 
 Count compare(double speed, double margin, int num_steps) {
@@ -117,21 +118,22 @@ Count compare(double speed, double margin, int num_steps) {
     a.step(bricks.scene);
     b.step(bricks.scene);
     EXPECT_EQ(a.result(), b.result()) << "step " << step;
-    count.touching += a.sums.nodes.touching;
+    count.penetrating += a.sums.nodes.penetrating;
     count.woken += a.asleep < before;
     count.asleep += a.asleep;
     count.edges_asleep += a.edges_asleep;
     EXPECT_EQ(b.asleep, 0);
   }
-  for (std::int64_t* number : {&count.touching, &count.woken, &count.asleep, &count.edges_asleep})
+  for (std::int64_t* number :
+       {&count.penetrating, &count.woken, &count.asleep, &count.edges_asleep})
     *number = allReduce(world, *number, MPI_SUM);
   return count;
 }
 
-TEST(SleepingBlocks, BricksThatComeAndGoTouchAsIfAllRowsWereLookedAtInEachStep) {
+TEST(SleepingBlocks, DormancyChangesNoContactOfSwingingBricks) {
   for (const double speed : {0.25, 1.0, 4.0}) {
     const Count count = compare(speed, 0, 250);
-    EXPECT_GT(count.touching, 1000) << speed;
+    EXPECT_GT(count.penetrating, 1000) << speed;
     if (sizeOf(world) > 1 || !rows_last) // most blocks have ghosts
       continue;
     EXPECT_GT(count.asleep, 50) << speed;
@@ -140,21 +142,22 @@ TEST(SleepingBlocks, BricksThatComeAndGoTouchAsIfAllRowsWereLookedAtInEachStep) 
   }
 }
 
-TEST(SleepingBlocks, SoTheyDoWithListsThatAreKept) {
+TEST(SleepingBlocks, DormancyChangesNoContactWithKeptLists) {
   const Count count = compare(1.0, 0.05, 400);
-  EXPECT_GT(count.touching, 1000);
+  EXPECT_GT(count.penetrating, 1000);
   if (sizeOf(world) > 1)
     return;
   EXPECT_GT(count.asleep, 100);
   EXPECT_GT(count.woken, 10);
 }
 
-// The upper body of two swings over the lower one, turns, rolls by up to `roll` and meets it now and then.
+// The upper of two bodies swings over the lower one, rotates, rolls by up to `roll` and meets it
+// from time to time.
 void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
   EnforcementConfig with = config(), without = config();
   without.skip_stationary = false;
   EdgeRun a(scene, MPI_COMM_SELF, onOneRank, with), b(scene, MPI_COMM_SELF, onOneRank, without);
-  std::int64_t touching = 0, asleep = 0, woken = 0;
+  std::int64_t penetrating = 0, asleep = 0, woken = 0;
   for (int step = 0; step < 600; ++step) {
     const double angle = 0.3 * std::sin(0.013 * step), shift = 0.4 * std::sin(0.017 * step),
                  lift = 0.07 * std::sin(0.021 * step), rolled = roll * std::sin(0.031 * step);
@@ -169,30 +172,31 @@ void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
     }
     const std::int64_t before = a.edges->sleeping().numAwake();
     EXPECT_EQ(a.step(), b.step()) << step;
-    EXPECT_EQ(a.sums.touching, b.sums.touching) << step;
+    EXPECT_EQ(a.sums.penetrating, b.sums.penetrating) << step;
     EXPECT_EQ(a.sums.deepest, b.sums.deepest) << step;
     const SleepingBlocks& sleeping = a.edges->sleeping();
-    touching += a.sums.touching;
-    woken += sleeping.numAwake() > before || (before < sleeping.numBlocks() && a.sums.touching > 0);
+    penetrating += a.sums.penetrating;
+    woken +=
+        sleeping.numAwake() > before || (before < sleeping.numBlocks() && a.sums.penetrating > 0);
     asleep += sleeping.numBlocks() - sleeping.numAwake();
   }
-  EXPECT_GT(touching, 50);
+  EXPECT_GT(penetrating, 50);
   if (rows_last) {
     EXPECT_GT(asleep, least_asleep);
     EXPECT_GT(woken, 1);
   }
 }
 
-TEST(SleepingBlocks, EdgesThatCrossNowAndThenTouchAsIfAllWereLookedAtInEachStep) {
+TEST(SleepingBlocks, DormancyChangesNoContactOfEdges) {
   swing(crossedRidges(0.05), 0, 100);
 }
 
-TEST(SleepingBlocks, SoDoEdgesOfBarsThatCrossFlush) {
+TEST(SleepingBlocks, DormancyChangesNoContactOfBarsThatCrossFlush) {
   swing(crossedBars(0.05, 0, 0), 0.4, 20);
 }
 
-// A wall of four bricks that fly apart: after the first steps nothing is looked at.
-TEST(SleepingBlocks, WhatFliesApartSleeps) {
+// A wall of four bricks that fly apart: after the first steps nothing is tested.
+TEST(SleepingBlocks, BodiesThatFlyApartBecomeDormant) {
   if (!rows_last)
     GTEST_SKIP() << "on a device rows are made anew in each search";
   Scene scene;
@@ -204,7 +208,7 @@ TEST(SleepingBlocks, WhatFliesApartSleeps) {
     for (int body = 0; body < 4; ++body)
       scene.move(body, {body % 2 ? 1e-3 : -1e-3, 0, body < 2 ? -1e-3 : 1e-3});
     run.step(scene);
-    EXPECT_EQ(run.sums.nodes.touching + run.sums.edges.touching, 0);
+    EXPECT_EQ(run.sums.nodes.penetrating + run.sums.edges.penetrating, 0);
     if (step > 0) {
       EXPECT_GT(5 * run.asleep, 4 * run.enforcement.sleeping().numBlocks()) << step;
       EXPECT_GT(5 * run.edges_asleep, 4 * run.edges.sleeping().numBlocks()) << step;
@@ -237,16 +241,16 @@ TEST(SurfaceMotion, SumsBoundTheMotionOfEveryNode) {
         }
 }
 
-// Two bodies; the sums are set by hand.
-TEST(KeptBound, HoldsUntilTheGapMayBeClosedOrTheBodiesHaveTurned) {
+// Two bodies; the sums are set explicitly.
+TEST(SeparationBound, HoldsUntilTheGapMayCloseOrTheBodiesHaveRotated) {
   if (!host_accessible)
     GTEST_SKIP() << "on a host";
   const View<double* [6]> host("sums", 2);
   const View<global_id*> ids("ids", 2);
-  KeptBound bound;
+  SeparationBound bound;
   bound.start(BodyMotions{ids, host}, 0, 1);
   Separation apart;
-  apart.most_spread = 0.1;
+  apart.max_spread = 0.1;
   apart.gap = 0.5;
   apart.normal = {0, 0, 1};
   apart.arm = 2;
@@ -261,10 +265,10 @@ TEST(KeptBound, HoldsUntilTheGapMayBeClosedOrTheBodiesHaveTurned) {
   EXPECT_TRUE(holds({}, {}));
   EXPECT_TRUE(holds({0, 0, -0.49}, {0, 0, -0.49})); // w, closing
   EXPECT_FALSE(holds({0, 0, -0.51}, {0, 0, -0.51}));
-  EXPECT_TRUE(holds({9, -9, 9}, {9, -9, 9})); // sideways and off
+  EXPECT_TRUE(holds({9, -9, 9}, {9, -9, 9})); // sideways and apart
   EXPECT_TRUE(holds({0, 0, -0.4}, {0, 0, -0.36})); // .4 + 2 * .04
   EXPECT_FALSE(holds({0, 0, -0.4}, {0, 0, -0.34})); // .4 + 2 * .06
-  EXPECT_FALSE(holds({0, 0, 9}, {0, 0, 9.11})); // turned too far for any
+  EXPECT_FALSE(holds({0, 0, 9}, {0, 0, 9.11})); // rotated too far for any bound
 }
 
 } // namespace

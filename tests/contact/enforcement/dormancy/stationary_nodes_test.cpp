@@ -1,4 +1,4 @@
-// What stands still is left out of contact, and nothing changes by it.
+// Stationary nodes and faces are skipped by contact, which changes no result.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
@@ -7,7 +7,8 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// Three bricks that stand flush, and one that comes and goes, with pauses in which all stand.
+// Three bricks that lie flush, and one that comes and goes, with pauses in which all are
+// stationary.
 Scene bricks() {
   Scene scene;
   scene.addBox({0, 0, 0}, {2, 1, 1}, {4, 2, 2});
@@ -32,7 +33,7 @@ std::vector<double> listOf(const ViewType& view) {
   return list;
 }
 
-TEST(StationaryNodes, LeavingThemOutChangesNoBitOfNodesAndFaces) {
+TEST(StationaryNodes, SkippingThemChangesNoBitOfNodeToFaceContact) {
   EnforcementConfig with = config(), without = config();
   without.skip_stationary = false;
   const auto cut = [](int element) { return (element / 16) % sizeOf(MPI_COMM_WORLD); };
@@ -44,19 +45,19 @@ TEST(StationaryNodes, LeavingThemOutChangesNoBitOfNodesAndFaces) {
       run->scene.move(3, motionAt(step));
     }
     EXPECT_EQ(a.step(), b.step()) << step;
-    EXPECT_EQ(a.sums.touching, b.sums.touching) << step;
+    EXPECT_EQ(a.sums.penetrating, b.sums.penetrating) << step;
     EXPECT_EQ(a.sums.interactions, b.sums.interactions) << step;
     EXPECT_EQ(a.sums.deepest, b.sums.deepest) << step;
     EXPECT_EQ(listOf(a.enforcement.status()), listOf(b.enforcement.status())) << step;
     EXPECT_EQ(listOf(a.enforcement.gap()), listOf(b.enforcement.gap())) << step;
     active += a.sums.active > 0;
-    idle += a.sums.touching == 0;
+    idle += a.sums.penetrating == 0;
   }
   EXPECT_GT(active, 3);
   EXPECT_GT(idle, 3);
 }
 
-TEST(StationaryNodes, LeavingThemOutChangesNoBitOfEdges) {
+TEST(StationaryNodes, SkippingThemChangesNoBitOfEdgeToEdgeContact) {
   EnforcementConfig with = config(), without = config();
   without.skip_stationary = false;
   EdgeRun a(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, with);
@@ -67,14 +68,14 @@ TEST(StationaryNodes, LeavingThemOutChangesNoBitOfEdges) {
     a.move(1, motion);
     b.move(1, motion);
     EXPECT_EQ(a.step(), b.step()) << step;
-    EXPECT_EQ(a.sums.touching, b.sums.touching) << step;
+    EXPECT_EQ(a.sums.penetrating, b.sums.penetrating) << step;
     EXPECT_EQ(a.sums.interactions, b.sums.interactions) << step;
     active += a.sums.active > 0;
   }
   EXPECT_GT(active, 3);
 }
 
-TEST(StationaryNodes, FlagsTellWhatStands) {
+TEST(StationaryNodes, FlagsMarkStationaryNodesAndFaces) {
   const exec_space space;
   Scene scene = bricks();
   ScenePart part(scene, MPI_COMM_SELF, onOneRank, 0.3);
@@ -87,7 +88,7 @@ TEST(StationaryNodes, FlagsTellWhatStands) {
     const auto flags = listOf(still.flags().faces);
     return still.flags().is_any ? flags : std::vector<double>(flags.size(), 0.0);
   };
-  for (const double flag : update()) // never seen before
+  for (const double flag : update()) // first call
     EXPECT_EQ(flag, 0);
   for (const double flag : update())
     EXPECT_EQ(flag, 1);
@@ -98,7 +99,7 @@ TEST(StationaryNodes, FlagsTellWhatStands) {
   const auto moved = update();
   for (std::size_t face = 0; face < moved.size(); ++face)
     EXPECT_EQ(moved[face], scene.faces[face].body != 3) << face;
-  scene.step(); // it stands now, but was on its way in the last step
+  scene.step(); // at rest now, but moving in the last step
   for (const double flag : update())
     EXPECT_EQ(flag, 1);
   EXPECT_FALSE(still.isUnchanged());

@@ -1,5 +1,5 @@
-// When contacts begin, end and go on: nodes that have not come through a face, contacts that ended through it, wedges between
-// faces and edges that turn parallel.
+// Activation, end and continuation of contacts: nodes that have not entered through a face,
+// contacts that ended through it, wedges between faces, and edges that turn parallel.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
@@ -12,9 +12,9 @@ double storedIn(const ContactSums& sums) {
   return sums.terms.sum[spring_stored].value(energyScale());
 }
 
-// A corner of three edges that stand `slim` off its axis, which is tilted by `tilt` towards `azimuth` (radians), came down by .01 into
-// a plate. Whether its tip is in contact.
-bool tipTouches(double slim, double tilt, double azimuth) {
+// Whether the tip of a corner is in contact that moved into a plate by 0.01. Its three edges are
+// `slim` off its axis, which is tilted by `tilt` towards `azimuth` (radians).
+bool isTipInContact(double slim, double tilt, double azimuth) {
   Scene scene;
   scene.addBox({-4, -4, -1}, {8, 8, 1}, {1, 1, 1});
   Vec3 edge[3];
@@ -36,14 +36,15 @@ bool tipTouches(double slim, double tilt, double azimuth) {
   return contact.size() == 1 && contact[0].depth > 0.009 && contact[0].stiffness > 0;
 }
 
-// A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that came down by `fall`.
-ContactSums blockInPlate(double depth, double fall, double deepest_birth) {
+// A plate [0, 4] x [0, 4] x [-1, 0] and on it a block [1, 3] x [1, 3] x [-depth, 1 - depth] that
+// moved down by `fall`.
+ContactSums blockInPlate(double depth, double fall, double max_activation_depth) {
   Scene scene;
   scene.addBox({0, 0, -1}, {4, 4, 1}, {4, 4, 1});
   const int block = scene.addBox({1, 1, -depth}, {2, 2, 1}, {2, 2, 1});
   scene.cameBy(block, {0, 0, -fall});
   EnforcementConfig c = config();
-  c.deepest_birth = deepest_birth;
+  c.max_activation_depth = max_activation_depth;
   auto run = alone(scene, c);
   run->step();
   const auto contact = run->of(run->scene.nodeAt(block, {2, 2, -depth}));
@@ -56,23 +57,23 @@ ContactSums blockInPlate(double depth, double fall, double deepest_birth) {
   return run->sums;
 }
 
-TEST(ContactBirth, ANodeFarBehindAFaceIsCaughtOnlyIfThisStepBroughtItThere) {
-  EXPECT_EQ(blockInPlate(0.25, 0.00, 0.125).touching, 0);
-  EXPECT_EQ(blockInPlate(0.25, 0.12, 0.125).touching, 0); // P > deepest_birth + closing
+TEST(ContactActivation, NodeFarBehindAFaceBecomesActiveOnlyByThisStepsMotion) {
+  EXPECT_EQ(blockInPlate(0.25, 0.00, 0.125).penetrating, 0);
+  EXPECT_EQ(blockInPlate(0.25, 0.12, 0.125).penetrating, 0); // P > max_activation_depth + approach
   EXPECT_GT(blockInPlate(0.25, 0.13, 0.125).active, 0);
   EXPECT_GT(blockInPlate(0.25, 0.25, 0.125).active, 0);
-  EXPECT_EQ(blockInPlate(0.25, -0.2, 0.125).touching, 0); // it comes from deeper
+  EXPECT_EQ(blockInPlate(0.25, -0.2, 0.125).penetrating, 0); // it comes from farther inside
 }
 
-TEST(ContactBirth, ANodeNearAFaceIsTakenAsAnOverlapHoweverItCame) {
-  EXPECT_GT(blockInPlate(0.12, 0.0, 0.125).touching, 0);
+TEST(ContactActivation, NodeJustBehindAFaceBecomesActiveWithAnyMotion) {
+  EXPECT_GT(blockInPlate(0.12, 0.0, 0.125).penetrating, 0);
   EXPECT_EQ(blockInPlate(0.12, 0.0, 0.125).active, 0);
-  EXPECT_GT(blockInPlate(0.12, -0.2, 0.125).touching, 0);
-  EXPECT_GT(blockInPlate(0.25, 0.0, HUGE_VAL).touching, 0);
+  EXPECT_GT(blockInPlate(0.12, -0.2, 0.125).penetrating, 0);
+  EXPECT_GT(blockInPlate(0.25, 0.0, HUGE_VAL).penetrating, 0);
 }
 
-// A body with an inner corner along y: the floor z = 0 for 0 < x < 1, the wall x = 1 for 0 < z < 1; and a block [.7, 1] x [.3,
-// .7] x [0, .3] moved by `at` from there.
+// A body with an inner corner along y: the floor z = 0 for 0 < x < 1, the wall x = 1 for 0 < z < 1;
+// and a block [0.7, 1] x [0.3, 0.7] x [0, 0.3] moved by `at` from there.
 Scene blockInCorner(const Vec3& at) {
   Scene scene;
   scene.addBrick({2, 1, 1}, {2, 1, 1}, 1, [](const Vec3& p) {
@@ -84,9 +85,10 @@ Scene blockInCorner(const Vec3& at) {
   return scene;
 }
 
-// The node leaves the floor, upwards, and in the same step goes on into the wall of the same body, where it stood already a
-// little behind the wall's plane: the floor's energy has been given back and is not carried over to the wall.
-TEST(ContactBirth, ALoadedNodeThatLeavesThroughItsFaceMeetsTheNextOneAnew) {
+// The node leaves the floor upwards and moves on in the same step into the wall of the same body,
+// where it was a little behind the wall's plane already. The floor's energy has been returned and
+// is not transferred to the wall.
+TEST(ContactActivation, LoadedNodeThatLeavesThroughItsFaceStartsAnewOnTheNext) {
   Scene scene = blockInCorner({0.002, 0, -0.03});
   scene.cameBy(1, {0, 0, -0.03});
   auto run = alone(scene, config());
@@ -102,35 +104,37 @@ TEST(ContactBirth, ALoadedNodeThatLeavesThroughItsFaceMeetsTheNextOneAnew) {
   const auto at_wall = run->of(node);
   ASSERT_EQ(at_wall.size(), 1u);
   EXPECT_EQ(at_wall[0].face, 6 + 5);
-  EXPECT_NEAR(at_wall[0].offset, 0.002, 1e-15); // P - closing
+  EXPECT_NEAR(at_wall[0].offset, 0.002, 1e-15); // P - approach
   EXPECT_NEAR(at_wall[0].depth, 0.003, 1e-15);
   EXPECT_EQ(at_wall[0].stored, 0);
   EXPECT_EQ(at_wall[0].is_new, 1);
   EXPECT_EQ(storedIn(run->sums), 0);
 }
 
-// No face of a slim corner is turned to the plate by much, but the corner is.
-TEST(ContactBirth, CornersTouchFacesHoweverSlimAndTilted) {
+// No face of a slim corner opposes the plate by much, but the corner does.
+TEST(ContactActivation, CornersAreInContactHoweverSlimAndTilted) {
   constexpr double degree = M_PI / 180;
   for (const double slim : {60.0, 36.0, 20.0, 8.0, 2.0, 0.3})
     for (double tilt = 0; tilt + slim < 85; tilt += 2)
       for (double azimuth = 0; azimuth <= 60; azimuth += 10)
-        EXPECT_TRUE(tipTouches(slim * degree, tilt * degree, azimuth * degree))
+        EXPECT_TRUE(isTipInContact(slim * degree, tilt * degree, azimuth * degree))
             << "edges " << slim << " off the axis, tilt " << tilt << ", azimuth " << azimuth;
 }
 
-// One that is still behind the floor takes its energy along to the wall, less what the floor gave back on the way.
-TEST(ContactBirth, ALoadedNodeThatSlidesToTheNextFaceKeepsTheEnergyThatIsLeft) {
+// A node that is still behind the floor takes its energy along to the wall, less what the floor
+// returned on the way.
+TEST(ContactActivation, LoadedNodeThatSlidesToTheNextFaceKeepsItsRemainingEnergy) {
   Scene scene = blockInCorner({-0.01, 0, -0.03});
   scene.cameBy(1, {0, 0, -0.03});
   scene.fix(
-      0); // else the mass of the face's corners, and with it the stiffness, would differ a little
+      // otherwise the mass of the face's corners, and with it the stiffness, would differ a little
+      0);
   auto run = alone(scene, config());
   run->step();
   const int node = run->scene.nodeAt(1, {0.99, 0.3, -0.03});
   ASSERT_EQ(run->of(node).size(), 1u);
   run->scene.step();
-  run->scene.move(1, {0.04, 0, 0.01}); // beyond the floor's end; .02 below the wall's lower edge
+  run->scene.move(1, {0.04, 0, 0.01}); // beyond the floor's end; 0.02 below the wall's lower edge
   run->step();
   const auto at_wall = run->of(node);
   ASSERT_EQ(at_wall.size(), 1u);
@@ -139,9 +143,9 @@ TEST(ContactBirth, ALoadedNodeThatSlidesToTheNextFaceKeepsTheEnergyThatIsLeft) {
   EXPECT_EQ(at_wall[0].is_new, 0);
 }
 
-// Two faces of edge length 1 that are bent up by 30 degrees each from the valley along y, and a block with an edge of 60
-// degrees down, which came down the middle by `depth`. A node d below the valley is d cos 30 behind both faces, d in half-lengths beyond the end of
-// either.
+// Two faces of edge length 1, each bent up by 30 degrees from the valley along y, and a block with
+// an edge of 60 degrees down, which moved down the middle by `depth`. A node d below the valley is
+// d cos 30 behind both faces, and d half-lengths beyond the end of either.
 Scene edgeInValley(double depth) {
   Scene scene;
   const double c = std::sqrt(0.75), s = 0.5;
@@ -156,20 +160,20 @@ Scene edgeInValley(double depth) {
   return scene;
 }
 
-// What is deeper than .1 has not come through a face: the sides of the body, which the node is behind all the time, are no way
-// out.
+// Only depths up to 0.1 are accepted as entered through a face: the sides of the body, which the
+// node is always behind, do not count.
 EnforcementConfig shallow() {
   EnforcementConfig c = config();
-  c.deepest_birth = 0.1;
+  c.max_activation_depth = 0.1;
   return c;
 }
 
-TEST(HeldContact, AWedgeBetweenBentFacesKeepsALoadedNode) {
+TEST(RetainedContact, WedgeBetweenBentFacesRetainsALoadedNode) {
   auto run = alone(edgeInValley(0.04), shallow(), 1.0);
   run->step();
   const int node = run->scene.nodeAt(1, {0, 0.3, -0.04});
-  const auto born = run->of(node);
-  ASSERT_EQ(born.size(), 1u);
+  const auto activated = run->of(node);
+  ASSERT_EQ(activated.size(), 1u);
   const double c = std::sqrt(0.75);
   double before = 0.04 * c;
   for (const double d : {0.08, 0.3, 0.49, 0.2, 0.06, 0.03}) { // lateral_tolerance is .05
@@ -178,14 +182,14 @@ TEST(HeldContact, AWedgeBetweenBentFacesKeepsALoadedNode) {
     run->step();
     const auto contact = run->of(node);
     ASSERT_EQ(contact.size(), 1u) << d;
-    EXPECT_EQ(contact[0].face, born[0].face);
-    EXPECT_EQ(contact[0].stiffness, born[0].stiffness);
+    EXPECT_EQ(contact[0].face, activated[0].face);
+    EXPECT_EQ(contact[0].stiffness, activated[0].stiffness);
     EXPECT_NEAR(contact[0].offset, 0, 1e-15);
     EXPECT_NEAR(contact[0].depth, d * c, 1e-15);
     EXPECT_EQ(run->sums.lost, 0);
-    // Both nodes of the edge: the energy goes on.
-    EXPECT_NEAR(storedIn(run->sums), 2 * 0.5 * born[0].stiffness * before * contact[0].depth,
-                1e-14 * born[0].stiffness);
+    // Both nodes of the edge: the energy continues.
+    EXPECT_NEAR(storedIn(run->sums), 2 * 0.5 * activated[0].stiffness * before * contact[0].depth,
+                1e-14 * activated[0].stiffness);
     before = contact[0].depth;
   }
   run->scene.step();
@@ -194,7 +198,7 @@ TEST(HeldContact, AWedgeBetweenBentFacesKeepsALoadedNode) {
   EXPECT_EQ(run->sums.interactions, 0);
 }
 
-TEST(HeldContact, AWedgeNeitherBearsAContactNorHoldsOneThatIsOffByHalfAFace) {
+TEST(RetainedContact, WedgeActivatesNoContactAndRetainsNoneHalfAFaceAway) {
   auto deep = alone(edgeInValley(0.2), shallow(), 1.0);
   deep->step();
   EXPECT_EQ(deep->sums.interactions, 0); // beyond the tolerance of both
@@ -206,7 +210,8 @@ TEST(HeldContact, AWedgeNeitherBearsAContactNorHoldsOneThatIsOffByHalfAFace) {
   EXPECT_EQ(run->sums.interactions, 0);
 }
 
-// Crossing ridges of single edges, with the upper one turned by `angle` from the lower one's direction.
+// Crossing ridges of single edges, with the upper one rotated by `angle` from the lower one's
+// direction.
 Scene ridgesAt(double angle, double gap) {
   Scene scene = crossedRidges(gap, 1);
   Turn{{0, 0, 1}, {}, angle - 0.5 * M_PI}.body(scene, 1); // its ridge was along y
@@ -218,8 +223,8 @@ Interaction onlyInteraction(const EdgeRun& run) {
   return onHost(run.edges->history().interactions)(0);
 }
 
-// Half of s m_red/dt^2 whatever the angle, where there is a contact at all.
-TEST(EdgeBirth, HasItsFullStiffnessFromTheSmallestAngleOn) {
+// Half of s m_red/dt^2 at any angle at which there is a contact.
+TEST(EdgeActivation, HasItsFullStiffnessFromTheSmallestAngleOn) {
   for (const double angle : {0.055, 0.1, 0.3, 1.5}) {
     EdgeRun run(ridgesAt(angle, 0.001), MPI_COMM_SELF, onOneRank);
     run.step();
@@ -227,7 +232,8 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheSmallestAngleOn) {
     run.step();
     ASSERT_EQ(run.sums.active, 1) << angle;
     const Interaction pair = onlyInteraction(run);
-    EXPECT_NEAR(pair.depth, 0.01, 1e-14) << angle; // |x| ~ 1, over the sine of .05
+    // |x| ~ 1, over the sine of 0.05
+    EXPECT_NEAR(pair.depth, 0.01, 1e-14) << angle;
     EXPECT_DOUBLE_EQ(pair.stiffness,
                      0.5 * EnforcementConfig().penalty / (dt * dt) / pair.inverse_mass);
     EXPECT_DOUBLE_EQ(pair.force, pair.stiffness * pair.depth);
@@ -240,8 +246,9 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheSmallestAngleOn) {
   EXPECT_EQ(parallel.sums.interactions, 0);
 }
 
-// The same at the rim of the cone of outward directions: the lower body turned about its ridge, a face almost level.
-TEST(EdgeBirth, HasItsFullStiffnessFromTheRimOfItsConeOn) {
+// The same at the rim of the cone of outward directions: the lower body is rotated about its ridge
+// until a face is almost level.
+TEST(EdgeActivation, HasItsFullStiffnessFromTheRimOfItsConeOn) {
   for (const double inside : {0.045, 0.055, 0.2}) {
     Scene scene = crossedRidges(0.001, 1);
     Turn{{1, 0, 0}, {}, 0.25 * M_PI - inside}.body(scene, 0);
@@ -259,17 +266,17 @@ TEST(EdgeBirth, HasItsFullStiffnessFromTheRimOfItsConeOn) {
   }
 }
 
-// A loaded pair of edges that is turned about the point where they cross, until they are parallel and a little beyond, while the depth
-// swings. The energy of the half step and the work of the forces: k p^n p^{n+1}/2 and -k p^n (p^{n+1} - p^{n-1})/2 add up to a
-// constant exactly.
-TEST(HeldContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
+// A loaded pair of edges is rotated about the point where they cross, until they are parallel and a
+// little beyond, while the depth oscillates. The energy of the half step and the work of the
+// forces, k p^n p^{n+1}/2 and -k p^n (p^{n+1} - p^{n-1})/2, add up to a constant exactly.
+TEST(RetainedContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
   EdgeRun run(ridgesAt(0.5 * M_PI, 0.001), MPI_COMM_SELF, onOneRank);
   run.step();
   run.move(1, {0, 0, -0.031});
   run.step();
-  const Interaction born = onlyInteraction(run);
+  const Interaction activated = onlyInteraction(run);
   double work = 0, total = 0, turned = 0;
-  bool was_held = false;
+  bool was_retained = false;
   for (int step = 0; turned < 0.5 * M_PI + 0.17; ++step) {
     run.scene.step();
     Turn{{0, 0, 1}, {}, -0.02}.body(run.scene, 1);
@@ -278,11 +285,11 @@ TEST(HeldContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
     const auto force = run.step();
     ASSERT_EQ(run.sums.active, 1) << turned;
     const Interaction pair = onlyInteraction(run);
-    EXPECT_EQ(pair.is_held, std::fabs(std::cos(turned)) < 0.05 || was_held) << turned;
-    was_held = pair.is_held;
-    EXPECT_NEAR(pair.stiffness, born.stiffness, 1e-13 * born.stiffness);
-    const double scale =
-        born.stiffness * 0.03 * 0.03; // depths differ from heights by 1e-16/.05 of the ridges' size
+    EXPECT_EQ(pair.is_retained, std::fabs(std::cos(turned)) < 0.05 || was_retained) << turned;
+    was_retained = pair.is_retained;
+    EXPECT_NEAR(pair.stiffness, activated.stiffness, 1e-13 * activated.stiffness);
+    // depths differ from heights by 1e-16/0.05 of the ridges' size
+    const double scale = activated.stiffness * 0.03 * 0.03;
     work += run.sums.terms.sum[spring_work].value(energyScale());
     if (step == 0)
       total = storedIn(run.sums) + work;
@@ -291,12 +298,13 @@ TEST(HeldContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
     EXPECT_EQ(r.sum, (std::array<std::int64_t, 3>{0, 0, 0}));
     EXPECT_LT(norm(r.moment), momentOfRounding(r, 1));
   }
-  EXPECT_TRUE(was_held); // still, though the edges cross again
+  EXPECT_TRUE(was_retained); // retained until now, although the edges cross again
 }
 
-// The lower ridge stays between two edges of the upper one that are bent away from it: where it is pressed in deep, the lines of
-// both edges cross it beyond their ends, by more than the lateral tolerance.
-TEST(HeldContact, AnEdgeSlidesOverABendOfTheOtherEdge) {
+// The lower ridge stays between two edges of the upper one that are bent away from it: where it is
+// pressed in deep, the lines of both edges cross it beyond their ends, by more than the lateral
+// tolerance.
+TEST(RetainedContact, EdgeSlidesOverABendOfTheOtherEdge) {
   constexpr double bend = 0.513, slope = -0.2;
   Scene scene = crossedRidges(0.001);
   for (std::size_t i = 0; i < scene.x_new.size(); ++i)
@@ -323,8 +331,9 @@ TEST(HeldContact, AnEdgeSlidesOverABendOfTheOtherEdge) {
   EXPECT_TRUE(has_been_beyond);
 }
 
-// Parallel edges that slide on: the force goes along the way between the two points, so it brings no couple.
-TEST(HeldContact, ParallelEdgesThatSlideFeelNoCoupleAndEndWhenTheWayIsGone) {
+// Parallel edges that slide: the force acts along the vector between the two points, so it has no
+// couple.
+TEST(RetainedContact, ParallelEdgesThatSlideHaveNoCoupleAndEndWhenTheySeparate) {
   EdgeRun run(ridgesAt(0.06, 0.001), MPI_COMM_SELF, onOneRank);
   run.step();
   run.move(1, {0, 0, -0.031});
@@ -332,7 +341,7 @@ TEST(HeldContact, ParallelEdgesThatSlideFeelNoCoupleAndEndWhenTheWayIsGone) {
   run.scene.step();
   Turn{{0, 0, 1}, {}, -0.06}.body(run.scene, 1);
   run.step();
-  EXPECT_EQ(onlyInteraction(run).is_held, 1);
+  EXPECT_EQ(onlyInteraction(run).is_retained, 1);
   run.move(1, {0.01, 0.015, 0.005});
   const auto force = run.step();
   const Interaction pair = onlyInteraction(run);
@@ -341,7 +350,7 @@ TEST(HeldContact, ParallelEdgesThatSlideFeelNoCoupleAndEndWhenTheWayIsGone) {
   const Resultant r = resultantOf(run.scene, force);
   EXPECT_EQ(r.sum, (std::array<std::int64_t, 3>{0, 0, 0}));
   EXPECT_LT(norm(r.moment), momentOfRounding(r, 1));
-  run.move(1, {-0.01, -0.015, 0.03}); // apart by .005: the way points back
+  run.move(1, {-0.01, -0.015, 0.03}); // apart by 0.005: the vector points back
   run.step();
   EXPECT_EQ(run.sums.interactions, 0);
 }

@@ -1,5 +1,6 @@
-// Energy of impacts of elastic bricks, by the half-step gauge: what each scheme may make or lose. The bricks are of
-// springs, so that no other part of the program is needed. Momentum checks do not see these errors.
+// Energy of impacts of elastic bricks, by the half-step energy: the error of each scheme. The
+// bricks consist of springs, so that no other part of the program is needed. Momentum checks do not
+// see these errors.
 #include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/spring_bricks.hpp"
 
@@ -28,7 +29,7 @@ struct Impact {
   }
 };
 
-// Worst |E/E_0 - 1| over `steps`. E_0 is the kinetic energy of the start.
+// Worst |E/E_0 - 1| over `steps`. E_0 is the initial kinetic energy.
 double worstEnergyError(const Impact& impact, Scheme scheme, int steps) {
   EnforcementConfig config;
   config.scheme = scheme;
@@ -46,12 +47,13 @@ double worstEnergyError(const Impact& impact, Scheme scheme, int steps) {
   return worst;
 }
 
-// Contacts that share nodes change each other's work. Each of the three rounds of correction
-// leaves less than a third of the error of the round before, the first that of the penalty scheme.
-constexpr double left_by_rounds = 1.0 / 27;
+// Contacts that share nodes change each other's work. Each of the three rounds of correction leaves
+// less than a third of the error of the round before, the first of that of the penalty scheme.
+constexpr double remaining_error = 1.0 / 27;
 
-// Two elements of free nodes, so soft that only contact acts: energy is exact but for the finite number of rounds.
-TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
+// Two elements of free nodes, so soft that only contact acts: energy is exact except for the finite
+// number of rounds.
+TEST(ContactEnergy, EnergyNeutralBounceOfFreeNodesKeepsTheEnergy) {
   Impact impact;
   impact.scene.addBox({0, 0, 0}, {1, 1, 1}, {1, 1, 1});
   impact.scene.addBox({0, 0, 1.0004}, {1, 1, 1}, {1, 1, 1});
@@ -59,12 +61,12 @@ TEST(ContactEnergy, NeutralBounceOfFreeNodesKeepsTheEnergy) {
   impact.launch(1, {0, 0, -0.01});
   const double penalty = worstEnergyError(impact, Scheme::penalty, 60);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 60);
-  EXPECT_GT(penalty, 1e-2); // first and last step of the episode
-  EXPECT_LT(neutral, left_by_rounds * penalty);
+  EXPECT_GT(penalty, 1e-2); // first and last step of the contact
+  EXPECT_LT(neutral, remaining_error * penalty);
 }
 
 // The penalty scheme errs by 0.9 % here and by 3.9 % in the next case.
-TEST(ContactEnergy, ObliqueImpactOfRotatedBrick) {
+TEST(ContactEnergy, EnergyNeutralObliqueImpactKeepsTheEnergy) {
   Impact impact;
   impact.scene.addBox({0, 0, 0}, {2, 1, 1}, {8, 4, 4});
   impact.scene.addBrick({2, 1, 1}, {8, 4, 4}, 1, [](const Vec3& p) {
@@ -76,10 +78,10 @@ TEST(ContactEnergy, ObliqueImpactOfRotatedBrick) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 700);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 700);
   EXPECT_LT(penalty, 2e-2);
-  EXPECT_LT(neutral, left_by_rounds * penalty);
+  EXPECT_LT(neutral, remaining_error * penalty);
 }
 
-TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
+TEST(ContactEnergy, EnergyNeutralImpactOnAJointKeepsTheEnergy) {
   Impact impact;
   impact.scene.addBox({0, 0, 0}, {2, 1, 1}, {4, 2, 2});
   impact.scene.addBox({2, 0, 0}, {2, 1, 1}, {4, 2, 2});
@@ -89,7 +91,7 @@ TEST(ContactEnergy, BrickFallsOnTheJointOfTwo) {
   const double penalty = worstEnergyError(impact, Scheme::penalty, 700);
   const double neutral = worstEnergyError(impact, Scheme::energy_neutral, 700);
   EXPECT_LT(penalty, 4e-2);
-  EXPECT_LT(neutral, left_by_rounds * penalty);
+  EXPECT_LT(neutral, remaining_error * penalty);
 }
 
 Interaction springThatHolds(double work) {
@@ -103,19 +105,19 @@ Interaction springThatHolds(double work) {
 }
 double offsetAfter(double work, double held) {
   Interaction spring = springThatHolds(work);
-  InteractionForces<NodeFaceKinematics>::followWork(spring, held);
+  InteractionForces<NodeFaceKinematics>::adjustOffset(spring, held);
   return spring.offset;
 }
 
-// At the half step to come it holds k w p^n p^{n+1}/2, and p = P - e.
-TEST(ContactEnergy, ASpringTakesUpHalfOfTheWorkThatItLacks) {
+// The energy at the next half step is k w p^n p^{n+1}/2, and p = P - e.
+TEST(ContactEnergy, OffsetMakesUpHalfOfTheMissingWork) {
   const double held = 0.01, missing = 1e-4, gain = 0.1 - offsetAfter(held + missing, held);
   EXPECT_NEAR(0.5 * 3 * 0.5 * 0.2 * gain, missing / 2, 1e-17);
   const double loss = offsetAfter(held - missing, held) - 0.1;
   EXPECT_NEAR(loss, gain, 1e-15);
 }
 
-TEST(ContactEnergy, ASpringChangesByNoMoreThanATenthAndNotByRounding) {
+TEST(ContactEnergy, OffsetChangesByATenthAtMostAndNotByRounding) {
   EXPECT_NEAR(offsetAfter(1.0, 0.01), 0.1 - 0.02, 1e-15);
   EXPECT_NEAR(offsetAfter(0.0, 1.0), 0.1 + 0.02, 1e-15);
   EXPECT_EQ(offsetAfter(0.01, 0.01 * (1 + 1e-12)), 0.1);

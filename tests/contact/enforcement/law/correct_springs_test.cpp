@@ -1,5 +1,5 @@
-// Contacts corrected in lanes against the same ones corrected one by one: the same bits of forces, and sums of forces that are those
-// of the interactions, whatever state they are in.
+// Contacts corrected in SIMD lanes against the same contacts corrected one by one: the same bits of
+// forces, and sums of forces that are those of the interactions, in any state of these.
 #include "contact/enforcement/law/correct_springs.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int num_nodes = 40, num_faces = 15, num_pairs = 203; // not a multiple of the lanes
 
-// Random contacts of random nodes with random faces, of which some are ghosts.
+// Random contacts of random nodes with random faces, some of which are ghosts.
 class RandomContacts {
 public:
   explicit RandomContacts(unsigned seed, double force_scale = 1) : _random(seed) {
@@ -132,7 +132,7 @@ Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
   const auto is_changed = outcome.is_changed;
   Kokkos::parallel_for(
       "oneByOne", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
-        const CorrectPair::Correction corrected = correct.of(pairs, i);
+        const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
         is_changed(i) = corrected.changes(pairs.interactions(i));
         PairQuanta quanta;
         add.round(pairs, i, quanta);
@@ -157,7 +157,7 @@ void expectEqual(const ViewType& a, const ViewType& b) {
       EXPECT_EQ(host_a(i, c), host_b(i, c)) << i << " " << c;
 }
 
-TEST(CorrectSprings, AreThoseOfOneByOne) {
+TEST(CorrectSprings, EqualScalarCorrections) {
   for (const unsigned seed : {1u, 2u, 3u})
     for (const double relaxation : {1.0, 0.7}) {
       const Outcome lanes = inLanes(RandomContacts(seed), relaxation);
@@ -180,12 +180,12 @@ TEST(CorrectSprings, AreThoseOfOneByOne) {
     }
 }
 
-TEST(CorrectSprings, ThoseThatDoNotFitAreLeftAlone) {
+TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
   const RandomContacts contacts(4, 500);
   const auto before = onHost(RandomContacts(4, 500).pairs().interactions);
   const Outcome lanes = inLanes(contacts, 1);
   EXPECT_GT(lanes.num_left, num_pairs / 2);
-  EXPECT_LT(lanes.num_left, num_pairs); // some have hardly a force
+  EXPECT_LT(lanes.num_left, num_pairs); // some forces are almost zero
   const auto pairs = onHost(lanes.pairs.interactions);
   int num_same = 0;
   for (int i = 0; i < num_pairs; ++i)

@@ -1,4 +1,5 @@
-// Contact beyond true edges: the fading force is the gradient of the energy it stands for, and where edges are true.
+// Contact beyond true edges: the fading force is the gradient of its energy, and findFeatureEdges()
+// finds true edges.
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "contact/surface/feature_edges.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
@@ -30,14 +31,14 @@ double energyOf(const Quad& face, const Vec3& node, const FadeRegion& reach) {
   return 0.5 * stiffness * w * p * p;
 }
 
-TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
+TEST(FadingForce, IsTheGradientOfTheFadingEnergy) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int trial = 0; trial < 200; ++trial) {
     Quad face{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
     for (Vec3& x : face.corner)
       x += 0.15 * Vec3{uniform(random), uniform(random), uniform(random)};
-    // Above the edge xi = 1, above the corner, and inside
+    // above the edge xi = 1, above the corner, and inside
     const double xi = trial % 3 == 2 ? 0.5 : 1.05 + 0.1 * std::fabs(uniform(random));
     const double eta =
         trial % 3 == 0 ? 0.7 * uniform(random) : -1.05 - 0.1 * std::fabs(uniform(random));
@@ -46,11 +47,11 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
                          0.25 * (1 + xi) * (1 + eta), 0.25 * (1 - xi) * (1 + eta)};
     for (int j = 0; j < 4; ++j)
       node += N[j] * face.corner[j];
-    node.z -= trial % 2 ? 0.05 : 0.15; // the fading way is the least one, or grows with the depth
+    node.z -= trial % 2 ? 0.05 : 0.15; // the fade length is the least one, or grows with the depth
     const FacePoint point = project(face, node);
     ASSERT_TRUE(point.has_parameters);
     const double p = -point.gap - offset;
-    // Half-lengths of the face enter as constants: they change by strains.
+    // Half-lengths of the face are constants here; they change with strains only.
     const FadeRegion reach = allEdges(face);
     const LateralForce lateral =
         lateralForce(face, point.xi, point.eta, point.normal, -point.gap, reach, stiffness, p);
@@ -77,7 +78,7 @@ TEST(FadingForce, IsTheGradientOfTheTaperedEnergy) {
   }
 }
 
-TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheReach) {
+TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheEndOfTheFadeLength) {
   FadeRegion reach;
   reach.mask = 2 + 8; // xi = 1 and xi = -1
   EXPECT_EQ(fadeWeightAt(reach, 0, 1.02, 0).value, 1);
@@ -88,8 +89,9 @@ TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheReach) {
   EXPECT_NEAR(fadeWeightAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
 }
 
-// The edges of boxes, however cut: 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1) segments.
-TEST(FeatureEdges, OfABoxAreItsTwelveEdgesOnAnyCut) {
+// The edges of boxes, for every partition: the 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1)
+// segments.
+TEST(FeatureEdges, FindsTheTwelveEdgesOfABoxForEveryPartition) {
   Scene scene;
   scene.addBox({0, 0, 0}, {2, 3, 1}, {2, 3, 1});
   const int size = sizeOf(MPI_COMM_WORLD);
@@ -108,15 +110,15 @@ TEST(FeatureEdges, OfABoxAreItsTwelveEdgesOnAnyCut) {
     for (const double width : edge.width)
       EXPECT_EQ(width, 1);
   }
-  // Of an edge of n segments, 2 (n - 1) ends go on: 4 (2 (2 - 1) + 2 (3 - 1)).
+  // Of an edge of n segments, 2 (n - 1) ends continue: 4 (2 (2 - 1) + 2 (3 - 1)).
   int going_on = 0;
   for (const FeatureEdge& edge : edges.convex)
     going_on += (edge.goes_on & 1) + (edge.goes_on >> 1);
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, going_on, MPI_SUM), 24);
 }
 
-TEST(FeatureEdges, OfASmoothBodyAreNone) {
-  Scene scene; // a plate bent to an arc: face angles of 0.2, but for its rim
+TEST(FeatureEdges, FindsNoneOnASmoothBody) {
+  Scene scene; // a plate bent to an arc: face angles of 0.2, except at its rim
   scene.addBrick({4, 1, 1}, {8, 1, 1}, 1, [](const Vec3& p) {
     const double angle = 0.4 * p.x, radius = 5 + p.z;
     return Vec3{radius * std::sin(angle), p.y, radius * std::cos(angle)};
@@ -127,11 +129,12 @@ TEST(FeatureEdges, OfASmoothBodyAreNone) {
   EXPECT_EQ(edges.convex.size(), 4u * 8 + 8); // along both sides, and the two ends
 }
 
-// Two blocks of one body side by side at different heights: the step's inner edge is true but not convex.
-TEST(FeatureEdges, ReentrantEdgesAreTrueButPushNobody) {
+// Two blocks of one body side by side at different heights: the inner edge of the step is true but
+// not convex.
+TEST(FeatureEdges, ReentrantEdgesAreTrueButNotConvex) {
   Scene scene;
   scene.addBrick({2, 1, 1}, {2, 1, 1}, 1, [](const Vec3& p) {
-    // an L: the second half turns down
+    // an L: the second half is bent down
     return p.x > 1.5 ? Vec3{1 + p.z - 1, p.y, -1 * (p.x - 1)} : p;
   });
   const ScenePart part(

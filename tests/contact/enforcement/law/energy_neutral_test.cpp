@@ -14,11 +14,13 @@ struct Case {
   KickedFading fading;
   double work_to_end;
 
-  // What is left for the fading force when the normal force has done its work, F (d- + d+)/2 taken from the pair.
+  // Energy that the fading force may return after the normal force has done its work, F (d- +
+  // d+)/2.
   double left() const {
     return pair.stored + 0.5 * pair.force * (motion.closing + motion.next_closing);
   }
-  // Work of `factor` times the fading force over the kick: its own share of the motion after it grows with it.
+  // Work of `factor` times the fading force over the kick: its own share of the motion after the
+  // kick grows with it.
   double workOf(double factor) const {
     const double before = factor * fading.before;
     const double after = factor * (fading.after + (factor - 1) * fading.gain);
@@ -27,7 +29,7 @@ struct Case {
   double factor() const { return neutralFading(pair, pair.force, motion, fading, work_to_end); }
 };
 
-// Anything; `share` of the work until the end is done in the step to come.
+// Random values; `share` of the work until the end is done in the next step.
 Case randomCase(std::mt19937& random, double share) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   Case c;
@@ -45,10 +47,10 @@ Case randomCase(std::mt19937& random, double share) {
   return c;
 }
 
-// Sums and products of numbers up to 4, and a root that is taken from one of them: gain >= .1 divides.
+// Sums and products of numbers up to 4, and a root of one of them; the divisor gain is >= 0.1.
 constexpr double round_off = 1e-13;
 
-TEST(NeutralFading, InTheLastStepGivesBackExactlyWhatIsLeft) {
+TEST(NeutralFading, ReturnsExactlyTheRemainingEnergyInTheLastStep) {
   std::mt19937 random(1);
   int with_load = 0;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -66,7 +68,7 @@ TEST(NeutralFading, InTheLastStepGivesBackExactlyWhatIsLeft) {
   EXPECT_GT(with_load, 200);
 }
 
-TEST(NeutralFading, BeforeTheLastStepNeverGivesMoreThanIsLeft) {
+TEST(NeutralFading, NeverReturnsMoreThanTheRemainingEnergyBefore) {
   std::mt19937 random(2);
   int limited = 0, whole = 0, closing = 0;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -77,7 +79,7 @@ TEST(NeutralFading, BeforeTheLastStepNeverGivesMoreThanIsLeft) {
     if (wanted <= 0) { // it takes energy from the bodies
       EXPECT_EQ(factor, 1);
       ++closing;
-    } else if (wanted <= left) { // there is load left
+    } else if (wanted <= left) { // load remains
       EXPECT_EQ(factor, 1);
       ++whole;
     } else {
@@ -91,7 +93,7 @@ TEST(NeutralFading, BeforeTheLastStepNeverGivesMoreThanIsLeft) {
   EXPECT_GT(closing, 5);
 }
 
-TEST(NeutralFading, IsTheForceItselfWhereNothingMovesByIt) {
+TEST(NeutralFading, LeavesTheForceUnchangedIfItMovesNothing) {
   std::mt19937 random(3);
   for (const double share : {0.3, 0.9}) {
     Case c = randomCase(random, share);

@@ -8,7 +8,7 @@
 namespace brickwall::contact::testing {
 namespace {
 
-TEST(StoredBetween, WithoutFadingIsHalfTheProductOfStiffnessAndBothDepths) {
+TEST(StoredAtHalfStep, IsHalfTheProductOfStiffnessAndBothDepthsWithoutFading) {
   Interaction last, now;
   last.face = now.face = 7;
   last.stiffness = now.stiffness = 0.3;
@@ -17,13 +17,14 @@ TEST(StoredBetween, WithoutFadingIsHalfTheProductOfStiffnessAndBothDepths) {
       last.depth = depth;
       now.depth = next_depth;
       const double stored =
-          SelectInteractions<NodeFaceKinematics>().storedBetween(last, now, {}, 0);
+          SelectInteractions<NodeFaceKinematics>().storedAtHalfStep(last, now, {}, 0);
       EXPECT_EQ(stored, 0.5 * 0.3 * depth * next_depth);
     }
 }
 
-// A fixed plate [-1, 1] x [-1, 1] with true edges, its top of one face of half-length 1 or more along x, and a cube with one corner
-// down. The node there has the mass 1, its spring the stiffness 1.
+// A fixed plate [-1, 1] x [-1, 1] with true edges, whose top is one face of half-length 1 or more
+// along x, and a cube with one corner down. The node there has the mass 1, its spring the stiffness
+// 1.
 class CornerOnPlate {
 public:
   CornerOnPlate(const Vec3& start, int faces = 1)
@@ -35,8 +36,8 @@ public:
     config.scheme = Scheme::penalty;
     config.reference_step = 0.5;
     config.penalty = config.reference_step * config.reference_step; // k = s m/dt_ref^2
-    config.edge_tolerance = 0.2; // fades out from 1.04 on, over .16 or twice the depth
-    config.deepest_birth = 0.05; // the face on top alone
+    config.edge_tolerance = 0.2; // fades out from 1.04 on, over 0.16 or a multiple of the depth
+    config.max_activation_depth = 0.05; // only the face on top
     _enforcement = std::make_unique<Enforcement>(exec_space(), MPI_COMM_SELF, _surface,
                                                  _part.nodeMass(), config, _quantum, _scale);
   }
@@ -75,7 +76,7 @@ private:
                           (p.x + p.y + p.z) / std::sqrt(3.0)};
     });
     for (Scene::Face& face : scene.faces)
-      face.surface_mass = 1e6; // the mass of the node decides on the stiffness
+      face.surface_mass = 1e6; // the mass of the node determines the stiffness
     return scene;
   }
   static AttributeWords withTrueEdges(const Surface& surface) {
@@ -98,13 +99,15 @@ private:
   std::unique_ptr<Enforcement> _enforcement;
 };
 
-// Over the edge w is less than 1, but as long as the node goes straight up and down, it stays what it is: k w p p+/2.
-TEST(StoredBetween, WhereTheFadingStandsStillIsThatOfASofterSpring) {
+// Beyond the edge w is less than 1, but it is constant while the node moves straight up and down,
+// so the energy is k w p p+/2.
+TEST(StoredAtHalfStep, IsThatOfASofterSpringAtConstantFadeWeight) {
   CornerOnPlate run({0.9, 0.13, 0.01});
   run.move({0, 0, -0.03}, 1);
   run.move({0.2, 0, 0}, 1);
   const double fade_weight = run.contact().fade_weight;
-  EXPECT_NEAR(fade_weight, 0.625 * 0.625 * (3 - 2 * 0.625), 1e-12); // 1.1 is .06 of .16 beyond 1.04
+  // 1.1 is 0.06 of 0.16 beyond 1.04
+  EXPECT_NEAR(fade_weight, 0.625 * 0.625 * (3 - 2 * 0.625), 1e-12);
   double depth = 0.02;
   EXPECT_NEAR(run.contact().depth, depth, 1e-15);
   for (const double rise : {-0.001, 0.0005, 0.0015, -0.002, 0.0004}) {
@@ -116,8 +119,9 @@ TEST(StoredBetween, WhereTheFadingStandsStillIsThatOfASofterSpring) {
   }
 }
 
-// The top of two faces that meet at x = 0: the node is on the one that covers it, to 1e-7, and its spring does not notice.
-TEST(HandOver, GoesToTheFaceThatCoversTheNodeAtNoEnergy) {
+// The top of two faces that meet at x = 0: the node is on the one that covers it, to 1e-7, and its
+// spring is unaffected.
+TEST(Transfer, SelectsTheFaceThatCoversTheNodeWithoutEnergy) {
   CornerOnPlate run({-0.1, 0.13, 0.01}, 2);
   run.move({0, 0, -0.03}, 1);
   const global_id left = run.contact().face;
@@ -132,18 +136,21 @@ TEST(HandOver, GoesToTheFaceThatCoversTheNodeAtNoEnergy) {
     for (const double weight : contact.weight)
       EXPECT_GE(weight, 0);
   }
-  const global_id before = run.contact().face; // a slide over the edge and back by less is rest
+  // a slide over the edge and back by less counts as rest
+  const global_id before = run.contact().face;
   run.move({1.02e-7, 0, 0}, 1);
   EXPECT_EQ(run.contact().face, before);
 }
 
-// The corner comes down near the true edge and slides over it freely, while the spring swings once, by sin t. The worst error of
-// kinetic energy + spring, of the energy of its fall.
+// The corner moves down near the true edge and slides over it freely, while the spring oscillates
+// once, as sin t. The worst error of kinetic energy + spring energy, relative to the initial normal
+// energy.
 struct Slide {
-  double worst = 0, least_taper = 1;
+  double worst = 0, min_fade_weight = 1;
   bool has_left = false;
 
-  // It touches at t = 0, the fading begins at .8, and would end at 2.2, before it rises off the face at pi.
+  // Contact begins at t = 0, fading at 0.8, and would end at 2.2, before the node leaves the face
+  // at pi.
   Slide(double depth, double fading_way, double step, double longest_step) {
     const double speed = fading_way / 1.4, before = 8 * longest_step;
     CornerOnPlate run({1.04 - (0.8 + before) * speed, 0.13, before * depth});
@@ -155,7 +162,7 @@ struct Slide {
       const double energy = 0.5 * dot(velocity, velocity) + run.stored();
       worst = std::max(worst, std::fabs(energy - start) / of_fall);
       if (run.sums.interactions > 0)
-        least_taper = std::min(least_taper, run.contact().fade_weight);
+        min_fade_weight = std::min(min_fade_weight, run.contact().fade_weight);
       has_left = has_touched && run.sums.interactions == 0;
       has_touched = has_touched || run.sums.interactions > 0;
       velocity += step * run.force();
@@ -163,15 +170,15 @@ struct Slide {
   }
 };
 
-TEST(StoredBetween, KeepsTheEnergyOfASlideOverATrueEdgeToSecondOrderInTheStep) {
+TEST(StoredAtHalfStep, KeepsTheEnergyOfASlideOverATrueEdgeToSecondOrderInTheStep) {
   constexpr double longest = 0.025;
-  // The least way, .8 edge_tolerance; and one that grows with the depth, 4 P
+  // The least fade length, 0.8 edge_tolerance; and one that grows with the depth, 4 P
   for (const auto& [depth, way] : {std::make_pair(0.02, 0.16), {0.075, 0.3}}) {
     double error[3];
     for (int i = 0; i < 3; ++i) {
       const Slide slide(depth, way, longest / (1 << i), longest);
       EXPECT_TRUE(slide.has_left);
-      EXPECT_LT(slide.least_taper, 0.1); // it faded out
+      EXPECT_LT(slide.min_fade_weight, 0.1); // it faded out
       error[i] = slide.worst;
     }
     const double order[2] = {std::log2(error[0] / error[1]), std::log2(error[1] / error[2])};

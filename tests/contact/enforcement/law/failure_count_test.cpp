@@ -1,5 +1,5 @@
-// Forces that do not fit the fixed point are counted once each, however many rounds of corrections see them, and where they belong;
-// and the largest of them is found.
+// Forces that do not fit the fixed point are counted once each, however many rounds of corrections
+// see them, and with their kind of contact; largestForce() finds the largest of them.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// The ridges have crossed by .005 in this step.
+// The ridges have crossed by 0.005 in this step.
 Scene pressedRidges() {
   Scene scene = crossedRidges(-0.005);
   scene.cameBy(1, {0, 0, -0.006});
@@ -56,7 +56,7 @@ EnforcementSums sumsOf(const Scene& scene, double times_mass, int corrections) {
   return outcomeOf(scene, times_mass, corrections).sums;
 }
 
-TEST(FailureCount, AForceOfEdgesThatDoesNotFitCountsOnceAndAmongEdges) {
+TEST(FailureCount, CountsAnOversizedEdgeForceOnceAndAmongEdges) {
   EXPECT_EQ(sumsOf(pressedRidges(), 1, 2).failures(), 0);
   for (const int corrections : {0, 1, 2, 5}) {
     const EnforcementSums sums = sumsOf(pressedRidges(), 1e12, corrections);
@@ -68,7 +68,7 @@ TEST(FailureCount, AForceOfEdgesThatDoesNotFitCountsOnceAndAmongEdges) {
   }
 }
 
-TEST(FailureCount, AForceOfANodeThatDoesNotFitCountsOnce) {
+TEST(FailureCount, CountsAnOversizedNodeForceOnce) {
   EXPECT_EQ(sumsOf(blockOnPlate(), 1, 2).failures(), 0);
   for (const int corrections : {0, 1, 2, 5}) {
     const EnforcementSums sums = sumsOf(blockOnPlate(), 1e12, corrections);
@@ -78,7 +78,7 @@ TEST(FailureCount, AForceOfANodeThatDoesNotFitCountsOnce) {
   }
 }
 
-TEST(LargestForce, IsThatOfTheContactWithTheLargest) {
+TEST(LargestForce, FindsTheContactWithTheLargestForce) {
   const Outcome outcome = outcomeOf(blockOnPlate(), 1, 0);
   const LargestForce& largest = outcome.of_nodes;
   EXPECT_GT(largest.force, 0);
@@ -88,13 +88,13 @@ TEST(LargestForce, IsThatOfTheContactWithTheLargest) {
   EXPECT_GE(largest.face, 0);
   EXPECT_EQ(outcome.of_edges.force, 0);
   const Outcome heavier =
-      outcomeOf(blockOnPlate(), 1e12, 0); // forces that do not fit are told as well
+      outcomeOf(blockOnPlate(), 1e12, 0); // forces that do not fit are reported as well
   EXPECT_NEAR(heavier.of_nodes.force / largest.force, 1e12, 1);
   EXPECT_EQ(heavier.of_nodes.node, largest.node);
   EXPECT_EQ(heavier.of_nodes.face, largest.face);
 }
 
-TEST(LargestForce, OfEdgesNamesBothEdges) {
+TEST(LargestForce, NamesBothEdges) {
   const LargestForce largest = outcomeOf(pressedRidges(), 1e12, 2).of_edges;
   EXPECT_TRUE(largest.is_of_edges);
   EXPECT_GT(largest.force, largestPairForce(quantum()));

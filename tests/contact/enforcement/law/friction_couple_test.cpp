@@ -1,5 +1,5 @@
-// Friction acts on a node and on a point of the face that lie a depth apart: it gives the couple back, and a rotation of both
-// bodies together is no slip.
+// Friction acts on a node and on a point of the face that are a penetration apart: normal forces
+// balance the couple, and a rotation of both bodies together is no slip.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
@@ -14,12 +14,12 @@ const Vec3 skew = (1 / std::sqrt(14.0)) * Vec3{1, -3, 2};
 EnforcementConfig rough() {
   EnforcementConfig c = config();
   c.friction = mu;
-  c.deepest_birth = depth; // the bodies are small: what is deeper has not come through
+  c.max_activation_depth = depth; // the bodies are small: a deeper node has entered elsewhere
   return c;
 }
 
-// A warped face of edge length 2, and a small cube with one corner about `depth` behind it; all of it turned. The cube came by
-// `slide` along the face, straight in besides.
+// A warped face of edge length 2, and a small cube with one corner about `depth` behind it, all
+// rotated. The cube moved by `slide` along the face and straight inwards.
 Scene cornerInWarpedFace(const Vec3& slide) {
   constexpr double warp = 0.2, x = 0.3, y = -0.2;
   Scene scene;
@@ -39,7 +39,8 @@ Scene cornerInWarpedFace(const Vec3& slide) {
   return scene;
 }
 
-// Crossing ridges, the upper one turned out of the right angle, all of it turned in space; apart by .01.
+// Crossing ridges, the upper one rotated away from the right angle, all rotated in space; apart by
+// 0.01.
 Scene turnedRidges() {
   Scene scene = crossedRidges(0.01, 1);
   Turn{{0, 0, 1}, {}, 0.4}.body(scene, 1);
@@ -61,11 +62,11 @@ void expectBalanced(const Scene& scene, const std::vector<std::array<std::int64_
   const Resultant r = resultantOf(scene, force);
   EXPECT_EQ(r.sum, (std::array<std::int64_t, 3>{0, 0, 0}));
   EXPECT_LT(norm(r.moment), momentOfRounding(r, 1));
-  // Without the couple's forces it would be P t:
+  // Without the balancing forces it would be P t:
   EXPECT_GT(P * norm(friction.force) * quantum().inverse, 1e6 * momentOfRounding(r, 1));
 }
 
-TEST(FrictionCouple, OfANodeOnATiltedWarpedFaceIsGivenBackWhetherItSticksOrSlips) {
+TEST(FrictionCouple, IsBalancedForANodeOnATiltedWarpedFaceInStickAndSlip) {
   for (const double slide : {0.01, 0.1}) {
     auto run = alone(cornerInWarpedFace({slide, 0.5 * slide, 0}), rough(), 0.5);
     const auto force = run->step();
@@ -76,7 +77,7 @@ TEST(FrictionCouple, OfANodeOnATiltedWarpedFaceIsGivenBackWhetherItSticksOrSlips
   }
 }
 
-TEST(FrictionCouple, OfCrossingEdgesIsGivenBackWhetherTheyStickOrSlip) {
+TEST(FrictionCouple, IsBalancedForCrossingEdgesInStickAndSlip) {
   for (const double slide : {0.005, 0.1}) {
     EdgeRun run(turnedRidges(), MPI_COMM_SELF, onOneRank, rough());
     run.step();
@@ -90,8 +91,8 @@ TEST(FrictionCouple, OfCrossingEdgesIsGivenBackWhetherTheyStickOrSlip) {
   }
 }
 
-// To first order in the angle a: of what r = -P n and the tangents t turn by, (1 - R^T) = a K - a^2/2 K^2, the first term leaves
-// nothing, and the second at most a^2 P.
+// To first order in the angle a: r = -P n and the tangents t rotate by (1 - R^T) = a K - a^2/2 K^2,
+// of which the first term contributes nothing and the second at most a^2 P.
 template <class Motion>
 void expectNoSlip(double P, const Motion& motionOf) {
   constexpr double angle = 1e-3;
@@ -104,7 +105,7 @@ void expectNoSlip(double P, const Motion& motionOf) {
   }
 }
 
-TEST(FrictionCouple, ARotationOfBothBodiesIsNoSlipOfANodeOnAFace) {
+TEST(FrictionCouple, RotationOfBothBodiesIsNoSlipOfANodeOnAFace) {
   expectNoSlip(0.9 * depth, [](const Turn& turn) {
     auto run = alone(cornerInWarpedFace({0.01, 0, 0}), rough(), 0.5);
     run->step();
@@ -115,7 +116,7 @@ TEST(FrictionCouple, ARotationOfBothBodiesIsNoSlipOfANodeOnAFace) {
   });
 }
 
-TEST(FrictionCouple, ARotationOfBothBodiesIsNoSlipOfCrossingEdges) {
+TEST(FrictionCouple, RotationOfBothBodiesIsNoSlipOfCrossingEdges) {
   expectNoSlip(0.04, [](const Turn& turn) {
     EdgeRun run(turnedRidges(), MPI_COMM_SELF, onOneRank, rough());
     run.step();

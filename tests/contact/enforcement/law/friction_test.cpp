@@ -1,4 +1,5 @@
-// Coulomb friction and contact damping: stick is an exact spring, slip is mu F_n, nothing is made.
+// Coulomb friction and contact damping: sticking is an exact spring, slip occurs at mu F_n, and no
+// energy is created.
 #include "contact/enforcement/law/coulomb_friction.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
@@ -9,14 +10,14 @@ namespace {
 
 constexpr double mu = 0.4;
 
-// A block that was pressed onto a plate, ready to be dragged.
+// A block pressed onto a plate, ready to be dragged.
 std::unique_ptr<SceneRun> pressedBlock(const EnforcementConfig& c, double press = 0.02) {
   Scene scene;
   scene.addBox({0, 0, -1}, {4, 4, 1}, {4, 4, 1});
   const int block = scene.addBox({1, 1, -press}, {2, 2, 1}, {2, 2, 1});
   scene.cameBy(block, {0, 0, -press});
   scene.fix(
-      block); // so that its area, not its masses, decides on the stiffness, which is then the same everywhere
+      block); // so that its area, not its masses, determines the stiffness, which is then uniform
   auto run = alone(scene, c);
   run->step();
   return run;
@@ -50,7 +51,7 @@ TEST(Friction, SticksAsASpringAndSlipsAtMuTimesTheNormalForce) {
   EXPECT_NEAR(drag(-0.006), 0, 1e-12); // back: no drift
   EXPECT_NEAR(drag(0.05), -mu, 1e-12);
   EXPECT_NEAR(drag(0.05), -mu, 1e-12);
-  EXPECT_NEAR(drag(-0.008), 0, 1e-12); // mu p: the spring unloads from where it returnMap
+  EXPECT_NEAR(drag(-0.008), 0, 1e-12); // mu p: the spring unloads from the returned force
 }
 
 TEST(Friction, StiffnessRatioScalesTheStickingSpring) {
@@ -62,9 +63,10 @@ TEST(Friction, StiffnessRatioScalesTheStickingSpring) {
   EXPECT_NEAR(dragRatio(*run, run->step()), -0.05, 1e-12);
 }
 
-TEST(Friction, HoldsItsForceOverAFaceSwitchAndAddsUpToZero) {
+TEST(Friction, KeepsItsForceOverATransferAndAddsUpToZero) {
   auto run = pressedBlock(rough());
-  // The block's nodes cross from face to face of the plate (edges of length 1) in steps that keep them sticking.
+  // The block's nodes cross from face to face of the plate (edges of length 1) in steps that keep
+  // them sticking.
   double held = 0;
   for (int step = 0; step < 4; ++step) {
     run->scene.step();
@@ -81,7 +83,7 @@ TEST(Friction, HoldsItsForceOverAFaceSwitchAndAddsUpToZero) {
   }
 }
 
-TEST(Friction, TurnsWithTheContact) {
+TEST(Friction, RotatesWithTheContact) {
   const Vec3 t = rotateToPlane({0.3, 0, 0}, {std::sqrt(0.5), 0, std::sqrt(0.5)});
   EXPECT_NEAR(norm(t), 0.3, 1e-15);
   EXPECT_NEAR(t.x, -t.z, 1e-15);
@@ -92,8 +94,8 @@ TEST(Friction, TurnsWithTheContact) {
   EXPECT_EQ(norm(returnMap({3, 4, 0}, 0)), 0);
 }
 
-// Drags to and fro: what friction took is what it booked, and what is stored comes back.
-TEST(Friction, BooksItsWorkAndWhatItStores) {
+// Drags to and fro: the recorded work is that of friction, and the stored energy is returned.
+TEST(Friction, RecordsItsWorkAndItsStoredEnergy) {
   auto run = pressedBlock(rough());
   double work = 0, stored = 0;
   const auto drag = [&](double by) {
@@ -110,7 +112,7 @@ TEST(Friction, BooksItsWorkAndWhatItStores) {
   for (const double by : {0.01, 0.01, 0.0, -0.008, 0.0, 0.0})
     drag(by);
   EXPECT_NEAR(stored, 0, 1e-12);
-  EXPECT_LT(work, -1e-4); // gone by slipping
+  EXPECT_LT(work, -1e-4); // dissipated by slip
 }
 
 TEST(ContactDamping, NeverPullsAndOpposesTheMotion) {
@@ -130,7 +132,7 @@ TEST(ContactDamping, NeverPullsAndOpposesTheMotion) {
   const double closing = normalForce(-0.001);
   EXPECT_NEAR(run->of(node)[0].damping, coefficient * 0.001 / dt, 1e-12);
   EXPECT_GT(closing, rest.stiffness * 0.021);
-  EXPECT_EQ(normalForce(0.0205), 0); // opening fast: F + F_d = 0, not less
+  EXPECT_EQ(normalForce(0.0205), 0); // separates fast: F + F_d = 0, not less
   EXPECT_LT(run->of(node)[0].damping, 0);
 }
 

@@ -1,4 +1,5 @@
-// What contacts of two steps are booked to store: what they give back, which is the work done on them, and not what the spring holds.
+// Recorded energy of contacts of two steps: the work done on them, which they return, and not the
+// energy that the spring would hold.
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,7 @@
 namespace brickwall::contact::testing {
 namespace {
 
-// A block on a plate, stepped by hand along z, with the accelerations that enforcement is told of.
+// A block on a plate, moved along z, with accelerations given to enforcement.
 class BlockOnPlate {
 public:
   explicit BlockOnPlate(Scheme scheme) {
@@ -16,7 +17,7 @@ public:
     c.scheme = scheme;
     _run = alone(_scene, c);
   }
-  // Energy in the contacts of nodes at the half step of this motion.
+  // Recorded energy of node-to-face contacts at the half step of this motion.
   double move(double by, double next_acceleration) {
     _scene.step();
     _scene.move(_block, {0, 0, by});
@@ -33,7 +34,7 @@ public:
                .nodes;
     return sums.terms.sum[spring_stored].value(energyScale());
   }
-  // Of the interactions as they are now.
+  // Over the present interactions.
   template <class Value>
   double sumOf(const Value& value) const {
     const ContactHistory& h = _run->enforcement.history();
@@ -51,32 +52,32 @@ private:
   std::unique_ptr<SceneRun> _run;
 };
 
-constexpr double outwards = 5; // by .05 in a step of .1, the contact is .02 deep
+constexpr double outwards = 5; // 0.05 in a step of 0.1; the contact is 0.02 deep
 
 double forceOf(const Interaction& pair) {
   return std::fabs(pair.force);
 }
 
-TEST(ShortContact, WhoseForceDidNothingStoresNothing) {
+TEST(ShortContact, StoresNothingIfItsForceDidNoWork) {
   BlockOnPlate scene(Scheme::energy_neutral);
   scene.move(-0.02, outwards);
   ASSERT_EQ(scene.sums.active, 9 + 4);
-  EXPECT_EQ(scene.sumOf(forceOf), 0); // its end is in sight, and it has nothing to give back
-  EXPECT_EQ(scene.move(0.005, outwards), 0); // others held it up
+  EXPECT_EQ(scene.sumOf(forceOf), 0); // its end is in sight, and it has no energy to return
+  EXPECT_EQ(scene.move(0.005, outwards), 0); // other forces stopped it
   EXPECT_EQ(scene.sums.active, 9 + 4);
   EXPECT_GT(scene.sumOf([](const Interaction& pair) { return pair.stiffness * pair.depth; }), 0);
 }
 
-TEST(ShortContact, ThatGoesOnAnswersForWhatItsSpringHolds) {
+TEST(ShortContact, StoresTheEnergyOfItsSpringIfItContinues) {
   BlockOnPlate scene(Scheme::energy_neutral);
   scene.move(-0.02, outwards);
   scene.move(0.005, -outwards);
   const auto half = [](const Interaction& pair) { return 0.5 * pair.stiffness * pair.depth; };
-  const double held = scene.sumOf(half) * 0.015; // followed work may have made p less or more
+  const double held = scene.sumOf(half) * 0.015; // the offset correction may have changed p
   EXPECT_NEAR(scene.move(0, -outwards) / held, 1, 0.2);
 }
 
-TEST(ShortContact, ThatIsUnderLoadFromTheFirstStepStoresTheWorkDoneOnIt) {
+TEST(ShortContact, StoresTheWorkDoneOnItIfLoadedFromTheFirstStep) {
   BlockOnPlate scene(Scheme::energy_neutral);
   scene.move(-0.02, 0);
   EXPECT_GT(scene.sumOf(forceOf), 0);
@@ -86,7 +87,7 @@ TEST(ShortContact, ThatIsUnderLoadFromTheFirstStepStoresTheWorkDoneOnIt) {
   EXPECT_LE(stored, worked * (1 + 1e-12));
 }
 
-TEST(ShortContact, WithoutCorrectionsStoresWhatItsSpringHolds) {
+TEST(ShortContact, StoresTheEnergyOfItsSpringWithoutCorrections) {
   BlockOnPlate scene(Scheme::penalty);
   scene.move(-0.02, outwards);
   EXPECT_GT(scene.sumOf(forceOf), 0);

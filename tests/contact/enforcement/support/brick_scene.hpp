@@ -1,5 +1,6 @@
-// Bricks of hexahedra for contact tests: every rank holds the whole scene on the host, so that ghosts, pairs and sums
-// can be made by brute force and compared with one rank's answer. Not a model of how the program does it.
+// Bricks of hexahedra for contact tests. Every rank holds the whole scene on the host, so that
+// ghosts, pairs and sums can be made by brute force and compared with the answer of one rank. The
+// program works differently.
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"
@@ -29,7 +30,7 @@ struct Scene {
   std::vector<Face> faces;
   int num_bodies = 0;
 
-  // A brick of `n` elements; `place` maps its box [0, size] to space. Returns its body number.
+  // Adds a brick of `n` elements; `place` maps its box [0, size] to space. Returns its body number.
   template <class Place>
   int addBrick(const Vec3& size, const std::array<int, 3>& n, double density, const Place& place) {
     const int body = num_bodies++, first = static_cast<int>(x_new.size());
@@ -77,13 +78,13 @@ struct Scene {
              double density = 1) {
     return addBrick(size, n, density, [&](const Vec3& p) { return corner + p; });
   }
-  // Where the body's nodes were at x^n: x^{n+1} - motion.
+  // Sets x^n = x^{n+1} - motion for the nodes of a body.
   void cameBy(int body, const Vec3& motion) {
     for (std::size_t i = 0; i < x_new.size(); ++i)
       if (node_body[i] == body)
         x_old[i] = x_new[i] - motion;
   }
-  // x^{n+1} becomes x^n, then the body moves on.
+  // x^{n+1} becomes x^n.
   void step() { x_old = x_new; }
   void move(int body, const Vec3& motion) {
     for (std::size_t i = 0; i < x_new.size(); ++i)
@@ -103,7 +104,7 @@ struct Scene {
   }
 };
 
-// One rank's part of a scene with the contact code on it. `cut` gives the rank of an element.
+// One rank's part of a scene with its contact enforcement. `cut` gives the rank of an element.
 class ScenePart {
 public:
   template <class Cut>
@@ -133,7 +134,7 @@ public:
     update(scene);
   }
 
-  // Coordinates, ghosts and pairs of the scene as it stands now.
+  // Takes over the scene's coordinates and rebuilds ghosts and pairs.
   void update(const Scene& scene) {
     setCoordinates(scene);
     findPairs(scene);
@@ -164,7 +165,7 @@ public:
     return sum;
   }
 
-  // What the energy-neutral scheme asks of its host, by brute force. `acceleration` [global node].
+  // The host's input of the energy-neutral scheme, by brute force. `acceleration` [global node].
   NeutralInput neutralInput(const Scene& scene, const std::vector<Vec3>& acceleration) const {
     NeutralInput input;
     const View<double* [3]> values("test::acceleration", _nodes.size());

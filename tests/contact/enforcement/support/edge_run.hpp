@@ -1,4 +1,4 @@
-// Scenes of edges that cross, stepped by hand.
+// Scenes of edges that cross, stepped explicitly.
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
@@ -7,8 +7,9 @@
 
 namespace brickwall::contact::testing {
 
-// Two bricks of edge length 1 per element, each with an edge turned towards the other: the lower one's ridge along x at z = 0,
-// the upper one's along y at z = gap. Both are three elements long, so that they cross in mid-cell.
+// Two bricks with elements of edge length 1, each with an edge towards the other: the lower one's
+// ridge along x at z = 0, the upper one's along y at z = gap. Both are three elements long, so that
+// they cross between nodes.
 inline Scene crossedRidges(double gap, int n = 3) {
   const double c = std::sqrt(0.5), side = n;
   Scene scene;
@@ -22,8 +23,9 @@ inline Scene crossedRidges(double gap, int n = 3) {
   return scene;
 }
 
-// Bars of side 0.2 and length 3 at right angles: the lower one's top is at z = 0, its elements are a length long. The upper one has
-// `n` elements; it is rolled about its own axis, inclined, and set up so that its lowest point over the lower bar is at z = gap.
+// Bars of side 0.2 and length 3 at right angles. The top of the lower one is at z = 0; its elements
+// are as long as the bar. The upper one has `n` elements; it is rolled about its own axis,
+// inclined, and placed so that its lowest point over the lower bar is at z = gap.
 inline Scene crossedBars(double gap, double rolled, double inclined, int n = 3) {
   Scene scene;
   scene.addBrick({3, 0.2, 0.2}, {3, 1, 1}, 1, [](const Vec3& p) {
@@ -47,7 +49,7 @@ inline SearchConfig searchOf(double reach) {
   return search;
 }
 
-// A scene's edges with their forces on the nodes of the part.
+// The edges of a scene with their forces on the nodes of the part.
 struct EdgeRun {
   template <class Cut>
   EdgeRun(const Scene& s, MPI_Comm comm, const Cut& cut, EnforcementConfig c = config(),

@@ -1,4 +1,4 @@
-// What the forces of a scene add up to.
+// Resultant force and moment of a scene.
 #pragma once
 
 #include "tests/contact/enforcement/support/scene_run.hpp"
@@ -8,7 +8,7 @@ namespace brickwall::contact::testing {
 struct Resultant {
   std::array<std::int64_t, 3> sum = {0, 0, 0}; // quanta
   Vec3 moment; // about the origin, quanta * length
-  double reach = 0; // of the nodes with a force, from the origin
+  double reach = 0; // largest distance from the origin of a node with a force
 };
 
 inline Resultant resultantOf(const Scene& scene,
@@ -26,8 +26,8 @@ inline Resultant resultantOf(const Scene& scene,
   return r;
 }
 
-// A pair rounds at most eight numbers along each axis to half a quantum, and the moments of both sides cancel but for the
-// rounding of doubles, here below one more quantum.
+// A pair rounds at most eight numbers along each axis to half a quantum. The moments of both sides
+// cancel up to the rounding of doubles, here below one more quantum.
 inline double momentOfRounding(const Resultant& r, std::int64_t num_pairs) {
   return std::sqrt(3.0) * 8 * static_cast<double>(num_pairs) * r.reach;
 }

@@ -1,4 +1,4 @@
-// A scene of bricks with its contact enforcement, stepped by hand.
+// A scene of bricks with its contact enforcement, stepped explicitly.
 #pragma once
 
 #include "tests/contact/enforcement/support/brick_scene.hpp"
@@ -33,7 +33,7 @@ struct SceneRun {
       : scene(s), part(s, comm, cut, reach),
         enforcement(exec_space(), comm, part.surface(), part.nodeMass(), c, quantum(),
                     energyScale()) {}
-  // Collective. Forces of all nodes at the scene's present coordinates.
+  // Collective. Forces of all nodes at the present coordinates of the scene.
   std::vector<std::array<std::int64_t, 3>> step() {
     part.update(scene);
     sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt).nodes;

@@ -1,5 +1,5 @@
-// A time loop of contact tests: bricks of springs (every two corners of a hexahedron), leapfrog, contact by the code
-// under test, and the half-step energy. One rank.
+// Time loop of contact tests: bricks of springs (between any two corners of a hexahedron), leapfrog
+// integration, contact by the code under test, and the half-step energy. One rank.
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
@@ -36,14 +36,14 @@ public:
                                                  _part.nodeMass(), _config, _quantum, _scale);
   }
 
-  // Edges that cross shall push each other.
+  // Adds edge-to-edge contact.
   void addEdges(const SearchConfig& search) {
     _edges = std::make_unique<EdgeContact>(exec_space(), MPI_COMM_SELF, _part.surface(),
                                            findFeatureEdges(MPI_COMM_SELF, _part.surface()),
                                            _part.nodeMass(), search, 0, _config, _quantum, _scale);
   }
 
-  // Advances by one step; velocity is at n + 1/2 afterwards as before.
+  // Advances by one step; velocity is at n + 1/2 before and after.
   void step() {
     _scene.step();
     double kinetic = 0, exchange = 0;

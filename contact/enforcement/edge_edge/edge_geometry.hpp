@@ -1,0 +1,57 @@
+// Geometry of convex edges: the cone of outward directions of an edge, and the closest points of
+// two edges' lines; eqs. (29) and (30) of theory.md. Point-wise.
+//
+// An edge is stored as a quad: corners 0 and 1 are its ends, and all four are the face of its body
+// that lists it, so that its outward normals follow the body: n_1 is the face's, n_2 = cos n_1 +
+// sin (t x n_1), t from corner 0 to corner 1.
+#pragma once
+
+#include "contact/enforcement/edge_edge/edge_surface.hpp"
+#include "contact/surface/projection.hpp"
+
+namespace brickwall::contact {
+
+// The outward directions of an edge: those between the normals of its two faces.
+struct EdgeCone {
+  Vec3 tangent, first, second; // unit vectors: t, n_1, n_2
+
+  KOKKOS_INLINE_FUNCTION EdgeCone(const Quad& quad, const EdgeAttributes& edge) {
+    const Vec3 way = quad.corner[1] - quad.corner[0];
+    tangent = (1 / norm(way)) * way;
+    const Vec3 area = areaVector(quad);
+    const Vec3 flat = area - dot(area, tangent) * tangent;
+    first = (1 / norm(flat)) * flat;
+    second = edge.cosine * first + edge.sine * cross(tangent, first);
+  }
+  // How far a unit vector perpendicular to the edge lies inside the cone: the smaller sine of its
+  // angles to both normals (1 beyond a right angle); negative outside.
+  KOKKOS_INLINE_FUNCTION double depthOf(const Vec3& n) const {
+    if (dot(n, first + second) <= 0) // leads into the body
+      return -1;
+    const double from_first = dot(cross(first, n), tangent);
+    const double to_second = dot(cross(n, second), tangent);
+    return minOf(dot(n, first) > 0 || from_first < 0 ? from_first : 1,
+                 dot(n, second) > 0 || to_second < 0 ? to_second : 1);
+  }
+};
+
+// Closest points of the lines a + s da and b + t db, with between = a - b; eq. (29).
+struct Crossing {
+  double aa, bb, determinant; // |da|^2, |db|^2, |da x db|^2
+  double s, t;
+
+  KOKKOS_INLINE_FUNCTION Crossing(const Vec3& da, const Vec3& db, const Vec3& between) {
+    aa = dot(da, da), bb = dot(db, db);
+    const double ab = dot(da, db), ra = dot(da, between), rb = dot(db, between);
+    determinant = aa * bb - ab * ab;
+    s = (ab * rb - bb * ra) / determinant, t = (aa * rb - ab * ra) / determinant;
+  }
+  KOKKOS_INLINE_FUNCTION bool isAcross(double sine) const {
+    return determinant > sine * sine * aa * bb;
+  }
+  KOKKOS_INLINE_FUNCTION bool isFarBeyond(double reach) const {
+    return maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > reach;
+  }
+};
+
+} // namespace brickwall::contact

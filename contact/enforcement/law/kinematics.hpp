@@ -1,0 +1,121 @@
+// The contract of `Kinematics`, the template parameter of the contact law (interaction_forces.hpp)
+// and of the selection (select_interactions.hpp). NodeFaceKinematics and EdgeEdgeKinematics fulfil
+// it. They know the geometry of a pair; the law and the selection know none. To add a kind of
+// contact, write a third type and instantiate KinematicsContract with it.
+//
+// "Node" is a row of the candidate lists: a surface node, or the number that stands for an edge.
+// "Face" is a candidate index (FaceAccess): a face or, in edge-to-edge contact, an edge. All
+// functions are const and callable in kernels. Equations are those of contact/theory.md.
+//
+// Constants
+//   records_spring_work           works of springs are summed as ContactTerm::spring_work
+//   projects_persistent_contacts  projectPersistent() fills PersistentContact completely; this
+//                                 allows the SIMD path (persistent_contacts_simd.hpp)
+//   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
+//                                 mayPenetrate() and mayActivate()
+//
+// Identity
+//   bodyOf(faces, face)           body of a candidate
+//   idOf(faces, face)             global id of a candidate
+//   pushes(own_body, body)        whether a row of own_body tests candidates of body
+//   pointOf(faces, node, contact) pushing point: its nodes and the weight of the second one
+//
+// Contact tests at x^{n+1}
+//   test(faces, node, face, kind, contact)
+//       whether the pair is in contact by ContactTest `kind`; if so, fills weight, normal (unit),
+//       place, depth (length, > 0), face and is_retained of `contact`
+//   projectPersistent(faces, history, count, contacts)
+//       fills the data of contacts whose face is still a candidate
+//   testPersistent(faces, persistent, contact)
+//       test() at ContactTest::persist, from these data
+//   isBeyondInnerEdge(faces, contact)
+//       whether the node is beyond an edge where the body's surface continues
+//   isInFront(faces, node, face)
+//       whether the node is in front of the face: gap >= 0, within its edges
+//
+// Quick rejection: false only if test() at ContactTest::activate is false for all pairs
+//   mayPenetrate(faces, node, face)   by position
+//   mayActivate(node, face)           by orientation
+//   rowsThatMayActivate(faces, pairs, rows, count, requested)
+//                                     a bit for each row, for the requested ones
+//
+// Mechanics
+//   inverseMass(point)            1/m_s of the pushing point, 1/mass
+//   stiffnessAtActivation(config, faces, pair, contacts, count, index)
+//                                 k, force/length; eq. (11)
+//   stiffnessCap(config, pair)    upper bound of k, force/length; eq. (12)
+//   fadeWeightOf(faces, node, contact)
+//                                 w in [0, 1]; eq. (24)
+//   fade(config, faces, contact, pair, fading)
+//                                 sets w, multiplies the normal force, fills the fading force; eq.
+//                                 (26)
+//   setLevers(faces, pair, P, lever)
+//                                 P times the dual basis of the face or of both edges; eq. (22)
+//   normalMotionGradient(faces, pair, face, slope)
+//                                 derivatives of the normal motion by the two parameters, length
+//   relativeDepth(faces, contact) penetration over the size of the face or edge
+//   record(node, count, deepest)  stores the number of contacts and the largest penetration of the
+//                                 node
+//
+// Prefetching, without effect on results
+//   prefetchHead(node), prefetchNode(node), prefetchFace(face)
+//
+// Dormancy needs two free functions: surroundingsOf(kinematics, faces, node) and
+// separationOf(kinematics, faces, surroundings, node, face); see node_face_separation.hpp and
+// edge_separation.hpp.
+#pragma once
+
+#include "contact/enforcement/law/contact_history.hpp"
+#include "contact/enforcement/law/enforcement_config.hpp"
+#include "contact/enforcement/law/face_contact.hpp"
+#include "contact/surface/face_access.hpp"
+
+#include <type_traits>
+
+namespace brickwall::contact {
+
+// Instantiating it compiles only if `K` has the members of the contract, with these results.
+template <class K>
+struct KinematicsContract {
+  // Stand-ins for arguments; not defined.
+  static const K& k();
+  static const FaceAccess& faces();
+  static const EnforcementConfig& config();
+  static const ContactHistory& history();
+  static const PersistentContact& persistent();
+  static PersistentContact* persistents();
+  static FaceContact& contact();
+  static const FaceContact (&contacts())[max_interactions];
+  static Interaction& pair();
+  static FadingForce& fading();
+  static Vec3 (&lever())[2];
+  static double (&slope())[2];
+  static constexpr ContactTest activate = ContactTest::activate;
+  template <class Found, class Needed>
+  static constexpr bool is = std::is_same<Found, Needed>::value;
+
+  static_assert(is<decltype(K::records_spring_work), const bool>);
+  static_assert(is<decltype(K::projects_persistent_contacts), const bool>);
+  static_assert(is<decltype(K::tests_rows_at_once), const bool>);
+  static_assert(is<decltype(k().bodyOf(faces(), 0)), global_id>);
+  static_assert(is<decltype(k().idOf(faces(), 0)), global_id>);
+  static_assert(is<decltype(k().pushes(global_id(), global_id())), bool>);
+  static_assert(is<decltype(k().pointOf(faces(), 0, contact())), ContactPoint>);
+  static_assert(is<decltype(k().test(faces(), 0, 0, activate, contact())), bool>);
+  static_assert(is<decltype(k().projectPersistent(faces(), history(), 0, persistents())), void>);
+  static_assert(is<decltype(k().testPersistent(faces(), persistent(), contact())), bool>);
+  static_assert(is<decltype(k().isBeyondInnerEdge(faces(), contact())), bool>);
+  static_assert(is<decltype(k().isInFront(faces(), 0, 0)), bool>);
+  static_assert(is<decltype(k().inverseMass(ContactPoint())), double>);
+  static_assert(
+      is<decltype(k().stiffnessAtActivation(config(), faces(), pair(), contacts(), 1, 0)), double>);
+  static_assert(is<decltype(k().stiffnessCap(config(), pair())), double>);
+  static_assert(is<decltype(k().fadeWeightOf(faces(), 0, contact())), double>);
+  static_assert(is<decltype(k().fade(config(), faces(), contact(), pair(), fading())), void>);
+  static_assert(is<decltype(k().setLevers(faces(), pair(), 1.0, lever())), void>);
+  static_assert(is<decltype(k().normalMotionGradient(faces(), pair(), 0, slope())), void>);
+  static_assert(is<decltype(k().relativeDepth(faces(), contact())), double>);
+  static_assert(is<decltype(k().record(0, 1, 0.0)), void>);
+};
+
+} // namespace brickwall::contact
