@@ -37,7 +37,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                          const View<const double*>& node_mass, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
     : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
-      _node_mass(node_mass), _node_faces(space, comm, surface),
+      _node_mass(node_mass), _node_faces(space, _comm, surface),
       _records(space, surface, _node_faces),
       _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
       _motion(space, "contact::Enforcement", surface), _still("contact::Enforcement", surface),

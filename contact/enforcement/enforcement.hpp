@@ -45,7 +45,8 @@ struct EnforcementSums {
 
 class Enforcement {
 public:
-  // Collective. `node_mass` [surface node] is the lumped mass, HUGE_VAL where the motion is
+  // Collective; `comm` is copied, so that no message meets one of the host's.
+  // `node_mass` [surface node] is the lumped mass, HUGE_VAL where the motion is
   // prescribed; corner masses of Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2.
   // `energy_scale` bounds a stored energy.
   Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
@@ -99,7 +100,7 @@ private:
   bool isOnAnyRank(bool here) const;
   void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges);
 
-  MPI_Comm _comm;
+  Communicator _comm;
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;

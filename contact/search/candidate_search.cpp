@@ -61,7 +61,7 @@ void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
 } // namespace
 
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
-    : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
+    : _comm(comm), _config(config), _margin(margin), _global(_comm, withMargin(config, margin)),
       _local(_global) {
   configure(config);
 }

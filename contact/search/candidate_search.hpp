@@ -30,8 +30,8 @@ KOKKOS_INLINE_FUNCTION double excursionOutside(const View<const double* [6]>& bo
 
 class CandidateSearch {
 public:
-  // `comm` must outlive the search. `margin` (length, the same on all ranks): boxes are inflated by
-  // half of it, and ghosts and pairs are kept until nodes have left their swept boxes by half of
+  // Collective; `comm` is copied, so that no message meets one of the host's. `margin` (length, the
+  // same on all ranks): boxes are inflated by half of it, and ghosts and pairs are kept until nodes have left their swept boxes by half of
   // it; with 0 every step searches. Throws InputError for a tolerance or a margin that is negative
   // or not finite.
   CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
@@ -109,7 +109,7 @@ private:
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface, double motion);
   void findGhosts(const exec_space& space, const SweptBoxes& surface);
 
-  MPI_Comm _comm;
+  Communicator _comm;
   SearchConfig _config; // of a step, without the margin
   double _margin;
   double _allowed_motion = 0; // of a node out of its swept box of the last search, along any axis

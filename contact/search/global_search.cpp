@@ -21,7 +21,7 @@ std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method) {
   return std::make_unique<ClusterSearch>();
 }
 
-GlobalSearch::GlobalSearch(MPI_Comm comm, const SearchConfig& config)
+GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
     : _comm(comm), _config(config), _phases(makeSearchPhases(config.method)) {
   for (const double tolerance : {config.node_tolerance, config.face_tolerance})
     if (!(tolerance >= 0) || !std::isfinite(tolerance))

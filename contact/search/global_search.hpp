@@ -26,9 +26,11 @@ std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method);
 
 class GlobalSearch {
 public:
-  // `comm` must outlive the search. Throws InputError for a tolerance that is negative or not
-  // finite.
-  GlobalSearch(MPI_Comm comm, const SearchConfig& config);
+  // Collective; `comm` is copied, so that no message meets one of the host's. Throws InputError for
+  // a tolerance that is negative or not finite.
+  GlobalSearch(MPI_Comm comm, const SearchConfig& config)
+      : GlobalSearch(Communicator(comm), config) {}
+  GlobalSearch(const Communicator& comm, const SearchConfig& config); // shares the caller's
 
   // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the
   // next call. Throws PhysicsError on all ranks together, naming node and rank, when a coordinate
@@ -71,7 +73,7 @@ public:
 private:
   friend class LocalSearch;
 
-  MPI_Comm _comm;
+  Communicator _comm;
   SearchConfig _config;
   std::unique_ptr<SearchPhases> _phases; // never null
   RankBoxes _rank_boxes; // phase 2

@@ -101,7 +101,7 @@ struct Adjacent {
 
 } // namespace
 
-NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface)
+NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface)
     : _num_faces(surface.num_faces) {
   const HostSurface host(surface);
   rethrowOnAllRanks(comm, [&] {

@@ -41,7 +41,7 @@ public:
   // Collective. Uses ids, ownership, connectivity and the attribute mu of `surface`. Throws (on all
   // ranks) when a node is owned by no rank that has it on its surface, since its contact would then
   // be missed.
-  NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface);
+  NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface);
 
   const NodeFaceLists& lists() const { return _lists; }
   int numRemote() const { return _num_remote; }
