@@ -15,6 +15,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <string>
 
 namespace brickwall::contact {
 
@@ -45,19 +46,20 @@ struct EnforcementSums {
 
 class Enforcement {
 public:
-  // Collective; `comm` is copied, so that no message meets one of the host's.
-  // `node_mass` [surface node] is the lumped mass, HUGE_VAL where the motion is
-  // prescribed; corner masses of Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2.
-  // `energy_scale` bounds a stored energy.
+  // Collective; `comm` is copied, so that no message meets one of the host's. `node_mass`
+  // [surface node] is the lumped mass, HUGE_VAL where the motion is prescribed; corner masses of
+  // Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2. `energy_scale` bounds a stored
+  // energy. Throws InputError on all ranks for what checkEnforcementInput() refuses.
   Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const View<const double*>& node_mass, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);
 
   // Contact forces at coordinates_new; motion of the step is coordinates_new - coordinates_old, of
-  // length `steps.dt`. `surface` may change its coordinates between calls, nothing else. The first call of
-  // a run sees overlaps as they are: they are taken into the offset and give no force. Collective.
-  // `neutral` is needed for Scheme::energy_neutral only; `edges`, if there, has found the candidates of this step, and
-  // its forces are among forces(). Returns this rank's sums.
+  // length `steps.dt`. `surface` may change its coordinates between calls, nothing else. The first
+  // call of a run sees overlaps as they are: they are taken into the offset and give no force.
+  // Collective. `neutral` is needed for Scheme::energy_neutral only; `edges`, if there, has found
+  // the candidates of this step, and its forces are among forces(). Returns this rank's sums.
+  // Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
@@ -98,9 +100,13 @@ private:
 
   // Collective.
   bool isOnAnyRank(bool here) const;
-  void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges);
+  void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
+                     const std::string& problem = {});
+  std::string problemOf(const Surface& surface, const CandidatePairs& pairs) const;
+  void throwWithAllRanks(const exec_space& space, const std::string& problem);
 
   Communicator _comm;
+  int _num_nodes, _num_faces;
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;

@@ -50,6 +50,10 @@ public:
   // only the normal and the area. The bits are those of the face's own rank. Own faces that are not wanted are left out.
   void updateRecords(const exec_space& space, const SweptBoxes& surface,
                      const RecordsWanted& wanted, const View<FaceRecord*>& records);
+  // Collective: other ranks are in updateRecords(), this one has no surface for it.
+  void exchangeNothing(const exec_space& space) {
+    _plan.forward(space, _border_areas, _remote_areas);
+  }
 
 private:
   NodeFaceLists _lists;
