@@ -199,8 +199,8 @@ public:
   ExchangePlan() = default;
   // Host lists: `send_rows[p]` and `receive_rows[p]` for partner rank `partners[p]`. Tag must not
   // be used by another plan that is in flight at the same time.
-  ExchangePlan(const exec_space& space, MPI_Comm comm, int tag, std::vector<int> partners,
-               const std::vector<std::vector<int>>& send_rows,
+  ExchangePlan(const exec_space& space, const Communicator& comm, int tag,
+               std::vector<int> partners, const std::vector<std::vector<int>>& send_rows,
                const std::vector<std::vector<int>>& receive_rows)
       : _comm(comm), _tag(tag), _partners(std::move(partners)), _send_offsets(offsetsOf(send_rows)),
         _receive_offsets(offsetsOf(receive_rows)),
@@ -291,7 +291,7 @@ private:
     return words;
   }
 
-  MPI_Comm _comm = MPI_COMM_NULL;
+  Communicator _comm;
   int _tag = 0;
   std::vector<int> _partners;
   std::vector<std::int64_t> _send_offsets{0}, _receive_offsets{0};

@@ -11,6 +11,7 @@
 #include <climits>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -41,6 +42,30 @@ inline int sizeOf(MPI_Comm comm) {
 inline void barrier(MPI_Comm comm) {
   checkMpi(MPI_Barrier(comm), "MPI_Barrier");
 }
+
+// A communicator with the ranks of a host's communicator and messages of its own: no receive of the
+// host takes a message sent here, nor the other way round, whatever their tags. Copies share it;
+// the last one frees it. MPI_COMM_NULL until it is made from a host's communicator.
+class Communicator {
+public:
+  Communicator() = default;
+  // Collective.
+  explicit Communicator(MPI_Comm of_host) : _comm(new MPI_Comm(MPI_COMM_NULL), freeComm) {
+    checkMpi(MPI_Comm_dup(of_host, _comm.get()), "MPI_Comm_dup");
+  }
+  operator MPI_Comm() const { return _comm ? *_comm : MPI_COMM_NULL; }
+
+private:
+  static void freeComm(MPI_Comm* comm) {
+    int is_finalized = 0;
+    MPI_Finalized(&is_finalized);
+    if (*comm != MPI_COMM_NULL && !is_finalized)
+      MPI_Comm_free(comm);
+    delete comm;
+  }
+
+  std::shared_ptr<MPI_Comm> _comm;
+};
 
 // `n` as an MPI count, which is int. Throws an error that names the size if it does not fit.
 inline int checkedInt(std::int64_t n, const char* what) {
@@ -122,11 +147,12 @@ inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) 
 }
 
 // Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank.
-// For set-up: the cost is that of an all-to-all.
+// For set-up: the cost is that of an all-to-all and of a communicator of its own.
 template <class T>
-std::vector<std::vector<T>> exchangeByRank(MPI_Comm comm,
+std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
                                            const std::vector<std::vector<T>>& values) {
   static_assert(std::is_trivially_copyable_v<T>);
+  const Communicator comm(of_host);
   const int size = sizeOf(comm);
   std::vector<std::int64_t> send_bytes(size), receive_bytes(size);
   for (int q = 0; q < size; ++q)

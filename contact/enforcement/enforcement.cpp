@@ -4,6 +4,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/enforcement/law/check_enforcement_input.hpp"
 #include "contact/enforcement/node_face/node_face_separation.hpp"
 
 namespace brickwall::contact {
@@ -53,21 +54,26 @@ void copyTotals(const exec_space& space, const NodeList& list,
       });
 }
 
+Communicator checkedCopy(const exec_space& space, MPI_Comm comm, const Surface& surface,
+                         const View<const double*>& node_mass, const EnforcementConfig& config,
+                         const Quantum& quantum, const LimbScale& energy_scale) {
+  checkEnforcementInput(space, comm, "Enforcement", surface, node_mass, config, quantum,
+                        energy_scale);
+  return Communicator(comm);
+}
+
 } // namespace
 
 Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
                          const View<const double*>& node_mass, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
-    : _comm(comm), _config(config), _quantum(quantum), _energy_scale(energy_scale),
-      _node_mass(node_mass), _node_faces(space, comm, surface),
-      _records(space, surface, _node_faces),
+    : _comm(checkedCopy(space, comm, surface, node_mass, config, quantum, energy_scale)),
+      _num_nodes(surface.num_nodes), _num_faces(surface.num_faces), _config(config),
+      _quantum(quantum), _energy_scale(energy_scale), _node_mass(node_mass),
+      _node_faces(space, _comm, surface), _records(space, surface, _node_faces),
       _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
       _motion(space, "contact::Enforcement", surface), _stationary("contact::Enforcement", surface),
       _sleeping(space, "contact::Enforcement", surface.num_nodes) {
-  if (!(config.reference_step > 0) || !(config.penalty > 0))
-    throw Error(ExitCode::internal, "Enforcement: reference_step is " +
-                                        std::to_string(config.reference_step) + ", penalty " +
-                                        std::to_string(config.penalty) + "; both must be > 0");
   _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
   _forces.nodes = _totals;
   _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
@@ -90,6 +96,9 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   if (_config.scheme == Scheme::energy_neutral && neutral == nullptr)
     throw Error(ExitCode::internal,
                 "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
+  const std::string problem = problemOf(surface, pairs);
+  if (!problem.empty())
+    throwWithAllRanks(space, problem);
   const FaceAccess faces{surface, ghosts};
   if (_config.skip_stationary) {
     _motion.update(space, surface);
@@ -128,10 +137,35 @@ bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
 }
 
-void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges) {
-  int any[2] = {sums.nodes.interactions + sums.edges.interactions > 0, sums.edges.interactions > 0};
+std::string Enforcement::problemOf(const Surface& surface, const CandidatePairs& pairs) const {
+  if (surface.num_nodes == _num_nodes && surface.num_faces == _num_faces &&
+      pairs.num_rows == _num_nodes)
+    return {};
+  return "Enforcement::enforce: rank " + std::to_string(rankOf(_comm)) + " has " +
+         std::to_string(surface.num_nodes) + " nodes, " + std::to_string(surface.num_faces) +
+         " faces and " + std::to_string(pairs.num_rows) + " rows of candidates; expected " +
+         std::to_string(_num_nodes) + ", " + std::to_string(_num_faces) + " and " +
+         std::to_string(_num_nodes) + ", as in the constructor";
+}
+
+// The other ranks wait for messages in their step: this one takes part up to the reduction by which
+// all learn of it.
+void Enforcement::throwWithAllRanks(const exec_space& space, const std::string& problem) {
+  _node_faces.exchangeNothing(space);
+  agreeOnForces({}, nullptr, problem);
+}
+
+void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
+                                const std::string& problem) {
+  int any[3] = {sums.nodes.interactions + sums.edges.interactions > 0, sums.edges.interactions > 0,
+                !problem.empty()};
   if (sizeOf(_comm) > 1)
-    allReduce(_comm, any, 2, MPI_MAX);
+    allReduce(_comm, any, 3, MPI_MAX);
+  if (any[2] != 0)
+    rethrowOnAllRanks(_comm, [&] {
+      if (!problem.empty())
+        throw InputError(problem);
+    });
   _has_forces = any[0] != 0;
   if (edges != nullptr)
     edges->setHasForcesAnywhere(any[1] != 0);

@@ -18,6 +18,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <string>
 
 namespace brickwall::contact {
 
@@ -49,9 +50,10 @@ struct EnforcementSums {
 
 class Enforcement {
 public:
-  // Collective. `node_mass` [surface node] is the lumped mass, HUGE_VAL where the motion is
-  // prescribed; corner masses of Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2.
-  // `energy_scale` bounds a stored energy.
+  // Collective; `comm` is copied, so that no message meets one of the host's. `node_mass`
+  // [surface node] is the lumped mass, HUGE_VAL where the motion is prescribed; corner masses of
+  // Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2. `energy_scale` bounds a stored
+  // energy. Throws InputError on all ranks for what checkEnforcementInput() refuses.
   Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const View<const double*>& node_mass, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);
@@ -61,6 +63,7 @@ public:
   // change. Overlaps that exist at the first call become offsets and give no force. `neutral` is
   // needed for Scheme::energy_neutral only. If `edges` is given, it must have found the candidates
   // of this step; its forces are included in forces(). Collective. Returns this rank's sums.
+  // Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
@@ -100,9 +103,13 @@ private:
 
   // Collective.
   bool isOnAnyRank(bool here) const;
-  void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges);
+  void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
+                     const std::string& problem = {});
+  std::string problemOf(const Surface& surface, const CandidatePairs& pairs) const;
+  void throwWithAllRanks(const exec_space& space, const std::string& problem);
 
-  MPI_Comm _comm;
+  Communicator _comm;
+  int _num_nodes, _num_faces;
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;

@@ -4,6 +4,7 @@
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/search/candidate_search.hpp"
+#include "contact/surface/check_surface.hpp"
 
 #include <algorithm>
 #include <map>
@@ -99,6 +100,7 @@ SweptBoxes sweptBoxes(const exec_space& space, const View<const Box*>& boxes,
 std::vector<global_id> bodiesThatMeet(const exec_space& space, MPI_Comm comm,
                                       const Surface& surface, double least) {
   const Region region("contact::bodiesThatMeet");
+  checkSurface(space, comm, "bodiesThatMeet", surface);
   // A rank chosen by the number of the body joins its parts.
   const int num_ranks = sizeOf(comm);
   std::vector<std::vector<BodyBox>> parts(num_ranks);

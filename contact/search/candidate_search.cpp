@@ -19,11 +19,12 @@
 namespace brickwall::contact {
 namespace {
 
+Communicator checkedCopy(MPI_Comm comm, const SearchConfig& config, double margin) {
+  checkSearchConfig(comm, "CandidateSearch", config, margin);
+  return Communicator(comm);
+}
+
 SearchConfig withMargin(SearchConfig config, double margin) {
-  for (const double length : {config.node_tolerance, config.face_tolerance, margin})
-    if (!(length >= 0) || !std::isfinite(length))
-      throw InputError("CandidateSearch: tolerance or margin is " + std::to_string(length) +
-                       ", needs a finite length >= 0");
   config.node_tolerance += 0.5 * margin;
   config.face_tolerance += 0.5 * margin;
   return config;
@@ -61,8 +62,8 @@ void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
 } // namespace
 
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
-    : _comm(comm), _config(config), _margin(margin), _global(comm, withMargin(config, margin)),
-      _local(_global) {
+    : _comm(checkedCopy(comm, config, margin)), _config(config), _margin(margin),
+      _global(_comm, withMargin(config, margin)), _local(_global) {
   configure(config);
 }
 
@@ -72,6 +73,7 @@ void CandidateSearch::setTolerances(double node_tolerance, double face_tolerance
   SearchConfig config = _config;
   config.node_tolerance = node_tolerance;
   config.face_tolerance = face_tolerance;
+  requireLengths("CandidateSearch::setTolerances", config);
   configure(config);
   _has_lists = false;
 }
@@ -111,7 +113,7 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   if (_margin > 0) {
     const Region region("contact::measureMotion");
     // negative without nodes
-    const double here = hasListsOf(surface) ? maxOf(motion, 0.0) : HUGE_VAL;
+    const double here = hasListsOf(space, surface) ? maxOf(motion, 0.0) : HUGE_VAL;
     may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
   }
   if (may_keep)
@@ -121,12 +123,12 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   return _global.ghosts();
 }
 
-bool CandidateSearch::hasListsOf(const SweptBoxes& surface) const {
-  return _has_lists && surface.num_nodes == _num_nodes && surface.num_faces == _num_faces;
+bool CandidateSearch::hasListsOf(const exec_space& space, const SweptBoxes& surface) {
+  return _has_lists && _global.isSame(space, surface);
 }
 
-double CandidateSearch::largestMotion(const exec_space& space, const SweptBoxes& surface) const {
-  if (_margin == 0 || !hasListsOf(surface))
+double CandidateSearch::largestMotion(const exec_space& space, const SweptBoxes& surface) {
+  if (_margin == 0 || !hasListsOf(space, surface))
     return HUGE_VAL;
   const Region region("contact::measureMotion");
   return motionOutOf(space, _searched_at, surface);
@@ -139,8 +141,6 @@ void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surf
     growTo(space, _searched_at, surface.num_nodes);
     keepSweptBoxes(space, surface, _searched_at);
   }
-  _num_nodes = surface.num_nodes;
-  _num_faces = surface.num_faces;
   _has_lists = true;
   ++_searches;
 }

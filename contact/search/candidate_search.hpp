@@ -30,10 +30,11 @@ KOKKOS_INLINE_FUNCTION double excursionOutside(const View<const double* [6]>& bo
 
 class CandidateSearch {
 public:
-  // `comm` must outlive the search. `margin` (length, the same on all ranks): boxes are inflated by
-  // half of it, and ghosts and pairs are kept until nodes have left their swept boxes by half of
-  // it; with 0 every step searches. Throws InputError for a tolerance or a margin that is negative
-  // or not finite.
+  // Collective; `comm` is copied, so that no message meets one of the host's. `margin` (length, the
+  // same on all ranks): boxes are inflated by half of it, and ghosts and pairs are kept until nodes
+  // have left their swept boxes by half of it; with 0 every step searches. Throws InputError on all
+  // ranks for a tolerance or a margin that is negative or not finite, or a configuration or margin
+  // that differs between ranks.
   CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin = 0);
   CandidateSearch(const CandidateSearch&) = delete;
   CandidateSearch& operator=(const CandidateSearch&) = delete;
@@ -44,7 +45,8 @@ public:
   // this step; all other data are those of the last search. A step without a search reads the
   // coordinates once, reduces one number over ranks and sends one message per partner. Between
   // calls only coordinates may change, in any way, unless forget() is called. Throws PhysicsError
-  // on all ranks together, naming node and rank, when a coordinate is not finite.
+  // and InputError as GlobalSearch::findGhosts(); steps without a search notice other counts, Views
+  // that are too short, and other Views with other content.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface);
 
   // Collective. The same for a host that reads the coordinates in any case: `motion` is the
@@ -68,7 +70,7 @@ public:
   }
 
   // Sets the tolerances of SearchConfig from the next update() on, the same on all ranks; it
-  // searches if they have changed.
+  // searches if they have changed. Throws InputError for one that is negative or not finite.
   void setTolerances(double node_tolerance, double face_tolerance);
 
   const GhostFaces& ghosts() const { return _global.ghosts(); }
@@ -104,19 +106,18 @@ public:
 
 private:
   void configure(const SearchConfig& config);
-  bool hasListsOf(const SweptBoxes& surface) const;
-  double largestMotion(const exec_space& space, const SweptBoxes& surface) const;
+  bool hasListsOf(const exec_space& space, const SweptBoxes& surface);
+  double largestMotion(const exec_space& space, const SweptBoxes& surface);
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface, double motion);
   void findGhosts(const exec_space& space, const SweptBoxes& surface);
 
-  MPI_Comm _comm;
+  Communicator _comm;
   SearchConfig _config; // of a step, without the margin
   double _margin;
   double _allowed_motion = 0; // of a node out of its swept box of the last search, along any axis
   GlobalSearch _global;
   LocalSearch _local;
   bool _has_lists = false, _has_pairs = false; // of the last search
-  int _num_nodes = 0, _num_faces = 0; // of the last search
   // Swept boxes of the last search: [node][low xyz, high xyz].
   View<double* [6]> _searched_at { "contact::CandidateSearch::searched_at", 0 };
   std::int64_t _updates = 0, _searches = 0;

@@ -5,8 +5,6 @@
 #include "contact/search/exchange/ghost_exchange.hpp"
 #include "contact/search/paper/reference_search.hpp"
 
-#include <cmath>
-
 namespace brickwall::contact {
 
 std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method) {
@@ -21,16 +19,25 @@ std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method) {
   return std::make_unique<ClusterSearch>();
 }
 
-GlobalSearch::GlobalSearch(MPI_Comm comm, const SearchConfig& config)
+GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
     : _comm(comm), _config(config), _phases(makeSearchPhases(config.method)) {
-  for (const double tolerance : {config.node_tolerance, config.face_tolerance})
-    if (!(tolerance >= 0) || !std::isfinite(tolerance))
-      throw InputError("GlobalSearch: tolerance is " + std::to_string(tolerance) +
-                       ", needs a finite length >= 0");
+  checkSearchConfig(_comm, "GlobalSearch", config);
+}
+
+// The one reduction of a call with nothing new.
+void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface) {
+  const bool is_same = _check.isSame(space, surface, true);
+  const int is_known = _has_agreed && is_same;
+  if (sizeOf(_comm) > 1 ? allReduce(_comm, is_known, MPI_MIN) == 1 : is_known)
+    return;
+  checkSearchConfig(_comm, "GlobalSearch", _config);
+  _has_agreed = true;
+  _check.update(space, _comm, "GlobalSearch", surface, is_same);
 }
 
 const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
   const Region region("contact::findGhosts");
+  checkInput(space, surface);
   const OwnRankBoxes own = _phases->constructBoxes(space, surface, _config);
   exchangeRankBoxes(_comm, surface, own, _rank_boxes);
   _phases->findPartnersAndCandidates(space, surface, _rank_boxes);

@@ -5,6 +5,7 @@
 
 #include "contact/search/exchange/face_migration.hpp"
 #include "contact/search/exchange/search_phases.hpp"
+#include "contact/surface/check_surface.hpp"
 #include "contact/surface/search_config.hpp"
 #include "contact/surface/surface.hpp"
 
@@ -26,13 +27,18 @@ std::unique_ptr<SearchPhases> makeSearchPhases(SearchMethod method);
 
 class GlobalSearch {
 public:
-  // `comm` must outlive the search. Throws InputError for a tolerance that is negative or not
-  // finite.
-  GlobalSearch(MPI_Comm comm, const SearchConfig& config);
+  // Collective; `comm` is copied, so that no message meets one of the host's. Throws InputError on
+  // all ranks for a tolerance that is negative or not finite, or a configuration that differs
+  // between ranks.
+  GlobalSearch(MPI_Comm comm, const SearchConfig& config)
+      : GlobalSearch(Communicator(comm), config) {}
+  GlobalSearch(const Communicator& comm, const SearchConfig& config); // shares the caller's
 
   // Collective. The ghost faces of this step, in the order that GhostFaces states; valid until the
-  // next call. Throws PhysicsError on all ranks together, naming node and rank, when a coordinate
-  // is not finite.
+  // next call. Throws on all ranks together: PhysicsError, naming node and rank, when a coordinate
+  // is not finite; InputError for a surface that checkSurface() refuses, at the first call and
+  // after forget(), or that has changed without forget(). A change in place of less than a
+  // sixteenth of the rows may be noticed up to 15 calls later.
   const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface);
 
   // Collective. Adds the values of each ghost to the nodes of its owner's face: node_values(node of
@@ -64,15 +70,30 @@ public:
   std::int64_t numOrderings() const { return _phases->numOrderings(); }
   const SearchConfig& config() const { return _config; }
   // From the next findGhosts() on; the method must stay. The same on all ranks.
-  void configure(const SearchConfig& config) { _config = config; }
-  // Something of the surface besides its coordinates has changed in place.
-  void forget() { _phases->forget(); }
+  void configure(const SearchConfig& config) {
+    _config = config;
+    _has_agreed = false;
+  }
+  // Allows the next findGhosts() another surface, on one rank or more.
+  void forget() {
+    _check.forget();
+    _phases->forget();
+  }
+  // Not collective. Whether `surface` has the counts of the last findGhosts(), Views that are long
+  // enough and, where these are other Views, the same content.
+  bool isSame(const exec_space& space, const SweptBoxes& surface) {
+    return _check.isSame(space, surface, false);
+  }
 
 private:
   friend class LocalSearch;
 
-  MPI_Comm _comm;
+  void checkInput(const exec_space& space, const SweptBoxes& surface);
+
+  Communicator _comm;
   SearchConfig _config;
+  bool _has_agreed = false; // on _config
+  SurfaceCheck _check;
   std::unique_ptr<SearchPhases> _phases; // never null
   RankBoxes _rank_boxes; // phase 2
   FaceMigration _migration; // phase 6

@@ -4,6 +4,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/check_surface.hpp"
 #include "contact/surface/projection.hpp"
 
 #include <algorithm>
@@ -146,6 +147,7 @@ void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<Featur
 } // namespace
 
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine) {
+  checkSurface(exec_space(), comm, "findFeatureEdges", surface);
   const int num_ranks = sizeOf(comm);
   const auto received = exchangeByRank(comm, recordsOf(num_ranks, rankOf(comm), surface));
   std::vector<EdgeRecord> records;

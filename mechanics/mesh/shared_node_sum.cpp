@@ -9,7 +9,8 @@ SharedNodeSum::SharedNodeSum(const exec_space& space, MPI_Comm comm,
   if (shared.ranks.size() != shared.nodes.size())
     throw InputError("SharedNodeSum: " + std::to_string(shared.ranks.size()) + " ranks but " +
                      std::to_string(shared.nodes.size()) + " node lists");
-  _plan = ExchangePlan(space, comm, tags::shared_nodes, shared.ranks, shared.nodes, shared.nodes);
+  _plan = ExchangePlan(space, Communicator(comm), tags::shared_nodes, shared.ranks, shared.nodes,
+                       shared.nodes);
 }
 
 void SharedNodeSum::sum(const exec_space& space, const View<std::int64_t**>& values) {

@@ -10,8 +10,8 @@ namespace brickwall::mechanics {
 class SharedNodeSum {
 public:
   SharedNodeSum() = default;
-  // Not collective; sum() is. Throws InputError if `shared.ranks` and `shared.nodes` differ in
-  // size.
+  // Collective; `comm` is copied. Throws InputError when `shared.ranks` and `shared.nodes` differ
+  // in size.
   SharedNodeSum(const exec_space& space, MPI_Comm comm, const SharedNodeLists& shared);
 
   // values(node, :) = sum of all sharers' values(node, :). View [node][W] of int64, with W equal on

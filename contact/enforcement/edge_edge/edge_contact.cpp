@@ -3,6 +3,7 @@
 
 #include "contact/base/region.hpp"
 #include "contact/enforcement/edge_edge/edge_separation.hpp"
+#include "contact/enforcement/law/check_enforcement_input.hpp"
 
 namespace brickwall::contact {
 namespace {
@@ -90,6 +91,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
                          const SearchConfig& search, double margin, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
     : _search(comm, search, margin), _config(config), _energy_scale(energy_scale) {
+  checkEnforcementInput(space, comm, "EdgeContact", surface, node_mass, config, quantum,
+                        energy_scale);
   const EdgeSurface made = edgeSurface(space, surface, edges, node_mass);
   _edges = made.surface;
   _num_corners = made.num_corners;

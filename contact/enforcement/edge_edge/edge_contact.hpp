@@ -17,7 +17,7 @@ namespace brickwall::contact {
 class EdgeContact {
 public:
   // Collective. `edges`: findFeatureEdges() of `surface`; `node_mass`, `energy_scale`: see
-  // Enforcement; `search`, `margin`: see CandidateSearch.
+  // Enforcement; `search`, `margin`: see CandidateSearch. Throws InputError as Enforcement.
   EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const FeatureEdges& edges, const View<const double*>& node_mass,
               const SearchConfig& search, double margin, const EnforcementConfig& config,

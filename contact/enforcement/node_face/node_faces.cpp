@@ -102,16 +102,9 @@ struct Adjacent {
 
 } // namespace
 
-NodeFaces::NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface)
+NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface)
     : _num_faces(surface.num_faces) {
   const HostSurface host(surface);
-  rethrowOnAllRanks(comm, [&] {
-    if (surface.num_faces > 0 && surface.face_attributes.extent(1) != words_of<FaceAttributes>)
-      throw Error(ExitCode::internal, "NodeFaces: the attributes of a face have " +
-                                          std::to_string(surface.face_attributes.extent(1)) +
-                                          " words, those of FaceAttributes have " +
-                                          std::to_string(words_of<FaceAttributes>));
-  });
   const int size = sizeOf(comm);
   const auto owners = findOwners(comm, host);
 

@@ -42,7 +42,7 @@ public:
   // Collective. Uses ids, ownership, connectivity and the surface mass of `surface`. Throws on all
   // ranks if a node is owned by no rank that has it on its surface, since its contacts would be
   // missed.
-  NodeFaces(const exec_space& space, MPI_Comm comm, const Surface& surface);
+  NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface);
 
   const NodeFaceLists& lists() const { return _lists; }
   int numRemote() const { return _num_remote; }
@@ -52,6 +52,10 @@ public:
   // selected are skipped.
   void updateRecords(const exec_space& space, const SweptBoxes& surface,
                      const RecordSelection& selection, const View<FaceRecord*>& records);
+  // Takes part in updateRecords() of the other ranks on a rank that has no valid surface. Collective.
+  void exchangeNothing(const exec_space& space) {
+    _plan.forward(space, _border_areas, _remote_areas);
+  }
 
 private:
   NodeFaceLists _lists;

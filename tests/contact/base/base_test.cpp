@@ -222,7 +222,7 @@ struct Ring {
       if (partners[p] == next)
         receive[p].push_back(4);
     }
-    return ExchangePlan(exec_space(), comm, 99, partners, send, receive);
+    return ExchangePlan(exec_space(), Communicator(comm), 99, partners, send, receive);
   }
 };
 

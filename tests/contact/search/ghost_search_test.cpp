@@ -109,6 +109,7 @@ TEST(GhostSearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
           seed % 2 == 0 ? makeCase(seed / 2, sizeOf(comm)) : makeHardCase(seed / 2, sizeOf(comm));
       c.node_tolerance = first.node_tolerance;
       c.face_tolerance = first.face_tolerance;
+      search.forget();
       ASSERT_TRUE(checkGhosts(c, search)) << c.name();
     }
   }

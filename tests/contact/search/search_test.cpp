@@ -101,6 +101,7 @@ TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
       c.node_tolerance = first.node_tolerance;
       c.face_tolerance = first.face_tolerance;
       c.drop_same_body = first.drop_same_body;
+      global.forget();
       ASSERT_TRUE(checkStep(c, global, local)) << c.name();
     }
   }

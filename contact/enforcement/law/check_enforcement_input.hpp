@@ -1,0 +1,23 @@
+// Whether the enforcement of contact can work with what its host gives.
+#pragma once
+
+#include "contact/base/fixed_point.hpp"
+#include "contact/enforcement/law/enforcement_config.hpp"
+#include "contact/surface/surface.hpp"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace brickwall::contact {
+
+// Collective. Throws InputError on all ranks, naming `function`, if a value of the configuration
+// differs between ranks, if the reference step or the penalty is not positive, for a surface that
+// checkSurface() refuses or whose faces lack FaceAttributes, or for masses
+// of too few nodes.
+void checkEnforcementInput(const exec_space& space, MPI_Comm comm, const std::string& function,
+                           const Surface& surface, const View<const double*>& node_mass,
+                           const EnforcementConfig& config, const Quantum& quantum,
+                           const LimbScale& energy_scale);
+
+} // namespace brickwall::contact

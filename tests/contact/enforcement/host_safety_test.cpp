@@ -1,0 +1,134 @@
+// Enforcement in a host code: messages of the host that have the library's tags, wrong surfaces,
+// and configurations that differ between ranks. Every error is thrown on all ranks; no rank hangs.
+#include "tests/contact/enforcement/support/edge_run.hpp"
+#include "tests/contact/support/host_traffic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace brickwall::contact::testing {
+namespace {
+
+using test::HostTraffic;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+class EnforcementInHost : public ::testing::Test {
+protected:
+  const int rank = rankOf(comm), size = sizeOf(comm);
+};
+
+int spread(int element) {
+  return (element * 7 + element / 3) % sizeOf(comm);
+}
+
+// A brick pressed into another one.
+Scene pressed() {
+  Scene scene;
+  scene.addBox({0, 0, 0}, {1, 1, 1}, {3, 3, 3});
+  const int upper = scene.addBox({0.11, 0.07, 0.98}, {1, 1, 1}, {3, 3, 3});
+  scene.cameBy(upper, {0, 0, -0.03});
+  return scene;
+}
+
+// The message with which `act` throws InputError on all ranks; empty if it does not.
+std::string messageOf(const std::function<void()>& act) {
+  std::string message;
+  try {
+    act();
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(broadcast(comm, message), message);
+  return message;
+}
+void expectError(const std::function<void()>& act, const std::string& words) {
+  const std::string message = messageOf(act);
+  EXPECT_NE(message.find(words), std::string::npos) << words << ": " << message;
+}
+
+TEST_F(EnforcementInHost, MessagesOfTheHostDoNotMeetThoseOfTheEnforcement) {
+  const Scene scene = pressed();
+  SceneRun alone(scene, comm, spread);
+  const auto expected = alone.step();
+  for (const auto kind : {HostTraffic::pending_receives, HostTraffic::pending_messages}) {
+    HostTraffic traffic(comm, kind);
+    SceneRun run(scene, comm, spread);
+    EXPECT_EQ(run.step(), expected);
+    EXPECT_TRUE(traffic.hasArrived());
+  }
+  EXPECT_GT(alone.sums.interactions, 0);
+}
+
+TEST_F(EnforcementInHost, MessagesOfTheHostDoNotMeetThoseOfTheEdges) {
+  const Scene scene = crossedRidges(-0.02);
+  EdgeRun alone(scene, comm, spread);
+  const auto expected = alone.step();
+  for (const auto kind : {HostTraffic::pending_receives, HostTraffic::pending_messages}) {
+    HostTraffic traffic(comm, kind);
+    EdgeRun run(scene, comm, spread);
+    EXPECT_EQ(run.step(), expected);
+    EXPECT_TRUE(traffic.hasArrived());
+  }
+}
+
+struct Given {
+  Surface surface;
+  View<const double*> node_mass;
+  EnforcementConfig enforcement;
+  SearchConfig search;
+};
+
+TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
+  const exec_space space;
+  const ScenePart part(pressed(), comm, spread, 0.3);
+  const FeatureEdges edges = findFeatureEdges(comm, part.surface());
+  const auto expect = [&](const std::string& words, const std::function<void(Given&)>& spoil) {
+    Given given{part.surface(), part.nodeMass(), config(), searchOf(0.2)};
+    if (rank == size - 1)
+      spoil(given);
+    const auto make = [&] {
+      Enforcement(space, comm, given.surface, given.node_mass, given.enforcement, quantum(),
+                  energyScale());
+    };
+    const auto makeEdges = [&] {
+      EdgeContact(space, comm, given.surface, edges, given.node_mass, given.search, 0,
+                  given.enforcement, quantum(), energyScale());
+    };
+    expectError(make, words);
+    expectError(makeEdges, words);
+  };
+  const std::string where = "rank " + std::to_string(size - 1);
+  expect(where + ": face_ids is missing", [](Given& g) { g.surface.face_ids = {}; });
+  expect(where + ": num_nodes is -3", [](Given& g) { g.surface.num_nodes = -3; });
+  expect(where + " has 0 rows of node_mass", [](Given& g) { g.node_mass = {}; });
+  expect("words of attributes", [](Given& g) {
+    g.surface.face_attributes = AttributeWords("test::attributes", g.surface.num_faces, 3);
+  });
+  if (size == 1)
+    return;
+  expect("scheme is energy_neutral on " + where,
+         [](Given& g) { g.enforcement.scheme = Scheme::energy_neutral; });
+  expect("penalty is 0.5", [](Given& g) { g.enforcement.penalty = 0.5; });
+  expect("reference_step", [](Given& g) { g.enforcement.reference_step = 0; });
+  expect("friction", [](Given& g) { g.enforcement.friction = 0.3; });
+  expect("skip_stationary", [](Given& g) { g.enforcement.skip_stationary = false; });
+  expect("relaxation", [](Given& g) { g.enforcement.relaxation = 1; });
+}
+
+TEST_F(EnforcementInHost, EnforcementNoticesASurfaceOfOtherCounts) {
+  const exec_space space;
+  SceneRun run(pressed(), comm, spread);
+  const auto expected = run.step();
+  Surface other = run.part.surface();
+  if (rank == size - 1)
+    --other.num_faces;
+  for (int step = 0; step < 2; ++step)
+    expectError(
+        [&] { run.enforcement.enforce(space, other, run.part.ghosts(), run.part.pairs(), dt); },
+        "Enforcement::enforce: rank " + std::to_string(size - 1) + " has ");
+}
+
+} // namespace
+} // namespace brickwall::contact::testing
