@@ -80,6 +80,7 @@ void Simulation::guardAgainstTunnelling() {
     Kokkos::deep_copy(_space, _state.displacement, _before_drift.displacement);
     _steps.restore(_before_drift.clock);
     shortenDrift(_contact->shortenForPair(fastest, dt, clock()));
+    _before_drift.clock = clock(); // another round starts from the shortened step
     mechanics::drift(_space, clock().dt, _state);
     _contact->moveSurfaceAgain(_state.displacement);
     _steps.advance();
@@ -145,7 +146,7 @@ mechanics::TimeSpan Simulation::nextLoadSpan() const {
   return {_step.load_span.end, clock().time + 0.5 * clock().dt};
 }
 
-void Simulation::addLoads(const mechanics::TimeSpan& span) {
+void Simulation::addLoads(mechanics::TimeSpan span) {
   const Region region("miniapp::addLoads");
   _step.previous_load_span = _step.load_span;
   _step.load_span = span;

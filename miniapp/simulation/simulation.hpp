@@ -65,7 +65,7 @@ private:
   void adaptTimeStep();
   void computeInternalForces();
   void limitStepForCompression();
-  void addLoads(const mechanics::TimeSpan& span);
+  void addLoads(mechanics::TimeSpan span);
   void sumSharedNodes();
   void enforceContact();
   void setContactPower();

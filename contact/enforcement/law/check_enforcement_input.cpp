@@ -21,7 +21,7 @@ void checkEnforcementInput(const exec_space& space, MPI_Comm comm, const std::st
                {"friction_stiffness", config.friction_stiffness},
                {"damping", config.damping},
                {"least_depth", config.least_depth},
-               {"deepest_birth", config.deepest_birth},
+               {"max_activation_depth", config.max_activation_depth},
                {"opposed_cosine", config.opposed_cosine},
                {"shared_cosine", config.shared_cosine},
                {"self_contact", number(config.self_contact)},
