@@ -52,6 +52,8 @@ brickwall_install_component(
          contact/search/local_search.hpp
          contact/search/audit
          contact/enforcement/enforcement.hpp
+         contact/enforcement/law/enforcement_config.hpp
+         contact/enforcement/law/contact_sums.hpp
          contact/enforcement/edge_edge/edge_contact.hpp
          contact/overlap/initial_overlap.hpp)
 brickwall_install_component(
@@ -60,13 +62,17 @@ brickwall_install_component(
          mechanics/mesh/hex_mesh.hpp
          mechanics/mesh/host_mesh.hpp
          mechanics/mesh/nodal_state.hpp
+         mechanics/mesh/lumped_mass.hpp
+         mechanics/mesh/shared_node_sum.hpp
          mechanics/mesh/skin.hpp
          mechanics/force/internal_force.hpp
          mechanics/loads
          mechanics/ledger/energy.hpp
          mechanics/stability/largest_frequency.hpp
          mechanics/stability/stable_time_step.hpp
-         mechanics/step/central_difference.hpp)
+         mechanics/step/central_difference.hpp
+         mechanics/step/free_bricks/free_bricks.hpp
+         mechanics/step/resting_bodies.hpp)
 brickwall_install_component(
   io ROOM io TARGETS brickwall_io brickwall_zoltan brickwall_exodus
   PUBLIC io/deck/deck.hpp

@@ -1,4 +1,5 @@
-// All public headers of brickwall::contact.
+// The public headers of the search and of node-to-face enforcement. Edge-to-edge contact, overlaps and audits have
+// headers of their own (contact/README.md).
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"

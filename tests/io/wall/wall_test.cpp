@@ -68,23 +68,23 @@ TEST(Wall, CountsTheFacesOfThePapersWalls) {
   const std::pair<std::int64_t, std::int64_t> walls[] = {
       {2, 17400}, {8, 278400}, {16, 1113600}, {32, 4454400}, {42, 7673400}, {64, 17817600}};
   for (const auto& [n, faces] : walls)
-    EXPECT_EQ(countWallFaces(paperWall(n)), faces);
-  EXPECT_EQ(countWallElements(paperWall(64)), 435LL * 2 * 64 * 64 * 64);
+    EXPECT_EQ(WallLayout(paperWall(n)).numFaces(), faces);
+  EXPECT_EQ(WallLayout(paperWall(64)).numElems(), 435LL * 2 * 64 * 64 * 64);
 }
 
 TEST(Wall, CountsAgreeWithTheMeshItself) {
   for (const WallConfig& config : someWalls()) {
     const WholeMesh mesh = gatherMesh(MPI_COMM_SELF, generateWall(MPI_COMM_SELF, config));
-    EXPECT_EQ(static_cast<std::int64_t>(mesh.elems.size()), countWallElements(config));
-    EXPECT_EQ(static_cast<std::int64_t>(mesh.nodes.size()), countWallNodes(config));
+    EXPECT_EQ(static_cast<std::int64_t>(mesh.elems.size()), WallLayout(config).numElems());
+    EXPECT_EQ(static_cast<std::int64_t>(mesh.nodes.size()), WallLayout(config).numNodes());
     std::int64_t exterior = 0;
     for (const auto& [face, uses] : countFaces(mesh)) {
       EXPECT_LE(uses, 2);
       exterior += uses == 1 ? 1 : 0;
     }
-    EXPECT_EQ(exterior, countWallFaces(config));
-    EXPECT_EQ(mesh.elems.rbegin()->first + 1, countWallElements(config));
-    EXPECT_EQ(mesh.nodes.rbegin()->first + 1, countWallNodes(config));
+    EXPECT_EQ(exterior, WallLayout(config).numFaces());
+    EXPECT_EQ(mesh.elems.rbegin()->first + 1, WallLayout(config).numElems());
+    EXPECT_EQ(mesh.nodes.rbegin()->first + 1, WallLayout(config).numNodes());
   }
 }
 
@@ -236,7 +236,7 @@ TEST(Wall, PartsAreBalanced) {
 TEST(WallSurface, IsTheExteriorOfTheMeshWithItsIds) {
   for (const WallConfig& config : someWalls()) {
     const SurfacePart part = generateWallSurface(MPI_COMM_WORLD, config);
-    EXPECT_EQ(part.num_global_faces, countWallFaces(config));
+    EXPECT_EQ(part.num_global_faces, WallLayout(config).numFaces());
     const WallLayout wall(config);
     const WholeMesh mesh = gatherMesh(MPI_COMM_SELF, generateWall(MPI_COMM_SELF, config));
     const auto uses = countFaces(mesh);
