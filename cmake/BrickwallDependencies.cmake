@@ -3,6 +3,7 @@
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(Kokkos 3.4 REQUIRED CONFIG)
 if("CUDA" IN_LIST Kokkos_DEVICES)
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON) # nvcc has none
   # nvcc leaves typedefs of its own in lambdas.
   target_compile_options(brickwall_flags INTERFACE -Wno-unused-local-typedefs)
 endif()

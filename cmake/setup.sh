@@ -65,9 +65,9 @@ users_kokkos() {
 }
 
 if dependencies=$(users_kokkos); then
-  cmake/install_packages.sh --check "${package_options[@]}"
+  cmake/install_packages.sh --check ${package_options[@]+"${package_options[@]}"}
 else
-  cmake/install_packages.sh "${package_options[@]}"
+  cmake/install_packages.sh ${package_options[@]+"${package_options[@]}"}
   dependencies=$(cmake/build_trilinos.sh)
   export CMAKE_PREFIX_PATH=$dependencies${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}
 fi

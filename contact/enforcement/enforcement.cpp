@@ -93,10 +93,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
                                      const StepLengths& steps, const NeutralInput* neutral,
                                      EdgeContact* edges) {
   Region region("contact::enforce");
-  if (_config.scheme == Scheme::energy_neutral && neutral == nullptr)
-    throw Error(ExitCode::internal,
-                "Enforcement: Scheme::energy_neutral needs the accelerations by the other forces");
-  const std::string problem = problemOf(surface, pairs);
+  const std::string problem = problemOf(surface, pairs, neutral);
   if (!problem.empty())
     throwWithAllRanks(space, problem);
   const FaceAccess faces{surface, ghosts};
@@ -137,7 +134,14 @@ bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
 }
 
-std::string Enforcement::problemOf(const Surface& surface, const CandidatePairs& pairs) const {
+std::string Enforcement::problemOf(const Surface& surface, const CandidatePairs& pairs,
+                                   const NeutralInput* neutral) const {
+  if (_config.scheme == Scheme::energy_neutral &&
+      (neutral == nullptr || !neutral->accelerations || !neutral->sum_forces ||
+       !neutral->share_with_ghosts))
+    return "Enforcement::enforce: rank " + std::to_string(rankOf(_comm)) +
+           " has no complete NeutralInput, which Scheme::energy_neutral needs; expected all of its "
+           "functions, or Scheme::penalty";
   if (surface.num_nodes == _num_nodes && surface.num_faces == _num_faces &&
       pairs.num_rows == _num_nodes)
     return {};

@@ -51,8 +51,8 @@ struct EnforcementSums {
 class Enforcement {
 public:
   // Collective; `comm` is copied, so that no message meets one of the host's. `node_mass`
-  // [surface node] is the lumped mass, HUGE_VAL where the motion is prescribed; corner masses of
-  // Surface::face_attributes [0..3] likewise, [4] is mu = rho h_n/2. `energy_scale` bounds a stored
+  // [surface node] is the lumped mass, HUGE_VAL where the motion is prescribed; the face
+  // attributes of `surface` are FaceAttributes, with the same corner masses. `energy_scale` bounds a stored
   // energy. Throws InputError on all ranks for what checkEnforcementInput() refuses.
   Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const View<const double*>& node_mass, const EnforcementConfig& config,
@@ -105,7 +105,8 @@ private:
   bool isOnAnyRank(bool here) const;
   void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
                      const std::string& problem = {});
-  std::string problemOf(const Surface& surface, const CandidatePairs& pairs) const;
+  std::string problemOf(const Surface& surface, const CandidatePairs& pairs,
+                        const NeutralInput* neutral) const;
   void throwWithAllRanks(const exec_space& space, const std::string& problem);
 
   Communicator _comm;

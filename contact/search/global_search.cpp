@@ -33,6 +33,8 @@ void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface
   checkSearchConfig(_comm, "GlobalSearch", _config);
   _has_agreed = true;
   _check.update(space, _comm, "GlobalSearch", surface, is_same);
+  if (!is_same)
+    _phases->forget(); // a surface that is checked anew is put in order anew
 }
 
 const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {

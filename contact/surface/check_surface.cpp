@@ -277,11 +277,26 @@ void requireLengths(const std::string& function, const SearchConfig& config, dou
                        "; expected a finite length, 0 or more");
 }
 
+namespace {
+
+const char* nameOf(SearchMethod method) {
+  switch (method) {
+  case SearchMethod::cluster:
+    return "cluster";
+  case SearchMethod::paper:
+    return "paper";
+  case SearchMethod::reference:
+    return "reference";
+  }
+  return "unknown";
+}
+
+} // namespace
+
 void checkSearchConfig(MPI_Comm comm, const std::string& function, const SearchConfig& config,
                        double margin) {
-  const char* const methods[] = {"cluster", "paper", "reference"};
   requireSame(comm, function,
-              {{"method", std::string(methods[static_cast<int>(config.method)])},
+              {{"method", std::string(nameOf(config.method))},
                {"node_tolerance", config.node_tolerance},
                {"face_tolerance", config.face_tolerance},
                {"drop_same_body", config.drop_same_body ? 1.0 : 0.0},

@@ -15,13 +15,6 @@ using ConstAttributeWords = Kokkos::View<const std::int64_t**, Kokkos::LayoutRig
 template <class T>
 constexpr int words_of = static_cast<int>(sizeof(T) / sizeof(std::int64_t));
 
-// Attributes of type T for `count` faces, not initialised.
-template <class T>
-AttributeWords allocateAttributes(const exec_space& space, const std::string& label,
-                                  std::int64_t count) {
-  return allocate<AttributeWords>(space, label, count, words_of<T>);
-}
-
 // Row `face` of `words`, in any memory space, as the struct that it holds.
 template <class T, class Words>
 KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t face) {
@@ -31,10 +24,21 @@ KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t 
   return *reinterpret_cast<Struct*>(&words(face, 0));
 }
 
+// Attributes of type T for `count` faces, with T's initial values.
+template <class T>
+AttributeWords allocateAttributes(const exec_space& space, const std::string& label,
+                                  std::int64_t count) {
+  const auto words = allocate<AttributeWords>(space, label, count, words_of<T>);
+  Kokkos::parallel_for(
+      "contact::allocateAttributes", rangePolicy(space, count),
+      KOKKOS_LAMBDA(const std::int64_t face) { attributesAt<T>(words, face) = T(); });
+  return words;
+}
+
 // The attributes of all faces in contact begin with these.
 struct CornerMasses {
-  double corner_mass[4] = {
-      0, 0, 0, 0}; // mass of each corner's node; infinite where its motion is prescribed
+  // mass of each corner's node; infinite where its motion is prescribed
+  double corner_mass[4] = {0, 0, 0, 0};
 };
 
 // Attributes of the faces of a surface.

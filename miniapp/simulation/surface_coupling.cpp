@@ -187,7 +187,7 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
     return;
   const auto surface_to_node = _surface_to_node;
   const auto nodes = forces.nodes;
-  const auto totals = _contact_forces; // stays 0 inside the bodies
+  const auto totals = _contact_forces;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {

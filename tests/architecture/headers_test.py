@@ -30,9 +30,8 @@ def reaches_kokkos(header, seen):
 
 
 def compile_alone(header):
-    command = [*compiler, "-fsyntax-only", "-x", "c++", "-"]
-    if reaches_kokkos(header, set()):
-        command[1:1] = ["-include", precompiled]
+    seen = ["-include", precompiled] if reaches_kokkos(header, set()) else []
+    command = [*compiler, *seen, "-fsyntax-only", "-x", "c++", "-"]
     run = subprocess.run(command, input=f'#include "{header}"\n', text=True, capture_output=True, cwd=root)
     return "" if run.returncode == 0 else f"{header} does not compile by itself:\n{run.stderr}"
 

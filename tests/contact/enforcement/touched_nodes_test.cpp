@@ -115,7 +115,7 @@ TEST(TouchedNodes, ManyAreListedAsAllAndNoneAsNone) {
 // farther than the edges do.
 TEST(EdgeLists, AreKeptWithinTheMarginAndChangeNoBit) {
   EdgeRun anew(crossedRidges(0.05), MPI_COMM_SELF, onOneRank);
-  EdgeRun kept(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, {}, 0.2);
+  EdgeRun kept(crossedRidges(0.05), MPI_COMM_SELF, onOneRank, config(), 0.2);
   constexpr int steps = 40;
   std::int64_t active = 0;
   for (int step = 0; step < steps; ++step) {

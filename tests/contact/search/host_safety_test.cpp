@@ -315,7 +315,7 @@ TEST_F(SearchInHost, OtherContentWithoutForgetIsAnError) {
           if (in_place && kept_by > 0) // a step with a search
             s.coordinates_new = changed(s.coordinates_new, s.num_nodes, [&](const auto& v) {
               for (int node = 0; node < s.num_nodes; ++node)
-                v(node, 2) += step % 2 == 0 ? 1 : -1;
+                v(node, 2) += 1;
             });
           message = messageOf([&] { search.update(space, s); });
         }
