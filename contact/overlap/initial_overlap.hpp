@@ -1,4 +1,5 @@
 // Initial penetration of bodies: nodes inside other bodies, and elements that overlap elements.
+// Equations: theory.md, section 13.
 #pragma once
 
 #include "contact/base/vec3.hpp"

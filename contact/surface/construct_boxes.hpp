@@ -1,5 +1,6 @@
 // Phase 1: bounding boxes of nodes and faces over the step (x^n and x^{n+1}), and the rank boxes
 // that contain them.
+// Equations: theory.md, section 1, eqs. (1) and (2).
 #pragma once
 
 #include "contact/base/box.hpp"

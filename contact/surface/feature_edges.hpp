@@ -1,6 +1,7 @@
 // The feature edges of a surface: edges at which a face has no coplanar neighbour of its body.
 // Node-to-face contact fades out beyond them (edge_fading.hpp), and convex ones enter edge-to-edge
 // contact (edge_contact.hpp).
+// Equations: theory.md, section 9.
 #pragma once
 
 #include "contact/surface/surface.hpp"

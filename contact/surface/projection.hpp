@@ -1,6 +1,7 @@
 // Closest point projection onto a face: Newton's method with the full Hessian on the bilinear quad,
 // exact on triangles (a repeated corner), four triangles about the centroid where Newton's method
 // fails. All arithmetic is relative to the point, so that flat faces give exactly flat normals.
+// Equations: theory.md, section 4, eqs. (5) to (7).
 #pragma once
 
 #include "contact/base/triple.hpp"

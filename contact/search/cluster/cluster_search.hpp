@@ -1,5 +1,6 @@
 // The search by clusters: the surface is kept in order, with boxes in blocks of eight and one tree
 // per sender; a face ends at its first hit. One message per partner in phases 4 and 6.
+// Equations: theory.md, section 3.
 #pragma once
 
 #include "contact/search/cluster/block_ghost_search.hpp"

@@ -1,6 +1,7 @@
 // A bounding volume hierarchy without pointers for items that are already sorted along a space
 // filling curve: blocks of eight boxes, the eight children of a node side by side, level above
 // level. It is built by refitting alone: no sort, no atomics, no topology.
+// Equations: theory.md, section 3.
 #pragma once
 
 #include "contact/search/spatial/float_bounds.hpp"

@@ -1,6 +1,7 @@
 // Linear bounding volume hierarchy (LBVH; paper, section 5): the binary radix tree of Karras (2012)
 // over Morton-sorted boxes. All inner nodes are built in parallel, their boxes bottom-up. Inner
 // boxes are rounded to floats, which loses no overlap; the query tests leaves in double precision.
+// Equations: theory.md, section 3.
 #pragma once
 
 #include "contact/search/spatial/float_bounds.hpp"

@@ -2,6 +2,7 @@
 // monotone, a <= b implies fl(a) <= fl(b) and fl(a) < fl(b) implies a < b. So `<=` on floats never
 // loses a pair of closed double boxes, `<` is always correct, and only ties in a float are resolved
 // by the double boxes.
+// Equations: theory.md, section 3, eq. (4).
 #pragma once
 
 #include "contact/base/box.hpp"

@@ -1,5 +1,6 @@
 // Traversal of a tree of blocks of eight boxes with one box: depth first, in the order of the
 // items, without recursion and with a few bytes of state per level.
+// Equations: theory.md, section 3 (packet traversal).
 #pragma once
 
 #include "contact/base/lanes.hpp"
