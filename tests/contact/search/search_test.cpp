@@ -1,6 +1,7 @@
 // Global and local search against a brute-force evaluation of their definition, on random surfaces;
 // no allocation in a steady step. The global search alone is tested in ghost_search_test.cpp.
 #include "contact/search/local_search.hpp"
+#include "tests/contact/search/ghost_cases.hpp"
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_checks.hpp"
 
@@ -89,6 +90,19 @@ TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
   if (sizeOf(comm) > 1) {
     EXPECT_GT(allReduce(comm, counts.ghosts, MPI_SUM), 10000);
   }
+}
+
+// Own faces and ghosts: also on one rank.
+TEST(SearchTest, PairsOfBoxesEqualInFloatsAreDecidedInDoubles) {
+  Counts counts;
+  for (std::uint64_t seed = 0; seed < 60; ++seed)
+    for (const SearchMethod method : all_methods) {
+      const SurfaceCase c = makeHardCase(seed, sizeOf(comm));
+      GlobalSearch global(comm, configOf(c, method));
+      LocalSearch local(global);
+      ASSERT_TRUE(checkStep(c, global, local, &counts)) << c.name();
+    }
+  EXPECT_GT(allReduce(comm, counts.pairs, MPI_SUM), 100000);
 }
 
 TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
