@@ -1,5 +1,5 @@
-// The public headers of the search and of node-to-face enforcement. Edge-to-edge contact, overlaps and audits have
-// headers of their own (contact/README.md).
+// The public headers of the search and of node-to-face enforcement. Edge-to-edge contact, overlaps
+// and audits have headers of their own (contact/README.md).
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"

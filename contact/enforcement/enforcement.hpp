@@ -52,8 +52,8 @@ class Enforcement {
 public:
   // Collective; `comm` is copied, so that no message meets one of the host's. `node_mass`
   // [surface node] is the lumped mass, HUGE_VAL where the motion is prescribed; the face
-  // attributes of `surface` are FaceAttributes, with the same corner masses. `energy_scale` bounds a stored
-  // energy. Throws InputError on all ranks for what checkEnforcementInput() refuses.
+  // attributes of `surface` are FaceAttributes, with the same corner masses. `energy_scale` bounds
+  // a stored energy. Throws InputError on all ranks for what checkEnforcementInput() refuses.
   Enforcement(const exec_space& space, MPI_Comm comm, const Surface& surface,
               const View<const double*>& node_mass, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);

@@ -93,7 +93,8 @@ KOKKOS_INLINE_FUNCTION BrickStiffness stiffnessOf(const OnePointBrick& brick,
 
 // s = d(U_h/V)/dq for the corotated hourglass strains q [a][local axis]. Each strain is divided by
 // the half-edge of its axis, and U_h/V is the sum of
-//   bending  E/(1 - nu^2)/6 (p^2 + r^2 + 2 nu p r), (p, r) = (q3x/a, q1z/c), (q2x/a, q1y/b), (q3y/b, q2z/c)
+//   bending  E/(1 - nu^2)/6 (p^2 + r^2 + 2 nu p r),
+//            (p, r) = (q3x/a, q1z/c), (q2x/a, q1y/b), (q3y/b, q2z/c)
 //   torsion  mu/6 (t1^2 + t2^2 + t3^2), t1 = q1x/b + q2y/a, t2 = q2y/c + q3z/b, t3 = q3z/a + q1x/c
 //   fourth   E/18 [(q4x/a)^2 + (q4y/b)^2 + (q4z/c)^2]
 template <class Real, class Modulus>

@@ -3,15 +3,18 @@
 // Ledger: v+ M v+/2 - v- M v-/2 = sum over k of dt f_k . (v+ + v-)/2, one term per force kind,
 // exact for any forces. Since it is an identity, it does not verify the forces. The gauges do, all
 // from exact sums:
-//   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp) + contact stored + dissipated
+//   energy        E^{n+1/2} = K(v^{n+1/2}) + stored at the half step (stored_gauge.hpp)
+//                 + contact stored + dissipated
 //   stored        stored energies against the work of their forces; a known change of the
 //                 invariant with the length of the step (StoredGauge) is subtracted
 //   contact       energy that contact has stored and dissipated against its work
-//   shadow        H^n = v- M v+/2 + U^n, which is vbar M vbar/2 - (dt^2/8) a M a + U^n with vbar = (v- + v+)/2: the
-//                 invariant of central differences for a linear body at constant dt without loads and contact
-//   momentum      P^{n+1/2} - P^{n-1/2} = sum of dt f^n, and likewise the angular momentum about the origin:
-//                 L^{n+1/2} = sum of x^n x m v^{n+1/2}; since x^n - x^{n-1} is parallel to v^{n-1/2} at each node,
-//                 L^{n+1/2} - L^{n-1/2} = sum of x^n x dt f^n exactly, at any dt
+//   shadow        H^n = v- M v+/2 + U^n, which is vbar M vbar/2 - (dt^2/8) a M a + U^n with
+//                 vbar = (v- + v+)/2: the invariant of central differences for a linear body at
+//                 constant dt without loads and contact
+//   momentum      P^{n+1/2} - P^{n-1/2} = sum of dt f^n, and likewise the angular momentum about
+//                 the origin: L^{n+1/2} = sum of x^n x m v^{n+1/2}; since x^n - x^{n-1} is parallel
+//                 to v^{n-1/2} at each node, L^{n+1/2} - L^{n-1/2} = sum of x^n x dt f^n exactly,
+//                 at any dt
 #pragma once
 
 #include "contact/base/mpi.hpp"

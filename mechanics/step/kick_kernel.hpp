@@ -251,7 +251,7 @@ public:
         [&] { return owned; });
   }
 
-  // Kicks one node. Not inlined, since it is rare and would fill the instruction cache of the sweeps.
+  // Kicks one node. Not inlined: it is rare and would fill the instruction cache of the sweeps.
   __attribute__((noinline)) void kickOne(std::int64_t node,
                                          const std::int64_t (&columns)[3 * kinds]) {
     _node_kick.kickByColumns(node, columns, _sums);

@@ -34,8 +34,8 @@ struct PhaseSteps {
 class PhaseRecorder {
 public:
   // With Timing::paper the beginning of each timer of the search fences the device and waits for
-  // all ranks of `comm` (counted as "contact::search::waiting"), and its end fences: every rank must then
-  // open the same regions of this kind in the same order.
+  // all ranks of `comm` (counted as "contact::search::waiting"), and its end fences: every rank
+  // must then open the same regions of this kind in the same order.
   PhaseRecorder(MPI_Comm comm, Timing timing);
   ~PhaseRecorder();
   PhaseRecorder(const PhaseRecorder&) = delete;
@@ -69,8 +69,8 @@ public:
   // not watched.
   std::vector<PhaseSteps> searchTimersPerStep() const;
 
-  // Collective. All regions in the order of first opening, by name, "contact::search" and the 13 timers
-  // included.
+  // Collective. All regions in the order of first opening, by name, "contact::search" and the 13
+  // timers included.
   std::vector<PhaseTime> phases() const;
   // Collective. The 13 timers of the global search in the order of the paper, by their bare names;
   // unused timers are 0; "other" is the rest of "contact::search" without the local search. Each

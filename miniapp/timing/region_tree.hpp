@@ -37,13 +37,13 @@ public:
   // of that name.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
-  // The same of CPU seconds, less those in "contact::search::waiting" inside: a rank that waits for others
-  // keeps its core busy.
+  // The same of CPU seconds, less those in "contact::search::waiting" inside: a rank that waits for
+  // others keeps its core busy.
   double busyCpuSeconds(const std::string& region) const;
 
   // Own time of each of the 13 timers, without that of nested timers; the last, "other", is the
-  // rest of "contact::search" without the local search: the sum is the time of the global search. CPU
-  // seconds as far as they are counted.
+  // rest of "contact::search" without the local search: the sum is the time of the global search.
+  // CPU seconds as far as they are counted.
   struct TimerSums {
     std::vector<double> seconds, cpu_seconds;
     std::vector<std::int64_t> calls;

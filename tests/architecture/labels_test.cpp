@@ -1,5 +1,6 @@
-// Every kernel, View and profiling region of a coupled run carries a label of one scheme, so that a profile can be read:
-// library::place, with the function or class that launches, allocates or opens it ("contact::constructBoxes::faces").
+// Every kernel, View and profiling region of a coupled run carries a label of one scheme, so that a
+// profile can be read: library::place, with the function or class that launches, allocates or opens
+// it ("contact::constructBoxes::faces").
 #include "miniapp/simulation/diagnostics.hpp"
 #include "tests/miniapp/simulation/case.hpp"
 

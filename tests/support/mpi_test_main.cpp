@@ -1,5 +1,5 @@
-// GoogleTest under MPI and Kokkos: every rank runs every test; the run fails if a test fails on any rank. Rank 0
-// reports its own results, the others only their failures.
+// GoogleTest under MPI and Kokkos: every rank runs every test; the run fails if a test fails on any
+// rank. Rank 0 reports its own results, the others only their failures.
 #include "contact/base/backend.hpp"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 namespace {
 
-// LeakSanitizer, where it is compiled in. Leaks are looked for before MPI ends: it then unloads its plug-ins, and what they
-// keep could not be attributed to them.
+// LeakSanitizer, where it is compiled in. Leaks are looked for before MPI ends: it then unloads its
+// plug-ins, and what they keep could not be attributed to them.
 #if defined(__SANITIZE_ADDRESS__)
 void watchAllocations(bool watch) {
   watch ? __lsan_enable() : __lsan_disable();

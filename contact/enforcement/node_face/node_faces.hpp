@@ -52,7 +52,7 @@ public:
   // selected are skipped.
   void updateRecords(const exec_space& space, const SweptBoxes& surface,
                      const RecordSelection& selection, const View<FaceRecord*>& records);
-  // Takes part in updateRecords() of the other ranks on a rank that has no valid surface. Collective.
+  // Collective. Takes part in updateRecords() of the other ranks on a rank without a valid surface.
   void exchangeNothing(const exec_space& space) {
     _plan.forward(space, _border_areas, _remote_areas);
   }

@@ -1,4 +1,4 @@
-// Corner forces and energy of one element, distorted corners and arbitrary displacements, for tests.
+// Corner forces and energy of one element, distorted corners, arbitrary displacements, for tests.
 #pragma once
 
 #include "contact/base/hash.hpp"
