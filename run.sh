@@ -45,7 +45,8 @@ Studies consist of many runs and write tables and plots to their folder (default
   savings       skipped work restored part by part: the same bits, and the time that skipping saves
 verification/README.md describes them.
 
-Exit codes: 0 pass; 1 error; 2 bad deck or command line; 3 physical failure; 4 output failed.
+Exit codes: 0 pass; 1 internal error; 2 faulty deck, mesh or command line; 3 the computation failed or
+a limit of the deck was exceeded; 4 an output could not be written.
 
 Environment:
   BRICKWALL_CACHE     folder of the built dependencies (default ~/.cache/brickwall)

@@ -5,11 +5,11 @@ include(CMakePackageConfigHelpers)
 
 set(_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Brickwall)
 
-# brickwall_install_component(NAME ROOM dir TARGETS targets... PUBLIC headers or folders...): installs targets, as
-# brickwall::... in the file Brickwall-NAME.cmake, and the headers of a room. Public ones go to include/brickwall/, those that
+# brickwall_install_component(NAME FOLDER dir TARGETS targets... PUBLIC headers or folders...): installs targets, as
+# brickwall::... in the file Brickwall-NAME.cmake, and the headers of the folder dir. Public ones go to include/brickwall/, those that
 # they are made of to include/brickwall/detail/; hosts include the former only. EXCEPT names a folder of another component.
 function(brickwall_install_component name)
-  cmake_parse_arguments(arg "" "ROOM;EXCEPT" "TARGETS;PUBLIC" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER;EXCEPT" "TARGETS;PUBLIC" ${ARGN})
   install(
     TARGETS ${arg_TARGETS}
     EXPORT Brickwall-${name}
@@ -21,7 +21,7 @@ function(brickwall_install_component name)
       message(FATAL_ERROR "brickwall_install_component: there is no ${public}")
     endif()
   endforeach()
-  file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${arg_ROOM}/*.hpp)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${arg_FOLDER}/*.hpp)
   foreach(header IN LISTS headers)
     cmake_path(GET header PARENT_PATH folder)
     if(arg_EXCEPT AND folder STREQUAL arg_EXCEPT)
@@ -36,7 +36,7 @@ function(brickwall_install_component name)
 endfunction()
 
 brickwall_install_component(
-  base ROOM contact/base TARGETS brickwall_base
+  base FOLDER contact/base TARGETS brickwall_base
   PUBLIC contact/base/backend.hpp
          contact/base/box.hpp
          contact/base/error.hpp
@@ -44,7 +44,7 @@ brickwall_install_component(
          contact/base/to_device.hpp
          contact/base/vec3.hpp)
 brickwall_install_component(
-  contact ROOM contact EXCEPT contact/base TARGETS brickwall_contact
+  contact FOLDER contact EXCEPT contact/base TARGETS brickwall_contact
   PUBLIC contact/contact.hpp
          contact/surface
          contact/search/candidate_search.hpp
@@ -57,7 +57,7 @@ brickwall_install_component(
          contact/enforcement/edge_edge/edge_contact.hpp
          contact/overlap/initial_overlap.hpp)
 brickwall_install_component(
-  mechanics ROOM mechanics TARGETS brickwall_mechanics
+  mechanics FOLDER mechanics TARGETS brickwall_mechanics
   PUBLIC mechanics/element/material.hpp
          mechanics/mesh/hex_mesh.hpp
          mechanics/mesh/host_mesh.hpp
@@ -74,7 +74,7 @@ brickwall_install_component(
          mechanics/step/free_bricks/free_bricks.hpp
          mechanics/step/resting_bodies.hpp)
 brickwall_install_component(
-  io ROOM io TARGETS brickwall_io brickwall_zoltan brickwall_exodus
+  io FOLDER io TARGETS brickwall_io brickwall_zoltan brickwall_exodus
   PUBLIC io/deck/deck.hpp
          io/exodus/mesh_reader.hpp
          io/exodus/mesh_writer.hpp

@@ -12,7 +12,7 @@ MAX_LINES_IN_FILE = 400
 root = Path(__file__).resolve().parents[2]
 faults = []
 
-# The table: all rooms that a room reaches. A room names only rooms above it, so rooms form no circle.
+# The table: all folders that a folder reaches. A folder names only folders above it, so they form no circle.
 reachable = {}
 exceptions = set()
 for line in (Path(__file__).parent / "layers.txt").read_text().splitlines():
@@ -20,10 +20,10 @@ for line in (Path(__file__).parent / "layers.txt").read_text().splitlines():
     if line.startswith("except "):
         exceptions.add(tuple(line.split()[1:]))
     elif line:
-        room, _, named = line.partition(":")
-        faults += [f"layers.txt: {room} names {name}, which does not stand above it"
+        folder, _, named = line.partition(":")
+        faults += [f"layers.txt: {folder} names {name}, which does not stand above it"
                    for name in named.split() if name not in reachable]
-        reachable[room] = {room}.union(*(reachable.get(name, set()) for name in named.split()))
+        reachable[folder] = {folder}.union(*(reachable.get(name, set()) for name in named.split()))
 
 unneeded = set(exceptions)
 
@@ -39,17 +39,17 @@ folders = {}  # folder -> number of source files
 for path in sorted(p for folder in ("contact", "mechanics", "io", "miniapp", "tests", "verification")
                    for p in (root / folder).rglob("*.[ch]pp")):
     file = str(path.relative_to(root))
-    room = str(Path(file).parent)
+    folder = str(Path(file).parent)
     text = path.read_text()
     includes[file] = re.findall(r'^\s*#\s*include\s+"([^"]+)"', text, re.MULTILINE)
-    folders[room] = folders.get(room, 0) + 1
+    folders[folder] = folders.get(folder, 0) + 1
     if text.count("\n") > MAX_LINES_IN_FILE:
         report(f"more than {MAX_LINES_IN_FILE} lines", file)
-    if room.startswith(("tests", "verification")):
+    if folder.startswith(("tests", "verification")):
         continue
     for header in includes[file]:
-        if str(Path(header).parent) not in reachable.get(room, set()):
-            report(f"includes {header}, which layers.txt does not allow to {room}", file, header)
+        if str(Path(header).parent) not in reachable.get(folder, set()):
+            report(f"includes {header}, which layers.txt does not allow to {folder}", file, header)
 
 try:
     TopologicalSorter(includes).prepare()
@@ -59,5 +59,5 @@ faults += [f"{folder}: {number} source files, more than {MAX_SOURCES_IN_FOLDER}"
            for folder, number in folders.items() if number > MAX_SOURCES_IN_FOLDER]
 faults += [f"layers.txt: the exception {' '.join(place)} is not needed" for place in sorted(unneeded)]
 
-print("\n".join(faults) or f"{len(includes)} source files in {len(reachable)} rooms follow layers.txt")
+print("\n".join(faults) or f"{len(includes)} source files in {len(reachable)} folders follow layers.txt")
 sys.exit(1 if faults else 0)
