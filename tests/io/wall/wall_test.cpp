@@ -136,7 +136,7 @@ TEST(Wall, NeighboursInACourseAreAGapApart) {
         bricks[{place.course, place.wythe, place.along}][d].include(wall.nodeCoordinates(node)[d]);
     }
     for (const auto& [place, extent] : bricks) {
-      const auto expectGap = [&](std::array<std::int64_t, 3> to, int d) {
+      const auto expectGap = [&, &extent = extent](std::array<std::int64_t, 3> to, int d) {
         const auto neighbour = bricks.find(to);
         if (neighbour != bricks.end()) {
           EXPECT_NEAR(neighbour->second[d].lower - extent[d].upper, gap, 1e-15);
