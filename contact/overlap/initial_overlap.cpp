@@ -85,8 +85,8 @@ View<const Box*> boxesOf(const exec_space& space, const BodyElements& elements, 
 
 // The data that the search sends along with an element.
 AttributeWords attributesOf(const exec_space& space, const BodyElements& elements) {
-  const auto words = allocateAttributes<Hexahedron>(
-      space, "contact::deepestElementOverlap::hexahedra", elements.count);
+  auto words = allocateAttributes<Hexahedron>(space, "contact::deepestElementOverlap::hexahedra",
+                                              elements.count);
   const auto hexahedra = elements.hexahedra;
   Kokkos::parallel_for(
       "contact::deepestElementOverlap::attributes", rangePolicy(space, elements.count),

@@ -28,7 +28,7 @@ KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t 
 template <class T>
 AttributeWords allocateAttributes(const exec_space& space, const std::string& label,
                                   std::int64_t count) {
-  const auto words = allocate<AttributeWords>(space, label, count, words_of<T>);
+  auto words = allocate<AttributeWords>(space, label, count, words_of<T>);
   Kokkos::parallel_for(
       "contact::allocateAttributes", rangePolicy(space, count),
       KOKKOS_LAMBDA(const std::int64_t face) { attributesAt<T>(words, face) = T(); });

@@ -5,6 +5,7 @@
 #include "io/exodus/exodus_file.hpp"
 #include "io/mesh/mesh_part.hpp"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,7 +39,7 @@ struct NodeEntry {
 // This rank's slice of the file.
 struct MeshSlice {
   std::vector<ElemCorners> elems;
-  std::vector<double> coordinates[3]; // of the nodes of the slice
+  std::array<std::vector<double>, 3> coordinates; // of the nodes of the slice
   std::vector<SideEntry> sides;
   std::vector<NodeEntry> nodes;
 };

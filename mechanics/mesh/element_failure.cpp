@@ -64,7 +64,7 @@ std::string describe(const GlobalFailure& failure) {
   std::snprintf(text, sizeof text,
                 "element %lld (1-based id %lld) at (%.9g, %.9g, %.9g): %s; %lld element(s) failed",
                 static_cast<long long>(failure.first_elem),
-                static_cast<long long>(failure.first_elem + 1), failure.position.x,
+                static_cast<long long>(failure.first_elem) + 1, failure.position.x,
                 failure.position.y, failure.position.z, textOf(failure.reason),
                 static_cast<long long>(failure.count));
   return text;

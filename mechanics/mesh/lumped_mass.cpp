@@ -70,7 +70,7 @@ View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& 
   View<std::int64_t**> sums("mechanics::lumpedMass::sums", mesh.num_nodes, 1);
   addMasses(space, m, mesh.num_elems, quantum.inverse, sums);
   shared.sum(space, sums);
-  const auto mass = allocate<View<double*>>(space, "mechanics::lumpedMass::mass", mesh.num_nodes);
+  auto mass = allocate<View<double*>>(space, "mechanics::lumpedMass::mass", mesh.num_nodes);
   Kokkos::parallel_for(
       "mechanics::lumpedMass::convert", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {

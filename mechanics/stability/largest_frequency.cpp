@@ -107,7 +107,7 @@ Representatives representativesOf(const exec_space& space, MPI_Comm comm, const 
 
 template <class Geometry>
 View<Geometry*> geometriesOf(const exec_space& space, const HexMesh& mesh) {
-  const auto geometries =
+  auto geometries =
       allocate<View<Geometry*>>(space, "mechanics::largestFrequency::geometries", mesh.num_elems);
   const MeshViews m = viewsOf(mesh);
   Kokkos::parallel_for(

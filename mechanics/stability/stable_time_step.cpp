@@ -225,7 +225,7 @@ double penaltyForMassFraction(double undamped, double damping) {
 
 View<double*> massUnderContact(const exec_space& space, const View<const double*>& mass,
                                const View<const int*>& surface_to_node, double contact_load) {
-  const auto reduced =
+  auto reduced =
       allocate<View<double*>>(space, "mechanics::massUnderContact::mass", mass.extent(0));
   Kokkos::deep_copy(space, reduced, mass);
   Kokkos::parallel_for(

@@ -30,11 +30,10 @@ void drift(const exec_space& space, double dt, const NodalState& state,
            const NodeSelection& nodes) {
   const auto u = state.displacement;
   const auto v = state.velocity;
-  const NodeSelection selection = nodes;
   Kokkos::parallel_for(
       "mechanics::drift::runs", rangePolicy(space, nodes.numRuns()),
       KOKKOS_LAMBDA(const std::int64_t r) {
-        const NodeRun run = selection.run(static_cast<int>(r));
+        const NodeRun run = nodes.run(static_cast<int>(r));
         for (int node = run.first; node < run.first + run.count; ++node)
           for (int i = 0; i < 3; ++i)
             u(node, i) += dt * v(node, i);

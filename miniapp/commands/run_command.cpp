@@ -189,7 +189,7 @@ private:
         "element %lld (1-based id %lld) of a linear material has rotated or deformed so far that "
         "the neglected part of its strain, H^T H/2, is %.2g in step %lld (time %.6g): the models "
         "\"svk\" and \"neo_hookean\" describe finite rotations",
-        static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem + 1),
+        static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem) + 1,
         neglected.strain, static_cast<long long>(clock.step), clock.time);
     _scene.warnings.push_back(text);
     if (rankOf(_comm) == 0)

@@ -22,7 +22,7 @@ KOKKOS_INLINE_FUNCTION double surfaceMass(const Vec3 (&face)[4], const Vec3& ele
 // Lumped masses [surface node]; infinite where all components are prescribed.
 View<double*> contactMass(const exec_space& space, const Scene& scene,
                           const mechanics::BoundaryConditions& boundary) {
-  const auto contact_mass =
+  auto contact_mass =
       allocate<View<double*>>(space, "miniapp::SurfaceCoupling::node_mass", scene.skin.num_nodes);
   const auto surface_to_node = scene.skin.surface_to_node;
   const auto mass = scene.mass;

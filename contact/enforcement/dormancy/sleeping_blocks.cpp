@@ -32,7 +32,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
     return;
   const SleepState state = _state;
   const View<const unsigned char*> changed = pairs.changed;
-  const BodyMotions motions = motion.bodies();
+  const BodyMotions& motions = motion.bodies();
   const double rounding = motion.rounding();
   _num_awake = 0;
   Kokkos::parallel_reduce(

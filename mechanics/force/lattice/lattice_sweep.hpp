@@ -42,8 +42,8 @@ public:
         finishLast(plane, planes);
       else if (Planes::always_with_energy || _a.with_energy)
         addLayer<true, true>(plane, planes);
-      else
-        addLayer<true, Planes::always_with_energy>(plane, planes);
+      else if constexpr (!Planes::always_with_energy)
+        addLayer<true, false>(plane, planes);
     }
     fold();
   }
