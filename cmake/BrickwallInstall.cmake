@@ -6,8 +6,9 @@ include(CMakePackageConfigHelpers)
 set(_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Brickwall)
 
 # brickwall_install_component(NAME FOLDER dir TARGETS targets... PUBLIC headers or folders...): installs targets, as
-# brickwall::... in the file Brickwall-NAME.cmake, and the headers of the folder dir. Public ones go to include/brickwall/, those that
-# they are made of to include/brickwall/detail/; hosts include the former only. EXCEPT names a folder of another component.
+# brickwall::... in the file Brickwall-NAME.cmake, and the headers of a folder. Public ones go to include/brickwall/, those
+# that they are made of to include/brickwall/detail/; hosts include the former only. EXCEPT names a folder of another
+# component.
 function(brickwall_install_component name)
   cmake_parse_arguments(arg "" "FOLDER;EXCEPT" "TARGETS;PUBLIC" ${ARGN})
   install(
