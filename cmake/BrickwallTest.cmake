@@ -1,5 +1,9 @@
-# Builds the tests labelled "unit" and what they need: cmake --build build --target unit_tests.
+# Builds the tests with a label and what they need: cmake --build build --target unit_tests. Label "quick": unit tests that
+# continuous integration runs under sanitizers (.ci/run).
 add_custom_target(unit_tests)
+add_custom_target(quick_tests)
+# Tests reuse the precompiled headers of a library: it must be compiled as executables are.
+set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
 
 # brickwall_add_test(NAME SOURCES... LIBRARIES ... RANKS 1 2 ... THREADS n TIMEOUT s LABELS ...): one GoogleTest executable and
 # its ctest entries (brickwall_run_test). The label is "unit" unless another is given.
@@ -9,8 +13,13 @@ function(brickwall_add_test name)
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} brickwall_test_main)
   target_precompile_headers(${name} REUSE_FROM brickwall_test_main)
   if(NOT arg_LABELS)
-    add_dependencies(unit_tests ${name})
+    set(arg_LABELS unit)
   endif()
+  foreach(label IN LISTS arg_LABELS)
+    if(TARGET ${label}_tests)
+      add_dependencies(${label}_tests ${name})
+    endif()
+  endforeach()
   brickwall_run_test(
     ${name}
     RANKS ${arg_RANKS}
