@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <climits>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
@@ -45,7 +46,7 @@ inline void barrier(MPI_Comm comm) {
 
 // A communicator with the ranks of a host's communicator and messages of its own: no receive of the
 // host takes a message sent here, nor the other way round, whatever their tags. Copies share it;
-// the last one frees it. MPI_COMM_NULL until it is made from a host's communicator.
+// the last one frees it, on all ranks. MPI_COMM_NULL until it is made from a host's communicator.
 class Communicator {
 public:
   Communicator() = default;
@@ -59,7 +60,9 @@ private:
   static void freeComm(MPI_Comm* comm) {
     int is_finalized = 0;
     MPI_Finalized(&is_finalized);
-    if (*comm != MPI_COMM_NULL && !is_finalized)
+    // MPI_Comm_free is collective: a rank that an exception unwinds would wait for others, which may
+    // not have it. The communicator then lives as long as MPI.
+    if (*comm != MPI_COMM_NULL && !is_finalized && std::uncaught_exceptions() == 0)
       MPI_Comm_free(comm);
     delete comm;
   }

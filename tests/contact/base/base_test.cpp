@@ -312,6 +312,19 @@ TEST(MpiTest, ReductionsAndBroadcastsReachAllRanks) {
   EXPECT_EQ(checkedInt((std::int64_t(1) << 31) - 1, "rows"), std::numeric_limits<int>::max());
 }
 
+// The other ranks may not unwind, and freeing would wait for them.
+TEST(MpiTest, ARankThatUnwindsKeepsItsCommunicators) {
+  MPI_Comm kept = MPI_COMM_NULL;
+  try {
+    const Communicator own(comm);
+    kept = own;
+    throw InputError("of this rank alone");
+  } catch (const InputError&) {
+  }
+  EXPECT_EQ(sizeOf(kept), sizeOf(comm));
+  checkMpi(MPI_Comm_free(&kept), "MPI_Comm_free");
+}
+
 TEST(MpiTest, ExchangeByRankDeliversListsOfAnyLength) {
   const int rank = rankOf(comm), size = sizeOf(comm);
   std::vector<std::vector<int>> lists(size);
