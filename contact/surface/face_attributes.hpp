@@ -8,17 +8,24 @@
 
 namespace brickwall::contact {
 
+// Bytes, since these may hold any plain struct and be copied as such; integers may not, by the rules
+// of aliasing.
+struct alignas(std::int64_t) AttributeWord {
+  unsigned char bytes[sizeof(std::int64_t)];
+};
+
 // [face][word]; the words of a face are contiguous.
-using AttributeWords = Kokkos::View<std::int64_t**, Kokkos::LayoutRight, memory_space>;
-using ConstAttributeWords = Kokkos::View<const std::int64_t**, Kokkos::LayoutRight, memory_space>;
+using AttributeWords = Kokkos::View<AttributeWord**, Kokkos::LayoutRight, memory_space>;
+using ConstAttributeWords = Kokkos::View<const AttributeWord**, Kokkos::LayoutRight, memory_space>;
 
 template <class T>
-constexpr int words_of = static_cast<int>(sizeof(T) / sizeof(std::int64_t));
+constexpr int words_of = static_cast<int>(sizeof(T) / sizeof(AttributeWord));
 
 // Row `face` of `words`, in any memory space, as the struct that it holds.
 template <class T, class Words>
 KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t face) {
-  static_assert(std::is_trivially_copyable<T>::value && sizeof(T) % sizeof(std::int64_t) == 0);
+  static_assert(std::is_trivially_copyable<T>::value && sizeof(T) % sizeof(AttributeWord) == 0 &&
+                alignof(T) <= alignof(AttributeWord));
   using Const = std::is_const<typename Words::value_type>;
   using Struct = typename std::conditional<Const::value, const T, T>::type;
   return *reinterpret_cast<Struct*>(&words(face, 0));

@@ -5,6 +5,8 @@
 #include "contact/base/tags.hpp"
 #include "contact/base/vec3.hpp"
 
+#include <cstring>
+
 namespace brickwall::contact {
 namespace {
 
@@ -37,7 +39,7 @@ void packFaces(const exec_space& space, const SweptBoxes& surface, const Partner
           }
         }
         for (int a = 0; a < num_attributes; ++a)
-          to[attributes + a] = values(face, a);
+          memcpy(&to[attributes + a], &values(face, a), sizeof(AttributeWord));
       });
 }
 
@@ -76,7 +78,7 @@ void unpackFaces(const exec_space& space, int num_attributes, const MessageBuffe
           fromWord(from[x_new + i], new_coordinates(ghost, i));
         }
         for (int a = 0; a < num_attributes; ++a)
-          values(ghost, a) = from[attributes + a];
+          memcpy(&values(ghost, a), &from[attributes + a], sizeof(AttributeWord));
       });
 }
 

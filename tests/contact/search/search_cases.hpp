@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <random>
 #include <string>
 #include <vector>
@@ -293,8 +294,12 @@ ViewType viewOf(std::size_t n, std::size_t width, const Value& value) {
 }
 
 constexpr int num_test_attributes = 3;
-inline double testAttribute(global_id face, int i) {
-  return 1.5 * static_cast<double>(face) + 0.1 * i;
+struct TestAttributes {
+  double value[num_test_attributes];
+};
+inline TestAttributes testAttributes(global_id face) {
+  const double of_face = 1.5 * static_cast<double>(face);
+  return {{of_face, of_face + 0.1, of_face + 0.2}};
 }
 
 // One rank's part of the case.
@@ -340,7 +345,10 @@ inline LocalSurface localSurface(const SurfaceCase& c, int rank) {
   s.node_body = viewOf<Ids>(nn, 1, [&](auto i, auto) { return node(i).body; });
   s.face_body = viewOf<Ids>(nf, 1, [&](auto i, auto) { return face(i).body; });
   s.face_attributes = viewOf<ConstAttributeWords>(nf, num_test_attributes, [&](auto i, auto a) {
-    return toWord(testAttribute(face(i).id, static_cast<int>(a)));
+    AttributeWord word;
+    const TestAttributes attributes = testAttributes(face(i).id);
+    memcpy(&word, &attributes.value[a], sizeof word);
+    return word;
   });
   return local;
 }

@@ -65,7 +65,8 @@ public:
             same && _x_old(g, 3 * k + d) == node.x_old[d] && _x_new(g, 3 * k + d) == node.x_new[d];
     }
     for (int a = 0; a < num_test_attributes; ++a)
-      same = same && _attributes(g, a) == toWord(testAttribute(face.id, a));
+      same = same && attributesAt<TestAttributes>(_attributes, g).value[a] ==
+                         testAttributes(face.id).value[a];
     return same;
   }
 
