@@ -26,6 +26,7 @@ GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
 
 // The one reduction of a call with nothing new.
 void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface) {
+  const Region region("contact::GlobalSearch::checkInput");
   const bool is_same = _check.isSame(space, surface, true);
   const int is_known = _has_agreed && is_same;
   if (sizeOf(_comm) > 1 ? allReduce(_comm, is_known, MPI_MIN) == 1 : is_known)
