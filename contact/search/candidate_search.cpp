@@ -24,9 +24,11 @@ Communicator checkedCopy(MPI_Comm comm, const SearchConfig& config, double margi
   return Communicator(comm);
 }
 
+// A tolerance that is negative stays so, for GlobalSearch to refuse.
 SearchConfig withMargin(SearchConfig config, double margin) {
-  config.node_tolerance += 0.5 * margin;
-  config.face_tolerance += 0.5 * margin;
+  for (double* tolerance : {&config.node_tolerance, &config.face_tolerance})
+    if (*tolerance >= 0)
+      *tolerance += 0.5 * margin;
   return config;
 }
 
@@ -64,35 +66,28 @@ void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
 CandidateSearch::CandidateSearch(MPI_Comm comm, const SearchConfig& config, double margin)
     : _comm(checkedCopy(comm, config, margin)), _config(config), _margin(margin),
       _global(_comm, withMargin(config, margin)), _local(_global) {
-  configure(config);
+  applyTolerances();
 }
 
 void CandidateSearch::setTolerances(double node_tolerance, double face_tolerance) {
   if (node_tolerance == _config.node_tolerance && face_tolerance == _config.face_tolerance)
     return;
-  SearchConfig config = _config;
-  config.node_tolerance = node_tolerance;
-  config.face_tolerance = face_tolerance;
-  requireLengths("CandidateSearch::setTolerances", config);
-  configure(config);
+  _config.node_tolerance = node_tolerance;
+  _config.face_tolerance = face_tolerance;
+  applyTolerances();
   _has_lists = false;
 }
 
-void CandidateSearch::configure(const SearchConfig& config) {
-  _config = config;
-  const SearchConfig wide = withMargin(config, _margin);
-  _global.configure(wide);
-  _local.setStepTest({_margin > 0, config.node_tolerance, config.face_tolerance});
-  _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - config.node_tolerance,
-                                                  wide.face_tolerance - config.face_tolerance);
-}
-
-const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface) {
-  return update(space, surface, largestMotion(space, surface));
+void CandidateSearch::applyTolerances() {
+  const SearchConfig wide = withMargin(_config, _margin);
+  _global.setTolerances(wide.node_tolerance, wide.face_tolerance);
+  _local.setStepTest({_margin > 0, _config.node_tolerance, _config.face_tolerance});
+  _allowed_motion = (1 - 4 * DBL_EPSILON) * minOf(wide.node_tolerance - _config.node_tolerance,
+                                                  wide.face_tolerance - _config.face_tolerance);
 }
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface,
-                                              double motion) {
+                                              std::optional<double> motion) {
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
   if (!_has_pairs)
     _local.findCandidatePairs(space, surface);
@@ -100,38 +95,24 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
   return _local.pairs();
 }
 
-const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space,
-                                                const SweptBoxes& surface) {
-  return updateGhosts(space, surface, largestMotion(space, surface));
-}
-
 // A coordinate that is not finite makes all ranks search, which reports it.
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
-                                                double motion) {
+                                                std::optional<double> motion) {
   ++_updates;
   bool may_keep = false;
   if (_margin > 0) {
     const Region region("contact::measureMotion");
+    double here = HUGE_VAL;
+    if (_has_lists && _global.isSame(space, surface))
+      here = motion ? *motion : motionOutOf(space, _searched_at, surface);
     // negative without nodes
-    const double here = hasListsOf(space, surface) ? maxOf(motion, 0.0) : HUGE_VAL;
-    may_keep = allReduce(_comm, here, MPI_MAX) <= _allowed_motion;
+    may_keep = allReduce(_comm, maxOf(here, 0.0), MPI_MAX) <= _allowed_motion;
   }
   if (may_keep)
     _global.forwardCoordinates(space, surface);
   else
     findGhosts(space, surface);
   return _global.ghosts();
-}
-
-bool CandidateSearch::hasListsOf(const exec_space& space, const SweptBoxes& surface) {
-  return _has_lists && _global.isSame(space, surface);
-}
-
-double CandidateSearch::largestMotion(const exec_space& space, const SweptBoxes& surface) {
-  if (_margin == 0 || !hasListsOf(space, surface))
-    return HUGE_VAL;
-  const Region region("contact::measureMotion");
-  return motionOutOf(space, _searched_at, surface);
 }
 
 void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {

@@ -8,6 +8,7 @@
 #include "contact/search/local_search.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace brickwall::contact {
 
@@ -48,19 +49,19 @@ public:
   // calls only coordinates may change, in any way, unless forget() is called. Throws PhysicsError
   // and InputError as GlobalSearch::findGhosts(); steps without a search notice other counts, Views
   // that are too short, and other Views with other content.
-  const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface);
-
-  // Collective. The same for a host that reads the coordinates in any case: `motion` is the
-  // greatest excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of
-  // the step; any number if there are no such boxes.
-  const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface, double motion);
+  // `motion`, from a host that reads the coordinates in any case, is the greatest
+  // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
+  // any number if there are no such boxes. It is measured if not given.
+  const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
+                               std::optional<double> motion = {});
   // [node][low xyz, high xyz] of the last search while its lists may be kept, otherwise empty.
   View<const double* [6]> sweptBoxes() const {
     return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
   }
 
   // Collective. The same without pairs, for hosts that need only the ghosts.
-  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface);
+  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
+                                 std::optional<double> motion = {});
 
   // To be called, on one rank or more, when something of the surface besides its coordinates has
   // changed: the next update() searches on all ranks, whatever the motion, and sorts the surface
@@ -70,8 +71,9 @@ public:
     _global.forget();
   }
 
-  // Sets the tolerances of SearchConfig from the next update() on, the same on all ranks; it
-  // searches if they have changed. Throws InputError for one that is negative or not finite.
+  // Sets the tolerances of SearchConfig from the next update() on, the same on all ranks. It
+  // searches if they have changed; it throws InputError on all ranks if one is negative, not finite
+  // or differs between ranks.
   void setTolerances(double node_tolerance, double face_tolerance);
 
   const GhostFaces& ghosts() const { return _global.ghosts(); }
@@ -106,10 +108,7 @@ public:
   double margin() const { return _margin; }
 
 private:
-  void configure(const SearchConfig& config);
-  bool hasListsOf(const exec_space& space, const SweptBoxes& surface);
-  double largestMotion(const exec_space& space, const SweptBoxes& surface);
-  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface, double motion);
+  void applyTolerances();
   void findGhosts(const exec_space& space, const SweptBoxes& surface);
 
   Communicator _comm;

@@ -69,9 +69,11 @@ public:
   // the host.
   std::int64_t numOrderings() const { return _phases->numOrderings(); }
   const SearchConfig& config() const { return _config; }
-  // From the next findGhosts() on; the method must stay. The same on all ranks.
-  void configure(const SearchConfig& config) {
-    _config = config;
+  // From the next findGhosts() on, which throws as the constructor does; all else of the
+  // configuration stays.
+  void setTolerances(double node_tolerance, double face_tolerance) {
+    _config.node_tolerance = node_tolerance;
+    _config.face_tolerance = face_tolerance;
     _has_agreed = false;
   }
   // Allows the next findGhosts() another surface, on one rank or more.

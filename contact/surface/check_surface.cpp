@@ -270,13 +270,6 @@ void checkSurface(const exec_space& space, MPI_Comm comm, const std::string& fun
   throwTogether(comm, function, [&] { throwIfWrong(space, surface); });
 }
 
-void requireLengths(const std::string& function, const SearchConfig& config, double margin) {
-  for (const double length : {config.node_tolerance, config.face_tolerance, margin})
-    if (!(length >= 0) || !std::isfinite(length))
-      throw InputError(function + ": tolerance or margin is " + std::to_string(length) +
-                       "; expected a finite length, 0 or more");
-}
-
 namespace {
 
 const char* nameOf(SearchMethod method) {
@@ -301,7 +294,10 @@ void checkSearchConfig(MPI_Comm comm, const std::string& function, const SearchC
                {"face_tolerance", config.face_tolerance},
                {"drop_same_body", config.drop_same_body ? 1.0 : 0.0},
                {"margin", margin}});
-  requireLengths(function, config, margin);
+  for (const double length : {config.node_tolerance, config.face_tolerance, margin})
+    if (!(length >= 0) || !std::isfinite(length))
+      throw InputError(function + ": tolerance or margin is " + std::to_string(length) +
+                       "; expected a finite length, 0 or more");
 }
 
 bool SurfaceCheck::isSame(const exec_space& space, const SweptBoxes& surface, bool also_in_place) {

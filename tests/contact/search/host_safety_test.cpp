@@ -8,6 +8,7 @@
 #include "tests/contact/search/search_checks.hpp"
 #include "tests/contact/support/host_traffic.hpp"
 
+#include <cmath>
 #include <functional>
 
 namespace brickwall::contact::test {
@@ -233,6 +234,24 @@ TEST_F(SearchInHost, TolerancesThatComeToDifferAreAnError) {
                    "set later");
   search.setTolerances(0.2, 0.2);
   EXPECT_EQ(messageOf([&] { search.update(space, local.surface); }), "");
+}
+
+// A margin does not make good what a negative tolerance lacks.
+TEST_F(SearchInHost, ToleranceThatCannotBeIsAnErrorOfTheNextUpdate) {
+  const LocalSurface local = localSurface(bricks, rank);
+  for (const double kept_by : {0.0, margin})
+    for (const double wrong : {-0.1 * margin, std::nan(""), HUGE_VAL})
+      for (const int first_wrong : {size - 1, 0}) {
+        CandidateSearch search(comm, configOf(bricks, SearchMethod::cluster), kept_by);
+        search.update(space, local.surface);
+        if (rank >= first_wrong)
+          search.setTolerances(0.1, wrong);
+        for (int step = 0; step < 2; ++step)
+          expectOnAllRanks(messageOf([&] { search.update(space, local.surface); }), {"tolerance"},
+                           std::to_string(wrong));
+        search.setTolerances(0.1, 0.1);
+        EXPECT_EQ(messageOf([&] { search.update(space, local.surface); }), "");
+      }
 }
 
 // Writes into a View of the surface.
