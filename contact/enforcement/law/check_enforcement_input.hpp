@@ -12,9 +12,8 @@
 namespace brickwall::contact {
 
 // Collective. Throws InputError on all ranks, naming `function`, if a value of the configuration
-// differs between ranks, if the reference step or the penalty is not positive, for a surface that
-// checkSurface() refuses or whose faces lack FaceAttributes, or for masses
-// of too few nodes.
+// differs between ranks or is out of its range, for a surface that checkSurface() refuses or whose
+// faces lack FaceAttributes, or for masses of too few nodes.
 void checkEnforcementInput(const exec_space& space, MPI_Comm comm, const std::string& function,
                            const Surface& surface, const View<const double*>& node_mass,
                            const EnforcementConfig& config, const Quantum& quantum,

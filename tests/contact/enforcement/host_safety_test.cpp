@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 namespace brickwall::contact::testing {
@@ -78,27 +79,67 @@ struct Given {
   View<const double*> node_mass;
   EnforcementConfig enforcement;
   SearchConfig search;
+  Quantum force_quantum = quantum();
+  LimbScale energy_scale = energyScale();
 };
+
+struct BadParameter {
+  std::string words; // of the message
+  std::function<void(Given&)> set;
+};
+
+std::vector<BadParameter> badParameters() {
+  const double nan = std::nan("");
+  std::vector<BadParameter> all;
+  const auto add = [&](const std::string& name, double EnforcementConfig::*parameter,
+                       const std::vector<double>& values) {
+    for (const double value : values)
+      all.push_back({name + " is ", [=](Given& g) { g.enforcement.*parameter = value; }});
+  };
+  add("penalty", &EnforcementConfig::penalty, {nan, 0, HUGE_VAL});
+  add("reference_step", &EnforcementConfig::reference_step, {nan, 0, HUGE_VAL});
+  add("lateral_tolerance", &EnforcementConfig::lateral_tolerance, {nan, -0.1});
+  add("edge_tolerance", &EnforcementConfig::edge_tolerance, {nan, -0.1});
+  add("friction", &EnforcementConfig::friction, {nan, -0.3, HUGE_VAL});
+  add("friction_stiffness", &EnforcementConfig::friction_stiffness, {nan, -1});
+  add("damping", &EnforcementConfig::damping, {nan, -0.05});
+  add("least_depth", &EnforcementConfig::least_depth, {nan, -1e-12});
+  add("max_activation_depth", &EnforcementConfig::max_activation_depth, {nan, -1});
+  add("opposed_cosine", &EnforcementConfig::opposed_cosine, {nan, 1.1});
+  add("shared_cosine", &EnforcementConfig::shared_cosine, {nan, -1.1});
+  add("relaxation", &EnforcementConfig::relaxation, {nan, 0, 1.1});
+  all.push_back(
+      {"corrections is 0; expected 1 or more", [](Given& g) { g.enforcement.corrections = 0; }});
+  for (const double value : {nan, 0.0, -1.0}) {
+    all.push_back({"quantum is ", [=](Given& g) { g.force_quantum.value = value; }});
+    all.push_back({"energy_scale is ", [=](Given& g) { g.energy_scale.high_quantum = value; }});
+  }
+  return all;
+}
 
 TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
   const exec_space space;
   const ScenePart part(pressed(), comm, spread, 0.3);
   const FeatureEdges edges = findFeatureEdges(comm, part.surface());
+  int first_wrong = 0; // rank
   const auto expect = [&](const std::string& words, const std::function<void(Given&)>& spoil) {
     Given given{part.surface(), part.nodeMass(), config(), searchOf(0.2)};
-    if (rank == size - 1)
+    if (rank >= first_wrong)
       spoil(given);
     const auto make = [&] {
-      Enforcement(space, comm, given.surface, given.node_mass, given.enforcement, quantum(),
-                  energyScale());
+      Enforcement(space, comm, given.surface, given.node_mass, given.enforcement,
+                  given.force_quantum, given.energy_scale);
     };
     const auto makeEdges = [&] {
       EdgeContact(space, comm, given.surface, edges, given.node_mass, given.search, 0,
-                  given.enforcement, quantum(), energyScale());
+                  given.enforcement, given.force_quantum, given.energy_scale);
     };
     expectError(make, words);
     expectError(makeEdges, words);
   };
+  for (const BadParameter& parameter : badParameters())
+    expect(parameter.words, parameter.set);
+  first_wrong = size - 1;
   const std::string where = "rank " + std::to_string(size - 1);
   expect(where + ": face_ids is missing", [](Given& g) { g.surface.face_ids = {}; });
   expect(where + ": num_nodes is -3", [](Given& g) { g.surface.num_nodes = -3; });
@@ -115,6 +156,16 @@ TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
   expect("friction", [](Given& g) { g.enforcement.friction = 0.3; });
   expect("skip_stationary", [](Given& g) { g.enforcement.skip_stationary = false; });
   expect("relaxation", [](Given& g) { g.enforcement.relaxation = 1; });
+}
+
+TEST_F(EnforcementInHost, AToleranceOfEdgesThatCannotBeIsAnErrorOfTheNextSearch) {
+  EdgeRun run(crossedRidges(-0.02), comm, spread);
+  run.step();
+  if (rank == size - 1)
+    run.edges->setTolerance(-1);
+  expectError([&] { run.step(); }, "tolerance");
+  run.edges->setTolerance(0.1);
+  EXPECT_EQ(messageOf([&] { run.step(); }), "");
 }
 
 TEST_F(EnforcementInHost, EnforcementNoticesASurfaceOfOtherCounts) {

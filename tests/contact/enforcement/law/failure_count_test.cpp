@@ -28,6 +28,7 @@ struct Outcome {
   LargestForce of_nodes, of_edges;
 };
 
+// Without corrections: the plain penalty scheme.
 Outcome outcomeOf(Scene scene, double times_mass, int corrections) {
   for (double& m : scene.mass)
     m *= times_mass;
@@ -36,8 +37,8 @@ Outcome outcomeOf(Scene scene, double times_mass, int corrections) {
   const exec_space space;
   const ScenePart part(scene, MPI_COMM_SELF, onOneRank, 0.3);
   EnforcementConfig c = config();
-  c.scheme = Scheme::energy_neutral;
-  c.corrections = corrections;
+  c.scheme = corrections > 0 ? Scheme::energy_neutral : Scheme::penalty;
+  c.corrections = maxOf(corrections, 1);
   Enforcement enforcement(space, MPI_COMM_SELF, part.surface(), part.nodeMass(), c, quantum(),
                           energyScale());
   EdgeContact edges(space, MPI_COMM_SELF, part.surface(),
