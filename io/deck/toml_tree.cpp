@@ -14,19 +14,24 @@
 namespace brickwall::io {
 namespace {
 
-Position positionOf(const toml::value& value) {
-  const toml::source_location at = value.location();
-  return {static_cast<int>(at.line()), static_cast<int>(at.column()),
-          std::max(1, static_cast<int>(at.region())), -1};
+// value.location() counts the lines before the value twice; a deck may have many values.
+const toml::detail::region& regionOf(const toml::value& value) {
+  return dynamic_cast<const toml::detail::region&>(*toml::detail::get_region(value));
+}
+
+// The places of all ends of lines in a text.
+using LineEnds = std::vector<std::ptrdiff_t>;
+
+Position positionOf(const toml::value& value, const LineEnds& line_ends) {
+  const toml::detail::region& at = regionOf(value);
+  const auto before = std::lower_bound(line_ends.begin(), line_ends.end(), at.first() - at.begin());
+  return {static_cast<int>(before - line_ends.begin()) + 1, static_cast<int>(at.before()) + 1,
+          std::max(1, static_cast<int>(at.size())), -1};
 }
 
 // The characters of a scalar in the text.
 std::string spellingOf(const toml::value& value) {
-  const toml::source_location at = value.location();
-  const std::string& line = at.line_str();
-  if (at.column() < 1 || at.column() > line.size())
-    return "";
-  return line.substr(at.column() - 1, at.region());
+  return regionOf(value).str();
 }
 
 std::string withoutUnderscores(std::string text) {
@@ -60,13 +65,13 @@ void readReal(const toml::value& value, TomlNode& node) {
   node.overflows = std::isinf(node.real);
 }
 
-TomlNode convert(const toml::value& value);
+TomlNode convert(const toml::value& value, const LineEnds& line_ends);
 
 // The key stands before the value, on the same line.
 Position keyPosition(const std::string& key, const toml::value& value, const TomlNode& node) {
   if (value.is_table() && node.at.column == 1) // a header or a dotted key
     return node.at;
-  const std::string line = value.location().line_str();
+  const std::string line = regionOf(value).line();
   const std::size_t before = static_cast<std::size_t>(std::max(0, node.at.column - 1));
   const std::size_t found =
       std::min(before, line.size()) == 0 ? std::string::npos : line.rfind(key, before - 1);
@@ -76,10 +81,10 @@ Position keyPosition(const std::string& key, const toml::value& value, const Tom
           -1};
 }
 
-void convertTable(const toml::value& value, TomlNode& node) {
+void convertTable(const toml::value& value, const LineEnds& line_ends, TomlNode& node) {
   node.kind = TomlNode::Kind::table;
   for (const auto& [key, member] : value.as_table()) {
-    node.members.emplace_back(key, convert(member));
+    node.members.emplace_back(key, convert(member, line_ends));
     TomlNode& last = node.members.back().second;
     last.key_at = keyPosition(key, member, last);
   }
@@ -91,9 +96,9 @@ void convertTable(const toml::value& value, TomlNode& node) {
   });
 }
 
-TomlNode convert(const toml::value& value) {
+TomlNode convert(const toml::value& value, const LineEnds& line_ends) {
   TomlNode node;
-  node.at = positionOf(value);
+  node.at = positionOf(value, line_ends);
   switch (value.type()) {
   case toml::value_t::boolean:
     node.kind = TomlNode::Kind::boolean;
@@ -116,10 +121,10 @@ TomlNode convert(const toml::value& value) {
   case toml::value_t::array:
     node.kind = TomlNode::Kind::list;
     for (const toml::value& entry : value.as_array())
-      node.entries.push_back(convert(entry));
+      node.entries.push_back(convert(entry, line_ends));
     break;
   case toml::value_t::table:
-    convertTable(value, node);
+    convertTable(value, line_ends, node);
     break;
   default:
     node.kind = TomlNode::Kind::date;
@@ -318,7 +323,11 @@ bool hasNumberWithoutLeadingDigit(const std::string& text) {
 
 TomlNode parseToml(const std::string& text) {
   checkNesting(text);
-  return convert(parseText(text));
+  LineEnds line_ends;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '\n')
+      line_ends.push_back(static_cast<std::ptrdiff_t>(i));
+  return convert(parseText(text), line_ends);
 }
 
 TomlNode parseTomlValue(const std::string& text) {
