@@ -1,12 +1,13 @@
 #include "mechanics/mesh/skin.hpp"
 
+#include "contact/base/group_by_key.hpp"
+#include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 #include "mechanics/mesh/skin_exchange.hpp"
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
 
 namespace brickwall::mechanics {
 
@@ -35,17 +36,7 @@ std::vector<char> sharedFlags(const HexMesh& mesh, const SharedNodeLists& shared
   return is_shared;
 }
 
-struct KeyHash {
-  std::size_t operator()(const FaceKey& key) const {
-    std::uint64_t hash = 0;
-    for (const global_id id : key)
-      hash = (hash ^ static_cast<std::uint64_t>(id)) * 0x9E3779B97F4A7C15ull + (hash >> 29);
-    return hash;
-  }
-};
-
 struct LocalFace {
-  FaceKey key;
   int elem, side;
 };
 
@@ -54,24 +45,50 @@ struct LocalFace {
                    std::to_string(host.elem_ids(elem) + 1) + " belongs to more than two elements");
 }
 
+// Local nodes of face 6 elem + side, ascending.
+std::array<int, 4> nodesOf(const HostMesh& host, std::int64_t face) {
+  std::array<int, 4> nodes;
+  for (int c = 0; c < 4; ++c)
+    nodes[c] = host.elem_to_nodes(face / 6, hex8_sides[face % 6][c]);
+  const auto order = [&](int a, int b) {
+    const auto [low, high] = std::minmax({nodes[a], nodes[b]});
+    nodes[a] = low, nodes[b] = high;
+  };
+  order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);
+  return nodes;
+}
+
 // Faces of this rank's elements that may be on the skin or on a cut between ranks, in the order of
 // element, then side: faces that no other element of this rank shares, and faces with only shared
 // corners, which may also belong to an element of another rank.
 std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
                                   const std::vector<char>& is_shared) {
-  std::unordered_map<FaceKey, int, KeyHash> uses;
-  uses.reserve(static_cast<std::size_t>(mesh.num_elems) * 4);
-  for (int elem = 0; elem < mesh.num_elems; ++elem)
-    for (int side = 0; side < 6; ++side)
-      if (++uses[keyOf(host, elem, side)] > 2)
-        throwThirdElement(host, elem, side);
+  const int num_faces = checkedInt(6 * std::int64_t(mesh.num_elems), "findSkin: element sides");
+  const Groups groups = groupByKey("mechanics::findSkin::groups", num_faces, mesh.num_nodes,
+                                   [&](std::int64_t face) { return nodesOf(host, face)[0]; });
+  std::vector<char> is_alone(num_faces);
+  int third = num_faces; // the first that two elements have before it
+  parallelOnHost("mechanics::findSkin::match", mesh.num_nodes, [&](std::int64_t node) {
+    const int* const begin = groups.items.data() + groups.begin[node];
+    const int* const end = groups.items.data() + groups.begin[node + 1];
+    for (const int* face = begin; face < end; ++face) {
+      const auto nodes = nodesOf(host, *face);
+      int before = 0, after = 0;
+      for (const int* other = begin; other < end; ++other)
+        if (other != face && nodesOf(host, *other) == nodes)
+          ++(*other < *face ? before : after);
+      is_alone[*face] = before + after == 0;
+      if (before == 2)
+        Kokkos::atomic_fetch_min(&third, *face);
+    }
+  });
+  if (third < num_faces)
+    throwThirdElement(host, third / 6, third % 6);
   std::vector<LocalFace> faces;
   for (int elem = 0; elem < mesh.num_elems; ++elem)
-    for (int side = 0; side < 6; ++side) {
-      const FaceKey key = keyOf(host, elem, side);
-      if (uses.at(key) == 1 || allShared(host, elem, side, is_shared))
-        faces.push_back({key, elem, side});
-    }
+    for (int side = 0; side < 6; ++side)
+      if (is_alone[6 * elem + side] || allShared(host, elem, side, is_shared))
+        faces.push_back({elem, side});
   return faces;
 }
 
@@ -84,7 +101,7 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (allShared(host, faces[f].elem, faces[f].side, is_shared)) {
       suspects.push_back(f);
-      keys.push_back(faces[f].key);
+      keys.push_back(keyOf(host, faces[f].elem, faces[f].side));
     }
   }
   const std::vector<std::int64_t> uses = countFacesOnAllRanks(comm, keys);

@@ -5,6 +5,7 @@
 #include "contact/base/error.hpp"
 #include "contact/base/exchange_plan.hpp"
 #include "contact/base/fixed_point.hpp"
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 
 #include <gtest/gtest.h>
@@ -334,6 +335,24 @@ TEST(MpiTest, ExchangeByRankDeliversListsOfAnyLength) {
   for (int q = 0; q < size; ++q)
     EXPECT_EQ(received[q],
               std::vector<int>(static_cast<std::size_t>((q + 2 * rank) % 3), 100 * q + rank));
+}
+
+TEST(GroupByKeyTest, ListsEachItemOnceUnderItsKey) {
+  for (const int num_items : {0, 1, 1000}) {
+    const int num_keys = 37;
+    const auto key_of = [](std::int64_t item) { return static_cast<int>(item * item % 36); };
+    const Groups groups = groupByKey("test::groups", num_items, num_keys, key_of);
+    ASSERT_EQ(groups.begin.size(), num_keys + 1u);
+    EXPECT_EQ(groups.begin.front(), 0);
+    EXPECT_EQ(groups.begin.back(), num_items);
+    for (int key = 0; key < num_keys; ++key)
+      for (int i = groups.begin[key]; i < groups.begin[key + 1]; ++i)
+        EXPECT_EQ(key_of(groups.items[i]), key);
+    std::vector<int> items = groups.items;
+    std::sort(items.begin(), items.end());
+    for (int item = 0; item < num_items; ++item)
+      EXPECT_EQ(items[item], item);
+  }
 }
 
 } // namespace
