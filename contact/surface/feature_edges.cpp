@@ -1,7 +1,9 @@
-// See feature_edges.hpp. A rank chosen by the nodes of an edge receives a record from each face of
-// the edge, decides, and replies.
+// See feature_edges.hpp. Faces of an edge are matched on their rank, unless both nodes of the edge
+// are on other ranks as well: then a rank chosen by these nodes receives a record from each face,
+// decides, and replies.
 #include "contact/surface/feature_edges.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/surface/check_surface.hpp"
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <unordered_map>
 
 namespace brickwall::contact {
 namespace {
@@ -33,61 +36,156 @@ struct EdgeReply {
   int unused;
   double cosine, sine, width[2];
 };
+constexpr EdgeReply no_reply{0, 0, 0, 0, 1, 0, {0, 0}};
 
-std::vector<std::vector<EdgeRecord>> recordsOf(int num_ranks, int rank, const Surface& surface) {
-  const auto face_to_nodes = toHost(surface.face_to_nodes);
-  const auto x = toHost(surface.coordinates_new);
-  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
-  std::vector<std::vector<EdgeRecord>> records(num_ranks);
-  for (int face = 0; face < surface.num_faces; ++face) {
-    Quad quad;
-    Vec3 centre;
-    for (int j = 0; j < 4; ++j) {
-      quad.corner[j] = rowOf(x, face_to_nodes(face, j));
-      centre += 0.25 * quad.corner[j];
-    }
-    const MeanPlane plane = planeOfArea(areaVector(quad));
-    for (int j = 0; j < 4; ++j) {
-      const global_id a = node_ids(face_to_nodes(face, j));
-      const global_id b = node_ids(face_to_nodes(face, (j + 1) % 4));
-      if (a == b) // a triangle
-        continue;
-      EdgeRecord record;
-      record.low_node = std::min(a, b);
-      record.high_node = std::max(a, b);
-      record.face_id = face_ids(face);
-      record.normal = plane.normal;
-      record.centre = centre;
-      record.on_edge = 0.5 * (quad.corner[j] + quad.corner[(j + 1) % 4]);
-      record.width = plane.area / norm(quad.corner[(j + 1) % 4] - quad.corner[j]);
-      record.rank = rank, record.face = face, record.edge = j, record.unused = 0;
-      records[(record.low_node + record.high_node) % num_ranks].push_back(record);
-    }
+template <class T>
+using HostCopy = decltype(toHost(View<T>()));
+
+// Host mirrors of a surface and, of each face, what its records have in common.
+struct HostSurface {
+  HostCopy<const int* [4]> face_to_nodes;
+  HostCopy<const double* [3]> x;
+  HostCopy<const global_id*> node_ids, face_ids;
+  std::vector<Vec3> centres, normals; // [face]
+  std::vector<double> areas; // [face]
+
+  explicit HostSurface(const Surface& surface)
+      : face_to_nodes(toHost(surface.face_to_nodes)), x(toHost(surface.coordinates_new)),
+        node_ids(toHost(surface.node_ids)), face_ids(toHost(surface.face_ids)),
+        centres(surface.num_faces), normals(surface.num_faces), areas(surface.num_faces) {
+    parallelOnHost("contact::findFeatureEdges::faces", surface.num_faces, [&](std::int64_t face) {
+      Quad quad;
+      for (int j = 0; j < 4; ++j) {
+        quad.corner[j] = rowOf(x, face_to_nodes(face, j));
+        centres[face] += 0.25 * quad.corner[j];
+      }
+      const MeanPlane plane = planeOfArea(areaVector(quad));
+      normals[face] = plane.normal;
+      areas[face] = plane.area;
+    });
   }
-  return records;
+
+  // Local node of an end of edge 4 face + j.
+  int node(std::int64_t edge, int end) const { return face_to_nodes(edge / 4, (edge + end) % 4); }
+  int lowNode(std::int64_t edge) const { return std::min(node(edge, 0), node(edge, 1)); }
+  int highNode(std::int64_t edge) const { return std::max(node(edge, 0), node(edge, 1)); }
+
+  EdgeRecord record(std::int64_t edge, int rank) const {
+    const auto face = static_cast<int>(edge / 4);
+    const Vec3 a = rowOf(x, node(edge, 0)), b = rowOf(x, node(edge, 1));
+    const auto ids = std::minmax({node_ids(node(edge, 0)), node_ids(node(edge, 1))});
+    return {ids.first,
+            ids.second,
+            face_ids(face),
+            normals[face],
+            centres[face],
+            0.5 * (a + b),
+            areas[face] / norm(b - a),
+            rank,
+            face,
+            static_cast<int>(edge % 4),
+            0};
+  }
+};
+
+// Whether each node is also on another rank.
+std::vector<char> sharedNodes(MPI_Comm comm, const HostSurface& surface) {
+  const int num_ranks = sizeOf(comm);
+  const auto num_nodes = static_cast<int>(surface.node_ids.extent(0));
+  std::vector<char> is_shared(num_nodes, 0);
+  if (num_ranks == 1)
+    return is_shared;
+  std::vector<std::vector<global_id>> ids(num_ranks);
+  for (int node = 0; node < num_nodes; ++node)
+    ids[surface.node_ids(node) % num_ranks].push_back(surface.node_ids(node));
+  const auto received = exchangeByRank(comm, ids);
+  std::unordered_map<global_id, int> uses;
+  for (const auto& some : received)
+    for (const global_id id : some)
+      ++uses[id];
+  std::vector<std::vector<char>> replies(num_ranks);
+  for (int q = 0; q < num_ranks; ++q)
+    for (const global_id id : received[q])
+      replies[q].push_back(uses[id] > 1);
+  const auto answers = exchangeByRank(comm, replies); // in the order of the ids
+  std::vector<std::size_t> next(num_ranks, 0);
+  for (int node = 0; node < num_nodes; ++node) {
+    const auto home = static_cast<int>(surface.node_ids(node) % num_ranks);
+    is_shared[node] = answers[home][next[home]++];
+  }
+  return is_shared;
+}
+
+// Whether the edge of two faces is a feature edge, and its reply if so.
+bool judgePair(const EdgeRecord& a, const EdgeRecord& b, double largest_cosine, EdgeReply& reply) {
+  reply.cosine = dot(a.normal, b.normal);
+  if (reply.cosine > largest_cosine)
+    return false;
+  reply.sine = norm(cross(a.normal, b.normal));
+  reply.width[0] = a.width, reply.width[1] = b.width;
+  const bool is_convex =
+      dot(b.centre - a.on_edge, a.normal) < 0 && dot(a.centre - a.on_edge, b.normal) < 0;
+  reply.is_convex = is_convex && reply.sine > 0;
+  return true;
 }
 
 // Appends the replies to the faces [first, last) of one edge.
 void judgeEdge(const EdgeRecord* first, const EdgeRecord* last, double largest_cosine,
                std::vector<std::vector<EdgeReply>>& replies) {
-  EdgeReply reply{0, 0, 0, 0, 1, 0, {0, 0}};
-  if (last - first == 2) {
-    const EdgeRecord &a = first[0], &b = first[1];
-    reply.cosine = dot(a.normal, b.normal);
-    if (reply.cosine > largest_cosine)
-      return;
-    reply.sine = norm(cross(a.normal, b.normal));
-    reply.width[0] = a.width, reply.width[1] = b.width;
-    const bool is_convex =
-        dot(b.centre - a.on_edge, a.normal) < 0 && dot(a.centre - a.on_edge, b.normal) < 0;
-    reply.is_convex = is_convex && reply.sine > 0;
-  }
+  EdgeReply reply = no_reply;
+  if (last - first == 2 && !judgePair(first[0], first[1], largest_cosine, reply))
+    return;
   for (const EdgeRecord* record = first; record != last; ++record) {
     reply.face = record->face;
     reply.edge = record->edge;
     replies[record->rank].push_back(reply);
     reply.is_convex = 0; // only the first lists it
   }
+}
+
+// Replies to this rank's faces whose edges have a node on this rank alone.
+std::vector<EdgeReply> judgeOwnEdges(const HostSurface& surface, const std::vector<char>& is_shared,
+                                     int rank, double largest_cosine) {
+  const auto num_faces = static_cast<int>(surface.face_ids.extent(0));
+  const auto num_edges = checkedInt(4 * std::int64_t(num_faces), "findFeatureEdges: edges");
+  const Groups groups = groupByKey("contact::findFeatureEdges::groups", num_edges,
+                                   static_cast<int>(surface.node_ids.extent(0)),
+                                   [&](std::int64_t edge) { return surface.lowNode(edge); });
+  const auto judge = [&](std::int64_t edge, EdgeReply& reply) {
+    const int low = surface.lowNode(edge), high = surface.highNode(edge);
+    if (low == high || (is_shared[low] && is_shared[high])) // a triangle, or judged by messages
+      return false;
+    int others = 0, other = 0;
+    for (int i = groups.begin[low]; i < groups.begin[low + 1]; ++i)
+      if (groups.items[i] != edge && surface.highNode(groups.items[i]) == high) {
+        other = groups.items[i];
+        ++others;
+      }
+    reply.face = static_cast<int>(edge / 4);
+    reply.edge = static_cast<int>(edge % 4);
+    if (others != 1)
+      return true;
+    if (dot(surface.normals[edge / 4], surface.normals[other / 4]) > largest_cosine)
+      return false; // as most, without records
+    const bool is_first = surface.face_ids(edge / 4) < surface.face_ids(other / 4);
+    const EdgeRecord mine = surface.record(edge, rank), its = surface.record(other, rank);
+    const bool is_feature = is_first ? judgePair(mine, its, largest_cosine, reply)
+                                     : judgePair(its, mine, largest_cosine, reply);
+    reply.is_convex = reply.is_convex && is_first;
+    return is_feature;
+  };
+  std::vector<char> is_feature(num_edges);
+  parallelOnHost("contact::findFeatureEdges::judge", num_edges, [&](std::int64_t edge) {
+    EdgeReply reply = no_reply;
+    is_feature[edge] = judge(edge, reply);
+  });
+  std::vector<EdgeReply> replies;
+  for (int edge = 0; edge < num_edges; ++edge)
+    if (is_feature[edge]) {
+      replies.push_back(no_reply);
+      judge(edge, replies.back());
+    }
+  return replies;
 }
 
 // One end of a convex edge.
@@ -104,21 +202,18 @@ struct EndReply {
 
 // Sets FeatureEdge::goes_on. The rank chosen by the id of a node decides for the edges that end
 // there.
-void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<FeatureEdge>& edges) {
+void findContinuations(MPI_Comm comm, const HostSurface& surface, std::vector<FeatureEdge>& edges) {
   const int num_ranks = sizeOf(comm);
-  const auto face_to_nodes = toHost(surface.face_to_nodes);
-  const auto x = toHost(surface.coordinates_new);
-  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
   std::vector<std::vector<EdgeEnd>> ends(num_ranks);
   for (std::size_t i = 0; i < edges.size(); ++i)
     for (int end = 0; end < 2; ++end) {
       const FeatureEdge& edge = edges[i];
-      const int node = face_to_nodes(edge.face, (edge.edge + end) % 4);
-      const int other = face_to_nodes(edge.face, (edge.edge + 1 - end) % 4);
-      const Vec3 way = rowOf(x, other) - rowOf(x, node);
-      ends[node_ids(node) % num_ranks].push_back({node_ids(node), face_ids(edge.face),
-                                                  (1 / norm(way)) * way, rankOf(comm),
-                                                  static_cast<int>(i), edge.edge, end});
+      const int node = surface.face_to_nodes(edge.face, (edge.edge + end) % 4);
+      const int other = surface.face_to_nodes(edge.face, (edge.edge + 1 - end) % 4);
+      const Vec3 way = rowOf(surface.x, other) - rowOf(surface.x, node);
+      ends[surface.node_ids(node) % num_ranks].push_back(
+          {surface.node_ids(node), surface.face_ids(edge.face), (1 / norm(way)) * way, rankOf(comm),
+           static_cast<int>(i), edge.edge, end});
     }
   std::vector<EdgeEnd> all;
   for (const auto& some : exchangeByRank(comm, ends))
@@ -148,10 +243,18 @@ void findContinuations(MPI_Comm comm, const Surface& surface, std::vector<Featur
 
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine) {
   checkSurface(exec_space(), comm, "findFeatureEdges", surface);
-  const int num_ranks = sizeOf(comm);
-  const auto received = exchangeByRank(comm, recordsOf(num_ranks, rankOf(comm), surface));
+  const int num_ranks = sizeOf(comm), rank = rankOf(comm);
+  const HostSurface host(surface);
+  const std::vector<char> is_shared = sharedNodes(comm, host);
+  std::vector<std::vector<EdgeRecord>> to_judges(num_ranks);
+  for (std::int64_t edge = 0; num_ranks > 1 && edge < 4 * std::int64_t(surface.num_faces); ++edge) {
+    const int a = host.node(edge, 0), b = host.node(edge, 1);
+    if (a != b && is_shared[a] && is_shared[b])
+      to_judges[(host.node_ids(a) + host.node_ids(b)) % num_ranks].push_back(
+          host.record(edge, rank));
+  }
   std::vector<EdgeRecord> records;
-  for (const auto& some : received)
+  for (const auto& some : exchangeByRank(comm, to_judges))
     records.insert(records.end(), some.begin(), some.end());
   std::sort(records.begin(), records.end(),
             [](const EdgeRecord& a, const EdgeRecord& b) { return a.key() < b.key(); });
@@ -163,9 +266,11 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
     judgeEdge(&records[begin], records.data() + end, cosine, replies);
     begin = end;
   }
+  auto answers = exchangeByRank(comm, replies);
+  answers.push_back(judgeOwnEdges(host, is_shared, rank, cosine));
   FeatureEdges edges;
   edges.true_edges.assign(surface.num_faces, 0);
-  for (const auto& some : exchangeByRank(comm, replies))
+  for (const auto& some : answers)
     for (const EdgeReply& reply : some) {
       edges.true_edges[reply.face] |= static_cast<unsigned char>(1 << reply.edge);
       if (reply.is_convex)
@@ -176,7 +281,7 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
             [](const FeatureEdge& a, const FeatureEdge& b) {
               return std::tie(a.face, a.edge) < std::tie(b.face, b.edge);
             });
-  findContinuations(comm, surface, edges.convex);
+  findContinuations(comm, host, edges.convex);
   return edges;
 }
 
