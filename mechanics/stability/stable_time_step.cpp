@@ -1,6 +1,7 @@
 #include "mechanics/stability/stable_time_step.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "mechanics/stability/recent_results.hpp"
 #include "mechanics/stability/step_bounds.hpp"
 
 #include <cmath>
@@ -60,11 +61,31 @@ double stepOfBodies(MPI_Comm comm, const Limits& local, const StabilityTerms& lo
   return stepOfBodies(largest[0], largest[1], largest[2], load, rest);
 }
 
+KOKKOS_INLINE_FUNCTION void gatherModes(const MeshViews& mesh, const View<const double* [3]>& nodal,
+                                        int elem, double (&modes)[3][num_modes]) {
+  double corners[8][3];
+  gatherCorners(mesh.elem_to_nodes, nodal, elem, corners);
+  coordinateModes(corners, modes);
+}
+
 struct LimitsAtRest {
   MeshViews mesh;
   StabilityTerms load;
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
-    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
+
+  // All that the limits of an element depend on, apart from its id.
+  struct Input {
+    double X[3][num_modes];
+    std::int64_t block;
+  };
+  KOKKOS_INLINE_FUNCTION Input inputOf(int elem) const {
+    Input input;
+    gatherModes(mesh, mesh.reference_coordinates, elem, input.X);
+    input.block = mesh.elem_block(elem);
+    return input;
+  }
+
+  KOKKOS_INLINE_FUNCTION Limits of(int elem) const {
+    const ElementShape shape = shapeOf(mesh, elem);
     const Material material = mesh.materials(mesh.elem_block(elem));
     double gram[3][3], eigenvalues[3], normal[3][3];
     for (int k = 0; k < 9; ++k)
@@ -76,38 +97,50 @@ struct LimitsAtRest {
                        std::sqrt(eigenvalues[i] * eigenvalues[j]);
     const double omega_square = 8 / material.density * largestEigenvalue(normal);
     Limits mine;
-    mine.elem = mesh.elem_ids(elem);
     if (load.viscosity.any())
       mine.viscous = viscousRate(load, material, shape.length,
                                  shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
     const double step = stepOf(omega_square, shape.parallelepiped);
     mine.dt = loadedStep(step, mine.viscous, load);
     mine.bare = loadedStep(step, 0, load);
-    limits += mine;
+    return mine;
   }
 };
 
-// With `is_quick` norms replace eigenvalues, and the elements' own step is not found (unless they
-// failed).
+// What is found at a deformation: the change of whole bodies by norms or by eigenvalues, the
+// elements' own step, or both. An element that failed has the step 0 in any case.
+enum class Sought { bodies_by_norms, bodies, elements, both };
+
 struct LimitsAtDeformation {
   MeshViews mesh;
   StabilityTerms load;
   View<const double* [3]> displacement;
-  bool is_quick, is_for_bodies;
+  Sought sought;
+
+  struct Input {
+    LimitsAtRest::Input at_rest;
+    double u[3][num_modes];
+  };
+  KOKKOS_INLINE_FUNCTION Input inputOf(int elem) const {
+    Input input;
+    input.at_rest = LimitsAtRest{mesh, load}.inputOf(elem);
+    gatherModes(mesh, displacement, elem, input.u);
+    return input;
+  }
 
   // 8/rho times an upper bound of the largest eigenvalue.
   KOKKOS_INLINE_FUNCTION double omegaSquare(const double (&A)[9][9], const Mat3& gram,
                                             double density) const {
     double matrix[9][9];
     onMeanGradients(A, gram, matrix);
-    return 8 / density * (is_quick ? largestRow(matrix) : largestEigenvalue(matrix));
+    return 8 / density *
+           (sought == Sought::bodies_by_norms ? largestRow(matrix) : largestEigenvalue(matrix));
   }
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t elem, Limits& limits) const {
-    double u[8][3], modes[3][num_modes], H[3][3], A[9][9];
-    const ElementShape shape = shapeOf(mesh, static_cast<int>(elem));
-    gatherCorners(mesh.elem_to_nodes, displacement, static_cast<int>(elem), u);
-    coordinateModes(u, modes);
+  KOKKOS_INLINE_FUNCTION Limits of(int elem) const {
+    double modes[3][num_modes], H[3][3], A[9][9];
+    const ElementShape shape = shapeOf(mesh, elem);
+    gatherModes(mesh, displacement, elem, modes);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         H[i][j] = 0;
@@ -116,23 +149,21 @@ struct LimitsAtDeformation {
       }
     const Material material = mesh.materials(mesh.elem_block(elem));
     Limits mine;
-    mine.elem = mesh.elem_ids(elem);
     if (!materialTangent(H, material, A)) {
       mine.dt = 0;
       mine.growth = HUGE_VAL;
-      limits += mine;
-      return;
+      return mine;
     }
     if (load.viscosity.any())
       mine.viscous =
           viscousRate(load, material, shape.length, deformedTrace(H, shape.gram, material.model));
-    if (!is_quick) {
+    if (sought == Sought::elements || sought == Sought::both) {
       mine.dt =
           loadedStep(stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped),
                      mine.viscous, load);
       mine.dt = mine.dt == mine.dt ? mine.dt : 0.0;
     }
-    if (is_for_bodies) {
+    if (sought != Sought::elements) {
       double change[9][9];
       changeOfModuli(A, H, material, change);
       const double growth = maxOf(omegaSquare(change, shape.gram, material.density),
@@ -140,19 +171,48 @@ struct LimitsAtDeformation {
       mine.growth = growth == growth ? maxOf(growth, 0.0) : HUGE_VAL;
       mine.turn = turnOfCorners(modes, H, shape);
     }
-    limits += mine;
+    double trace = 0; // if positive, so is an eigenvalue, and the element has a step
+    for (int k = 0; k < 9; ++k)
+      trace += A[k][k];
+    if (sought == Sought::bodies && !(trace > 0))
+      mine.growth = HUGE_VAL;
+    return mine;
   }
 };
+
+// The limits of elements [0, num_elems), which are worked out once for copies among neighbours.
+template <class LimitsOf>
+struct AddLimits {
+  LimitsOf limits_of;
+  std::int64_t num_elems;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, Limits& limits) const {
+    RecentResults<typename LimitsOf::Input, Limits> recent;
+    const std::int64_t end = minOf((part + 1) * items_per_memory, num_elems);
+    for (std::int64_t e = part * items_per_memory; e < end; ++e) {
+      const int elem = static_cast<int>(e);
+      Limits mine = recent.find(limits_of.inputOf(elem), [&] { return limits_of.of(elem); });
+      mine.elem = limits_of.mesh.elem_ids(elem);
+      limits += mine;
+    }
+  }
+};
+template <class LimitsOf>
+Limits sumOfLimits(const exec_space& space, const char* label, std::int64_t num_elems,
+                   const LimitsOf& limits_of) {
+  Limits limits;
+  const std::int64_t parts = (num_elems + items_per_memory - 1) / items_per_memory;
+  Kokkos::parallel_reduce(label, rangePolicy(space, parts),
+                          AddLimits<LimitsOf>{limits_of, num_elems}, PlusReducer<Limits>(limits));
+  space.fence();
+  return limits;
+}
 
 } // namespace
 
 ElementsAtRest findElementsAtRest(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                                   const StabilityTerms& load) {
-  Limits limits;
-  Kokkos::parallel_reduce("mechanics::findElementsAtRest::elements",
-                          rangePolicy(space, mesh.num_elems), LimitsAtRest{viewsOf(mesh), load},
-                          PlusReducer<Limits>(limits));
-  space.fence();
+  const Limits limits = sumOfLimits(space, "mechanics::findElementsAtRest::elements",
+                                    mesh.num_elems, LimitsAtRest{viewsOf(mesh), load});
   return {agree(comm, limits), allReduce(comm, limits.bare, MPI_MIN),
           allReduce(comm, limits.viscous, MPI_MAX)};
 }
@@ -173,23 +233,25 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
                               const View<const double* [3]>& displacement,
                               const StabilityTerms& load, const RestFrequency& rest,
                               double enough) {
-  const bool is_for_bodies = rest.bodies < rest.elements;
-  const auto limitsOf = [&](bool is_quick) {
-    Limits limits;
-    Kokkos::parallel_reduce(
-        "mechanics::stableTimeStep::elements", rangePolicy(space, mesh.num_elems),
-        LimitsAtDeformation{viewsOf(mesh), load, displacement, is_quick, is_for_bodies},
-        PlusReducer<Limits>(limits));
-    space.fence();
-    return limits;
+  const auto limitsOf = [&](Sought sought, int num_elems) {
+    return sumOfLimits(space, "mechanics::stableTimeStep::elements", num_elems,
+                       LimitsAtDeformation{viewsOf(mesh), load, displacement, sought});
   };
-  if (is_for_bodies && enough < HUGE_VAL) {
+  const bool is_for_bodies = rest.bodies < rest.elements;
+  if (is_for_bodies) {
     StableTimeStep stable;
-    stable.dt = stepOfBodies(comm, limitsOf(true), load, rest);
-    if (stable.dt >= enough)
+    const auto findStepOfBodies = [&](Sought sought) {
+      return stable.dt = stepOfBodies(comm, limitsOf(sought, mesh.num_elems), load, rest);
+    };
+    if (enough < HUGE_VAL && findStepOfBodies(Sought::bodies_by_norms) >= enough)
+      return stable;
+    // If bodies allow a longer step than one element does, the others need not be known.
+    const double of_one = limitsOf(Sought::elements, minOf(mesh.num_elems, 1)).dt;
+    const double at_most = allReduce(comm, of_one, MPI_MIN);
+    if (findStepOfBodies(Sought::bodies) >= at_most && stable.dt > 0)
       return stable;
   }
-  const Limits limits = limitsOf(false);
+  const Limits limits = limitsOf(is_for_bodies ? Sought::both : Sought::elements, mesh.num_elems);
   StableTimeStep stable = agree(comm, limits);
   if (stable.dt > 0)
     stable.dt = maxOf(stable.dt, stepOfBodies(comm, limits, load, rest));

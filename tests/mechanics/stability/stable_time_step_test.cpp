@@ -2,6 +2,7 @@
 #include "mechanics/stability/stable_time_step.hpp"
 
 #include "mechanics/element/symmetric_eigenvalue.hpp"
+#include "mechanics/stability/recent_results.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
 #include "tests/mechanics/support/element_force.hpp"
 
@@ -121,6 +122,26 @@ TEST(ContactMassFraction, IsThatOfSpringsAndDampers) {
   EXPECT_THROW(contactMassFraction(2), InputError);
   EXPECT_THROW(contactMassFraction(0.5, -1), InputError);
   EXPECT_THROW(contactMassFraction(0.5, 1), InputError);
+}
+
+TEST(RecentResults, EvaluatesEqualInputsOnceAndTellsAllBitsApart) {
+  RecentResults<double, double> recent;
+  int evaluations = 0;
+  const auto find = [&](double input) {
+    return recent.find(input, [&] {
+      ++evaluations;
+      return 1 / input;
+    });
+  };
+  for (int repetition = 0; repetition < 3; ++repetition)
+    for (const double input : {0.0, -0.0, 2.0, 3.0})
+      EXPECT_EQ(find(input), 1 / input);
+  if (host_accessible) {
+    EXPECT_EQ(evaluations, 4);
+  }
+  for (int repetition = 0; repetition < 2; ++repetition)
+    for (int input = 1; input < 1000; ++input) // more than it remembers
+      EXPECT_EQ(find(input), 1.0 / input);
 }
 
 } // namespace
