@@ -44,14 +44,15 @@ introduceSharers(const std::vector<std::vector<global_id>>& known) {
 NodeSharing findSharedNodes(MPI_Comm comm, const std::vector<global_id>& node_ids,
                             global_id num_global_nodes) {
   const int size = sizeOf(comm), rank = rankOf(comm);
+  NodeSharing sharing;
+  sharing.node_owner.assign(node_ids.size(), rank);
+  if (size == 1)
+    return sharing;
   const IdSlices homes{num_global_nodes, size};
   std::vector<std::vector<global_id>> to_homes(size);
   for (const global_id node : node_ids)
     to_homes[homes.rankOf(node)].push_back(node);
   const auto answers = exchangeByRank(comm, introduceSharers(exchangeByRank(comm, to_homes)));
-
-  NodeSharing sharing;
-  sharing.node_owner.assign(node_ids.size(), rank);
   std::vector<std::vector<int>> nodes_of_rank(size);
   // Homes hold ascending slices and answer in the order of node id, so each list ascends.
   for (const auto& from_home : answers)

@@ -1,12 +1,14 @@
 // The wall's volume mesh in parallel.
 #include "io/wall/wall_generator.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "io/mesh/id_slices.hpp"
-#include "io/mesh/local_numbering.hpp"
 #include "io/mesh/partition.hpp"
 #include "io/mesh/shared_nodes.hpp"
 
+#include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace brickwall::io {
@@ -21,6 +23,8 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
   const int count = checkedInt(slices.end(rank) - first, "generateWall: elements of a rank");
   std::vector<global_id> ids(count);
   std::iota(ids.begin(), ids.end(), first);
+  if (size == 1)
+    return ids;
   std::vector<double> centroids;
   centroids.reserve(3 * ids.size());
   for (const global_id elem : ids)
@@ -37,45 +41,77 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
   return owned;
 }
 
+// Elements in ascending order, and so brick by brick; the nodes of each brick follow those of the
+// bricks before it.
 void generateElems(const WallLayout& wall, MeshPart& part) {
-  std::vector<global_id> corners;
-  corners.reserve(8 * part.elem_ids.size());
-  for (const global_id elem : part.elem_ids) {
-    const auto nodes = wall.elemNodes(elem);
-    corners.insert(corners.end(), nodes.begin(), nodes.end());
-    const global_id brick = wall.brickOfElem(elem);
-    part.elem_body.push_back(brick);
-    part.elem_block.push_back(wall.numWholeBricks() > 0 && brick >= wall.numWholeBricks() ? 1 : 0);
+  const int num_elems = part.numElems();
+  part.elem_body.resize(num_elems);
+  part.elem_block.resize(num_elems);
+  std::vector<std::array<global_id, 8>> corners(num_elems);
+  parallelOnHost("io::generateWall::elements", num_elems, [&](std::int64_t elem) {
+    const global_id id = part.elem_ids[elem], brick = wall.brickOfElem(id);
+    corners[elem] = wall.elemNodes(id);
+    part.elem_body[elem] = brick;
+    part.elem_block[elem] = wall.numWholeBricks() > 0 && brick >= wall.numWholeBricks() ? 1 : 0;
+  });
+  part.elem_nodes.reserve(8 * corners.size());
+  std::vector<int> local; // [node of the brick] its number; -1 without an element on this rank
+  for (int begin = 0, end = 0; begin < num_elems; begin = end) {
+    const global_id brick = part.elem_body[begin], first = wall.firstNode(brick);
+    local.assign(wall.firstNode(brick + 1) - first, -1);
+    for (; end < num_elems && part.elem_body[end] == brick; ++end)
+      for (const global_id node : corners[end])
+        local[node - first] = 0;
+    for (std::size_t i = 0; i < local.size(); ++i)
+      if (local[i] == 0) {
+        local[i] = part.numNodes();
+        part.node_ids.push_back(first + static_cast<global_id>(i));
+      }
+    for (int elem = begin; elem < end; ++elem)
+      for (const global_id node : corners[elem])
+        part.elem_nodes.push_back(local[node - first]);
   }
-  part.node_ids = sortedDistinct(corners);
-  part.elem_nodes = localIndices(part.node_ids, corners);
-  part.coordinates.reserve(3 * part.node_ids.size());
-  for (const global_id node : part.node_ids)
-    for (const double x : wall.nodeCoordinates(node))
-      part.coordinates.push_back(x);
+  part.coordinates.resize(3 * part.node_ids.size());
+  parallelOnHost("io::generateWall::nodes", part.numNodes(), [&](std::int64_t node) {
+    const auto x = wall.nodeCoordinates(part.node_ids[node]);
+    std::copy(x.begin(), x.end(), &part.coordinates[3 * node]);
+  });
+}
+
+// bits_of(i) for i in [0, n).
+template <class BitsOf>
+std::vector<unsigned char> memberships(const char* label, int n, const BitsOf& bits_of) {
+  std::vector<unsigned char> bits(n);
+  parallelOnHost(label, n,
+                 [&](std::int64_t i) { bits[i] = static_cast<unsigned char>(bits_of(i)); });
+  return bits;
 }
 
 void generateSets(const WallLayout& wall, MeshPart& part) {
+  const auto sides =
+      memberships("io::generateWall::side_sets", part.numElems(),
+                  [&](std::int64_t elem) { return wall.wallSides(part.elem_ids[elem]); });
   for (int s = 0; s < num_wall_sides; ++s) {
     const auto wall_side = static_cast<WallSide>(s);
     SideSet set;
     set.id = s + 1;
     set.name = WallLayout::sideSetName(wall_side);
     for (int elem = 0; elem < part.numElems(); ++elem)
-      for (int side = 0; side < 6; ++side)
-        if (wall.onWallSide(part.elem_ids[elem], side, wall_side)) {
-          set.elems.push_back(elem);
-          set.sides.push_back(side);
-        }
+      if (sides[elem] >> s & 1)
+        set.elems.push_back(elem);
+    set.sides.assign(set.elems.size(), WallLayout::hexSide(wall_side));
     part.side_sets.push_back(std::move(set));
   }
+  const auto sets =
+      memberships("io::generateWall::node_sets", part.numNodes(),
+                  [&](std::int64_t node) { return wall.nodeSets(part.node_ids[node]); });
   for (int s = 0; s < num_wall_node_sets; ++s) {
     const auto wall_set = static_cast<WallNodeSet>(s);
     NodeSet set;
     set.id = s + 1;
     set.name = WallLayout::nodeSetName(wall_set);
     for (int node = 0; node < part.numNodes(); ++node)
-      if (wall.inNodeSet(part.node_ids[node], wall_set))
+      if (sets[node] >> s & 1)
         set.nodes.push_back(node);
     part.node_sets.push_back(std::move(set));
   }

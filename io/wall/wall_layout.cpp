@@ -53,6 +53,14 @@ void checkConfig(const WallConfig& config) {
   }
 }
 
+template <int N>
+unsigned bitsOf(const bool (&flags)[N]) {
+  unsigned bits = 0;
+  for (int i = 0; i < N; ++i)
+    bits |= static_cast<unsigned>(flags[i]) << i;
+  return bits;
+}
+
 } // namespace
 
 WallLayout::WallLayout(const WallConfig& config) : _config(config) {
@@ -255,44 +263,35 @@ global_id WallLayout::faceId(std::int64_t face) const {
   return elemId(place) * 6 + side;
 }
 
-bool WallLayout::onWallSide(global_id elem, int side, WallSide wall_side) const {
-  constexpr int hex_side[num_wall_sides] = {0, 2, 3, 1, 4, 5};
-  if (side != hex_side[wall_side])
-    return false;
+unsigned WallLayout::wallSides(global_id elem) const {
   const ElemPlace at = elemPlace(elem);
   const auto n = brickElems(at.brick);
   const BrickPlace place = brickPlace(at.brick);
-  switch (wall_side) {
-  case wall_front:
-    return place.wythe == 0 && at.j == 0;
-  case wall_back:
-    return place.wythe == _config.bricks[1] - 1 && at.j == n[1] - 1;
-  case wall_left:
-    return place.first && at.i == 0;
-  case wall_right:
-    return place.last && at.i == n[0] - 1;
-  case wall_bottom:
-    return place.course == 0 && at.k == 0;
-  default:
-    return place.course == _config.bricks[2] - 1 && at.k == n[2] - 1;
-  }
+  bool is_on[num_wall_sides];
+  is_on[wall_front] = place.wythe == 0 && at.j == 0;
+  is_on[wall_back] = place.wythe == _config.bricks[1] - 1 && at.j == n[1] - 1;
+  is_on[wall_left] = place.first && at.i == 0;
+  is_on[wall_right] = place.last && at.i == n[0] - 1;
+  is_on[wall_bottom] = place.course == 0 && at.k == 0;
+  is_on[wall_top] = place.course == _config.bricks[2] - 1 && at.k == n[2] - 1;
+  return bitsOf(is_on);
 }
 
-bool WallLayout::inNodeSet(global_id node, WallNodeSet set) const {
+int WallLayout::hexSide(WallSide side) {
+  constexpr int hex_side[num_wall_sides] = {0, 2, 3, 1, 4, 5};
+  return hex_side[side];
+}
+
+unsigned WallLayout::nodeSets(global_id node) const {
   const LocalNode at = localNode(node);
   const BrickPlace place = brickPlace(at.brick);
-  switch (set) {
-  case wall_base:
-    return place.course == 0 && at.k == 0;
-  case wall_base_course:
-    return place.course == 0;
-  case wall_top_course:
-    return place.course == _config.bricks[2] - 1;
-  case wall_left_end:
-    return place.first && at.i == 0;
-  default:
-    return place.last && at.i == brickElems(at.brick)[0];
-  }
+  bool is_in[num_wall_node_sets];
+  is_in[wall_base] = place.course == 0 && at.k == 0;
+  is_in[wall_base_course] = place.course == 0;
+  is_in[wall_top_course] = place.course == _config.bricks[2] - 1;
+  is_in[wall_left_end] = place.first && at.i == 0;
+  is_in[wall_right_end] = place.last && at.i == brickElems(at.brick)[0];
+  return bitsOf(is_in);
 }
 
 std::vector<Block> WallLayout::blocks() const {

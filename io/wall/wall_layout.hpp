@@ -107,10 +107,11 @@ public:
   // side (0-based).
   global_id faceId(std::int64_t face) const;
 
-  // Whether side `side` (0-based, hex8) of the element lies on the outer side of the wall of that
-  // name.
-  bool onWallSide(global_id elem, int side, WallSide wall_side) const;
-  bool inNodeSet(global_id node, WallNodeSet set) const;
+  // Bit s: a side of the element lies on WallSide s of the wall; the side is hexSide(s) (0-based).
+  unsigned wallSides(global_id elem) const;
+  static int hexSide(WallSide side);
+  // Bit s: the node is in WallNodeSet s.
+  unsigned nodeSets(global_id node) const;
 
   // Names and order of blocks ("brick", and "half_brick" if there are any), side sets and node
   // sets.
