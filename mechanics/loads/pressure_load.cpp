@@ -1,39 +1,83 @@
 #include "mechanics/loads/pressure_load.hpp"
 
+#include "contact/base/fixed_pack.hpp"
+#include "contact/base/lane_arrays.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
+
+#include <algorithm>
+#include <numeric>
 
 namespace brickwall::mechanics {
 
 namespace {
 
-// Adds one face's loads and counts the corners whose load does not fit the fixed-point range.
-struct AddPressure {
+constexpr int W = simd_width;
+
+template <int columns>
+using Columns = Kokkos::View<const double* [columns], Kokkos::LayoutLeft, memory_space>;
+
+// Computes the corner loads of W faces at a time, and counts those that do not fit the fixed-point
+// range, which become 0.
+struct ComputeFaceLoads {
   MeanPressure pressure;
-  bool follower;
-  View<int* [4]> face_to_nodes;
+  bool follower, gaussian;
+  View<const int* [4]> face_to_nodes;
   View<const double*[3]> reference, displacement;
-  View<std::int64_t**> forces;
+  Columns<4> attenuation, delay;
+  Kokkos::View<std::int64_t* [12], Kokkos::LayoutLeft, memory_space> loads;
   double inverse_quantum;
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t face, std::int64_t& misfits) const {
-    Vec3 X[4], x[4], load[4];
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t pack, std::int64_t& misfits) const {
+    const int first = static_cast<int>(pack) * W;
+    const int count = minOf(W, static_cast<int>(face_to_nodes.extent(0)) - first);
+    Triple<Lanes> x[4], load[4];
+    Lanes mean[4];
+    prefetchCorners(first + 4 * W);
     for (int c = 0; c < 4; ++c) {
-      const int node = face_to_nodes(face, c);
-      X[c] = rowOf(reference, node);
-      x[c] = follower ? X[c] + rowOf(displacement, node) : X[c];
+      gather(first, count, c, x[c]);
+      mean[c] = gaussian ? gaussianAt(first, count, c) : Lanes(pressure.afterDelay(0));
     }
-    quadPressureLoads(pressure, X, x, load);
-    for (int c = 0; c < 4; ++c)
-      misfits += addCorner(face_to_nodes(face, c), inverse_quantum * load[c]) ? 0 : 1;
+    quadPressureLoads(mean, x, load);
+    for (int c = 0; c < 4; ++c) {
+      const Triple<Lanes> quanta = Lanes(inverse_quantum) * load[c];
+      const MaskOf<Lanes>::type fits =
+          fitsFixedPoint(quanta.x) & fitsFixedPoint(quanta.y) & fitsFixedPoint(quanta.z);
+      if (isAny(!fits))
+        for (int lane = 0; lane < count; ++lane)
+          misfits += laneOf(where(fits, Lanes(0.0), Lanes(1.0)), lane) != 0;
+      const Lanes parts[3] = {quanta.x, quanta.y, quanta.z};
+      for (int i = 0; i < 3; ++i)
+        storeLanes(toFixed(where(fits, parts[i], Lanes(0.0))), &loads(first, 3 * c + i));
+    }
   }
-  KOKKOS_INLINE_FUNCTION bool addCorner(int node, const Vec3& quanta) const {
-    for (int i = 0; i < 3; ++i)
-      if (!fitsFixedPoint(quanta[i]))
-        return false;
-    for (int i = 0; i < 3; ++i)
-      if (const std::int64_t rounded = roundToFixed(quanta[i]); rounded != 0)
-        Kokkos::atomic_add(&forces(node, 3 * external_force + i), rounded);
-    return true;
+  // Asks for rows of the corners of W faces; neighbours have the others.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchCorners(int first) const {
+    for (int face = first; face < first + W; face += 3)
+      if (face < static_cast<int>(face_to_nodes.extent(0)))
+        for (int c = 0; c < 4; ++c) {
+          prefetch(&reference(face_to_nodes(face, c), 0));
+          prefetch(&displacement(face_to_nodes(face, c), 0));
+        }
+  }
+  // Corner c of the faces; lanes without a face repeat the last one.
+  KOKKOS_INLINE_FUNCTION void gather(int first, int count, int c, Triple<Lanes>& x) const {
+    double corners[3][W];
+    for (int lane = 0; lane < W; ++lane) {
+      const int node = face_to_nodes(first + minOf(lane, count - 1), c);
+      for (int i = 0; i < 3; ++i)
+        corners[i][lane] =
+            follower ? reference(node, i) + displacement(node, i) : reference(node, i);
+    }
+    x = loadTriple<Lanes>(corners);
+  }
+  KOKKOS_INLINE_FUNCTION Lanes gaussianAt(int first, int count, int point) const {
+    const Lanes factor = loadLanes<Lanes>(&attenuation(first, point));
+    if (!pressure.isWave())
+      return Lanes(pressure.afterDelay(0)) * factor;
+    Lanes without_distance = Lanes(0.0);
+    for (int lane = 0; lane < count; ++lane)
+      setLane(without_distance, lane, pressure.afterDelay(delay(first + lane, point)));
+    return without_distance * factor;
   }
 };
 
@@ -61,7 +105,11 @@ double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& 
 PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
                            const std::vector<int>& face_to_nodes)
     : _pressure(pressure), _face_to_nodes(toDevice<View<int* [4]>>(
-                               space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)) {
+                               space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)),
+      _face_loads("mechanics::PressureLoad::face_loads", W * numPacks()) {
+  listNodes(space, face_to_nodes);
+  if (pressure.gaussian)
+    computeFactors(space, mesh);
   if (pressure.shape.kind == PulseKind::constant)
     return;
   const double farthest =
@@ -71,6 +119,44 @@ PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const P
   _end += 1e-12 * (std::fabs(pressure.start) + pressure.shape.duration + delay);
 }
 
+void PressureLoad::listNodes(const exec_space& space, const std::vector<int>& face_to_nodes) {
+  std::vector<int> nodes, first_corner, corners(face_to_nodes.size());
+  std::iota(corners.begin(), corners.end(), 0);
+  std::stable_sort(corners.begin(), corners.end(),
+                   [&](int a, int b) { return face_to_nodes[a] < face_to_nodes[b]; });
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    if (const int node = face_to_nodes[corners[k]]; nodes.empty() || nodes.back() != node) {
+      nodes.push_back(node);
+      first_corner.push_back(static_cast<int>(k));
+    }
+  first_corner.push_back(static_cast<int>(corners.size()));
+  _nodes = toDevice(space, "mechanics::PressureLoad::nodes", nodes);
+  _first_corner = toDevice(space, "mechanics::PressureLoad::first_corner", first_corner);
+  _corners = toDevice(space, "mechanics::PressureLoad::corners", corners);
+}
+
+void PressureLoad::computeFactors(const exec_space& space, const HexMesh& mesh) {
+  _attenuation = FaceColumns<double, 4>("mechanics::PressureLoad::attenuation", W * numPacks());
+  _delay = FaceColumns<double, 4>("mechanics::PressureLoad::delay", W * numPacks());
+  const Pressure pressure = _pressure;
+  const auto X = mesh.reference_coordinates;
+  const auto face_to_nodes = _face_to_nodes;
+  const auto attenuation = _attenuation, delay = _delay;
+  Kokkos::parallel_for(
+      "mechanics::PressureLoad::computeFactors",
+      rangePolicy(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        Triple<double> corners[4];
+        for (int c = 0; c < 4; ++c)
+          corners[c] = triple(rowOf(X, face_to_nodes(face, c)));
+        for (int point = 0; point < 4; ++point) {
+          const Triple<double> at = QuadPoint::sum(QuadPoint(point).shape, corners);
+          attenuation(face, point) = pressure.attenuationAt({at.x, at.y, at.z});
+          delay(face, point) = pressure.delayAt({at.x, at.y, at.z});
+        }
+      });
+}
+
 std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
                                const View<const double* [3]>& displacement, const TimeSpan& span,
                                const NodalForces& forces) const {
@@ -78,12 +164,32 @@ std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
   if (span.begin > _end || mean.isZero())
     return 0;
   std::int64_t misfits = 0;
-  const AddPressure functor{
-      mean,         _pressure.follower, _face_to_nodes,        mesh.reference_coordinates,
-      displacement, forces.values,      forces.quantum.inverse};
-  Kokkos::parallel_reduce("mechanics::PressureLoad::add",
-                          rangePolicy(space, static_cast<std::int64_t>(_face_to_nodes.extent(0))),
+  const ComputeFaceLoads functor{mean,
+                                 _pressure.follower,
+                                 _pressure.gaussian,
+                                 _face_to_nodes,
+                                 mesh.reference_coordinates,
+                                 displacement,
+                                 _attenuation,
+                                 _delay,
+                                 _face_loads,
+                                 forces.quantum.inverse};
+  Kokkos::parallel_reduce("mechanics::PressureLoad::add::faces", rangePolicy(space, numPacks()),
                           functor, Kokkos::Sum<std::int64_t>(misfits));
+  const auto nodes = _nodes, first_corner = _first_corner, corners = _corners;
+  const auto loads = _face_loads;
+  const auto values = forces.values;
+  Kokkos::parallel_for(
+      "mechanics::PressureLoad::add::nodes",
+      rangePolicy(space, static_cast<std::int64_t>(nodes.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t n) {
+        std::int64_t sum[3] = {};
+        for (int k = first_corner(n); k < first_corner(n + 1); ++k)
+          for (int i = 0; i < 3; ++i)
+            sum[i] += loads(corners(k) / 4, 3 * (corners(k) % 4) + i);
+        for (int i = 0; i < 3; ++i)
+          values(nodes(n), 3 * external_force + i) += sum[i];
+      });
   space.fence();
   return misfits;
 }

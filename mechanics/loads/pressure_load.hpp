@@ -3,7 +3,7 @@
 // reference face (dead), in fixed point; theory.md, equations (20) to (22).
 #pragma once
 
-#include "contact/base/vec3.hpp"
+#include "contact/base/triple.hpp"
 #include "mechanics/loads/pulse_shape.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
@@ -21,6 +21,13 @@ struct Pressure {
   Vec3 centre; // length
   double radius = HUGE_VAL; // length (standard deviation)
   double speed = HUGE_VAL; // speed of the front, length/time; infinite: simultaneous everywhere
+
+  // The factor of space, and the delay by which the front arrives.
+  KOKKOS_INLINE_FUNCTION double attenuationAt(const Vec3& X) const {
+    const double s = norm(X - centre) / radius;
+    return gaussian ? portableExp(-0.5 * s * s) : 1;
+  }
+  KOKKOS_INLINE_FUNCTION double delayAt(const Vec3& X) const { return norm(X - centre) / speed; }
 };
 
 // The mean of a pressure over a span of time as a function of position. Terms that do not depend on
@@ -41,18 +48,18 @@ public:
   }
 
   KOKKOS_INLINE_FUNCTION double at(const Vec3& X) const {
-    if (!_pressure.gaussian)
-      return _everywhere;
-    const double r = norm(X - _pressure.centre), s = r / _pressure.radius;
-    const double without_distance = _is_wave ? ofWave(r / _pressure.speed) : _everywhere;
-    return without_distance == 0 ? 0 : without_distance * portableExp(-0.5 * s * s);
+    const double without_distance = afterDelay(_pressure.delayAt(X));
+    return without_distance == 0 ? 0 : without_distance * _pressure.attenuationAt(X);
   }
-
-private:
-  KOKKOS_INLINE_FUNCTION double ofWave(double delay) const {
+  // The mean where the front arrives later by `delay`, without attenuation.
+  KOKKOS_INLINE_FUNCTION double afterDelay(double delay) const {
+    if (!_is_wave)
+      return _everywhere;
     return _pressure.peak * _pressure.shape.mean({_span.begin - delay, _span.end - delay}, _width);
   }
+  KOKKOS_INLINE_FUNCTION bool isWave() const { return _is_wave; }
 
+private:
   Pressure _pressure;
   TimeSpan _span; // relative to the start of the load
   PulseShape::Width _width;
@@ -60,29 +67,44 @@ private:
   double _everywhere;
 };
 
-// Nodal loads of a pressure on one quadrilateral with corners x, outward by the right-hand rule; X
-// are the reference corners. load_I = -integral p N_I (x_xi cross x_eta); the integrand is
-// biquadratic for uniform p.
-KOKKOS_INLINE_FUNCTION void quadPressureLoads(const MeanPressure& pressure, const Vec3 (&X)[4],
-                                              const Vec3 (&x)[4], Vec3 (&load)[4]) {
-  constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
-  const double corner_xi[4] = {-1, 1, 1, -1}, corner_eta[4] = {-1, -1, 1, 1};
-  for (int c = 0; c < 4; ++c)
-    load[c] = Vec3();
-  for (int point = 0; point < 4; ++point) {
+// A point of the 2x2 Gauss quadrature of a quadrilateral: its shape functions and their derivatives.
+struct QuadPoint {
+  double shape[4], along_xi[4], along_eta[4];
+
+  KOKKOS_INLINE_FUNCTION explicit QuadPoint(int point) {
+    constexpr double s = 0.57735026918962576451; // 1/sqrt(3)
+    const double corner_xi[4] = {-1, 1, 1, -1}, corner_eta[4] = {-1, -1, 1, 1};
     const double xi = s * corner_xi[point], eta = s * corner_eta[point];
-    Vec3 position, along_xi, along_eta;
-    double shape[4];
     for (int c = 0; c < 4; ++c) {
       const double a = 1 + corner_xi[c] * xi, b = 1 + corner_eta[c] * eta;
       shape[c] = 0.25 * a * b;
-      position += shape[c] * X[c];
-      along_xi += (0.25 * corner_xi[c] * b) * x[c];
-      along_eta += (0.25 * corner_eta[c] * a) * x[c];
+      along_xi[c] = 0.25 * corner_xi[c] * b;
+      along_eta[c] = 0.25 * corner_eta[c] * a;
     }
-    const Vec3 traction = -pressure.at(position) * cross(along_xi, along_eta);
-    for (int c = 0; c < 4; ++c)
-      load[c] += shape[c] * traction;
+  }
+  // The sum of factor[c] * x[c].
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION static Triple<Real> sum(const double (&factor)[4],
+                                                 const Triple<Real> (&x)[4]) {
+    return Real(factor[0]) * x[0] + Real(factor[1]) * x[1] + Real(factor[2]) * x[2] +
+           Real(factor[3]) * x[3];
+  }
+};
+
+// Nodal loads of a pressure, given at the four QuadPoints, on one quadrilateral with corners x,
+// outward by the right-hand rule, or on several in lanes. load_I = -integral p N_I (x_xi cross
+// x_eta); the integrand is biquadratic for uniform p.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Real (&pressure)[4], const Triple<Real> (&x)[4],
+                                              Triple<Real> (&load)[4]) {
+  for (int point = 0; point < 4; ++point) {
+    const QuadPoint at(point);
+    const Triple<Real> traction =
+        -pressure[point] * cross(QuadPoint::sum(at.along_xi, x), QuadPoint::sum(at.along_eta, x));
+    for (int c = 0; c < 4; ++c) {
+      const Triple<Real> part = Real(at.shape[c]) * traction;
+      load[c] = point == 0 ? part : load[c] + part;
+    }
   }
 }
 
@@ -101,6 +123,8 @@ public:
   std::int64_t add(const exec_space& space, const HexMesh& mesh,
                    const View<const double* [3]>& displacement, const TimeSpan& span,
                    const NodalForces& forces) const;
+  // False if the mean over a span is zero everywhere; the same on all ranks.
+  bool acts(const TimeSpan& span) const { return !MeanPressure(_pressure, span).isZero(); }
 
   const Pressure& pressure() const { return _pressure; }
   const View<int* [4]>& faceToNodes() const { return _face_to_nodes; }
@@ -111,9 +135,22 @@ public:
   }
 
 private:
+  template <class T, int columns> // [face][column], with rows for whole packs of faces
+  using FaceColumns = Kokkos::View<T* [columns], Kokkos::LayoutLeft, memory_space>;
+
+  std::int64_t numPacks() const { // of simd_width faces
+    return (static_cast<std::int64_t>(_face_to_nodes.extent(0)) + simd_width - 1) / simd_width;
+  }
+  void computeFactors(const exec_space& space, const HexMesh& mesh);
+  void listNodes(const exec_space& space, const std::vector<int>& face_to_nodes);
+
   Pressure _pressure;
   double _end = HUGE_VAL;
   View<int* [4]> _face_to_nodes;
+  FaceColumns<double, 4> _attenuation, _delay; // [face][QuadPoint]; if gaussian
+  FaceColumns<std::int64_t, 12> _face_loads; // [face][3 * corner + xyz], quanta
+  View<int*> _nodes; // with loads
+  View<int*> _first_corner, _corners; // 4 * face + corner, by node of _nodes
 };
 
 } // namespace brickwall::mechanics

@@ -2,6 +2,7 @@
 #include "mechanics/loads/pressure_load.hpp"
 #include "mechanics/mesh/skin.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
+#include "tests/mechanics/support/quad_loads.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +39,7 @@ TEST(Pressure, LoadsOnAWarpedQuadrilateralAreTheIntegrals) {
       x[c][j] += 0.3 * randomOf(3 * c + j);
   Pressure pressure;
   pressure.peak = 2;
-  quadPressureLoads(MeanPressure(pressure, {}), x, x, load);
+  testing::quadLoads(MeanPressure(pressure, {}), x, x, load);
   for (int c = 0; c < 4; ++c) {
     const Vec3 expected = -2.0 * byQuadrature(x, c);
     for (int j = 0; j < 3; ++j)
@@ -116,6 +117,58 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   EXPECT_EQ(misfits, 4 * skin.num_faces); // infinite loads are counted, not added
 }
 
+// A wave on a deformed block: the loads of packs of faces, summed by node, have the bits of those of
+// single faces.
+TEST(Pressure, InPacksIsThatOfEachFace) {
+  const exec_space space;
+  testing::Block block;
+  block.elements[0] = 5, block.elements[1] = 3, block.elements[2] = 2;
+  auto blocks = testing::makeBlocks(space, MPI_COMM_SELF, {block}, {testing::steelLike()},
+                                    testing::asIs, [](global_id) { return 0; });
+  const auto u = testing::nodalField(space, blocks.mesh, [](const Vec3& x) {
+    return Vec3{0.2 * x.y * x.z, 0.1 * x.x, 0.3 * x.x * x.y};
+  });
+  const Skin skin = findSkin(space, MPI_COMM_SELF, blocks.mesh, blocks.shared);
+  const auto faces = toHost(skin.face_to_nodes);
+  const auto X = toHost(blocks.mesh.reference_coordinates), displacement = toHost(u);
+  std::vector<int> nodes;
+  for (int f = 0; f < skin.num_faces; ++f)
+    for (int c = 0; c < 4; ++c)
+      nodes.push_back(faces(f, c));
+  Pressure pressure;
+  pressure.peak = 1e-3;
+  pressure.shape = {PulseKind::half_sine, 2.0};
+  for (const bool gaussian : {false, true})
+    for (const double speed : {1.0, HUGE_VAL}) {
+      pressure.gaussian = gaussian;
+      pressure.follower = gaussian;
+      pressure.radius = 0.5;
+      pressure.speed = speed;
+      const TimeSpan span = {0.4, 0.5};
+      const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
+      const PressureLoad load(space, blocks.mesh, pressure, nodes);
+      EXPECT_TRUE(load.acts(span));
+      EXPECT_EQ(load.add(space, blocks.mesh, u, span, forces), 0);
+      std::vector<std::int64_t> expected(3 * blocks.mesh.num_nodes, 0);
+      for (int f = 0; f < skin.num_faces; ++f) {
+        Vec3 reference[4], current[4], loads[4];
+        for (int c = 0; c < 4; ++c) {
+          reference[c] = rowOf(X, faces(f, c));
+          current[c] =
+              pressure.follower ? reference[c] + rowOf(displacement, faces(f, c)) : reference[c];
+        }
+        testing::quadLoads(MeanPressure(pressure, span), reference, current, loads);
+        for (int c = 0; c < 4; ++c)
+          for (int i = 0; i < 3; ++i)
+            expected[3 * faces(f, c) + i] += roundToFixed(forces.quantum.inverse * loads[c][i]);
+      }
+      const auto values = toHost(forces.values);
+      for (int node = 0; node < blocks.mesh.num_nodes; ++node)
+        for (int i = 0; i < 3; ++i)
+          EXPECT_EQ(values(node, 3 * external_force + i), expected[3 * node + i]);
+    }
+}
+
 } // namespace
 // The load is skipped only when it is exactly zero.
 TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
@@ -150,7 +203,7 @@ TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
       Vec3 corners[4], loads[4];
       for (int c = 0; c < 4; ++c)
         corners[c] = rowOf(X, faces(f, c));
-      quadPressureLoads(MeanPressure(pressure, {time, time + 0.1}), corners, corners, loads);
+      testing::quadLoads(MeanPressure(pressure, {time, time + 0.1}), corners, corners, loads);
       for (const Vec3& corner : loads)
         size += norm(corner);
     }

@@ -1,6 +1,7 @@
 // Loads that cannot act as intended.
 #include "mechanics/loads/pressure_load.hpp"
 #include "miniapp/scene/load_warnings.hpp"
+#include "tests/mechanics/support/quad_loads.hpp"
 #include "tests/miniapp/scene/mesh_scene.hpp"
 
 namespace brickwall::miniapp::testing {
@@ -79,7 +80,7 @@ TEST(LoadWarnings, TheBoundOfAGaussiansForceErrorIsSharp) {
                                {(i + 1) * a, (j + 1) * b, 0},
                                {i * a, (j + 1) * b, 0}};
             Vec3 load[4];
-            mechanics::quadPressureLoads(mechanics::MeanPressure(pressure, {}), X, X, load);
+            mechanics::testing::quadLoads(mechanics::MeanPressure(pressure, {}), X, X, load);
             for (const Vec3& corner : load)
               force -= corner.z;
           }
