@@ -19,6 +19,7 @@ struct VectorsOf<8> {
   typedef double real __attribute__((vector_size(64)));
   typedef std::int64_t integer __attribute__((vector_size(64)));
   typedef std::uint64_t bits __attribute__((vector_size(64)));
+  typedef unsigned char bytes __attribute__((vector_size(8)));
 };
 
 template <int W>

@@ -65,6 +65,26 @@ KOKKOS_FORCEINLINE_FUNCTION Pack loadSome(const Number* from, int count) {
     pack.v[lane] = from[lane];
   return pack;
 }
+// Stores the first `count` <= W numbers.
+template <class Pack, class Number>
+KOKKOS_FORCEINLINE_FUNCTION void storeSome(const Pack& pack, int count, Number* to) {
+  if (count >= static_cast<int>(sizeof pack.v / sizeof(Number)))
+    return storePack(pack, to);
+  for (int lane = 0; lane < count; ++lane)
+    to[lane] = pack.v[lane];
+}
+
+// The mask of the first `count` <= W bytes that are not zero.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION MaskPackOf<W> loadFlags(const unsigned char* from, int count) {
+  typename VectorsOf<W>::bytes flags = {};
+  if (count >= W)
+    memcpy(&flags, from, sizeof flags);
+  else
+    for (int lane = 0; lane < count; ++lane)
+      flags[lane] = from[lane];
+  return __builtin_convertvector(flags, typename MaskPackOf<W>::vector) != 0;
+}
 
 // Loads rows of three numbers of `count` <= W nodes; the other lanes are zero. Partial rows are
 // copied to an array of their own, so that the lanes of the usual case stay in registers.

@@ -27,7 +27,13 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
 }
 
 void zeroForces(const exec_space& space, const NodalForces& forces) {
-  Kokkos::deep_copy(space, forces.values, std::int64_t(0));
+  const int num_kinds = static_cast<int>(forces.values.extent(1)) / 3;
+  for (int kind = 0; kind < num_kinds; ++kind)
+    if (forces.acts[kind])
+      Kokkos::deep_copy(
+          space,
+          Kokkos::subview(forces.values, Kokkos::ALL(), std::make_pair(3 * kind, 3 * kind + 3)),
+          std::int64_t(0));
 }
 
 namespace {

@@ -18,7 +18,7 @@ namespace brickwall::mechanics {
 // input data only. Collective.
 double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 
-// Sets all columns to zero.
+// Sets the columns of all kinds that act to zero; the others are zero.
 void zeroForces(const exec_space& space, const NodalForces& forces);
 
 struct InternalForceResult {

@@ -23,12 +23,18 @@ enum ForceKind : int {
 inline int numForceColumns(bool has_viscosity) {
   return 3 * (has_viscosity ? num_force_kinds : viscous_force);
 }
+using KindFlags = Kokkos::Array<bool, num_force_kinds>;
+
+// [node][3 * kind + xyz]. Each column is contiguous, so that kernels read only the kinds that they
+// need, and packs of consecutive nodes at once.
+using ForceColumns = Kokkos::View<std::int64_t**, Kokkos::LayoutLeft, memory_space>;
 
 // Fixed-point nodal forces of this rank's elements and faces, in quanta; totals after the
 // shared-node sum. Gravity is not included: it is exactly m g at each node.
 struct NodalForces {
-  View<std::int64_t**> values; // [node][3 * kind + xyz], numForceColumns() columns
+  ForceColumns values; // numForceColumns() columns
   Quantum quantum; // force of one unit
+  KindFlags acts = {{true, true, true, true}}; // false: the columns of this kind are zero
 };
 
 } // namespace brickwall::mechanics

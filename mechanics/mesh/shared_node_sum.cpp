@@ -13,8 +13,4 @@ SharedNodeSum::SharedNodeSum(const exec_space& space, MPI_Comm comm,
                        shared.nodes);
 }
 
-void SharedNodeSum::sum(const exec_space& space, const View<std::int64_t**>& values) {
-  _plan.sumShared(space, values);
-}
-
 } // namespace brickwall::mechanics

@@ -16,7 +16,10 @@ public:
 
   // values(node, :) = sum of all sharers' values(node, :). View [node][W] of int64, with W equal on
   // all ranks. Collective among sharers.
-  void sum(const exec_space& space, const View<std::int64_t**>& values);
+  template <class Values>
+  void sum(const exec_space& space, const Values& values) {
+    _plan.sumShared(space, values);
+  }
 
   const std::vector<int>& partners() const { return _plan.partners(); }
 

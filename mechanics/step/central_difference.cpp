@@ -42,8 +42,7 @@ void drift(const exec_space& space, double dt, const NodalState& state,
 
 namespace {
 
-// Kicks runs of nodes in packs of W, on a host. Nodes with other forces than the internal force are
-// kicked one at a time.
+// Kicks runs of nodes in packs of W, on a host.
 template <int kinds, int W>
 struct KickRuns {
   KickNode<kinds> node_kick;
@@ -54,32 +53,7 @@ struct KickRuns {
     const NodeRun run = nodes.run(static_cast<int>(r));
     const std::int64_t end = static_cast<std::int64_t>(run.first) + run.count;
     for (std::int64_t first = run.first; first < end; first += W)
-      if (end - first < W || !kicker.isFree(first) || !kickPack(kicker, first))
-        for (std::int64_t node = first; node < minOf(first + W, end); ++node)
-          node_kick(node, sums);
-  }
-
-  // Returns false without any effect if other forces act.
-  bool kickPack(PackKicker<kinds, W>& kicker, std::int64_t first) const {
-    const std::int64_t* const rows = &node_kick.forces(first, 0);
-    std::int64_t force[3][W], is_owned[W], others = 0;
-    for (int lane = 0; lane < W; ++lane) {
-      const std::int64_t* const row = rows + 3 * kinds * lane;
-      for (int i = 0; i < 3; ++i)
-        force[i][lane] = row[i];
-      for (int i = 3; i < 3 * kinds; ++i)
-        others |= row[i];
-      is_owned[lane] = -static_cast<std::int64_t>(node_kick.is_owned(first + lane) != 0);
-    }
-    if (others != 0)
-      return false;
-    IntPackOf<W> f[3];
-    MaskPackOf<W> owned;
-    for (int i = 0; i < 3; ++i)
-      memcpy(&f[i].v, force[i], sizeof f[i].v);
-    memcpy(&owned.v, is_owned, sizeof owned.v);
-    kicker.kickSome(first, W, f, owned);
-    return true;
+      kicker.kick(first, static_cast<int>(minOf<std::int64_t>(W, end - first)));
   }
 };
 
@@ -118,7 +92,7 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
                       KickNode<decltype(kinds)::value>{
                           mesh.reference_coordinates, state.displacement, state.velocity,
                           state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
-                          boundary.during(drift), scales, test});
+                          boundary.during(drift), scales, test, forces.acts});
   };
   KickSums sums = static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
                       ? launch(std::integral_constant<int, num_force_kinds>())

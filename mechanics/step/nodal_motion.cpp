@@ -6,8 +6,7 @@ void undoKickAndDrift(const exec_space& space, const HexMesh& mesh,
                       const BoundaryConditions& boundary, const TimeSpan& drift, double dt_kick,
                       double dt_drift, const NodalForces& forces, const NodalState& state) {
   const BoundaryConditions::DuringStep in_drift = boundary.during(drift);
-  const auto motion =
-      nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
+  const auto motion = nodalMotion(forces, forces.values, state.mass, boundary.motion(), boundary);
   const auto u = state.displacement, v = state.velocity;
   Kokkos::parallel_for(
       "mechanics::undoKickAndDrift::nodes", rangePolicy(space, mesh.num_nodes),

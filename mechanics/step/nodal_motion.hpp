@@ -15,6 +15,7 @@ struct NodalMotion {
   Values values; // NodalForces::values after the shared-node sum
   Masses mass;
   Motions motion; // BoundaryConditions::DuringStep::motion
+  KindFlags acts;
   double quantum, damping;
   Vec3 gravity;
   bool any_prescribed;
@@ -27,9 +28,17 @@ struct NodalMotion {
     if (isPrescribed(node, d))
       return 0;
     std::int64_t force = 0;
-    for (int column = d; column < static_cast<int>(values.extent(1)); column += 3)
-      force += values(node, column);
+    for (int kind = 0; 3 * kind < static_cast<int>(values.extent(1)); ++kind)
+      if (acts[kind])
+        force += values(node, 3 * kind + d);
     return static_cast<double>(force) * quantum / mass(node) + gravity[d];
+  }
+  // Asks for the operands of acceleration().
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchOperands(std::int64_t node) const {
+    for (int column = 0; column < static_cast<int>(values.extent(1)); ++column)
+      if (acts[column / 3])
+        prefetch(&values(node, column));
+    prefetch(&mass(node));
   }
   // (v+ - v)/dt of a kick from v, including damping.
   KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d, double v, double dt) const {
@@ -49,11 +58,18 @@ struct NodalMotion {
   }
 };
 
+// `values` are forces.values or their host copy.
 template <class Values, class Masses, class Motions>
-NodalMotion<Values, Masses, Motions> nodalMotion(const Values& values, const Masses& mass,
-                                                 const Motions& motion, double quantum,
+NodalMotion<Values, Masses, Motions> nodalMotion(const NodalForces& forces, const Values& values,
+                                                 const Masses& mass, const Motions& motion,
                                                  const BoundaryConditions& boundary) {
-  return {values,        mass, motion, quantum, boundary.massDamping(), boundary.gravity(),
+  return {values,
+          mass,
+          motion,
+          forces.acts,
+          forces.quantum.value,
+          boundary.massDamping(),
+          boundary.gravity(),
           boundary.any()};
 }
 

@@ -83,7 +83,7 @@ void Results::fillNodal(Simulation& simulation) {
   const auto& boundary = simulation.boundary();
   const auto motion = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.motion());
   const double quantum = forces.quantum.value;
-  const auto nodal_motion = nodalMotion(values, mass, motion, quantum, boundary);
+  const auto nodal_motion = nodalMotion(forces, values, mass, motion, boundary);
   const double half_step = 0.5 * simulation.clock().dt;
   for (int d = 0; d < 3; ++d)
     for (int node = 0; node < _scene.mesh.num_nodes; ++node) {

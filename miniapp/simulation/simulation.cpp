@@ -123,7 +123,8 @@ void Simulation::computeInternalForces() {
   if (_other_nodes.numRuns() > 0)
     mechanics::zeroForces(_space, _forces);
   else
-    _forces.values = View<std::int64_t**>(); // only output needs them
+    _forces.values = {}; // only output needs them
+  _forces.acts[mechanics::contact_force] = false;
   const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
   _step.internal = _internal_force->add(_space, _state.displacement, _state.velocity,
@@ -151,8 +152,12 @@ void Simulation::addLoads(mechanics::TimeSpan span) {
   _step.previous_load_span = _step.load_span;
   _step.load_span = span;
   _step.load_failures = 0;
-  for (const auto& load : _loads)
+  bool& acts = _forces.acts[mechanics::external_force];
+  acts = false;
+  for (const auto& load : _loads) {
+    acts = acts || load.acts(span);
     _step.load_failures += load.add(_space, _scene.mesh, _state.displacement, span, _forces);
+  }
 }
 
 void Simulation::sumSharedNodes() {
@@ -166,6 +171,7 @@ void Simulation::enforceContact() {
   const Region region("miniapp::enforceContact");
   const double dt = clock().isAtStart() ? clock().dt : clock().dt_before;
   _step.contact = _contact->enforce({dt, clock().dt}, _forces, _state, _boundary, _shared);
+  _forces.acts[mechanics::contact_force] = _contact->hasForces();
 }
 
 // The gauges need the power of contact before the kick if the step changes its length.
@@ -247,6 +253,7 @@ void Simulation::stepBack() {
   forces();
   if (_contact)
     _contact->restoreForces(_forces);
+  _forces.acts[mechanics::contact_force] = _contact != nullptr;
 }
 
 } // namespace brickwall::miniapp

@@ -67,8 +67,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
 }
 
 void Simulation::allocateForces() {
-  _forces.values = View<std::int64_t**>("miniapp::Simulation::forces", _scene.mesh.num_nodes,
-                                        mechanics::numForceColumns(_config.viscosity.any()));
+  _forces.values = mechanics::ForceColumns("miniapp::Simulation::forces", _scene.mesh.num_nodes,
+                                           mechanics::numForceColumns(_config.viscosity.any()));
 }
 
 // Free bricks are moved only by their internal forces, gravity and prescribed motions.

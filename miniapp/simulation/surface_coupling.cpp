@@ -223,13 +223,14 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
-  const auto motion =
-      nodalMotion(forces.values, state.mass, boundary.motion(), forces.quantum.value, boundary);
+  const auto motion = nodalMotion(forces, forces.values, state.mass, boundary.motion(), boundary);
   const auto velocity = state.velocity;
+  constexpr std::int64_t far = 24; // nodes ahead whose values are prefetched
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
+        motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)
           acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);
       });

@@ -24,12 +24,10 @@ struct ForcePlanes {
   }
   void finish(int plane, int p, const IntPackOf<W> (&force)[3]) const {
     const int nodes = lattice.planeNodes(), first = lattice.first_node + plane * nodes + p;
-    std::int64_t f[3][W];
-    for (int axis = 0; axis < 3; ++axis)
-      storePack(force[axis], f[axis]);
-    for (int lane = 0; lane < minOf(W, nodes - p); ++lane)
-      for (int axis = 0; axis < 3; ++axis)
-        a.forces(first + lane, 3 * internal_force + axis) += f[axis][lane];
+    for (int axis = 0; axis < 3; ++axis) {
+      std::int64_t* const to = &a.forces(first, 3 * internal_force + axis);
+      storeSome(loadSome<IntPackOf<W>>(to, nodes - p) + force[axis], nodes - p, to);
+    }
   }
 };
 

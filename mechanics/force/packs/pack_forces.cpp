@@ -77,9 +77,9 @@ packForces(const Real (&u)[3][num_modes], const FullGeometry<Real>& geometry,
 
 // Adds to the columns of one force kind.
 template <class Integer>
-KOKKOS_INLINE_FUNCTION void addCorners(const ElementTables& tables,
-                                       const View<std::int64_t**>& forces, const ElementPack& pack,
-                                       int lane, int kind, const CornerForces<Integer>& corners) {
+KOKKOS_INLINE_FUNCTION void addCorners(const ElementTables& tables, const ForceColumns& forces,
+                                       const ElementPack& pack, int lane, int kind,
+                                       const CornerForces<Integer>& corners) {
   for (int c = 0; c < 8; ++c) {
     const int node = tables.mesh.elem_to_nodes(pack.first + lane, c);
     for (int i = 0; i < 3; ++i) {

@@ -12,7 +12,7 @@ struct ForceArguments {
   ElementTables tables;
   View<const double* [3]> displacement;
   View<const double* [3]> velocity; // only with viscosity
-  View<std::int64_t**> forces; // [node][3 * kind + xyz]
+  ForceColumns forces;
   BulkViscosity viscosity;
   double inverse_quantum;
   LimbScale energy_scale;

@@ -172,8 +172,7 @@ inline NodalState stateAtRest(const exec_space& space, MPI_Comm comm, BlockMesh&
 }
 
 inline NodalForces zeroedForces(const HexMesh& mesh, Quantum quantum, bool has_viscosity = false) {
-  return {View<std::int64_t**>("test::forces", mesh.num_nodes, numForceColumns(has_viscosity)),
-          quantum};
+  return {ForceColumns("test::forces", mesh.num_nodes, numForceColumns(has_viscosity)), quantum};
 }
 
 // Words of nodal values [node] or [node][W] by global id, the same on every rank: [global node][W].
