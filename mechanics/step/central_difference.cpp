@@ -1,6 +1,6 @@
 #include "mechanics/step/central_difference.hpp"
 
-#include "mechanics/step/kick_kernel.hpp"
+#include "mechanics/step/kick_packs.hpp"
 
 #include <type_traits>
 

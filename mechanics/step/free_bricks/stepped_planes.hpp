@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mechanics/force/lattice/lattice_sweep.hpp"
-#include "mechanics/step/kick_kernel.hpp"
+#include "mechanics/step/kick_packs.hpp"
 
 namespace brickwall::mechanics {
 
