@@ -185,14 +185,14 @@ bool Enforcement::canSkipAll() const {
 ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
                                             const CandidatePairs& pairs, double dt) {
   SelectInteractions<NodeFaceKinematics> select;
-  select.energy_scale = _energy_scale;
-  select.dt = dt;
-  select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
-  select.faces = faces;
+  select.step.energy_scale = _energy_scale;
+  select.step.law.dt = dt;
+  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.step.faces = faces;
   select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
-  NodeFaceKinematics& kinematics = select.kinematics;
+  NodeFaceKinematics& kinematics = select.step.kinematics;
   kinematics.lateral_tolerance = _config.lateral_tolerance;
   kinematics.edge_tolerance = _config.edge_tolerance;
   kinematics.opposed_cosine = _config.opposed_cosine;

@@ -8,7 +8,7 @@
 // step's motion did not cause is stored as the offset e; the spring acts on p = P - e. When the
 // node moves to another face of the body, e is chosen so that p continues with the approach of this
 // step; in the energy-neutral scheme e also follows the work done on the spring
-// (interaction_forces.hpp). Otherwise e never grows while the face stays the same.
+// (contact_law.hpp). Otherwise e never grows while the face stays the same.
 #pragma once
 
 #include "contact/enforcement/node_face/face_records.hpp"

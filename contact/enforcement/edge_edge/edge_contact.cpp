@@ -152,24 +152,24 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
     return {};
   }
   SelectInteractions<EdgeEdgeKinematics> select;
-  select.energy_scale = _energy_scale;
-  select.dt = dt;
-  select.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
-  select.faces = access();
+  select.step.energy_scale = _energy_scale;
+  select.step.law.dt = dt;
+  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.step.faces = access();
   select.first_row = _num_corners; // rows of corners, which the searches list first
   select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.hasAsleep();
-  select.kinematics.lateral_tolerance = _config.lateral_tolerance;
-  select.kinematics.edge_tolerance = _config.edge_tolerance;
-  select.kinematics.num_corners = _num_corners;
-  select.kinematics.node_mass = _corner_mass;
-  select.kinematics.records = {_records, _ghost_records};
-  select.kinematics.previous = _set.history().interactions;
+  select.step.kinematics.lateral_tolerance = _config.lateral_tolerance;
+  select.step.kinematics.edge_tolerance = _config.edge_tolerance;
+  select.step.kinematics.num_corners = _num_corners;
+  select.step.kinematics.node_mass = _corner_mass;
+  select.step.kinematics.records = {_records, _ghost_records};
+  select.step.kinematics.previous = _set.history().interactions;
   const ContactSums sums = _set.select(space, pairs, select);
   _has_touched = sums.penetrating > 0;
   if (_config.skip_stationary)
-    _sleeping.putToSleep(space, select.kinematics, select.faces, pairs, motion,
+    _sleeping.putToSleep(space, select.step.kinematics, select.step.faces, pairs, motion,
                          _set.next().row_count, _stationary.flags().known_apart);
   findTouched(space);
   return sums;

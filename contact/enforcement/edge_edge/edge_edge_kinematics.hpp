@@ -315,18 +315,18 @@ struct EdgeEdgeKinematics {
   }
   KOKKOS_INLINE_FUNCTION void record(int, int, double) const {}
 
-  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
-                                             const Interaction& now) const {
-    if (!(now.inverse_mass > 0)) // all motions are prescribed
-      return 0;
-    return stiffness_share * config.penalty /
-           (config.reference_step * config.reference_step * now.inverse_mass);
+  // 0 if all motions are prescribed.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION Real stiffnessCap(const EnforcementConfig& config,
+                                           const Real& inverse_mass) const {
+    const Real cap = stiffness_share * config.penalty /
+                     (config.reference_step * config.reference_step * inverse_mass);
+    return where(inverse_mass > Real(0.0), cap, Real(0.0));
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtActivation(const EnforcementConfig& config,
-                                                      const FaceAccess&, const Interaction& now,
-                                                      const FaceContact (&)[max_interactions], int,
-                                                      int) const {
-    return stiffnessCap(config, now);
+                                                      const FaceAccess&, const FaceContact& contact,
+                                                      const FaceContact*, int) const {
+    return stiffnessCap(config, contact.inverse_mass);
   }
 
   // U = k w(s) w(t) p^2/2, with s and t at the closest points of the two lines, eq. (32): r =
@@ -343,6 +343,11 @@ struct EdgeEdgeKinematics {
            endFadeWeight(continuedEnds(faces, contact.face), contact.weight[1], contact.depth,
                          norm(other.corner[1] - other.corner[0]))
                .value;
+  }
+  // False only if w is 1 at these points.
+  KOKKOS_INLINE_FUNCTION bool mayFade(const FaceContact& contact) const {
+    const double s = contact.place[0], t = contact.weight[1];
+    return maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > start();
   }
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,
                                    const FaceContact& contact, Interaction& now,

@@ -5,7 +5,6 @@
 
 #include "contact/base/lane_arrays.hpp"
 #include "contact/enforcement/law/correct_pair.hpp"
-#include "contact/enforcement/law/node_quanta.hpp"
 #include "contact/enforcement/law/pair_forces.hpp"
 
 namespace brickwall::contact {
@@ -53,7 +52,7 @@ template <class Real>
 struct Corrected {
   static constexpr int width = Gathered<Real>::width;
   double force[width], damping[width];
-  LaneQuanta<Real> change;
+  PairQuanta<Real> change;
   double fits[width]; // 1: the forces before and after the correction fit the fixed point
 
   // Returns whether the force changes.
@@ -63,14 +62,14 @@ struct Corrected {
       return false;
     pair.force = force[lane];
     pair.damping = damping[lane];
-    add.add(pair, change.of(lane), 1);
+    add.add(pair, change, 1, lane);
     return true;
   }
 };
 
 template <class Real>
 KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const CorrectPair& correct,
-                                     double inverse_quantum, Corrected<Real>& corrected) {
+                                     const PairForces& add, Corrected<Real>& corrected) {
   const Triple<Real> normal = loadTriple<Real>(gathered.normal);
   Triple<Real> relative = loadTriple<Real>(gathered.acceleration);
   Real weight[4];
@@ -92,14 +91,14 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const Corre
                      dot(normal, relative));
   const Real force = correct.relaxed(spring.force, neutralForce(spring, motion));
   const Real damping = maxOf(loadLanes<Real>(gathered.first_damping), -force);
-  const NodeQuanta<Real> before(spring.force + loadLanes<Real>(gathered.damping), normal, weight,
-                                inverse_quantum);
-  NodeQuanta<Real> after(force + damping, normal, weight, inverse_quantum);
+  PairQuanta<Real> before, after;
+  add.round(spring.force + loadLanes<Real>(gathered.damping), normal, Real(0.0), weight, before);
+  add.round(force + damping, normal, Real(0.0), weight, after);
+  storeLanes(where(before.fits & after.fits, Real(1.0), Real(0.0)), corrected.fits);
   after.subtract(before);
-  corrected.change.keep(after);
+  corrected.change = after;
   storeLanes(force, corrected.force);
   storeLanes(damping, corrected.damping);
-  storeLanes(where(before.fits & after.fits, Real(1.0), Real(0.0)), corrected.fits);
 }
 
 } // namespace correct_springs
@@ -133,7 +132,7 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
       pairs.prefetch(minOf(number + pairs_ahead, pairs.count - 1));
       gathered.gather(lane, pairs.interactions(number), correct);
     }
-    evaluate(gathered, correct, add.inverse_quantum, corrected);
+    evaluate(gathered, correct, add, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
       if (corrected.fits[lane] == 0) {

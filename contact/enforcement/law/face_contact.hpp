@@ -8,24 +8,37 @@ namespace brickwall::contact {
 
 // No default values: arrays of it are not initialised.
 struct FaceContact {
+  // Found by the tests of Kinematics
   double weight[4];
   double normal[3];
   double place[2]; // of a node: xi, eta on the face; of an edge: weight of its second node
   double depth; // P, length
-  Vec3 motion; // of the node in this step with respect to the face point, length
-  double contact_work; // work of the last force on the contact with the same body, energy
+  int face; // candidate index
+  bool is_retained; // ContactTest::retain
+
+  // The contact with the same body in the contact history
+  int previous; // index of the interaction, or -1
+  int previous_face; // candidate index of its face, or -1
+  // data of the persistent contact; null if `face` is another face
+  const PersistentContact* persistent;
+  double contact_work; // work of its last force on the contact, energy
   // approach of this step along the last normal, at the points where the last force acted
   double closing_at_last_point;
-  int face; // candidate index
-  int previous; // index of the interaction with the same body in the contact history, or -1
-  int previous_face; // candidate index of that interaction's face, or -1
-  const PersistentContact*
-      persistent; // data of the persistent contact; null if `face` is another face
-  bool is_retained; // ContactTest::retain
-  bool is_loaded;
-  bool has_ended; // that interaction has ended: its node is in front of the face again
+  bool has_ended; // its node is in front of the face again
+  bool is_persistent; // it continues under load; all other contacts become active in this step
+
+  // Of contacts that are selected
+  Vec3 motion; // of the pushing point in this step with respect to the face point, length
+  double inverse_mass; // 1/m_s + sum N_j^2/m_j, 1/mass
+  double activation_stiffness; // k if the contact becomes active, force/length
+  ContactPoint point; // that pushes
+  int node; // node (or number of the edge) whose row this is
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
+  // Whether the contact continues on another face, or at other points, than `last`.
+  KOKKOS_INLINE_FUNCTION bool hasChangedFace(const Interaction& last) const {
+    return face != previous_face || (last.is_retained && !is_retained);
+  }
 };
 
 // The tests of a pair:

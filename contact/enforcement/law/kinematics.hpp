@@ -1,7 +1,7 @@
-// The contract of `Kinematics`, the template parameter of the contact law (interaction_forces.hpp)
-// and of the selection (select_interactions.hpp). NodeFaceKinematics and EdgeEdgeKinematics fulfil
-// it. They know the geometry of a pair; the law and the selection know none. To add a kind of
-// contact, write a third type and instantiate KinematicsContract with it.
+// The contract of `Kinematics`, the template parameter of the selection (select_interactions.hpp).
+// NodeFaceKinematics and EdgeEdgeKinematics fulfil it. They know the geometry of a pair; the law and
+// the selection know none. To add a kind of contact, write a third type and instantiate
+// KinematicsContract with it.
 //
 // "Node" is a row of the candidate lists: a surface node, or the number that stands for an edge.
 // "Face" is a candidate index (FaceAccess): a face or, in edge-to-edge contact, an edge. All
@@ -9,8 +9,7 @@
 //
 // Constants
 //   records_spring_work           works of springs are summed as ContactTerm::spring_work
-//   projects_persistent_contacts  projectPersistent() fills PersistentContact completely; this
-//                                 allows the SIMD path (persistent_contacts_simd.hpp)
+//   projects_persistent_contacts  projectPersistent() fills PersistentContact completely
 //   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
 //                                 mayPenetrate() and mayActivate()
 //
@@ -41,9 +40,11 @@
 //
 // Mechanics
 //   inverseMass(point)            1/m_s of the pushing point, 1/mass
-//   stiffnessAtActivation(config, faces, pair, contacts, count, index)
-//                                 k, force/length; eq. (11)
-//   stiffnessCap(config, pair)    upper bound of k, force/length; eq. (12)
+//   stiffnessAtActivation(config, faces, contact, contacts, count)
+//                                 k, force/length, of one of the contacts of a node; eq. (11)
+//   stiffnessCap(config, inverse_mass)
+//                                 upper bound of k, force/length; eq. (12); also in SIMD lanes
+//   mayFade(contact)              false only if w is 1
 //   fadeWeightOf(faces, node, contact)
 //                                 w in [0, 1]; eq. (24)
 //   fade(config, faces, contact, pair, fading)
@@ -85,7 +86,6 @@ struct KinematicsContract {
   static const PersistentContact& persistent();
   static PersistentContact* persistents();
   static FaceContact& contact();
-  static const FaceContact (&contacts())[max_interactions];
   static Interaction& pair();
   static FadingForce& fading();
   static Vec3 (&lever())[2];
@@ -108,8 +108,10 @@ struct KinematicsContract {
   static_assert(is<decltype(k().isInFront(faces(), 0, 0)), bool>);
   static_assert(is<decltype(k().inverseMass(ContactPoint())), double>);
   static_assert(
-      is<decltype(k().stiffnessAtActivation(config(), faces(), pair(), contacts(), 1, 0)), double>);
-  static_assert(is<decltype(k().stiffnessCap(config(), pair())), double>);
+      is<decltype(k().stiffnessAtActivation(config(), faces(), contact(), &contact(), 1)), double>);
+  static_assert(is<decltype(k().stiffnessCap(config(), 1.0)), double>);
+  static_assert(is<decltype(k().stiffnessCap(config(), Lanes())), Lanes>);
+  static_assert(is<decltype(k().mayFade(contact())), bool>);
   static_assert(is<decltype(k().fadeWeightOf(faces(), 0, contact())), double>);
   static_assert(is<decltype(k().fade(config(), faces(), contact(), pair(), fading())), void>);
   static_assert(is<decltype(k().setLevers(faces(), pair(), 1.0, lever())), void>);

@@ -2,16 +2,61 @@
 // last corner takes the remainder, so that the sum over the pair is exactly zero. Kernel part.
 #pragma once
 
-#include "contact/base/fixed_point.hpp"
+#include "contact/base/fixed_pack.hpp"
+#include "contact/base/lane_arrays.hpp"
 #include "contact/enforcement/law/coulomb_friction.hpp"
 #include "contact/surface/face_access.hpp"
 
 namespace brickwall::contact {
 
-// [node of the pushing point][xyz], [corner][xyz]; corners from `face_corners` on are not set.
+// The forces of one interaction in quanta, or of one in each lane. `fits` is false if a force is not
+// finite or too large.
+template <class Real>
 struct PairQuanta {
-  std::int64_t on_point[2][3];
-  std::int64_t on_corner[4][3];
+  using Integer = decltype(toFixed(Real()));
+  using Integers = LaneIntegers<Real, Integer>;
+  Integers on_point[2][3]; // [node of the pushing point][xyz]
+  Integers on_corner[4][3]; // [corner][xyz]; corners without weight are not set
+  typename MaskOf<Real>::type fits;
+
+  // The force on the pushing point, of which `share` acts on its second node, and its opposite on
+  // the corners of the face, with `besides` on single nodes along the normal, if given.
+  template <int face_corners>
+  KOKKOS_FORCEINLINE_FUNCTION void
+  set(const Triple<Real>& force, const Triple<Real>& normal, const Real& share,
+      const Real (&weight)[4], double inverse_quantum, const NormalForces* besides = nullptr) {
+    const Real forces[3] = {force.x, force.y, force.z}, along[3] = {normal.x, normal.y, normal.z};
+    for (int d = 0; d < 3; ++d) {
+      const Real whole = inverse_quantum * forces[d];
+      const auto partOf = [&](const Real& part, double beside) {
+        return besides == nullptr ? part : part + (inverse_quantum * along[d]) * beside;
+      };
+      const Integer rounded = toFixed(whole);
+      if constexpr (face_corners == 2) {
+        const Integer on_end = toFixed(partOf(share * whole, besides ? besides->on_end : 0));
+        on_point[1][d] = on_end;
+        on_point[0][d] = rounded - on_end;
+      } else {
+        on_point[0][d] = rounded;
+      }
+      Integer rest = -rounded;
+      for (int j = 0; j < face_corners - 1; ++j) {
+        const Integer part =
+            toFixed(partOf(-weight[j] * whole, besides ? besides->on_corner[j] : 0));
+        on_corner[j][d] = part;
+        rest = rest - part;
+      }
+      on_corner[face_corners - 1][d] = rest;
+    }
+  }
+  // Leaves the change since `before`, of a pair with four corners.
+  KOKKOS_FORCEINLINE_FUNCTION void subtract(const PairQuanta& before) {
+    for (int d = 0; d < 3; ++d) {
+      on_point[0][d] = Integer(on_point[0][d]) - Integer(before.on_point[0][d]);
+      for (int j = 0; j < 4; ++j)
+        on_corner[j][d] = Integer(on_corner[j][d]) - Integer(before.on_corner[j][d]);
+    }
+  }
 };
 
 // Contact forces in quanta. They are partial sums: the caller returns ghost_corners to their owners
@@ -36,10 +81,20 @@ struct PairForces {
   bool has_friction = false;
   bool is_alone = false; // no other thread adds at the same time
 
-  // Returns false if a force is not finite or too large. Without friction `friction` is not read;
-  // `fading` is read only if fade_weight < 1.
-  KOKKOS_INLINE_FUNCTION bool round(const Interaction& pair, const FrictionSpring& friction,
-                                    const FadingForce& fading, PairQuanta& quanta) const {
+  // Normal forces only.
+  template <class Real>
+  KOKKOS_FORCEINLINE_FUNCTION void round(const Real& force, const Triple<Real>& normal,
+                                         const Real& share, const Real (&weight)[4],
+                                         PairQuanta<Real>& quanta) const {
+    if (face_corners == 4)
+      quanta.template set<4>(force * normal, normal, share, weight, inverse_quantum);
+    else
+      quanta.template set<2>(force * normal, normal, share, weight, inverse_quantum);
+    quanta.fits = fitsFixedPoint(fixed_point_share * inverse_quantum * force);
+  }
+  // All forces. Without friction `friction` is not read; `fading` is read only if fade_weight < 1.
+  KOKKOS_INLINE_FUNCTION void round(const Interaction& pair, const FrictionSpring& friction,
+                                    const FadingForce& fading, PairQuanta<double>& quanta) const {
     Vec3 force = (pair.force + pair.damping) * pair.normal;
     double largest = pair.force + pair.damping;
     NormalForces besides;
@@ -56,42 +111,29 @@ struct PairForces {
     largest += std::fabs(besides.on_end);
     for (int j = 0; j < face_corners; ++j)
       largest += std::fabs(besides.on_corner[j]);
-    if (!fitsFixedPoint(fixed_point_share * inverse_quantum * largest))
-      return false;
-    for (int d = 0; d < 3; ++d) {
-      const double whole = inverse_quantum * force[d];
-      const double per_normal = inverse_quantum * pair.normal[d];
-      const std::int64_t rounded = roundToFixed(whole);
-      quanta.on_point[1][d] =
-          pair.point.isNode()
-              ? 0
-              : roundToFixed(pair.point.share * whole + per_normal * besides.on_end);
-      quanta.on_point[0][d] = rounded - quanta.on_point[1][d];
-      std::int64_t rest = -rounded;
-      for (int j = 0; j < face_corners - 1; ++j) {
-        quanta.on_corner[j][d] =
-            roundToFixed(-pair.weight[j] * whole + per_normal * besides.on_corner[j]);
-        rest -= quanta.on_corner[j][d];
-      }
-      quanta.on_corner[face_corners - 1][d] = rest;
-    }
-    return true;
-  }
-
-  KOKKOS_INLINE_FUNCTION bool round(const ContactHistory& pairs, std::int64_t i,
-                                    PairQuanta& quanta) const {
-    const Interaction& pair = pairs.interactions(i);
-    return round(pair, has_friction ? pairs.friction(i) : FrictionSpring(),
-                 pair.fade_weight < 1 ? pairs.fading(i) : FadingForce(), quanta);
-  }
-
-  // `sign` 1 adds the forces, -1 removes them.
-  KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta& quanta,
-                                  int sign) const {
-    if (is_alone)
-      addBy<Alone>(pair, quanta, sign);
+    if (face_corners == 4)
+      quanta.set<4>(triple(force), triple(pair.normal), pair.point.share, pair.weight,
+                    inverse_quantum, &besides);
     else
-      addBy<Together>(pair, quanta, sign);
+      quanta.set<2>(triple(force), triple(pair.normal), pair.point.share, pair.weight,
+                    inverse_quantum, &besides);
+    quanta.fits = fitsFixedPoint(fixed_point_share * inverse_quantum * largest);
+  }
+  KOKKOS_INLINE_FUNCTION void round(const ContactHistory& pairs, std::int64_t i,
+                                    PairQuanta<double>& quanta) const {
+    const Interaction& pair = pairs.interactions(i);
+    round(pair, has_friction ? pairs.friction(i) : FrictionSpring(),
+          pair.fade_weight < 1 ? pairs.fading(i) : FadingForce(), quanta);
+  }
+
+  // The forces of one lane. `sign` 1 adds them, -1 removes them.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION void add(const Interaction& pair, const PairQuanta<Real>& quanta, int sign,
+                                  int lane = 0) const {
+    if (is_alone)
+      addBy<Alone>(pair, quanta, sign, lane);
+    else
+      addBy<Together>(pair, quanta, sign, lane);
   }
 
 private:
@@ -105,26 +147,27 @@ private:
       Kokkos::atomic_add(&to, value);
     }
   };
-  template <class How>
-  KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta& quanta,
-                                         int sign) const {
-    addTo<How>(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign);
+  template <class How, class Real>
+  KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta<Real>& quanta,
+                                         int sign, int lane) const {
+    addTo<How>(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign, lane);
     if (!pair.point.isNode())
-      addTo<How>(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign);
+      addTo<How>(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign, lane);
     const int face = pair.face_index;
     if (faces.isOwn(face))
       for (int j = 0; j < face_corners; ++j)
-        addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j],
-                   sign);
+        addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j], sign,
+                   lane);
     else
       for (int j = 0; j < face_corners; ++j)
-        addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign);
+        addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign,
+                   lane);
   }
-  template <class How, class ViewType>
+  template <class How, class ViewType, class Integers>
   KOKKOS_FORCEINLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,
-                                                const std::int64_t (&values)[3], int sign) {
+                                                const Integers (&values)[3], int sign, int lane) {
     for (int d = 0; d < 3; ++d)
-      How::add(rows(row, first + d), sign * values[d]);
+      How::add(rows(row, first + d), sign * values[d][lane]);
   }
 };
 

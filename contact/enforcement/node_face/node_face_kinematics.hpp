@@ -158,13 +158,6 @@ struct NodeFaceKinematics {
 
   // In |xi|: farther beyond an edge than a node moves at rest.
   static constexpr double past_edge = 1 + 1e-7;
-  // Largest |xi|, |eta| at which isBeyondInnerEdge() and fade() leave a contact unchanged,
-  // whichever edge is near.
-  KOKKOS_FORCEINLINE_FUNCTION double innerParameterLimit() const {
-    FadeRegion region;
-    region.edge_tolerance = edge_tolerance;
-    return minOf(past_edge, region.start());
-  }
   // Whether the node is beyond an edge where the body's surface continues.
   KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess& faces,
                                                 const FaceContact& contact) const {
@@ -229,30 +222,27 @@ struct NodeFaceKinematics {
 
   // k = min(eps A_i, s m_red/dt_ref^2) at activation, eqs. (11) and (12), with A_i divided among
   // the node's contacts of one normal direction; later at most the second bound.
-  KOKKOS_INLINE_FUNCTION double stiffnessCap(const EnforcementConfig& config,
-                                             const Interaction& now) const {
-    return stiffnessCap(config, now.inverse_mass);
-  }
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real stiffnessCap(const EnforcementConfig& config,
                                            const Real& inverse_mass) const {
     return config.penalty / (config.reference_step * config.reference_step) / inverse_mass;
   }
-  KOKKOS_INLINE_FUNCTION double
-  stiffnessAtActivation(const EnforcementConfig& config, const FaceAccess& faces,
-                        const Interaction& now, const FaceContact (&contacts)[max_interactions],
-                        int num_contacts, int h) const {
-    const FaceContact& contact = contacts[h];
+  KOKKOS_INLINE_FUNCTION double stiffnessAtActivation(const EnforcementConfig& config,
+                                                      const FaceAccess& faces,
+                                                      const FaceContact& contact,
+                                                      const FaceContact* contacts,
+                                                      int num_contacts) const {
     int sharing = 0;
-    for (int other = 0; other < num_contacts; ++other)
-      if (other == h || dot(contacts[other].unitNormal(), contact.unitNormal()) > shared_cosine)
+    for (const FaceContact* other = contacts; other < contacts + num_contacts; ++other)
+      if (other == &contact || dot(other->unitNormal(), contact.unitNormal()) > shared_cosine)
         ++sharing;
-    const Tributary part = tributary(now.node, records(recordOf(contact.face)).plane.normal);
+    const Tributary part = tributary(contact.node, records(recordOf(contact.face)).plane.normal);
     const double face_mass = faces.attributes(contact.face).surface_mass;
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     // eps A_i / scale
     const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
-    return by_area * now.inverse_mass < 1 ? scale * by_area : stiffnessCap(config, now);
+    return by_area * contact.inverse_mass < 1 ? scale * by_area
+                                              : stiffnessCap(config, contact.inverse_mass);
   }
 
   KOKKOS_INLINE_FUNCTION double fadeWeightOf(const FaceAccess& faces, int,
@@ -260,6 +250,12 @@ struct NodeFaceKinematics {
     const FadeRegion region = fadeRegionOf(faces, contact.face, faces.quad(contact.face));
     return fadeWeightAt(region, 0, contact.place[0], contact.depth).value *
            fadeWeightAt(region, 1, contact.place[1], contact.depth).value;
+  }
+  // False only if w is 1 at this place.
+  KOKKOS_INLINE_FUNCTION bool mayFade(const FaceContact& contact) const {
+    FadeRegion region;
+    region.edge_tolerance = edge_tolerance;
+    return maxOf(std::fabs(contact.place[0]), std::fabs(contact.place[1])) > region.start();
   }
   // Fade weight beyond true edges, with the fading force; eqs. (24) to (26).
   KOKKOS_INLINE_FUNCTION void fade(const EnforcementConfig& config, const FaceAccess& faces,

@@ -72,12 +72,14 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
   const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
   if (!corrected.changes(pair))
     return false;
-  PairQuanta quanta;
-  const bool did_fit = add.round(pairs, i, quanta);
+  PairQuanta<double> quanta;
+  add.round(pairs, i, quanta);
+  const bool did_fit = quanta.fits;
   if (did_fit)
     add.add(pair, quanta, -1);
   correct.apply(corrected, pairs, i);
-  if (add.round(pairs, i, quanta))
+  add.round(pairs, i, quanta);
+  if (quanta.fits)
     add.add(pair, quanta, 1);
   else
     corrections.invalid += did_fit; // otherwise it has been counted before

@@ -90,15 +90,16 @@ private:
 template <class Select>
 ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs& pairs,
                                    Select functor) {
-  functor.config = _config;
-  functor.pairs = pairs;
-  functor.previous = _history;
-  functor.next_count = _next_count;
+  auto& step = functor.step;
+  step.law.config = _config;
+  step.pairs = pairs;
+  step.previous = _history;
+  step.next_count = _next_count;
   while (true) {
     Kokkos::deep_copy(space, _next_count, std::int64_t(0));
-    zeroForces(space, functor.faces);
-    functor.next = _next;
-    functor.add = pairForces(space, functor.faces);
+    zeroForces(space, step.faces);
+    step.next = _next;
+    step.add = pairForces(space, step.faces);
     ContactSums sums;
     Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
     const std::int64_t begin = functor.first_row / Select::rows_at_once;

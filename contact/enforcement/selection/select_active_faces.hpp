@@ -2,43 +2,36 @@
 // of theory.md, section 6. Kernel part of SelectInteractions.
 #pragma once
 
-#include "contact/enforcement/selection/persistent_contacts_simd.hpp"
+#include "contact/enforcement/selection/enforcement_step.hpp"
 
 namespace brickwall::contact {
 
 template <class Kinematics>
-struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
-  using Base = PersistentContactsSimd<Kinematics>;
-  using Base::config;
-  using Base::faces;
-  using Base::isPersistent;
-  using Base::kinematics;
-  using Base::pairs;
-  using Base::previous;
-  using Base::recordWork;
+struct SelectActiveFaces {
+  const EnforcementStep<Kinematics>& step;
 
-  // One contact per opposing body. Returns their number.
+  // One contact per opposing body, written to `contacts`, which has room for max_interactions + 1.
+  // Returns their number.
   KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node,
                                                const PersistentContact* persistent,
-                                               int num_persistent,
-                                               FaceContact (&contacts)[max_interactions],
+                                               int num_persistent, FaceContact* contacts,
                                                ContactSums& sums) const {
-    const std::int64_t end = pairs.end(row);
-    const global_id own_body = faces.surface.node_body(node);
+    const std::int64_t end = step.pairs.end(row);
+    const global_id own_body = step.faces.surface.node_body(node);
     int num_contacts = 0;
-    for (std::int64_t pair = pairs.begin(row); pair < end;) {
-      const global_id body = kinematics.bodyOf(faces, pairs.faces(pair));
+    for (std::int64_t pair = step.pairs.begin(row); pair < end;) {
+      const global_id body = step.kinematics.bodyOf(step.faces, step.pairs.faces(pair));
       const std::int64_t begin = pair;
-      while (pair < end && kinematics.bodyOf(faces, pairs.faces(pair)) == body)
+      while (pair < end && step.kinematics.bodyOf(step.faces, step.pairs.faces(pair)) == body)
         ++pair;
-      FaceContact contact;
+      FaceContact& contact = contacts[num_contacts];
       recallContact(node, body, persistent, num_persistent, contact, sums);
-      const bool is_tested =
-          (body != own_body || config.self_contact) && kinematics.pushes(own_body, body);
+      const bool is_tested = (body != own_body || step.law.config.self_contact) &&
+                             step.kinematics.pushes(own_body, body);
       if (!is_tested || !selectFaceOfBody(node, begin, pair, contact))
         continue;
       if (num_contacts < max_interactions)
-        contacts[num_contacts++] = contact;
+        ++num_contacts;
       else
         ++sums.overflow;
     }
@@ -52,19 +45,20 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
     // An unloaded contact is selected anew; otherwise a node that slid in beside a face would keep
     // it for ever.
     const bool is_loaded =
-        contact.previous >= 0 && previous.interactions(contact.previous).depth > 0;
+        contact.previous >= 0 && step.previous.interactions(contact.previous).depth > 0;
     const bool has_face = is_loaded && contact.previous_face >= 0;
-    if (has_face && kinematics.testPersistent(faces, *contact.persistent, contact)) {
+    if (has_face && step.kinematics.testPersistent(step.faces, *contact.persistent, contact)) {
       // Where faces meet, the position of the node decides between them, not the order of contact:
       // the face that covers it better takes over.
-      if (kinematics.isBeyondInnerEdge(faces, contact))
+      if (step.kinematics.isBeyondInnerEdge(step.faces, contact))
         findNearest(node, begin, end, ContactTest::activate, true, contact, leastWeight(contact));
       return true;
     }
     contact.persistent = nullptr;
     // A node that has left through the face has ended its contact and returned its energy. Another
     // contact with the body then starts anew.
-    contact.has_ended = has_face && kinematics.isInFront(faces, node, contact.previous_face);
+    contact.has_ended =
+        has_face && step.kinematics.isInFront(step.faces, node, contact.previous_face);
     if (findNearest(node, begin, end, ContactTest::activate, is_loaded, contact))
       return true;
     if (!is_loaded || contact.has_ended)
@@ -73,19 +67,24 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
            (has_face && isTouching(node, contact.previous_face, ContactTest::retain, contact));
   }
 
-  // Whether the contact has a force, as far as is known yet. One without a force is dropped from
-  // the contact history: the next step selects its face anew and takes the present penetration as
-  // the offset.
+  // Completes the data of a contact. Returns whether it has a force, as far as is known yet: one
+  // without is dropped from the contact history, and the next step selects its face anew and takes
+  // the present penetration as the offset.
   KOKKOS_INLINE_FUNCTION bool isCompressive(int node, FaceContact& contact) const {
-    contact.motion = Kinematics::projects_persistent_contacts && contact.persistent != nullptr
-                         ? contact.persistent->motion
-                         : faces.relativeMotion(kinematics.pointOf(faces, node, contact),
-                                                contact.face, contact.weight);
-    if (!isPersistent(contact))
-      return dot(contact.unitNormal(), contact.motion) < 0;
-    const Interaction& last = previous.interactions(contact.previous);
-    return last.face != kinematics.idOf(faces, contact.face) ||
-           last.is_retained != contact.is_retained || contact.depth > last.offset;
+    contact.node = node;
+    contact.point = step.kinematics.pointOf(step.faces, node, contact);
+    const Interaction* last =
+        contact.previous < 0 ? nullptr : &step.previous.interactions(contact.previous);
+    contact.is_persistent = last != nullptr && !contact.has_ended && last->depth > 0;
+    if (Kinematics::projects_persistent_contacts && contact.persistent != nullptr) {
+      contact.motion = contact.persistent->motion;
+      contact.inverse_mass = contact.persistent->inverse_mass;
+    } else {
+      contact.motion = step.faces.relativeMotion(contact.point, contact.face, contact.weight);
+      contact.inverse_mass = step.inverseMassOf(contact);
+    }
+    return contact.is_persistent ? contact.hasChangedFace(*last) || contact.depth > last->offset
+                                 : dot(contact.unitNormal(), contact.motion) < 0;
   }
 
   // The least penetrated of the candidates [begin, end) whose smallest weight exceeds `covered`,
@@ -96,7 +95,7 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
     bool found = false;
     FaceContact nearest, other;
     for (std::int64_t p = begin; p < end; ++p) {
-      const int face = pairs.faces(p);
+      const int face = step.pairs.faces(p);
       other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;
       if ((excludes_previous && face == contact.previous_face) ||
           !isTouching(node, face, test_kind, other) || !hasEnteredThrough(node, other) ||
@@ -130,7 +129,7 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
                                             const PersistentContact* persistent, int num_persistent,
                                             FaceContact& contact, ContactSums& sums) const {
     const int slot = previousSlot(node, body);
-    contact.previous = slot < 0 ? -1 : previous.row_begin(node) + slot;
+    contact.previous = slot < 0 ? -1 : step.previous.row_begin(node) + slot;
     contact.previous_face = -1;
     contact.persistent = nullptr;
     contact.contact_work = contact.closing_at_last_point = 0;
@@ -140,23 +139,23 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
         contact.persistent = &persistent[k];
         contact.previous_face = persistent[k].face;
         contact.closing_at_last_point =
-            -dot(previous.interactions(contact.previous).normal, persistent[k].last_motion);
-        contact.contact_work = recordWork(persistent[k], contact.closing_at_last_point, sums);
+            -dot(step.previous.interactions(contact.previous).normal, persistent[k].last_motion);
+        contact.contact_work = step.recordWork(persistent[k], contact.closing_at_last_point, sums);
       }
   }
 
   // Whether the node can have entered the body through this face. If it is much deeper than before,
   // and deeper than this step can have brought it, it has entered through another face.
   KOKKOS_INLINE_FUNCTION bool hasEnteredThrough(int node, const FaceContact& contact) const {
-    double limit = config.max_activation_depth;
+    double limit = step.law.config.max_activation_depth;
     if (contact.depth <= limit)
       return true;
     if (contact.previous >= 0) {
-      const Interaction& last = previous.interactions(contact.previous);
+      const Interaction& last = step.previous.interactions(contact.previous);
       limit += maxOf(last.depth + last.offset, 0.0);
     }
-    const Vec3 motion = faces.relativeMotion(kinematics.pointOf(faces, node, contact), contact.face,
-                                             contact.weight);
+    const Vec3 motion = step.faces.relativeMotion(
+        step.kinematics.pointOf(step.faces, node, contact), contact.face, contact.weight);
     return contact.depth <= limit - dot(contact.unitNormal(), motion);
   }
 
@@ -164,12 +163,12 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
   // makes contacts independent of the search margin.
   KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, ContactTest test_kind,
                                          FaceContact& contact) const {
-    return kinematics.test(faces, node, face, test_kind, contact) &&
-           faces.isOfThisStep(pairs.step_test, node, face);
+    return step.kinematics.test(step.faces, node, face, test_kind, contact) &&
+           step.faces.isOfThisStep(step.pairs.step_test, node, face);
   }
   KOKKOS_INLINE_FUNCTION int previousSlot(int node, global_id body) const {
-    for (int s = 0; s < previous.row_count(node); ++s)
-      if (previous.interactions(previous.row_begin(node) + s).body == body)
+    for (int s = 0; s < step.previous.row_count(node); ++s)
+      if (step.previous.interactions(step.previous.row_begin(node) + s).body == body)
         return s;
     return -1;
   }
@@ -177,8 +176,9 @@ struct SelectActiveFaces : PersistentContactsSimd<Kinematics> {
   // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
   // than their tolerance.
   KOKKOS_INLINE_FUNCTION void countLost(int node, int seen, ContactSums& sums) const {
-    for (int s = 0; s < previous.row_count(node); ++s)
-      if (!(seen & (1 << s)) && previous.interactions(previous.row_begin(node) + s).depth > 0)
+    for (int s = 0; s < step.previous.row_count(node); ++s)
+      if (!(seen & (1 << s)) &&
+          step.previous.interactions(step.previous.row_begin(node) + s).depth > 0)
         ++sums.lost;
   }
 };

@@ -1,6 +1,6 @@
 // Kernel functor that finds the contacts of a step, row by row of the candidates: rows that may
 // have a contact are gathered, faces are selected (select_active_faces.hpp), and forces are written
-// (interaction_forces.hpp).
+// (write_interactions.hpp).
 //
 // `Kinematics` provides the geometry; its contract is in kinematics.hpp.
 #pragma once
@@ -8,6 +8,7 @@
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
 #include "contact/enforcement/selection/select_active_faces.hpp"
+#include "contact/enforcement/selection/write_interactions.hpp"
 
 namespace brickwall::contact {
 
@@ -17,26 +18,15 @@ namespace brickwall::contact {
 // where no contact can become active are skipped: row_count must be 0 before the launch, and
 // Kinematics::record() values must be those of no contact.
 template <class Kinematics>
-struct SelectInteractions : SelectActiveFaces<Kinematics> {
+struct SelectInteractions {
   using value_type = ContactSums;
-  using Base = SelectActiveFaces<Kinematics>;
-  using Base::add;
-  using Base::countLost;
-  using Base::faces;
-  using Base::isCompressive;
-  using Base::kinematics;
-  using Base::next;
-  using Base::pairs;
-  using Base::previous;
-  using Base::reserveSlots;
-  using Base::selectActiveFaces;
-  using Base::writeInteraction;
 
-  static constexpr int rows_at_once = Base::max_rows;
+  static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
   static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_interactions;
 
+  EnforcementStep<Kinematics> step;
   std::int64_t first_row = 0; // rows before it are empty
   StationaryFlags stationary;
   SleepState sleep;
@@ -50,10 +40,12 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
     int first[rows_at_once + 1];
     PersistentContact persistent[max_persistent];
   };
+  static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
+  using Selected = SelectedContacts<rows_at_once, max_selected>;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
     const std::int64_t begin = part * rows_at_once;
-    const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, pairs.num_rows);
+    const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, step.pairs.num_rows);
     std::int64_t awake_rows[rows_at_once];
     int num_awake_rows = 0;
     for (std::int64_t first = begin; first < end; first += rows_of_block) {
@@ -61,13 +53,13 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
         continue;
       const std::int64_t last = minOf(first + rows_of_block, end);
       for (std::int64_t row = first; row < last; ++row)
-        if (!isEmpty(row) && !stationary.isKnownApart(pairs, row))
+        if (!isEmpty(row) && !stationary.isKnownApart(step.pairs, row))
           awake_rows[num_awake_rows++] = row;
     }
     if (num_awake_rows == 0)
       return;
     for (int r = 0; r < num_awake_rows; ++r)
-      prefetchHead(pairs.node(awake_rows[r]));
+      prefetchHead(step.pairs.node(awake_rows[r]));
     for (int r = 0; r < num_awake_rows; ++r)
       prefetchRow(awake_rows[r]);
     if constexpr (Kinematics::tests_rows_at_once) {
@@ -75,20 +67,18 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
       if (num_awake_rows == 0)
         return;
     }
-    num_awake_rows = writeRowsWithSimd(awake_rows, num_awake_rows, sums);
-    if (num_awake_rows > 0)
-      selectBatches(awake_rows, num_awake_rows, sums);
+    selectBatches(awake_rows, num_awake_rows, sums);
   }
   KOKKOS_INLINE_FUNCTION void selectBatches(std::int64_t* awake_rows, int num_awake_rows,
                                             ContactSums& sums) const {
     Batch batch;
-    std::int64_t
-        penetrating[rows_at_once]; // of rows without history: the first pair that may penetrate
+    // of rows without history: the first pair that may penetrate
+    std::int64_t penetrating[rows_at_once];
     if constexpr (!Kinematics::tests_rows_at_once)
       num_awake_rows = keepRowsThatMayPenetrate(awake_rows, num_awake_rows, penetrating);
     for (int r = 0; r < num_awake_rows; ++r) {
       const std::int64_t row = awake_rows[r];
-      const int node = pairs.node(row), count = previous.row_count(node);
+      const int node = step.pairs.node(row), count = step.previous.row_count(node);
       if constexpr (!Kinematics::tests_rows_at_once)
         if (count == 0 && !rowMayActivate(row, node, penetrating[r]))
           continue;
@@ -96,42 +86,19 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
         selectBatch(batch, sums);
       batch.rows[batch.num_rows] = row;
       batch.first[batch.num_rows++] = batch.num_persistent;
-      if (count > 0)
+      if (count > 0) {
+        stationary.known_apart(node) = 0;
         findPersistent(row, node, count, batch);
+      }
     }
     selectBatch(batch, sums);
   }
-  // Writes the rows that the SIMD path can take, and moves the others to the front. Returns the
-  // number of others.
-  KOKKOS_INLINE_FUNCTION int writeRowsWithSimd(std::int64_t* rows, int count,
-                                               ContactSums& sums) const {
-    int num_left = 0;
-    if constexpr (Kinematics::projects_persistent_contacts) {
-      typename Base::PersistentRows persistent_rows;
-      for (int r = 0; r < count; ++r) {
-        const int node = pairs.node(rows[r]), history = previous.row_count(node);
-        if (history > 0)
-          stationary.known_apart(node) = 0;
-        if (history == 0 || !this->canUseSimd() ||
-            !this->addPersistentRow(rows[r], node, history, persistent_rows))
-          rows[num_left++] = rows[r];
-      }
-      const int num_rejected = this->writePersistentRows(persistent_rows, sums);
-      for (int r = 0; r < num_rejected; ++r)
-        rows[num_left++] = persistent_rows.rows[r];
-    } else {
-      for (; num_left < count; ++num_left)
-        if (previous.row_count(pairs.node(rows[num_left])) > 0)
-          stationary.known_apart(pairs.node(rows[num_left])) = 0;
-    }
-    return num_left;
-  }
   // Whether the row has neither a candidate nor a contact in the history.
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty(std::int64_t row) const {
-    if (pairs.begin(row) != pairs.end(row))
+    if (step.pairs.begin(row) != step.pairs.end(row))
       return false;
-    const int node = pairs.node(row);
-    const bool is_empty = previous.row_count(node) == 0;
+    const int node = step.pairs.node(row);
+    const bool is_empty = step.previous.row_count(node) == 0;
     if (is_empty)
       stationary.known_apart(node) = 1;
     return is_empty;
@@ -139,22 +106,22 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
   // The data of a row are scattered in memory, so those of all rows are prefetched before any is
   // read.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
-    kinematics.prefetchHead(node);
-    prefetch(&previous.row_count(node));
-    prefetch(&previous.row_begin(node));
+    step.kinematics.prefetchHead(node);
+    prefetch(&step.previous.row_count(node));
+    prefetch(&step.previous.row_begin(node));
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
-    const int node = pairs.node(row);
-    const std::int64_t end = pairs.end(row);
-    for (std::int64_t p = pairs.begin(row); p < end; ++p)
-      kinematics.prefetchFace(pairs.faces(p));
-    faces.prefetchRow(faces.surface.coordinates_new, node);
-    if (previous.row_count(node) == 0)
+    const int node = step.pairs.node(row);
+    const std::int64_t end = step.pairs.end(row);
+    for (std::int64_t p = step.pairs.begin(row); p < end; ++p)
+      step.kinematics.prefetchFace(step.pairs.faces(p));
+    step.faces.prefetchRow(step.faces.surface.coordinates_new, node);
+    if (step.previous.row_count(node) == 0)
       return;
-    faces.prefetchRow(faces.surface.coordinates_old, node);
-    previous.prefetch(previous.row_begin(node));
-    prefetch(&faces.surface.node_body(node));
-    kinematics.prefetchNode(node);
+    step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
+    step.previous.prefetch(step.previous.row_begin(node));
+    prefetch(&step.faces.surface.node_body(node));
+    step.kinematics.prefetchNode(node);
   }
   // Keeps rows with history, and rows without history where a node may penetrate by its position;
   // prefetches the data of the tests that follow. `known_apart` flags the others: none of their
@@ -164,34 +131,34 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
                                                       std::int64_t* penetrating) const {
     int num_kept = 0;
     for (int r = 0; r < count; ++r) {
-      const std::int64_t row = rows[r], end = pairs.end(row);
-      const int node = pairs.node(row);
-      std::int64_t p = pairs.begin(row);
-      if (previous.row_count(node) == 0) {
-        while (p < end && !kinematics.mayPenetrate(faces, node, pairs.faces(p)))
+      const std::int64_t row = rows[r], end = step.pairs.end(row);
+      const int node = step.pairs.node(row);
+      std::int64_t p = step.pairs.begin(row);
+      if (step.previous.row_count(node) == 0) {
+        while (p < end && !step.kinematics.mayPenetrate(step.faces, node, step.pairs.faces(p)))
           ++p;
         stationary.known_apart(node) = p == end;
         if (p == end)
           continue;
-        kinematics.prefetchNode(node);
+        step.kinematics.prefetchNode(node);
       }
       rows[num_kept] = row;
       penetrating[num_kept++] = p;
     }
     for (int r = 0; r < num_kept; ++r)
-      if (previous.row_count(pairs.node(rows[r])) == 0)
-        kinematics.prefetchAdjacentFaces(pairs.node(rows[r]));
+      if (step.previous.row_count(step.pairs.node(rows[r])) == 0)
+        step.kinematics.prefetchAdjacentFaces(step.pairs.node(rows[r]));
     return num_kept;
   }
   // Whether a contact may become active among the pairs from `penetrating` on, which itself may
   // penetrate.
   KOKKOS_INLINE_FUNCTION bool rowMayActivate(std::int64_t row, int node,
                                              std::int64_t penetrating) const {
-    const std::int64_t end = pairs.end(row);
-    bool may_activate = kinematics.mayActivate(node, pairs.faces(penetrating));
+    const std::int64_t end = step.pairs.end(row);
+    bool may_activate = step.kinematics.mayActivate(node, step.pairs.faces(penetrating));
     for (std::int64_t p = penetrating + 1; p < end && !may_activate; ++p)
-      may_activate = kinematics.mayPenetrate(faces, node, pairs.faces(p)) &&
-                     kinematics.mayActivate(node, pairs.faces(p));
+      may_activate = step.kinematics.mayPenetrate(step.faces, node, step.pairs.faces(p)) &&
+                     step.kinematics.mayActivate(node, step.pairs.faces(p));
     return may_activate;
   }
   // The same for several rows at once by Kinematics::rowsThatMayActivate(). Keeps these rows and
@@ -200,15 +167,16 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
     static_assert(rows_at_once <= 32, "a bit for each row");
     unsigned without_history = 0;
     for (int r = 0; r < count; ++r)
-      without_history |= static_cast<unsigned>(previous.row_count(pairs.node(rows[r])) == 0) << r;
+      without_history |=
+          static_cast<unsigned>(step.previous.row_count(step.pairs.node(rows[r])) == 0) << r;
     const unsigned activating =
-        kinematics.rowsThatMayActivate(faces, pairs, rows, count, without_history);
+        step.kinematics.rowsThatMayActivate(step.faces, step.pairs, rows, count, without_history);
     int num_kept = 0;
     for (int r = 0; r < count; ++r) {
       const std::int64_t row = rows[r];
       const bool has_none = without_history >> r & 1u, may_activate = activating >> r & 1u;
       if (has_none)
-        stationary.known_apart(pairs.node(row)) = !may_activate;
+        stationary.known_apart(step.pairs.node(row)) = !may_activate;
       rows[num_kept] = row;
       num_kept += !has_none || may_activate;
     }
@@ -216,67 +184,87 @@ struct SelectInteractions : SelectActiveFaces<Kinematics> {
   }
   KOKKOS_INLINE_FUNCTION void findPersistent(std::int64_t row, int node, int count,
                                              Batch& batch) const {
-    const std::int64_t end = pairs.end(row);
-    const int first = previous.row_begin(node);
+    const std::int64_t end = step.pairs.end(row);
+    const int first = step.previous.row_begin(node);
     int deficit = count;
-    for (std::int64_t p = pairs.begin(row); p < end && deficit > 0; ++p) {
-      const int face = pairs.faces(p);
-      const global_id id = kinematics.idOf(faces, face);
+    for (std::int64_t p = step.pairs.begin(row); p < end && deficit > 0; ++p) {
+      const int face = step.pairs.faces(p);
+      const global_id id = step.kinematics.idOf(step.faces, face);
       for (int s = 0; s < count; ++s) {
-        if (previous.interactions(first + s).face != id)
+        if (step.previous.interactions(first + s).face != id)
           continue;
         --deficit;
-        if (!faces.isOfThisStep(pairs.step_test, node, face))
+        if (!step.faces.isOfThisStep(step.pairs.step_test, node, face))
           continue;
         PersistentContact& contact = batch.persistent[batch.num_persistent++];
         contact.node = node;
         contact.slot = s;
         contact.previous = first + s;
         contact.face = face;
-        faces.prefetchFace(face);
+        step.faces.prefetchFace(face);
       }
     }
   }
   KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
-    kinematics.projectPersistent(faces, previous, batch.num_persistent, batch.persistent);
+    for (int k = 0; k < batch.num_persistent; ++k) {
+      step.faces.prefetchRow(step.add.target.nodes, batch.persistent[k].node);
+      step.faces.prefetchCorners(batch.persistent[k].face, step.add.target.nodes);
+    }
+    step.kinematics.projectPersistent(step.faces, step.previous, batch.num_persistent,
+                                      batch.persistent);
     batch.first[batch.num_rows] = batch.num_persistent;
-    for (int r = 0; r < batch.num_rows; ++r)
+    Selected selected;
+    for (int r = 0; r < batch.num_rows; ++r) {
+      if (selected.count > max_selected)
+        write(selected, sums);
       selectOfRow(batch.rows[r], batch.persistent + batch.first[r],
-                  batch.first[r + 1] - batch.first[r], sums);
+                  batch.first[r + 1] - batch.first[r], selected, sums);
+    }
+    write(selected, sums);
     batch.num_rows = batch.num_persistent = 0;
+  }
+  KOKKOS_INLINE_FUNCTION void write(Selected& selected, ContactSums& sums) const {
+    WriteInteractions<Kinematics>{step}.writeAll(selected, sums);
+    selected.num_rows = selected.count = 0;
   }
 
   KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const PersistentContact* persistent,
-                                          int num_persistent, ContactSums& sums) const {
-    const int node = pairs.node(row);
-    FaceContact contacts[max_interactions];
+                                          int num_persistent, Selected& selected,
+                                          ContactSums& sums) const {
+    const SelectActiveFaces<Kinematics> select{step};
+    const int node = step.pairs.node(row);
+    FaceContact* contacts = selected.contacts + selected.count;
     int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
     for (int k = 0; k < num_persistent; ++k)
       seen |= 1 << persistent[k].slot;
     const int num_contacts =
-        selectActiveFaces(row, node, persistent, num_persistent, contacts, sums);
-    countLost(node, seen, sums);
+        select.selectActiveFaces(row, node, persistent, num_persistent, contacts, sums);
+    select.countLost(node, seen, sums);
     double deepest = 0;
-    int num_loaded = 0;
+    unsigned loaded = 0; // bit h: contact h has a force
     for (int h = 0; h < num_contacts; ++h) {
       deepest = maxOf(deepest, contacts[h].depth);
-      contacts[h].is_loaded = isCompressive(node, contacts[h]);
-      num_loaded += contacts[h].is_loaded;
+      loaded |= static_cast<unsigned>(select.isCompressive(node, contacts[h])) << h;
     }
-    kinematics.record(node, num_contacts, deepest);
+    for (int h = 0; h < num_contacts; ++h)
+      if ((loaded >> h & 1u) && !contacts[h].is_persistent)
+        contacts[h].activation_stiffness = step.kinematics.stiffnessAtActivation(
+            step.law.config, step.faces, contacts[h], contacts, num_contacts);
+    step.kinematics.record(node, num_contacts, deepest);
     sums.penetrating += num_contacts;
-    next.row_count(node) = static_cast<unsigned char>(num_loaded);
+    int num_loaded = 0;
+    for (int h = 0; h < num_contacts; ++h)
+      if (loaded >> h & 1u) {
+        if (num_loaded < h)
+          contacts[num_loaded] = contacts[h];
+        ++num_loaded;
+      }
+    step.next.row_count(node) = static_cast<unsigned char>(num_loaded);
     if (num_loaded == 0)
       return;
-    std::int64_t index = reserveSlots(num_loaded);
-    next.row_begin(node) = static_cast<int>(index);
-    for (int h = 0; h < num_contacts; ++h) {
-      if (!contacts[h].is_loaded)
-        continue;
-      const bool has_room = index < static_cast<std::int64_t>(next.interactions.extent(0));
-      writeInteraction(node, contacts, num_contacts, h, has_room ? index : -1, sums);
-      ++index;
-    }
+    selected.row_node[selected.num_rows] = node;
+    selected.row_first[selected.num_rows++] = selected.count;
+    selected.count += num_loaded;
   }
 };
 

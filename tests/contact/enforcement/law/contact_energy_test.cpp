@@ -94,19 +94,16 @@ TEST(ContactEnergy, EnergyNeutralImpactOnAJointKeepsTheEnergy) {
   EXPECT_LT(neutral, remaining_error * penalty);
 }
 
-Interaction springThatHolds(double work) {
-  Interaction spring;
-  spring.stiffness = 3;
+// A spring on which `work` was done and that holds the energy `held`.
+double offsetAfter(double work, double held) {
+  ContactState<double> spring;
+  spring.stiffness = 3.0;
   spring.fade_weight = 0.5;
   spring.depth = 0.2;
   spring.offset = 0.1;
   spring.stored = work;
-  return spring;
-}
-double offsetAfter(double work, double held) {
-  Interaction spring = springThatHolds(work);
-  InteractionForces<NodeFaceKinematics>::adjustOffset(spring, held);
-  return spring.offset;
+  spring.spring_energy = held;
+  return ContactLaw::adjustedOffset(spring);
 }
 
 // The energy at the next half step is k w p^n p^{n+1}/2, and p = P - e.

@@ -134,7 +134,7 @@ Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
       "oneByOne", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
         const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
         is_changed(i) = corrected.changes(pairs.interactions(i));
-        PairQuanta quanta;
+        PairQuanta<double> quanta;
         add.round(pairs, i, quanta);
         add.add(pairs.interactions(i), quanta, -1);
         correct.apply(corrected, pairs, i);

@@ -8,17 +8,15 @@
 namespace brickwall::contact::testing {
 namespace {
 
-TEST(StoredAtHalfStep, IsHalfTheProductOfStiffnessAndBothDepthsWithoutFading) {
-  Interaction last, now;
-  last.face = now.face = 7;
-  last.stiffness = now.stiffness = 0.3;
+TEST(SpringEnergy, IsHalfTheProductOfStiffnessAndBothDepthsWithoutFading) {
+  ContactState<double> state;
+  state.last_stiffness = state.stiffness = 0.3;
+  state.last_fade_weight = state.fade_weight = 1.0;
   for (const double depth : {0.1, 0.7, 1e-9})
     for (const double next_depth : {0.2, 0.0, -0.1}) {
-      last.depth = depth;
-      now.depth = next_depth;
-      const double stored =
-          SelectInteractions<NodeFaceKinematics>().storedAtHalfStep(last, now, {}, 0);
-      EXPECT_EQ(stored, 0.5 * 0.3 * depth * next_depth);
+      state.last_depth = depth;
+      state.depth = next_depth;
+      EXPECT_EQ(ContactLaw::springEnergy(state), 0.5 * 0.3 * depth * next_depth);
     }
 }
 

@@ -1,0 +1,95 @@
+// The data of one kind of contact (node-to-face or edge-to-edge) in a step, which its kernels share,
+// and the works of the last step's forces.
+//
+// `Kinematics` provides the geometry; its contract is in kinematics.hpp.
+#pragma once
+
+#include "contact/enforcement/law/contact_law.hpp"
+#include "contact/enforcement/law/contact_sums.hpp"
+#include "contact/enforcement/law/face_contact.hpp"
+#include "contact/enforcement/law/pair_forces.hpp"
+
+namespace brickwall::contact {
+
+template <class Kinematics>
+struct EnforcementStep {
+  ContactLaw law;
+  LimbScale energy_scale;
+  Kinematics kinematics;
+  FaceAccess faces = {{}, GhostFaces::none()};
+  CandidatePairs pairs = CandidatePairs::none();
+  ContactHistory previous;
+  ContactHistory next; // interactions beyond its extent are counted, not written
+  View<std::int64_t> next_count;
+  PairForces add; // accumulates the forces of the interactions written to `next`
+
+  // The work of a fading force over a motion of its pair.
+  KOKKOS_INLINE_FUNCTION double workOf(const FadingForce& force, const Vec3& relative_motion,
+                                       const Interaction& pair, int face) const {
+    Vec3 of_corner[4];
+    for (int j = 0; j < 4; ++j)
+      of_corner[j] = faces.cornerMotion(face, j);
+    return force.times(pair.normal, relative_motion, of_corner,
+                       faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
+  }
+
+  // Motion that the friction force works on: that of the node, and the normal motion of the face's
+  // corners, which the balancing forces work on; eq. (23).
+  KOKKOS_INLINE_FUNCTION Vec3 slipOf(const FrictionSpring& friction, const Vec3& motion,
+                                     const Interaction& pair, int face) const {
+    double slope[2];
+    kinematics.normalMotionGradient(faces, pair, face, slope);
+    return motion - slope[0] * friction.lever[0] - slope[1] * friction.lever[1];
+  }
+
+  // Records the work of the last step's forces over the half steps before and after them; this
+  // step's motion is the second of these. Returns the work done on the contact's spring, dt F n .
+  // (v^{n-1/2} + v^{n+1/2})/2, with its fading part. `closing_now` is the approach of this step
+  // along the last normal.
+  KOKKOS_INLINE_FUNCTION double recordWork(const PersistentContact& persistent, double closing_now,
+                                           ContactSums& sums) const {
+    const int index = persistent.previous, last_face = persistent.face;
+    const Interaction& last = previous.interactions(index);
+    const Vec3& motion = persistent.last_motion;
+    const double kick = 0.5 * (law.previous_dt + law.dt);
+    const double closing = law.kickClosing(last.closing, closing_now);
+    double on_spring = last.force * closing;
+    if (last.fade_weight < 1) {
+      const FadingForce& fading = previous.fading(index);
+      on_spring -=
+          kick * 0.5 *
+          (fading.work / law.previous_dt + workOf(fading, motion, last, last_face) / law.dt);
+    }
+    if (Kinematics::records_spring_work)
+      sums.terms.add(spring_work, -on_spring, energy_scale);
+    if (last.damping != 0)
+      sums.terms.add(damping_work, -last.damping * closing, energy_scale);
+    if (law.config.friction > 0) {
+      const FrictionSpring& friction = previous.friction(index);
+      sums.terms.add(friction_work,
+                     kick * 0.5 *
+                         (dot(friction.force, friction.motion) / law.previous_dt +
+                          dot(friction.force, slipOf(friction, motion, last, last_face)) / law.dt),
+                     energy_scale);
+    }
+    return on_spring;
+  }
+
+  KOKKOS_INLINE_FUNCTION double inverseMassOf(const FaceContact& contact) const {
+    double inverse_mass = kinematics.inverseMass(contact.point);
+    for (int j = 0; j < 4; ++j)
+      if (contact.weight[j] != 0)
+        inverse_mass += contact.weight[j] * contact.weight[j] / faces.cornerMass(contact.face, j);
+    return inverse_mass;
+  }
+
+  KOKKOS_INLINE_FUNCTION std::int64_t reserveSlots(std::int64_t count) const {
+    if (!add.is_alone)
+      return Kokkos::atomic_fetch_add(next_count.data(), count);
+    const std::int64_t first = next_count();
+    next_count() = first + count;
+    return first;
+  }
+};
+
+} // namespace brickwall::contact

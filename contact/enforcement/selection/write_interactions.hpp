@@ -1,0 +1,253 @@
+// Applies the contact law to the contacts that a batch of rows has selected, and writes their
+// interactions and forces. Contacts with a normal spring and damping only are computed in SIMD
+// lanes; contacts with friction, and those that fade out beyond an edge, one by one. Kernel part of
+// SelectInteractions.
+#pragma once
+
+#include "contact/enforcement/selection/enforcement_step.hpp"
+
+namespace brickwall::contact {
+
+// Below it a transfer to another face does not keep the energy.
+constexpr double min_fade_weight = 0.01;
+
+// Contacts of several rows. Those of a row follow each other.
+template <int max_rows, int max_contacts>
+struct SelectedContacts {
+  static constexpr int capacity = max_contacts + max_interactions + 1; // room for one more row
+  int num_rows = 0, count = 0;
+  int row_node[max_rows], row_first[max_rows];
+  FaceContact contacts[capacity];
+};
+
+template <class Kinematics>
+struct WriteInteractions {
+  const EnforcementStep<Kinematics>& step;
+
+  template <class Selected>
+  KOKKOS_INLINE_FUNCTION void writeAll(const Selected& selected, ContactSums& sums) const {
+    constexpr int width = NumLanes<Lanes>::value;
+    if (selected.count == 0)
+      return;
+    const std::int64_t begin = step.reserveSlots(selected.count);
+    const bool has_room =
+        begin + selected.count <= static_cast<std::int64_t>(step.next.interactions.extent(0));
+    sums.interactions += selected.count;
+    if (!has_room) // the step is repeated with more memory
+      return;
+    for (int i = 0; i < selected.count; ++i)
+      step.next.prefetch(begin + i);
+    for (int r = 0; r < selected.num_rows; ++r)
+      step.next.row_begin(selected.row_node[r]) = static_cast<int>(begin) + selected.row_first[r];
+    int plain[Selected::capacity], num_plain = 0;
+    for (int i = 0; i < selected.count; ++i)
+      if (isPlain(selected.contacts[i]))
+        plain[num_plain++] = i;
+      else
+        writeOne(selected.contacts[i], begin + i, sums);
+    for (int first = 0; first < num_plain; first += width)
+      writeLanes(selected.contacts, plain + first, minOf(num_plain - first, width), begin, sums);
+  }
+
+private:
+  KOKKOS_FORCEINLINE_FUNCTION const Interaction& lastOf(const FaceContact& contact) const {
+    return step.previous.interactions(contact.previous);
+  }
+  // Whether the contact has only a spring and damping along the normal.
+  KOKKOS_FORCEINLINE_FUNCTION bool isPlain(const FaceContact& contact) const {
+    return !(step.law.config.friction > 0) && !step.kinematics.mayFade(contact) &&
+           !(contact.is_persistent && lastOf(contact).fade_weight < 1);
+  }
+
+  template <class Real>
+  KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const FaceContact& contact,
+                                          ContactState<Real>& state) const {
+    state.normal.set(lane, contact.unitNormal());
+    state.motion.set(lane, contact.motion);
+    state.penetration[lane] = contact.depth;
+    state.inverse_mass[lane] = contact.inverse_mass;
+    state.activation_stiffness[lane] = contact.activation_stiffness;
+    state.is_persistent[lane] = contact.is_persistent;
+    state.contact_work[lane] = contact.contact_work;
+    state.closing_at_last_point[lane] = contact.closing_at_last_point;
+    state.depth_factor[lane] = 1;
+    state.has_changed_face[lane] = 0;
+    if (!contact.is_persistent)
+      return state.recallNone(lane);
+    const Interaction& last = lastOf(contact);
+    state.recall(lane, last);
+    state.has_changed_face[lane] = contact.hasChangedFace(last);
+  }
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION Real cap(const ContactState<Real>& state) const {
+    return step.kinematics.stiffnessCap(step.law.config, Real(state.inverse_mass));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void writeIdentity(const FaceContact& contact,
+                                                 Interaction& now) const {
+    now.body = step.kinematics.bodyOf(step.faces, contact.face);
+    now.face = step.kinematics.idOf(step.faces, contact.face);
+    now.node = contact.node;
+    now.point = contact.point;
+    now.face_index = contact.face;
+    now.is_retained = contact.is_retained;
+    now.normal = contact.unitNormal();
+    for (int j = 0; j < 4; ++j)
+      now.weight[j] = contact.weight[j];
+  }
+  KOKKOS_INLINE_FUNCTION void count(const FaceContact& contact, double depth,
+                                    ContactSums& sums) const {
+    if (!(depth > 0))
+      return;
+    ++sums.active;
+    sums.max_penetration =
+        maxOf(sums.max_penetration, step.kinematics.relativeDepth(step.faces, contact));
+    sums.deepest = maxOf(sums.deepest, contact.depth);
+  }
+
+  KOKKOS_INLINE_FUNCTION void writeLanes(const FaceContact* contacts, const int* numbers,
+                                         int num_lanes, std::int64_t begin,
+                                         ContactSums& sums) const {
+    constexpr int width = NumLanes<Lanes>::value;
+    const ContactLaw& law = step.law;
+    ContactState<Lanes> state;
+    double share[width], weight[4][width];
+    for (int lane = 0; lane < width; ++lane) {
+      const FaceContact& contact = contacts[numbers[minOf(lane, num_lanes - 1)]];
+      gather(lane, contact, state);
+      share[lane] = contact.point.share;
+      for (int j = 0; j < 4; ++j)
+        weight[j][lane] = contact.weight[j];
+    }
+    law.setSpring(state, cap(state));
+    law.setDamping(state);
+    state.spring_energy = ContactLaw::springEnergy(state);
+    law.followEnergy(state);
+    PairQuanta<Lanes> quanta;
+    const Lanes weights[4] = {loadLanes<Lanes>(weight[0]), loadLanes<Lanes>(weight[1]),
+                              loadLanes<Lanes>(weight[2]), loadLanes<Lanes>(weight[3])};
+    step.add.round(Lanes(state.first_force) + Lanes(state.first_damping),
+                   Triple<Lanes>(state.normal), loadLanes<Lanes>(share), weights, quanta);
+    LaneArray<Lanes> fits;
+    fits = where(quanta.fits, Lanes(1.0), Lanes(0.0));
+    for (int lane = 0; lane < num_lanes; ++lane) {
+      const FaceContact& contact = contacts[numbers[lane]];
+      Interaction& now = step.next.interactions(begin + numbers[lane]);
+      writeIdentity(contact, now);
+      state.write(lane, now);
+      count(contact, state.depth[lane], sums);
+      if (contact.is_persistent)
+        sums.terms.add(spring_stored, state.recoverable[lane], step.energy_scale);
+      if (fits[lane] != 0)
+        step.add.add(now, quanta, 1, lane);
+      else
+        ++sums.invalid;
+    }
+  }
+
+  KOKKOS_INLINE_FUNCTION void writeOne(const FaceContact& contact, std::int64_t index,
+                                       ContactSums& sums) const {
+    const ContactLaw& law = step.law;
+    ContactState<double> state;
+    gather(0, contact, state);
+    if (state.has_changed_face[0] != 0) {
+      const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
+      state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
+    }
+    law.setSpring(state, cap(state));
+    if (contact.is_persistent && state.last_fade_weight[0] < 1)
+      limitStoredEnergy(contact, state);
+    Interaction& now = step.next.interactions(index);
+    writeIdentity(contact, now);
+    state.write(0, now);
+    FadingForce fading;
+    step.kinematics.fade(law.config, step.faces, contact, now, fading);
+    state.fade_weight = now.fade_weight;
+    state.first_force = now.first_force;
+    law.setDamping(state);
+    if (now.fade_weight < 1)
+      fading.work = step.workOf(fading, contact.motion, now, contact.face);
+    count(contact, now.depth, sums);
+    if (contact.is_persistent) {
+      state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
+      law.followEnergy(state);
+      sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
+    }
+    state.write(0, now);
+    FrictionSpring friction;
+    if (law.config.friction > 0) {
+      applyFriction(now, contact, friction, sums);
+      step.next.friction(index) = friction;
+    }
+    if (now.fade_weight < 1)
+      step.next.fading(index) = fading;
+    if (now.first_force == 0)
+      return;
+    PairQuanta<double> quanta;
+    step.add.round(now, friction, fading, quanta);
+    if (quanta.fits)
+      step.add.add(now, quanta, 1);
+    else
+      ++sums.invalid;
+  }
+
+  // A contact that was about to end beyond an edge has returned its energy. If it loads again, it
+  // stores no more than the work done on it, with the energy k w p^n p^{n+1}/2 at the half step.
+  KOKKOS_INLINE_FUNCTION void limitStoredEnergy(const FaceContact& contact,
+                                                ContactState<double>& state) const {
+    const double depth = state.depth, stored = maxOf(double(state.stored), 0.0);
+    const double fade_weight =
+        0.5 *
+        (state.last_fade_weight + step.kinematics.fadeWeightOf(step.faces, contact.node, contact));
+    const double softened = state.stiffness * fade_weight, last_depth = state.last_depth;
+    if (depth > 0 && softened * last_depth * depth > 4 * stored)
+      ContactLaw::setOffset(state, contact.depth - 2 * stored / (softened * last_depth));
+  }
+  // Energy at the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, eq. (27), with U = k w p^2/2
+  // and W^n the work of the forces of x^n over the motion from x^n to x^{n+1}; without fading it is
+  // k p^n p^{n+1}/2.
+  KOKKOS_INLINE_FUNCTION double storedAtHalfStep(const Interaction& last, const Interaction& now,
+                                                 const FaceContact& contact,
+                                                 const ContactState<double>& state,
+                                                 double fading_work) const {
+    if ((last.fade_weight == 1 && now.fade_weight == 1) || contact.face != contact.previous_face ||
+        !(last.depth > 0 && now.depth > 0))
+      return ContactLaw::springEnergy(state);
+    const double stiffness = std::sqrt(last.stiffness * now.stiffness);
+    const Vec3 motion = step.faces.relativeMotion(last.point, contact.face, last.weight);
+    double last_work = -last.first_force * -dot(last.normal, motion);
+    if (last.fade_weight < 1) { // before its correction, as the other forces in this function
+      const FadingForce& fading = step.previous.fading(contact.previous);
+      if (fading.factor > 0)
+        last_work += step.workOf(fading, motion, last, contact.face) / fading.factor;
+    }
+    const double work = fading_work - now.first_force * now.closing;
+    return 0.25 * stiffness *
+               (last.fade_weight * last.depth * last.depth +
+                now.fade_weight * now.depth * now.depth) -
+           0.25 * (last_work - work);
+  }
+
+  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, const FaceContact& contact,
+                                            FrictionSpring& friction, ContactSums& sums) const {
+    friction.stiffness = step.law.config.friction_stiffness * now.stiffness;
+    if (!(now.depth > 0 && friction.stiffness > 0) || now.is_retained)
+      return; // nearly parallel edges could not balance the couple of a force across both
+    step.kinematics.setLevers(step.faces, now, contact.depth, friction.lever);
+    friction.motion =
+        tangentialPart(step.slipOf(friction, contact.motion, now, contact.face), now.normal);
+    Vec3 rotated;
+    if (contact.is_persistent) {
+      const FrictionSpring& last = step.previous.friction(contact.previous);
+      rotated = rotateToPlane(last.force, now.normal);
+      if (friction.stiffness < last.stiffness) // at equal stored energy
+        rotated = std::sqrt(friction.stiffness / last.stiffness) * rotated;
+    }
+    friction.trial = rotated - friction.stiffness * friction.motion;
+    friction.force =
+        returnMap(friction.trial, step.law.config.friction * (now.force + now.damping));
+    sums.terms.add(friction_stored, 0.5 * dot(rotated, friction.force) / friction.stiffness,
+                   step.energy_scale);
+  }
+};
+
+} // namespace brickwall::contact
