@@ -14,19 +14,9 @@ KOKKOS_INLINE_FUNCTION Real loadLanes(const Number* from) {
   memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
-template <class Real, int width>
-KOKKOS_INLINE_FUNCTION Triple<Real> loadTriple(const double (&from)[3][width]) {
-  return {loadLanes<Real>(from[0]), loadLanes<Real>(from[1]), loadLanes<Real>(from[2])};
-}
 template <class Lanes, class Number>
 KOKKOS_INLINE_FUNCTION void storeLanes(const Lanes& lanes, Number* to) {
   memcpy(to, &lanes, sizeof lanes);
-}
-template <class Real, int width>
-KOKKOS_INLINE_FUNCTION void storeTriple(const Triple<Real>& lanes, double (&to)[3][width]) {
-  storeLanes(lanes.x, to[0]);
-  storeLanes(lanes.y, to[1]);
-  storeLanes(lanes.z, to[2]);
 }
 
 // A number for each lane: written and read lane by lane with [], and as a whole as a Pack.
@@ -47,6 +37,7 @@ using LaneArray = LaneNumbers<Real, double, NumLanes<Real>::value>;
 template <class Real, class Integer>
 using LaneIntegers = LaneNumbers<Integer, std::int64_t, NumLanes<Real>::value>;
 
+// A vector for each lane.
 template <class Real>
 struct LaneTriple {
   LaneArray<Real> x, y, z;
@@ -58,6 +49,12 @@ struct LaneTriple {
   }
   KOKKOS_FORCEINLINE_FUNCTION Vec3 of(int lane) const { return {x[lane], y[lane], z[lane]}; }
   KOKKOS_FORCEINLINE_FUNCTION operator Triple<Real>() const { return {x, y, z}; }
+  KOKKOS_FORCEINLINE_FUNCTION LaneTriple& operator=(const Triple<Real>& all) {
+    x = all.x;
+    y = all.y;
+    z = all.z;
+    return *this;
+  }
 };
 
 } // namespace brickwall

@@ -61,14 +61,13 @@ struct ComputeFaceLoads {
   }
   // Corner c of the faces; lanes without a face repeat the last one.
   KOKKOS_INLINE_FUNCTION void gather(int first, int count, int c, Triple<Lanes>& x) const {
-    double corners[3][W];
+    LaneTriple<Lanes> corners;
     for (int lane = 0; lane < W; ++lane) {
       const int node = face_to_nodes(first + minOf(lane, count - 1), c);
-      for (int i = 0; i < 3; ++i)
-        corners[i][lane] =
-            follower ? reference(node, i) + displacement(node, i) : reference(node, i);
+      const Vec3 X = rowOf(reference, node);
+      corners.set(lane, follower ? X + rowOf(displacement, node) : X);
     }
-    x = loadTriple<Lanes>(corners);
+    x = corners;
   }
   KOKKOS_INLINE_FUNCTION Lanes gaussianAt(int first, int count, int point) const {
     const Lanes factor = loadLanes<Lanes>(&attenuation(first, point));

@@ -39,35 +39,32 @@ inline unsigned bitsOf(const MaskPackOf<W>& mask) {
   return bits;
 }
 
-// Points [point][xyz][lane]: the ends of both edges, or the corners of both faces.
+// The ends of both edges, or the corners of both faces.
 template <class Real, int points>
 struct PointsOfPairs {
-  static constexpr int width = NumLanes<Real>::value;
-  double own[points][3][width], other[points][3][width];
+  LaneTriple<Real> own[points], other[points];
 };
 
-template <int width>
-KOKKOS_INLINE_FUNCTION void takeEnds(const EdgeRecord& edge, int lane, double (&to)[2][3][width]) {
+template <class Real>
+KOKKOS_INLINE_FUNCTION void takeEnds(const EdgeRecord& edge, int lane, LaneTriple<Real> (&to)[2]) {
   for (int j = 0; j < 2; ++j)
-    for (int d = 0; d < 3; ++d)
-      to[j][d][lane] = edge.end[j][d];
+    to[j].set(lane, {edge.end[j][0], edge.end[j][1], edge.end[j][2]});
 }
-template <int width>
+template <class Real>
 KOKKOS_INLINE_FUNCTION void takeCorners(const FaceAccess& faces, int edge, int lane,
-                                        double (&to)[4][3][width]) {
+                                        LaneTriple<Real> (&to)[4]) {
   const Quad quad = faces.quad(edge);
   for (int j = 0; j < 4; ++j)
-    for (int d = 0; d < 3; ++d)
-      to[j][d][lane] = quad.corner[j][d];
+    to[j].set(lane, quad.corner[j]);
 }
 
 // Lanes whose lines have their closest points on both edges.
 template <class Real>
 KOKKOS_INLINE_FUNCTION unsigned lanesAcross(const PointsOfPairs<Real, 2>& ends,
                                             const EdgeActivationLimits& limits) {
-  const Triple<Real> a = loadTriple<Real>(ends.own[0]), b = loadTriple<Real>(ends.other[0]);
-  const Triple<Real> da = loadTriple<Real>(ends.own[1]) - a;
-  const Triple<Real> db = loadTriple<Real>(ends.other[1]) - b, between = a - b;
+  const Triple<Real> a = ends.own[0], b = ends.other[0];
+  const Triple<Real> da = Triple<Real>(ends.own[1]) - a, db = Triple<Real>(ends.other[1]) - b;
+  const Triple<Real> between = a - b;
   const Real aa = dot(da, da), bb = dot(db, db), ab = dot(da, db);
   const Real ra = dot(da, between), rb = dot(db, between), determinant = aa * bb - ab * ab;
   // s and t times the determinant, which is > 0 where they are used
@@ -86,12 +83,12 @@ struct InCone {
   Real along_first, beside_first; // A and B
   Real cosine, sine;
 
-  KOKKOS_INLINE_FUNCTION InCone(const double (&corner)[4][3][NumLanes<Real>::value],
+  KOKKOS_INLINE_FUNCTION InCone(const LaneTriple<Real> (&corner)[4],
                                 const Triple<Real>& edge_vector, const Real& squared_length,
                                 const Triple<Real>& n, const Real& cos, const Real& sin)
       : cosine(cos), sine(sin) {
-    const Triple<Real> area = cross(loadTriple<Real>(corner[2]) - loadTriple<Real>(corner[0]),
-                                    loadTriple<Real>(corner[3]) - loadTriple<Real>(corner[1]));
+    const Triple<Real> area = cross(Triple<Real>(corner[2]) - Triple<Real>(corner[0]),
+                                    Triple<Real>(corner[3]) - Triple<Real>(corner[1]));
     const Triple<Real> beside = cross(edge_vector, area);
     const Real scale = Real(1.0) / squareRoot(dot(beside, beside));
     along_first = squareRoot(squared_length) * dot(n, area) * scale;
@@ -115,10 +112,9 @@ struct InCone {
 
 template <class Real>
 struct Surroundings {
-  static constexpr int width = NumLanes<Real>::value;
   PointsOfPairs<Real, 4> corners;
-  double cosine[2][width], sine[2][width]; // of own and other
-  double narrower[2][width]; // the smaller width of the sides of own and other
+  LaneArray<Real> cosine[2], sine[2]; // of own and other
+  LaneArray<Real> narrower[2]; // the smaller width of the sides of own and other
 };
 
 // Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and
@@ -140,15 +136,13 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
                                              const EdgeActivationLimits& limits) {
   const auto& own = pairs.corners.own;
   const auto& other = pairs.corners.other;
-  const Triple<Real> a = loadTriple<Real>(own[0]), b = loadTriple<Real>(other[0]);
-  const Triple<Real> da = loadTriple<Real>(own[1]) - a, db = loadTriple<Real>(other[1]) - b;
+  const Triple<Real> a = own[0], b = other[0];
+  const Triple<Real> da = Triple<Real>(own[1]) - a, db = Triple<Real>(other[1]) - b;
   const Triple<Real> across = cross(da, db), between = a - b;
   const Triple<Real> normal = (Real(1.0) / squareRoot(dot(across, across))) * across;
   const Real depth = -dot(between, normal), aa = dot(da, da), bb = dot(db, db);
-  const InCone<Real> in_own(own, da, aa, normal, loadLanes<Real>(pairs.cosine[0]),
-                            loadLanes<Real>(pairs.sine[0]));
-  const InCone<Real> in_other(other, db, bb, normal, loadLanes<Real>(pairs.cosine[1]),
-                              loadLanes<Real>(pairs.sine[1]));
+  const InCone<Real> in_own(own, da, aa, normal, Real(pairs.cosine[0]), Real(pairs.sine[0]));
+  const InCone<Real> in_other(other, db, bb, normal, Real(pairs.cosine[1]), Real(pairs.sine[1]));
   const Real outward = in_other.outward(), zero = 0.0;
   // of the normal that leads out of the other edge
   const Real sign = where(outward < zero, Real(-1.0), Real(1.0));
@@ -156,8 +150,8 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
   const auto is_rejected = (depth * depth > deepest * aa) | (depth * depth > deepest * bb) |
                            ((outward > Real(slack)) & (depth <= zero)) |
                            ((outward < Real(-slack)) & (-depth <= zero)) | // -n is the normal
-                           leadsIn(in_own, -sign, bb, loadLanes<Real>(pairs.narrower[0]), limits) |
-                           leadsIn(in_other, sign, aa, loadLanes<Real>(pairs.narrower[1]), limits);
+                           leadsIn(in_own, -sign, bb, Real(pairs.narrower[0]), limits) |
+                           leadsIn(in_other, sign, aa, Real(pairs.narrower[1]), limits);
   return bitsOf(!is_rejected);
 }
 

@@ -10,14 +10,12 @@
 namespace brickwall::contact {
 namespace correct_springs {
 
-// Input [quantity][xyz][lane], filled one contact after the other.
+// Input, filled one contact after the other.
 template <class Real>
 struct Gathered {
-  static constexpr int width = NumLanes<Real>::value;
-  double force[width], first_force[width], damping[width], first_damping[width];
-  double depth[width], offset[width], stored[width], is_new[width];
-  double closing[width], inverse_mass[width], normal[3][width], weight[4][width];
-  double acceleration[3][width], corner_acceleration[4][3][width];
+  LaneArray<Real> force, first_force, damping, first_damping, depth, offset, stored, is_new;
+  LaneArray<Real> closing, inverse_mass, weight[4];
+  LaneTriple<Real> normal, acceleration, corner_acceleration[4];
 
   KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const Interaction& pair,
                                           const CorrectPair& correct) {
@@ -31,16 +29,13 @@ struct Gathered {
     is_new[lane] = pair.is_new;
     closing[lane] = pair.closing;
     inverse_mass[lane] = pair.inverse_mass;
-    for (int d = 0; d < 3; ++d) {
-      normal[d][lane] = pair.normal[d];
-      acceleration[d][lane] = correct.accelerations(pair.point.node[0], d);
-    }
+    normal.set(lane, pair.normal);
+    acceleration.set(lane, rowOf(correct.accelerations, pair.point.node[0]));
     Vec3 of_corner[4];
     correct.faces.corners(pair.face_index, correct.accelerations, correct.ghost_accelerations,
                           of_corner);
     for (int j = 0; j < 4; ++j) {
-      for (int d = 0; d < 3; ++d)
-        corner_acceleration[j][d][lane] = of_corner[j][d];
+      corner_acceleration[j].set(lane, of_corner[j]);
       weight[j][lane] = pair.weight[j];
     }
   }
@@ -50,10 +45,9 @@ struct Gathered {
 // corners.
 template <class Real>
 struct Corrected {
-  static constexpr int width = Gathered<Real>::width;
-  double force[width], damping[width];
+  LaneArray<Real> force, damping;
   PairQuanta<Real> change;
-  double fits[width]; // 1: the forces before and after the correction fit the fixed point
+  LaneArray<Real> fits; // 1: the forces before and after the correction fit the fixed point
 
   // Returns whether the force changes.
   KOKKOS_FORCEINLINE_FUNCTION bool scatter(int lane, Interaction& pair,
@@ -70,35 +64,32 @@ struct Corrected {
 template <class Real>
 KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const CorrectPair& correct,
                                      const PairForces& add, Corrected<Real>& corrected) {
-  const Triple<Real> normal = loadTriple<Real>(gathered.normal);
-  Triple<Real> relative = loadTriple<Real>(gathered.acceleration);
+  const Triple<Real> normal = gathered.normal;
+  Triple<Real> relative = gathered.acceleration;
   Real weight[4];
   for (int j = 0; j < 4; ++j) {
-    weight[j] = loadLanes<Real>(gathered.weight[j]);
-    const Triple<Real> with =
-        relative - weight[j] * loadTriple<Real>(gathered.corner_acceleration[j]);
+    weight[j] = gathered.weight[j];
+    const Triple<Real> with = relative - weight[j] * Triple<Real>(gathered.corner_acceleration[j]);
     relative = where(weight[j] == Real(0.0), relative, with);
   }
   SpringState<Real> spring;
-  spring.force = loadLanes<Real>(gathered.force);
-  spring.first_force = loadLanes<Real>(gathered.first_force);
-  spring.depth = loadLanes<Real>(gathered.depth);
-  spring.offset = loadLanes<Real>(gathered.offset);
-  spring.stored = loadLanes<Real>(gathered.stored);
-  spring.is_new = !(loadLanes<Real>(gathered.is_new) == Real(0.0));
+  spring.force = gathered.force;
+  spring.first_force = gathered.first_force;
+  spring.depth = gathered.depth;
+  spring.offset = gathered.offset;
+  spring.stored = gathered.stored;
+  spring.is_new = !(Real(gathered.is_new) == Real(0.0));
   const KickedPairOf<Real> motion =
-      correct.kicked(loadLanes<Real>(gathered.closing), loadLanes<Real>(gathered.inverse_mass),
-                     dot(normal, relative));
+      correct.kicked(Real(gathered.closing), Real(gathered.inverse_mass), dot(normal, relative));
   const Real force = correct.relaxed(spring.force, neutralForce(spring, motion));
-  const Real damping = maxOf(loadLanes<Real>(gathered.first_damping), -force);
-  PairQuanta<Real> before, after;
-  add.round(spring.force + loadLanes<Real>(gathered.damping), normal, Real(0.0), weight, before);
-  add.round(force + damping, normal, Real(0.0), weight, after);
-  storeLanes(where(before.fits & after.fits, Real(1.0), Real(0.0)), corrected.fits);
-  after.subtract(before);
-  corrected.change = after;
-  storeLanes(force, corrected.force);
-  storeLanes(damping, corrected.damping);
+  const Real damping = maxOf(Real(gathered.first_damping), -force);
+  PairQuanta<Real> before;
+  add.round(spring.force + Real(gathered.damping), normal, Real(0.0), weight, before);
+  add.round(force + damping, normal, Real(0.0), weight, corrected.change);
+  corrected.fits = where(before.fits & corrected.change.fits, Real(1.0), Real(0.0));
+  corrected.change.subtract(before);
+  corrected.force = force;
+  corrected.damping = damping;
 }
 
 } // namespace correct_springs
@@ -121,7 +112,7 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
                                           std::int64_t& num_changed) {
   using namespace correct_springs;
   using Real = Lanes;
-  constexpr int width = Gathered<Real>::width;
+  constexpr int width = NumLanes<Real>::value;
   Gathered<Real> gathered;
   Corrected<Real> corrected;
   int num_left = 0;

@@ -25,13 +25,11 @@ struct PersistentContact {
 
 namespace persistent_contact {
 
-// Input [quantity][xyz][lane], filled one contact after the other.
+// Input, filled one contact after the other.
 template <class Real>
 struct Gathered {
-  static constexpr int width = NumLanes<Real>::value;
-  double corner[4][3][width], corner_motion[4][3][width], corner_mass[4][width];
-  double last_weight[4][width];
-  double node[3][width], node_motion[3][width], node_mass[width];
+  LaneTriple<Real> corner[4], corner_motion[4], node, node_motion;
+  LaneArray<Real> corner_mass[4], last_weight[4], node_mass;
 
   KOKKOS_INLINE_FUNCTION void gather(int lane, const FaceAccess& faces,
                                      const View<const double*>& mass, const Interaction& last,
@@ -41,19 +39,13 @@ struct Gathered {
     faces.corners(face, surface.coordinates_new, faces.ghosts.coordinates_new, now);
     faces.corners(face, surface.coordinates_old, faces.ghosts.coordinates_old, before);
     for (int j = 0; j < 4; ++j) {
-      const Vec3 motion = now[j] - before[j];
-      for (int d = 0; d < 3; ++d) {
-        corner[j][d][lane] = now[j][d];
-        corner_motion[j][d][lane] = motion[d];
-      }
+      corner[j].set(lane, now[j]);
+      corner_motion[j].set(lane, now[j] - before[j]);
       corner_mass[j][lane] = faces.cornerMass(face, j);
       last_weight[j][lane] = last.weight[j];
     }
-    const Vec3 motion = faces.nodeMotion(at);
-    for (int d = 0; d < 3; ++d) {
-      node[d][lane] = surface.coordinates_new(at, d);
-      node_motion[d][lane] = motion[d];
-    }
+    node.set(lane, rowOf(surface.coordinates_new, at));
+    node_motion.set(lane, faces.nodeMotion(at));
     node_mass[lane] = mass(at);
   }
 };
@@ -82,53 +74,51 @@ KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type isTriangle(const Triple<Real>
 
 template <class Real>
 struct Found {
-  static constexpr int width = NumLanes<Real>::value;
-  double weight[4][width], normal[3][width], gap[width], excess[width], xi[width], eta[width];
-  double motion[3][width], last_motion[3][width], inverse_mass[width];
-  double is_found[width]; // 1, otherwise projectOne() is needed
+  LaneArray<Real> weight[4], gap, excess, xi, eta, inverse_mass;
+  LaneTriple<Real> normal, motion, last_motion;
+  LaneArray<Real> is_found; // 1, otherwise projectOne() is needed
 
   KOKKOS_INLINE_FUNCTION void scatter(int lane, PersistentContact& contact) const {
     FacePoint& point = contact.point;
     for (int j = 0; j < 4; ++j)
       point.weight[j] = weight[j][lane];
-    point.normal = {normal[0][lane], normal[1][lane], normal[2][lane]};
+    point.normal = normal.of(lane);
     point.gap = gap[lane];
     point.excess = excess[lane];
     point.xi = xi[lane];
     point.eta = eta[lane];
     point.has_parameters = point.valid = true;
-    contact.motion = {motion[0][lane], motion[1][lane], motion[2][lane]};
+    contact.motion = motion.of(lane);
     contact.inverse_mass = inverse_mass[lane];
   }
 };
 
 template <class Real>
 KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, Found<Real>& found) {
-  const Triple<Real> x = loadTriple<Real>(gathered.node);
+  const Triple<Real> x = gathered.node, of_node = gathered.node_motion;
   Triple<Real> q[4], of_corner[4];
   Real last_weight[4];
   for (int j = 0; j < 4; ++j) {
-    q[j] = loadTriple<Real>(gathered.corner[j]) - x;
-    of_corner[j] = loadTriple<Real>(gathered.corner_motion[j]);
-    last_weight[j] = loadLanes<Real>(gathered.last_weight[j]);
+    q[j] = Triple<Real>(gathered.corner[j]) - x;
+    of_corner[j] = gathered.corner_motion[j];
+    last_weight[j] = gathered.last_weight[j];
   }
-  const Triple<Real> of_node = loadTriple<Real>(gathered.node_motion);
-  storeTriple(relativeMotion(of_node, of_corner, last_weight), found.last_motion);
+  found.last_motion = relativeMotion(of_node, of_corner, last_weight);
   const NewtonPoint<Real> point = ontoBilinear(q, !isTriangle(q));
-  storeTriple(relativeMotion(of_node, of_corner, point.weight), found.motion);
-  Real inverse_mass = Real(1.0) / loadLanes<Real>(gathered.node_mass);
+  found.motion = relativeMotion(of_node, of_corner, point.weight);
+  Real inverse_mass = Real(1.0) / Real(gathered.node_mass);
   for (int j = 0; j < 4; ++j) {
-    const Real share = point.weight[j] * point.weight[j] / loadLanes<Real>(gathered.corner_mass[j]);
+    const Real share = point.weight[j] * point.weight[j] / Real(gathered.corner_mass[j]);
     inverse_mass = where(point.weight[j] == Real(0.0), inverse_mass, inverse_mass + share);
-    storeLanes(point.weight[j], found.weight[j]);
+    found.weight[j] = point.weight[j];
   }
-  storeLanes(inverse_mass, found.inverse_mass);
-  storeTriple(point.normal, found.normal);
-  storeLanes(point.gap, found.gap);
-  storeLanes(point.excess, found.excess);
-  storeLanes(point.xi, found.xi);
-  storeLanes(point.eta, found.eta);
-  storeLanes(where(point.found, Real(1.0), Real(0.0)), found.is_found);
+  found.inverse_mass = inverse_mass;
+  found.normal = point.normal;
+  found.gap = point.gap;
+  found.excess = point.excess;
+  found.xi = point.xi;
+  found.eta = point.eta;
+  found.is_found = where(point.found, Real(1.0), Real(0.0));
 }
 
 } // namespace persistent_contact
@@ -156,7 +146,7 @@ KOKKOS_INLINE_FUNCTION void projectPersistentContacts(const FaceAccess& faces,
                                                       PersistentContact* contacts) {
   using namespace persistent_contact;
   using Real = Lanes;
-  constexpr int width = Gathered<Real>::width;
+  constexpr int width = NumLanes<Real>::value;
   Gathered<Real> gathered;
   Found<Real> found;
   for (int first = 0; first < count; first += width) {
@@ -169,8 +159,7 @@ KOKKOS_INLINE_FUNCTION void projectPersistentContacts(const FaceAccess& faces,
     evaluate(gathered, found);
     for (int lane = 0; first + lane <= last; ++lane) {
       PersistentContact& contact = contacts[first + lane];
-      contact.last_motion = {found.last_motion[0][lane], found.last_motion[1][lane],
-                             found.last_motion[2][lane]};
+      contact.last_motion = found.last_motion.of(lane);
       found.scatter(lane, contact);
       if (found.is_found[lane] == 0)
         projectOne(faces, node_mass, contact);

@@ -110,7 +110,7 @@ private:
     constexpr int width = NumLanes<Lanes>::value;
     const ContactLaw& law = step.law;
     ContactState<Lanes> state;
-    double share[width], weight[4][width];
+    LaneArray<Lanes> share, weight[4];
     for (int lane = 0; lane < width; ++lane) {
       const FaceContact& contact = contacts[numbers[minOf(lane, num_lanes - 1)]];
       gather(lane, contact, state);
@@ -123,10 +123,9 @@ private:
     state.spring_energy = ContactLaw::springEnergy(state);
     law.followEnergy(state);
     PairQuanta<Lanes> quanta;
-    const Lanes weights[4] = {loadLanes<Lanes>(weight[0]), loadLanes<Lanes>(weight[1]),
-                              loadLanes<Lanes>(weight[2]), loadLanes<Lanes>(weight[3])};
+    const Lanes weights[4] = {weight[0], weight[1], weight[2], weight[3]};
     step.add.round(Lanes(state.first_force) + Lanes(state.first_damping),
-                   Triple<Lanes>(state.normal), loadLanes<Lanes>(share), weights, quanta);
+                   Triple<Lanes>(state.normal), Lanes(share), weights, quanta);
     LaneArray<Lanes> fits;
     fits = where(quanta.fits, Lanes(1.0), Lanes(0.0));
     for (int lane = 0; lane < num_lanes; ++lane) {
