@@ -76,17 +76,23 @@ bool checkStep(const SurfaceCase& c, GlobalSearch& global, LocalSearch& local_se
   return okOnAllRanks(comm, ghosts_ok && pairs_ok);
 }
 
-TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
-  Counts counts;
-  for (std::uint64_t seed = 0; seed < 260; ++seed)
+// Checks a step of make(seed) for `num_seeds` seeds with all methods.
+template <class Make>
+void checkCases(std::uint64_t num_seeds, const Make& make, Counts& counts) {
+  for (std::uint64_t seed = 0; seed < num_seeds; ++seed)
     for (const SearchMethod method : all_methods) {
-      const SurfaceCase c = makeCase(seed, sizeOf(comm));
+      const SurfaceCase c = make(seed, sizeOf(comm));
       GlobalSearch global(comm, configOf(c, method));
       LocalSearch local(global);
       ASSERT_TRUE(checkStep(c, global, local, &counts)) << c.name();
     }
-  // The cases do have pairs and ghosts.
+  // The cases do have pairs.
   EXPECT_GT(allReduce(comm, counts.pairs, MPI_SUM), 100000);
+}
+
+TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
+  Counts counts;
+  ASSERT_NO_FATAL_FAILURE(checkCases(260, makeCase, counts));
   if (sizeOf(comm) > 1) {
     EXPECT_GT(allReduce(comm, counts.ghosts, MPI_SUM), 10000);
   }
@@ -95,14 +101,7 @@ TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
 // Own faces and ghosts: also on one rank.
 TEST(SearchTest, PairsOfBoxesEqualInFloatsAreDecidedInDoubles) {
   Counts counts;
-  for (std::uint64_t seed = 0; seed < 60; ++seed)
-    for (const SearchMethod method : all_methods) {
-      const SurfaceCase c = makeHardCase(seed, sizeOf(comm));
-      GlobalSearch global(comm, configOf(c, method));
-      LocalSearch local(global);
-      ASSERT_TRUE(checkStep(c, global, local, &counts)) << c.name();
-    }
-  EXPECT_GT(allReduce(comm, counts.pairs, MPI_SUM), 100000);
+  checkCases(60, makeHardCase, counts);
 }
 
 TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {
