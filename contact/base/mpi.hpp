@@ -193,4 +193,35 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
   return received;
 }
 
+// For each of this rank's keys, in their order, how often the ranks together list it. Equal keys
+// meet on the rank number_of(key) modulo ranks. Keys are plain values with an order. Collective; for
+// set-up.
+template <class Key, class NumberOf>
+std::vector<std::int64_t> countOnAllRanks(MPI_Comm comm, const std::vector<Key>& keys,
+                                          const NumberOf& number_of) {
+  const int size = sizeOf(comm);
+  std::vector<std::vector<Key>> questions(size);
+  for (const Key& key : keys)
+    questions[number_of(key) % size].push_back(key);
+  const auto received = exchangeByRank(comm, questions);
+  std::vector<Key> sorted;
+  for (const auto& list : received)
+    sorted.insert(sorted.end(), list.begin(), list.end());
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::vector<std::int64_t>> replies(size);
+  for (int q = 0; q < size; ++q)
+    for (const Key& key : received[q]) {
+      const auto equal = std::equal_range(sorted.begin(), sorted.end(), key);
+      replies[q].push_back(equal.second - equal.first);
+    }
+  const auto answers = exchangeByRank(comm, replies); // in the order of the questions
+  std::vector<std::size_t> next(size, 0);
+  std::vector<std::int64_t> counts;
+  for (const Key& key : keys) {
+    const auto rank = static_cast<std::size_t>(number_of(key) % size);
+    counts.push_back(answers[rank][next[rank]++]);
+  }
+  return counts;
+}
+
 } // namespace brickwall

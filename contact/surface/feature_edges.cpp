@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <tuple>
-#include <unordered_map>
 
 namespace brickwall::contact {
 namespace {
@@ -90,29 +89,14 @@ struct HostSurface {
 
 // Whether each node is also on another rank.
 std::vector<char> sharedNodes(MPI_Comm comm, const HostSurface& surface) {
-  const int num_ranks = sizeOf(comm);
-  const auto num_nodes = static_cast<int>(surface.node_ids.extent(0));
+  const std::size_t num_nodes = surface.node_ids.extent(0);
   std::vector<char> is_shared(num_nodes, 0);
-  if (num_ranks == 1)
+  if (sizeOf(comm) == 1)
     return is_shared;
-  std::vector<std::vector<global_id>> ids(num_ranks);
-  for (int node = 0; node < num_nodes; ++node)
-    ids[surface.node_ids(node) % num_ranks].push_back(surface.node_ids(node));
-  const auto received = exchangeByRank(comm, ids);
-  std::unordered_map<global_id, int> uses;
-  for (const auto& some : received)
-    for (const global_id id : some)
-      ++uses[id];
-  std::vector<std::vector<char>> replies(num_ranks);
-  for (int q = 0; q < num_ranks; ++q)
-    for (const global_id id : received[q])
-      replies[q].push_back(uses[id] > 1);
-  const auto answers = exchangeByRank(comm, replies); // in the order of the ids
-  std::vector<std::size_t> next(num_ranks, 0);
-  for (int node = 0; node < num_nodes; ++node) {
-    const auto home = static_cast<int>(surface.node_ids(node) % num_ranks);
-    is_shared[node] = answers[home][next[home]++];
-  }
+  const std::vector<global_id> ids(surface.node_ids.data(), surface.node_ids.data() + num_nodes);
+  const auto uses = countOnAllRanks(comm, ids, [](global_id id) { return id; });
+  for (std::size_t node = 0; node < num_nodes; ++node)
+    is_shared[node] = uses[node] > 1;
   return is_shared;
 }
 

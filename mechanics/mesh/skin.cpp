@@ -4,7 +4,6 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
-#include "mechanics/mesh/skin_exchange.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,9 @@
 namespace brickwall::mechanics {
 
 namespace {
+
+// The four global node ids of a face, ascending.
+using FaceKey = std::array<global_id, 4>;
 
 FaceKey keyOf(const HostMesh& host, int elem, int side) {
   FaceKey key;
@@ -104,7 +106,8 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
       keys.push_back(keyOf(host, faces[f].elem, faces[f].side));
     }
   }
-  const std::vector<std::int64_t> uses = countFacesOnAllRanks(comm, keys);
+  const std::vector<std::int64_t> uses =
+      countOnAllRanks(comm, keys, [](const FaceKey& key) { return key[0]; });
   std::vector<char> is_cut(faces.size(), 0);
   for (std::size_t s = 0; s < suspects.size(); ++s)
     is_cut[suspects[s]] = uses[s] > 1;
@@ -118,6 +121,18 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
                              [&](const LocalFace&) { return is_cut[next++] != 0; }),
               faces.end());
   return faces;
+}
+
+// flag[node] becomes nonzero if it is so on any rank that shares the node. Collective.
+void spreadToSharers(MPI_Comm comm, const SharedNodeLists& shared, std::vector<char>& flag) {
+  std::vector<std::vector<char>> messages(sizeOf(comm));
+  for (std::size_t p = 0; p < shared.ranks.size(); ++p)
+    for (const int node : shared.nodes[p])
+      messages[shared.ranks[p]].push_back(flag[node]);
+  const auto received = exchangeByRank(comm, messages);
+  for (std::size_t p = 0; p < shared.ranks.size(); ++p)
+    for (std::size_t i = 0; i < shared.nodes[p].size(); ++i)
+      flag[shared.nodes[p][i]] |= received[shared.ranks[p]][i];
 }
 
 // Surface node of each mesh node, or -1. A node is on the surface if it is so on any rank that

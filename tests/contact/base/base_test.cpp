@@ -337,6 +337,18 @@ TEST(MpiTest, ExchangeByRankDeliversListsOfAnyLength) {
               std::vector<int>(static_cast<std::size_t>((q + 2 * rank) % 3), 100 * q + rank));
 }
 
+// Key k is listed twice by each of the ranks 0 .. k.
+TEST(MpiTest, CountOnAllRanksCountsWhatEachRankLists) {
+  const int size = sizeOf(comm), rank = rankOf(comm);
+  std::vector<std::int64_t> keys, expected;
+  for (int repetition = 0; repetition < 2; ++repetition)
+    for (std::int64_t key = 100; key-- > rank;) {
+      keys.push_back(key);
+      expected.push_back(2 * std::min<std::int64_t>(key + 1, size));
+    }
+  EXPECT_EQ(countOnAllRanks(comm, keys, [](std::int64_t key) { return key; }), expected);
+}
+
 TEST(GroupByKeyTest, ListsEachItemOnceUnderItsKey) {
   for (const int num_items : {0, 1, 1000}) {
     const int num_keys = 37;
