@@ -24,27 +24,21 @@ struct PlainKickTerms {
       kick_angular + 1, kick_angular + 2};
 };
 
-// Ledger terms of the other kinds of forces, the first `num_terms` of [work, impulse, moment].
+// Ledger terms of one of the other kinds of forces: the first `num_terms` of [work, impulse, moment].
+constexpr int max_other_kick_terms = 7;
 template <int kind>
-struct OtherKickTerms;
-template <>
-struct OtherKickTerms<contact_force> {
-  static constexpr int num_terms = 4;
-  static constexpr int index[num_terms] = {kickWork(contact_force), kick_impulse_contact,
-                                           kick_impulse_contact + 1, kick_impulse_contact + 2};
-};
-template <>
-struct OtherKickTerms<external_force> {
-  static constexpr int num_terms = 7;
-  static constexpr int index[num_terms] = {kickWork(external_force),  kick_impulse_external,
-                                           kick_impulse_external + 1, kick_impulse_external + 2,
-                                           kick_moment_external,      kick_moment_external + 1,
-                                           kick_moment_external + 2};
-};
-template <>
-struct OtherKickTerms<viscous_force> {
-  static constexpr int num_terms = 1;
-  static constexpr int index[num_terms] = {kickWork(viscous_force)};
+struct OtherKickTerms {
+  static constexpr int num_terms =
+      kind == external_force ? max_other_kick_terms : (kind == contact_force ? 4 : 1);
+
+  KOKKOS_INLINE_FUNCTION static constexpr int index(int term) {
+    return term == 0
+               ? kickWork(kind)
+               : (term >= 4
+                      ? kick_moment_external + term - 4
+                      : (kind == contact_force ? kick_impulse_contact : kick_impulse_external) +
+                            term - 1);
+  }
 };
 
 // Operands of a node's kick: the velocity `old` before it, mass, current position x and internal
@@ -74,6 +68,21 @@ struct NodeKick {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       term[plain_momentum + i] = momentum[i];
       term[plain_angular + i] = x[j] * momentum[k] - x[k] * momentum[j];
+    }
+  }
+  // Work, impulse and moment of another force.
+  KOKKOS_FORCEINLINE_FUNCTION void otherTerms(const Real (&other)[3], double dt,
+                                              Real (&term)[max_other_kick_terms]) const {
+    Real mean[3], impulse[3];
+    for (int i = 0; i < 3; ++i) {
+      mean[i] = 0.5 * (old[i] + v[i]);
+      impulse[i] = dt * other[i];
+    }
+    term[0] = dt * dotOf(other, mean);
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      term[1 + i] = impulse[i];
+      term[4 + i] = x[j] * impulse[k] - x[k] * impulse[j];
     }
   }
   KOKKOS_FORCEINLINE_FUNCTION static Real dotOf(const Real (&a)[3], const Real (&b)[3]) {
@@ -170,26 +179,29 @@ struct KickNode {
     }
   }
 
+  template <int kind>
+  KOKKOS_INLINE_FUNCTION void addTermsOf(const std::int64_t (&columns)[3 * kinds],
+                                         const NodeKick<double>& kick, KickSums& sums) const {
+    if constexpr (kind < kinds) {
+      double force[3], term[max_other_kick_terms];
+      for (int i = 0; i < 3; ++i)
+        force[i] = quantum * static_cast<double>(columns[3 * kind + i]);
+      if (isZero({force[0], force[1], force[2]}))
+        return;
+      kick.otherTerms(force, dt, term);
+      for (int t = 0; t < OtherKickTerms<kind>::num_terms; ++t)
+        sums.add(OtherKickTerms<kind>::index(t), term[t],
+                 t == 0 ? scales.energy : (t < 4 ? scales.momentum : scales.angular));
+    }
+  }
   KOKKOS_INLINE_FUNCTION void addOtherTerms(const std::int64_t (&columns)[3 * kinds],
                                             const NodeKick<double>& kick, const Vec3& reaction,
                                             KickSums& sums) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]}, v = {kick.v[0], kick.v[1], kick.v[2]};
     const Vec3 x = {kick.x[0], kick.x[1], kick.x[2]}, mean = 0.5 * (old + v);
-    for (int kind = internal_force + 1; kind < kinds; ++kind) {
-      Vec3 force;
-      for (int i = 0; i < 3; ++i)
-        force[i] = quantum * static_cast<double>(columns[3 * kind + i]);
-      if (isZero(force))
-        continue;
-      sums.add(kickWork(kind), dt * dot(force, mean), scales.energy);
-      const Vec3 impulse = dt * force;
-      if (kind == contact_force)
-        addVector(sums, kick_impulse_contact, impulse, scales.momentum);
-      if (kind == external_force) {
-        addVector(sums, kick_impulse_external, impulse, scales.momentum);
-        addVector(sums, kick_moment_external, cross(x, impulse), scales.angular);
-      }
-    }
+    addTermsOf<contact_force>(columns, kick, sums);
+    addTermsOf<external_force>(columns, kick, sums);
+    addTermsOf<viscous_force>(columns, kick, sums);
     if (!isZero(reaction))
       addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
                  kick_moment_reaction);

@@ -19,26 +19,20 @@ public:
   // `force` is zero where a node is not owned.
   void add(const Real (&force)[3], const NodeKick<Real>& kick, double dt,
            const SplitScale (&scales)[4]) {
-    Real mean[3], impulse[3], term[7];
-    for (int i = 0; i < 3; ++i) {
-      mean[i] = 0.5 * (kick.old[i] + kick.v[i]);
-      impulse[i] = dt * force[i];
-    }
-    term[0] = dt * NodeKick<Real>::dotOf(force, mean);
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      term[1 + i] = impulse[i];
-      term[4 + i] = kick.x[j] * impulse[k] - kick.x[k] * impulse[j];
-    }
+    Real term[max_other_kick_terms];
+    kick.otherTerms(force, dt, term);
     for (int t = 0; t < Terms::num_terms; ++t)
       _lanes.add(t, term[t], scales[scaleIndex(t)]);
     _lanes.endRow();
   }
   void foldInto(KickSums& sums, const SplitScale (&scales)[4]) {
     const SplitScale* of_terms[Terms::num_terms];
-    for (int t = 0; t < Terms::num_terms; ++t)
+    int index[Terms::num_terms];
+    for (int t = 0; t < Terms::num_terms; ++t) {
       of_terms[t] = &scales[scaleIndex(t)];
-    _lanes.foldInto(sums, Terms::index, of_terms);
+      index[t] = Terms::index(t);
+    }
+    _lanes.foldInto(sums, index, of_terms);
   }
 
 private:
