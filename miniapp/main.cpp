@@ -71,7 +71,7 @@ int withOutputFlushed(int code) {
   std::cout << std::flush;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout)
     return code;
-  std::cerr << "brickwall: error: standard output cannot be written" << std::endl;
+  printMessage("error: standard output cannot be written");
   return code == 0 ? static_cast<int>(ExitCode::output) : code;
 }
 

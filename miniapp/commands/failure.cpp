@@ -39,16 +39,19 @@ bool allRanksArrive(MPI_Comm comm, double patience) {
 
 } // namespace
 
+void printMessage(const std::string& text) {
+  std::cerr << "brickwall: " + text + '\n' << std::flush;
+}
+
 int reportFailure(MPI_Comm comm, const std::exception& error, double patience) {
   const int code = codeOf(error);
   std::cout << std::flush;
   if (allRanksArrive(comm, patience)) {
     if (rankOf(comm) == 0)
-      std::cerr << "brickwall: error: " << messageOf(error) << std::endl;
+      printMessage("error: " + messageOf(error));
     return allReduce(comm, code, MPI_MAX);
   }
-  std::cerr << "brickwall: error on rank " << rankOf(comm) << " alone: " << messageOf(error)
-            << std::endl;
+  printMessage("error on rank " + std::to_string(rankOf(comm)) + " alone: " + messageOf(error));
   MPI_Abort(comm, code);
   return code;
 }

@@ -2,6 +2,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
+#include "miniapp/commands/failure.hpp"
 #include "miniapp/output/history.hpp"
 #include "miniapp/output/history_columns.hpp"
 #include "miniapp/output/output_files.hpp"
@@ -87,7 +88,7 @@ public:
       writeReport(_comm, path("report.json"), report);
     if (rankOf(_comm) == 0) {
       if (!_breakdown.empty())
-        std::cerr << "brickwall: " << _breakdown << '\n';
+        printMessage(_breakdown);
       printReport(std::cout, report);
     }
     return report.pass() ? 0 : static_cast<int>(ExitCode::physics);
