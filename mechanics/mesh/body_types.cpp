@@ -1,5 +1,6 @@
 #include "mechanics/mesh/body_types.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
@@ -75,23 +76,24 @@ std::uint64_t hashOf(const HostMesh& host, int elem, const BodyOrigin& origin) {
 
 BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
   const HostMesh host = copyToHost(space, mesh);
-  std::vector<BodyOrigin> origins;
-  for (const ElementRange& body : mesh.bodies)
-    origins.push_back(originOf(host, body));
+  const auto num_bodies = static_cast<std::int64_t>(mesh.bodies.size());
+  std::vector<BodyOrigin> origins(mesh.bodies.size());
+  parallelOnHost("mechanics::findBodyTypes::origins", num_bodies,
+                 [&](std::int64_t b) { origins[b] = originOf(host, mesh.bodies[b]); });
   origins = combineByBody(comm, origins, [](BodyOrigin& a, const BodyOrigin& b) {
     a.elem = std::min(a.elem, b.elem);
     a.node = std::min(a.node, b.node);
     a.longest_edge = std::max(a.longest_edge, b.longest_edge);
   });
 
-  std::vector<BodyHash> hashes;
-  for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
-    BodyHash hash{mesh.bodies[b].body, 0};
-    for (int elem = mesh.bodies[b].first; elem < mesh.bodies[b].first + mesh.bodies[b].count;
-         ++elem)
+  std::vector<BodyHash> hashes(mesh.bodies.size());
+  parallelOnHost("mechanics::findBodyTypes::hashes", num_bodies, [&](std::int64_t b) {
+    const ElementRange& body = mesh.bodies[b];
+    BodyHash hash{body.body, 0};
+    for (int elem = body.first; elem < body.first + body.count; ++elem)
       hash.sum += hashOf(host, elem, origins[b]);
-    hashes.push_back(hash);
-  }
+    hashes[b] = hash;
+  });
   hashes = combineByBody(comm, hashes, [](BodyHash& a, const BodyHash& b) { a.sum += b.sum; });
 
   std::vector<TypeOfBody> types;

@@ -1,5 +1,6 @@
 #include "mechanics/mesh/congruent_bodies.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/element/hex8_geometry.hpp"
 #include "mechanics/mesh/combine_by_body.hpp"
@@ -98,18 +99,18 @@ std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm com
       a = b;
   });
 
-  std::vector<Verdict> verdicts;
-  for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
-    Verdict verdict{mesh.bodies[b].body, 1, 1};
-    for (int elem = mesh.bodies[b].first;
-         verdict.congruent && elem < mesh.bodies[b].first + mesh.bodies[b].count; ++elem) {
+  std::vector<Verdict> verdicts(mesh.bodies.size());
+  parallelOnHost("mechanics::markCongruentBodies", verdicts.size(), [&](std::int64_t b) {
+    const ElementRange& body = mesh.bodies[b];
+    Verdict verdict{body.body, 1, 1};
+    for (int elem = body.first; verdict.congruent && elem < body.first + body.count; ++elem) {
       CornerCoordinates X;
       cornersOf(host, elem, X);
       verdict.congruent =
           host.elem_block(elem) == references[b].block && isCongruent(X, references[b]);
     }
-    verdicts.push_back(verdict);
-  }
+    verdicts[b] = verdict;
+  });
   verdicts = combineByBody(comm, verdicts, [](Verdict& a, const Verdict& b) {
     a.congruent &= b.congruent;
     a.ranges += b.ranges;
