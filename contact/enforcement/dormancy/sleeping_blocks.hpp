@@ -169,7 +169,9 @@ void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinem
   if (_state.bounds.extent(0) == 0)
     _state.bounds =
         allocate<View<SeparationBound*>>(space, _state.bounds.label(), max_bounds * _num_blocks);
-  Kokkos::parallel_for("contact::SleepingBlocks::putToSleep", rangePolicy(space, _num_blocks),
+  constexpr int chunk = 64; // blocks without rows, or asleep, follow each other
+  Kokkos::parallel_for("contact::SleepingBlocks::putToSleep",
+                       dynamicPolicy(space, _num_blocks, chunk),
                        FindBounds<Kinematics>{kinematics, faces, pairs, motion.bodies(),
                                               motion.rounding(), row_count, known_apart, _state});
 }
