@@ -40,10 +40,11 @@ public:
         _is_wave(pressure.gaussian && pressure.speed < HUGE_VAL),
         _everywhere(_is_wave ? 0 : pressure.peak * pressure.shape.mean(_span, _width)) {}
 
-  // Whether the mean is zero at every position without evaluating any: before the start, which no
-  // front precedes, or where the pulse is 0.
+  // Whether the mean is zero at every position without evaluating any: without a peak, before the
+  // start, which no front precedes, or where the pulse is 0.
   bool isZero() const {
-    return _is_wave ? _pressure.shape.kind != PulseKind::constant && _span.end < 0
+    return _is_wave ? _pressure.peak == 0 ||
+                          (_pressure.shape.kind != PulseKind::constant && _span.end < 0)
                     : _everywhere == 0;
   }
 

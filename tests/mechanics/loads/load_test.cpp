@@ -61,13 +61,13 @@ TEST(Pressure, GaussianArrivesLaterFartherAway) {
   EXPECT_DOUBLE_EQ(MeanPressure(pressure, {0, 0}).at({0, 0, 0}), 3);
 }
 
-TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstant) {
+TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstantAndWithoutAPeak) {
   Pressure pressure;
-  pressure.peak = 3;
   pressure.start = 2;
   pressure.gaussian = true;
   pressure.radius = 2;
   for (const double speed : {10.0, HUGE_VAL}) {
+    pressure.peak = 3;
     pressure.speed = speed;
     pressure.shape = {PulseKind::half_sine, 1.0};
     EXPECT_TRUE(MeanPressure(pressure, {1.7, 1.9}).isZero());
@@ -75,6 +75,8 @@ TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstant) {
     EXPECT_FALSE(MeanPressure(pressure, {2.4, 2.5}).isZero());
     pressure.shape.kind = PulseKind::constant;
     EXPECT_FALSE(MeanPressure(pressure, {1.7, 1.9}).isZero());
+    pressure.peak = 0;
+    EXPECT_TRUE(MeanPressure(pressure, {2.4, 2.5}).isZero());
   }
 }
 
