@@ -64,6 +64,7 @@ public:
         _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
         _limits(config.limits), _output_ticker(config.output.interval, false),
         _history_ticker(config.output.history_interval, true) {
+    _setup_seconds = _clock.seconds();
     for (const std::string& warning : loadWarnings(comm, config, _scene.part))
       _scene.warnings.push_back(warning);
     if (rankOf(_comm) == 0)
@@ -96,7 +97,9 @@ public:
 
 private:
   void loop() {
+    const double begin = _clock.seconds();
     _simulation.start();
+    _setup_seconds += _clock.seconds() - begin;
     writeState();
     bool first = true;
     while (!_simulation.isDone()) {
@@ -221,6 +224,7 @@ private:
   RunReport makeReport() {
     RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
     report.case_name = _options.caseName();
+    report.setup_seconds = allReduce(_comm, _setup_seconds, MPI_MAX);
     report.counted_searches = numSearches(_simulation) - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
@@ -248,6 +252,7 @@ private:
   Ticker _output_ticker, _history_ticker;
   std::unique_ptr<HistoryWriter> _history;
   std::unique_ptr<Results> _results;
+  double _setup_seconds = 0; // without output
   std::int64_t _searches_before = 0; // in steps that are not timed
   std::int64_t _last_written = -1, _last_row = -1;
   double _last_progress = 0;

@@ -254,6 +254,7 @@ std::string reportJson(const RunReport& r) {
   json["faces"] = r.faces;
   json["steps"] = r.steps;
   json["end_time"] = r.end_time;
+  json["setup_seconds"] = r.setup_seconds;
   json["loop_seconds"] = r.loop_seconds;
   json["fom"] = {{"element_steps_per_second", r.elementStepsPerSecond()},
                  {"solver_element_steps_per_second", r.solverElementStepsPerSecond()},

@@ -96,6 +96,7 @@ struct RunReport {
   double end_time = 0;
   std::int64_t counted_steps = 0; // steps within loop_seconds (the first is not)
   double loop_seconds = 0; // time loop without output and without the first step, slowest rank
+  double setup_seconds = 0; // from the deck to the first step without output, slowest rank
   double solver_seconds = 0; // loop_seconds without contact search and enforcement
   double search_seconds = 0; // the part of loop_seconds in region "contact::search"
   std::int64_t counted_searches = 0; // searches within search_seconds
