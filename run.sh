@@ -43,6 +43,7 @@ Studies consist of many runs and write tables and plots to their folder (default
   accuracy      speed against error: walls and exact cases over meshes and settings
   same-bits     the default wall on many ranks and threads, with and without kept lists
   savings       skipped work restored part by part: the same bits, and the time that skipping saves
+  step          the time of a coupled step, part by part, over scenes, walls, ranks and threads
 verification/README.md describes them.
 
 Exit codes: 0 pass; 1 internal error; 2 faulty deck, mesh or command line; 3 the computation failed or
@@ -84,7 +85,8 @@ choose_study() {
     accuracy) driver=("$root/verification/accuracy/accuracy_study.py") ;;
     same-bits) driver=("$root/verification/same_bits.py") ;;
     savings) driver=("$root/verification/savings.py") ;;
-    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings" ;;
+    step) driver=("$root/verification/performance/step/step_study.py") ;;
+    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }

@@ -108,7 +108,7 @@ def main():
     shutil.rmtree(arguments.output / "runs", ignore_errors=True)
     arguments.output.mkdir(parents=True, exist_ok=True)
     text, failed = ["# The time that skipped work saves\n"], 0
-    text.append(f"Written by `./run.sh --study savings --keep`. {' '.join(__doc__.split('`.', 1)[1].split())}\n")
+    text.append(f"Written by `./run.sh --study savings --keep`. {' '.join(__doc__.split(chr(10), 1)[1].split())}\n")
     try:
         for number, scene in enumerate(QUICK_SCENES if arguments.quick else SCENES):
             rows, bad, program_report = compare(program, arguments, number, scene)

@@ -4,12 +4,18 @@
 // constant speed: other forces balance those of the contacts, as the elements' forces do; or
 // nothing balances them, so that the energy-neutral scheme takes each step for the last one of
 // every contact and corrects all forces in every round. BRICKWALL_COURSES is the number of courses,
-// each of about half as many bricks (29 courses are W(8)).
+// each of about half as many bricks (29 courses are W(8)). The flops and bytes of a contact are
+// counted: of a persistent contact of a node with a face, whose force is corrected once.
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
+#include "contact/enforcement/law/contact_law.hpp"
+#include "contact/enforcement/law/correct_springs.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
+#include "contact/enforcement/node_face/node_faces.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
 #include "verification/performance/benchmarks/benchmark_clock.hpp"
 #include "verification/performance/benchmarks/benchmark_main.hpp"
+#include "verification/performance/benchmarks/counted.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -191,6 +197,70 @@ void printSpeed(const char* name, double share_a_step, bool is_balanced = true) 
       1e-6 * pairs / median, 1e9 * median / pairs, concurrency(space));
 }
 
+// A node above the middle of a unit face, which has penetrated it: projection, contact law, forces
+// in quanta and their correction, as the lanes compute them.
+std::int64_t flopsOfContact() {
+  constexpr double depth = 1e-3;
+  const Vec3 corner[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  persistent_contact::Gathered<Counted> gathered;
+  correct_springs::Gathered<Counted> springs;
+  for (int j = 0; j < 4; ++j) {
+    gathered.corner[j].set(0, corner[j]);
+    gathered.corner_motion[j].set(0, Vec3());
+    gathered.corner_mass[j][0] = 1;
+    gathered.last_weight[j][0] = springs.weight[j][0] = 0.25;
+    springs.corner_acceleration[j].set(0, Vec3());
+  }
+  gathered.node.set(0, {0.4, 0.4, -depth});
+  gathered.node_motion.set(0, {0, 0, -depth / 4});
+  gathered.node_mass[0] = 1;
+  PairForces add;
+  CorrectPair correct{{{}, GhostFaces::none()}, {}, {}, dt, dt, 0, 1};
+  ContactLaw law;
+  law.dt = law.previous_dt = dt;
+  Counted::count = 0;
+  persistent_contact::Found<Counted> found;
+  persistent_contact::evaluate(gathered, found);
+  ContactState<Counted> state;
+  state.normal = found.normal;
+  state.motion = found.motion;
+  state.penetration[0] = -found.gap[0];
+  state.inverse_mass = found.inverse_mass;
+  state.is_persistent[0] = state.last_stiffness[0] = state.last_fade_weight[0] = 1;
+  state.last_depth[0] = 0.75 * depth;
+  state.was_new[0] = state.has_changed_face[0] = state.last_offset[0] = state.last_stored[0] = 0;
+  state.contact_work[0] = state.closing_at_last_point[0] = state.activation_stiffness[0] = 0;
+  law.setSpring(state, Counted(2));
+  state.spring_energy = ContactLaw::springEnergy(state);
+  law.followEnergy(state);
+  PairQuanta<Counted> quanta;
+  const Counted weights[4] = {found.weight[0], found.weight[1], found.weight[2], found.weight[3]};
+  add.round(Counted(state.first_force), Triple<Counted>(state.normal), Counted(0), weights, quanta);
+  springs.force = springs.first_force = state.first_force;
+  springs.damping[0] = springs.first_damping[0] = springs.is_new[0] = 0;
+  springs.depth = state.depth;
+  springs.offset = state.offset;
+  springs.stored = state.stored;
+  springs.closing = state.closing;
+  springs.inverse_mass = state.inverse_mass;
+  springs.normal = state.normal;
+  springs.acceleration.set(0, Vec3());
+  correct_springs::Corrected<Counted> corrected;
+  correct_springs::evaluate(springs, correct, add, corrected);
+  return Counted::count;
+}
+
+// What a contact reads and writes, as if no two contacts had a node or a face in common.
+std::size_t bytesOfContact() {
+  constexpr std::size_t vector = sizeof(Vec3), id = sizeof(global_id), candidates = 4, nodes = 5;
+  const std::size_t selection = sizeof(Interaction) + 2 * nodes * vector + nodes * sizeof(double) +
+                                candidates * (sizeof(int) + sizeof(FaceRecord)) + 4 * sizeof(int) +
+                                3 * id;
+  const std::size_t written = sizeof(Interaction) + 2 * nodes * vector; // forces: read and written
+  const std::size_t correction = 2 * sizeof(Interaction) + nodes * vector;
+  return selection + written + correction;
+}
+
 } // namespace
 } // namespace brickwall::contact
 
@@ -201,5 +271,8 @@ int main(int argc, char** argv) {
     printSpeed("all corrected", 2e-4, false);
     printSpeed("at rest", 0);
     printSpeed("flying apart", -2e-4);
+    std::printf("contact: %lld flops, %zu B\n",
+                static_cast<long long>(brickwall::contact::flopsOfContact()),
+                brickwall::contact::bytesOfContact());
   });
 }

@@ -3,6 +3,7 @@
 // BRICKWALL_ONLY selects cases by a part of their name. The same run measures for comparison
 //   triad      a = b + s c on arrays beyond the caches: 3 numbers of 8 bytes each
 //   peak       multiplications and additions of vectors in registers
+//   launch     of a kernel without work
 // and counts the flops of one element and one node by running their templates on a counting type.
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/step/central_difference.hpp"
@@ -10,6 +11,7 @@
 #include "mechanics/step/kick_kernel.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
 #include "verification/performance/benchmarks/benchmark_clock.hpp"
+#include "verification/performance/benchmarks/counted.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +20,14 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace brickwall::mechanics {
+namespace brickwall {
+
+// Found through its argument.
+inline Counted logOnePlus(const Counted&, const Counted& s) {
+  return mechanics::logSeries(s, Counted(s * s));
+}
+
+namespace mechanics {
 namespace {
 
 using namespace testing;
@@ -46,58 +55,21 @@ Seconds timeCalls(int calls, const Call& call) {
 
 // --- counting of operations
 
-struct Counted {
-  static inline std::int64_t count = 0;
-  double value = 0;
-  Counted() = default;
-  Counted(double v) : value(v) {}
-  static Counted of(double v) {
-    ++count;
-    return v;
-  }
-  Counted& operator+=(const Counted& b) { return *this = of(value + b.value); }
-  Counted& operator-=(const Counted& b) { return *this = of(value - b.value); }
-};
-#define COUNTED(op)                                                                                \
-  [[maybe_unused]] Counted operator op(const Counted& a, const Counted& b) {                       \
-    return Counted::of(a.value op b.value);                                                        \
-  }                                                                                                \
-  [[maybe_unused]] Counted operator op(const Counted& a, double b) {                               \
-    return Counted::of(a.value op b);                                                              \
-  }                                                                                                \
-  [[maybe_unused]] Counted operator op(double a, const Counted& b) {                               \
-    return Counted::of(a op b.value);                                                              \
-  }
-COUNTED(+)
-COUNTED(-)
-COUNTED(*)
-COUNTED(/)
-#undef COUNTED
-Counted operator-(const Counted& a) {
-  return -a.value;
-}
-Counted logOnePlus(const Counted&, const Counted& s) {
-  return logSeries(s, Counted(s * s));
-}
-Counted whereNotZero(const Counted&, const Counted& a) {
-  return a;
-}
-
 template <MaterialModel model, class Geometry>
 std::int64_t flopsOfElement(const Geometry& geometry) {
   const auto stiffness = stiffnessOf(geometry, ElementModuli::of(steelLike(model)), 1.0);
   Counted::count = 0;
-  Counted u[3][num_modes], corner[3][8];
+  Counted u[3][num_modes] = {}, corner[3][8] = {};
   for (int i = 0; i < 3; ++i)
     cornersToModes(corner[i], u[i]);
-  OnePointForces<Counted> forces;
+  OnePointForces<Counted> forces = {};
   onePointForces<model>(u, geometry, stiffness, true, forces);
   return Counted::count;
 }
 std::int64_t flopsOfNode() {
   Counted::count = 0;
-  NodeKick<Counted> kick;
-  Counted term[num_plain_kick_terms];
+  NodeKick<Counted> kick = {};
+  Counted term[num_plain_kick_terms] = {};
   kick.mass = 1.0;
   kick.accelerate(kick.force, 1, Vec3());
   kick.terms(1, term);
@@ -116,6 +88,25 @@ double triadBandwidth(const exec_space& space) { // bytes per second
     space.fence();
   });
   return 24.0 * n / seconds.median;
+}
+
+// Medians of the times of launches over one number per thread, with the wait for their end.
+void printLaunches(const exec_space& space) {
+  const int threads = concurrency(space);
+  const View<double*> a("a", threads);
+  const Seconds loop = timeCalls(2001, [&] {
+    Kokkos::parallel_for(
+        "empty", rangePolicy(space, threads), KOKKOS_LAMBDA(const std::int64_t i) { a(i) = 1; });
+    space.fence();
+  });
+  const Seconds reduction = timeCalls(2001, [&] {
+    double sum = 0;
+    Kokkos::parallel_reduce(
+        "empty", rangePolicy(space, threads),
+        KOKKOS_LAMBDA(const std::int64_t i, double& part) { part += a(i); }, sum);
+  });
+  std::printf("  empty launch: parallel_for %.2f us, parallel_reduce %.2f us\n", 1e6 * loop.median,
+              1e6 * reduction.median);
 }
 
 // Ten independent chains of products and ten of sums.
@@ -268,6 +259,7 @@ TEST(SolverSpeed, IsPrinted) {
                peak = all ? vectorPeak<simd_width>(space) : 1;
   std::printf("  %d thread(s), %d bricks; triad %.1f GB/s; peak %.1f Gflop/s\n", concurrency(space),
               numBricks(), triad * 1e-9, peak * 1e-9);
+  printLaunches(space);
   const double nodes_per_elem = 17.0 * 9 * 9 / (16 * 8 * 8);
   const double neo = measure("congruent, neo-Hookean", false, MaterialModel::neo_hookean, true);
   measure("congruent, linear", false, MaterialModel::linear, true);
@@ -294,4 +286,5 @@ TEST(SolverSpeed, IsPrinted) {
 }
 
 } // namespace
-} // namespace brickwall::mechanics
+} // namespace mechanics
+} // namespace brickwall
