@@ -77,7 +77,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
   _forces.nodes = _totals;
   _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
-  _status = View<unsigned char*>("contact::Enforcement::status", surface.num_nodes);
+  _status = View<int*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
   clearStatus(space);
   _accelerations =
@@ -217,7 +217,7 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
 
 // The values of nodes without contact.
 void Enforcement::clearStatus(const exec_space& space) {
-  Kokkos::deep_copy(space, _status, static_cast<unsigned char>(0));
+  Kokkos::deep_copy(space, _status, 0);
   Kokkos::deep_copy(space, _gap, -0.0);
 }
 

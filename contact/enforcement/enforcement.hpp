@@ -82,7 +82,7 @@ public:
   // several ranks, all.
   const NodeList& touched() const { return _touched.list(); }
   // [surface node] number of bodies that the node penetrates, loaded or not; 0 if not owned.
-  const View<unsigned char*>& status() const { return _status; }
+  const View<int*>& status() const { return _status; }
   // [surface node] least gap, length: minus the largest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
 
@@ -127,7 +127,7 @@ private:
   bool _has_forces = false; // on any rank; otherwise _forces are zero
   double _previous_dt = 0;
   bool _has_status = false; // whether _status of any node differs from 0
-  View<unsigned char*> _status;
+  View<int*> _status;
   View<double*> _gap;
   View<double* [3]> _accelerations;
   // [surface node] its acceleration has changed since the last round

@@ -55,8 +55,7 @@ public:
   template <class Kinematics>
   void putToSleep(const exec_space& space, const Kinematics& kinematics, const FaceAccess& faces,
                   const CandidatePairs& pairs, const SurfaceMotion& motion,
-                  const View<const unsigned char*>& row_count,
-                  const View<unsigned char*>& known_apart);
+                  const View<const int*>& row_count, const View<unsigned char*>& known_apart);
 
   const SleepState& state() const { return _state; }
   bool hasAsleep() const { return _num_awake < _num_blocks; }
@@ -78,7 +77,7 @@ struct FindBounds {
   CandidatePairs pairs;
   BodyMotions motions;
   double rounding;
-  View<const unsigned char*> row_count;
+  View<const int*> row_count;
   View<unsigned char*> known_apart;
   SleepState state;
 
@@ -158,8 +157,7 @@ private:
 template <class Kinematics>
 void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinematics,
                                 const FaceAccess& faces, const CandidatePairs& pairs,
-                                const SurfaceMotion& motion,
-                                const View<const unsigned char*>& row_count,
+                                const SurfaceMotion& motion, const View<const int*>& row_count,
                                 const View<unsigned char*>& known_apart) {
   // With rows_per_block = 1, a search in every step marks all rows as changed, so the block would
   // wake at once.

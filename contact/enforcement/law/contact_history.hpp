@@ -8,10 +8,6 @@
 
 namespace brickwall::contact {
 
-// Largest number of bodies that one node can be in contact with; contacts beyond it are counted and
-// reported.
-constexpr int max_interactions = 8;
-
 // One node (or edge) against one body. P is the penetration, n the outward normal of the face.
 struct Interaction {
   global_id body = -1; // opposing body
@@ -106,7 +102,7 @@ struct ContactHistory {
   View<FrictionSpring*> friction; // [as interactions]; empty without friction
   View<FadingForce*> fading; // [as interactions]; valid where fade_weight < 1
   View<int*> row_begin; // [node]
-  View<unsigned char*> row_count; // [node]
+  View<int*> row_count; // [node]
   std::int64_t count = 0;
 
   // Prefetches an interaction.

@@ -2,7 +2,6 @@
 #include "contact/enforcement/law/contact_sums.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "contact/enforcement/law/contact_history.hpp"
 
 namespace brickwall::contact {
 
@@ -10,9 +9,6 @@ std::string ContactSums::problem() const {
   if (invalid + terms.invalid > 0)
     return std::to_string(invalid + terms.invalid) +
            " contact forces or energies are not finite or beyond the fixed-point range";
-  if (overflow > 0)
-    return std::to_string(overflow) + " contacts exceed the limit of " +
-           std::to_string(max_interactions) + " bodies per node";
   if (lost > 0)
     return std::to_string(lost) +
            " loaded contacts are lost, since they are deeper than the search reaches (largest "
@@ -24,17 +20,17 @@ std::string ContactSums::problem() const {
 
 void sumOverRanks(MPI_Comm comm, ContactSums& sums) {
   constexpr int num_limbs = LimbSums<num_contact_terms>::size();
-  std::int64_t counts[num_limbs + 6];
+  std::int64_t counts[num_limbs + 5];
   for (int i = 0; i < num_limbs; ++i)
     counts[i] = sums.terms.data()[i];
   std::int64_t* rest = counts + num_limbs;
   rest[0] = sums.interactions, rest[1] = sums.active, rest[2] = sums.lost;
-  rest[3] = sums.overflow, rest[4] = sums.invalid, rest[5] = sums.penetrating;
-  allReduce(comm, counts, num_limbs + 6, MPI_SUM);
+  rest[3] = sums.invalid, rest[4] = sums.penetrating;
+  allReduce(comm, counts, num_limbs + 5, MPI_SUM);
   for (int i = 0; i < num_limbs; ++i)
     sums.terms.data()[i] = counts[i];
   sums.interactions = rest[0], sums.active = rest[1], sums.lost = rest[2];
-  sums.overflow = rest[3], sums.invalid = rest[4], sums.penetrating = rest[5];
+  sums.invalid = rest[3], sums.penetrating = rest[4];
   sums.max_penetration = allReduce(comm, sums.max_penetration, MPI_MAX);
   sums.deepest = allReduce(comm, sums.deepest, MPI_MAX);
 }

@@ -32,7 +32,7 @@ struct ContactSums {
   // Loaded interactions whose face is no longer a candidate, since they are deeper than the search
   // reaches.
   std::int64_t lost = 0;
-  std::int64_t overflow = 0; // interactions beyond max_interactions of a node
+  std::int64_t workspace = 0; // places that this rank's crowded rows take in the RowWorkspace
   std::int64_t invalid = 0; // forces that are not finite or exceed the fixed-point range
   double max_penetration = 0; // largest penetration of a loaded contact over the size of its face
   double deepest = 0; // largest penetration of a loaded contact, length
@@ -43,7 +43,7 @@ struct ContactSums {
     interactions += b.interactions;
     active += b.active;
     lost += b.lost;
-    overflow += b.overflow;
+    workspace += b.workspace;
     invalid += b.invalid;
     max_penetration = maxOf(max_penetration, b.max_penetration);
     deepest = maxOf(deepest, b.deepest);
@@ -53,7 +53,7 @@ struct ContactSums {
   std::string problem() const;
   // Number of failures that make the forces of the step wrong. Lost contacts are not among them; a
   // run may continue with a warning.
-  std::int64_t failures() const { return overflow + invalid + terms.invalid; }
+  std::int64_t failures() const { return invalid + terms.invalid; }
 };
 // Collective.
 void sumOverRanks(MPI_Comm comm, ContactSums& sums);

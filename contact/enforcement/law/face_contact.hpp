@@ -26,6 +26,7 @@ struct FaceContact {
   double closing_at_last_point;
   bool has_ended; // its node is in front of the face again
   bool is_persistent; // it continues under load; all other contacts become active in this step
+  bool is_compressive; // it has a force
 
   // Of contacts that are selected
   Vec3 motion; // of the pushing point in this step with respect to the face point, length

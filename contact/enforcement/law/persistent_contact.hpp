@@ -11,7 +11,6 @@ namespace brickwall::contact {
 // An interaction of the contact history whose face is still a candidate.
 struct PersistentContact {
   int node; // node (or number of the edge) whose row this is
-  int slot; // position in that row of the contact history
   int previous; // index of the interaction
   int face; // candidate index
   // motion of the pushing point with respect to the face point in this step, with the last

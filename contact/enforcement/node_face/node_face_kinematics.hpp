@@ -30,7 +30,7 @@ struct NodeFaceKinematics {
   View<const FaceRecord*> records; // own, remote, ghost faces
   int num_faces, num_remote;
   View<const double*> node_mass;
-  View<unsigned char*> status;
+  View<int*> status;
   View<double*> gap;
 
   // Tributary area of a node with respect to a direction, A_i, and its mean surface mass; both zero
@@ -216,7 +216,7 @@ struct NodeFaceKinematics {
   }
   // Nodes that are never recorded keep status 0 and gap -0.
   KOKKOS_INLINE_FUNCTION void record(int node, int num_contacts, double deepest) const {
-    status(node) = static_cast<unsigned char>(num_contacts);
+    status(node) = num_contacts;
     gap(node) = -deepest;
   }
 

@@ -11,6 +11,20 @@
 
 namespace brickwall::contact {
 
+// Memory for the contacts of crowded rows, which have more bodies than the local arrays of a thread
+// hold.
+struct RowWorkspace {
+  View<PersistentContact*> persistent; // [place]
+  View<FaceContact*> contacts; // [place]
+  View<std::int64_t> num_reserved; // places; beyond the extent if there are too few
+
+  // Reserves consecutive places. Returns the first one, or -1 if there are too few.
+  KOKKOS_INLINE_FUNCTION std::int64_t reserve(int count) const {
+    const std::int64_t first = Kokkos::atomic_fetch_add(num_reserved.data(), std::int64_t(count));
+    return first + count <= static_cast<std::int64_t>(contacts.extent(0)) ? first : -1;
+  }
+};
+
 template <class Kinematics>
 struct EnforcementStep {
   ContactLaw law;
@@ -21,6 +35,7 @@ struct EnforcementStep {
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;
+  RowWorkspace workspace;
   PairForces add; // accumulates the forces of the interactions written to `next`
 
   // The work of a fading force over a motion of its pair.

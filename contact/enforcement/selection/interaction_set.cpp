@@ -24,7 +24,7 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
   history.friction = View<FrictionSpring*>(label + "::friction", 0);
   history.fading = View<FadingForce*>(label + "::fading", 0);
   history.row_begin = allocate<View<int*>>(space, label + "::row_begin", num_nodes);
-  history.row_count = View<unsigned char*>(label + "::row_count", num_nodes);
+  history.row_count = View<int*>(label + "::row_count", num_nodes);
   return history;
 }
 
@@ -95,13 +95,23 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
-      _next_count(label + "::next_count") {
+      _next_count(label + "::next_count"),
+      _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
+                 View<FaceContact*>(label + "::workspace::contacts", 0),
+                 View<std::int64_t>(label + "::workspace::num_reserved")} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
 }
 
-void InteractionSet::growInteractions(const exec_space& space, std::int64_t count) {
-  growTo(space, _next.interactions, count);
+bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
+  return sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)) &&
+         sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
+}
+
+void InteractionSet::growFor(const exec_space& space, const ContactSums& sums) {
+  growTo(space, _workspace.persistent, sums.workspace);
+  growTo(space, _workspace.contacts, sums.workspace);
+  growTo(space, _next.interactions, sums.interactions);
   const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
   if (_config.friction > 0)
     growTo(space, _next.friction, room);
@@ -117,7 +127,7 @@ void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces
 }
 
 void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces) {
-  Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+  Kokkos::deep_copy(space, _next.row_count, 0);
   _next.count = 0;
   zeroForces(space, faces);
   _are_nodes_zero = true;

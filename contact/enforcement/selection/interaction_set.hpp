@@ -2,10 +2,8 @@
 // their forces.
 #pragma once
 
-#include "contact/enforcement/law/contact_sums.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
-#include "contact/enforcement/law/pair_forces.hpp"
-#include "contact/surface/face_access.hpp"
+#include "contact/enforcement/selection/enforcement_step.hpp"
 
 #include <string>
 #include <utility>
@@ -42,7 +40,7 @@ public:
                  const Quantum& quantum);
 
   // Launches SelectInteractions<Kinematics> over the rows of `pairs`, again with more memory if the
-  // interactions did not fit. Afterwards next() holds the interactions of this step, history()
+  // interactions, or the contacts of crowded rows, did not fit. Afterwards next() holds the interactions of this step, history()
   // those of the last one, and forces() the forces of next() (pair_forces.hpp).
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
@@ -75,7 +73,9 @@ public:
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
-  void growInteractions(const exec_space& space, std::int64_t count);
+  // Memory for the interactions and the crowded rows of a step with these sums.
+  bool hasRoomFor(const ContactSums& sums) const;
+  void growFor(const exec_space& space, const ContactSums& sums);
 
   EnforcementConfig _config;
   Quantum _quantum;
@@ -83,6 +83,7 @@ private:
   View<unsigned char*> _is_corrected; // [as interactions] the last round has changed it
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
+  RowWorkspace _workspace; // empty until a row is crowded
   ContactForces _forces;
   bool _are_nodes_zero = true; // of _forces
 };
@@ -97,21 +98,23 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
   step.next_count = _next_count;
   while (true) {
     Kokkos::deep_copy(space, _next_count, std::int64_t(0));
+    if (_workspace.contacts.extent(0) > 0)
+      Kokkos::deep_copy(space, _workspace.num_reserved, std::int64_t(0));
     zeroForces(space, step.faces);
     step.next = _next;
+    step.workspace = _workspace;
     step.add = pairForces(space, step.faces);
     ContactSums sums;
-    Kokkos::deep_copy(space, _next.row_count, static_cast<unsigned char>(0));
+    Kokkos::deep_copy(space, _next.row_count, 0);
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
     const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
     Kokkos::parallel_reduce("contact::selectInteractions", range_policy(space, begin, end), functor,
                             PlusReducer<ContactSums>(sums));
     _next.count = sums.interactions;
     _are_nodes_zero = sums.interactions == 0;
-    if (sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)))
+    if (hasRoomFor(sums))
       return sums;
-    // The contact history is unchanged, so the step can be repeated.
-    growInteractions(space, sums.interactions);
+    growFor(space, sums); // the contact history is unchanged, so the step can be repeated
   }
 }
 

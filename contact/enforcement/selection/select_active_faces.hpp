@@ -10,12 +10,24 @@ template <class Kinematics>
 struct SelectActiveFaces {
   const EnforcementStep<Kinematics>& step;
 
-  // One contact per opposing body, written to `contacts`, which has room for max_interactions + 1.
+  // The row of a node in the contact history. Its bodies ascend, as those of the candidates do, so
+  // both are read side by side.
+  struct History {
+    int next, end; // indices of interactions
+    const PersistentContact* persistent; // of the row, in its order
+    const PersistentContact* persistent_end;
+  };
+  KOKKOS_INLINE_FUNCTION History historyOf(int node, const PersistentContact* persistent,
+                                           int num_persistent) const {
+    const int count = step.previous.row_count(node);
+    const int first = count == 0 ? 0 : step.previous.row_begin(node);
+    return {first, first + count, persistent, persistent + num_persistent};
+  }
+
+  // One contact per opposing body, written to `contacts`, which has room for all bodies of the row.
   // Returns their number.
-  KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node,
-                                               const PersistentContact* persistent,
-                                               int num_persistent, FaceContact* contacts,
-                                               ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node, History history,
+                                               FaceContact* contacts, ContactSums& sums) const {
     const std::int64_t end = step.pairs.end(row);
     const global_id own_body = step.faces.surface.node_body(node);
     int num_contacts = 0;
@@ -25,15 +37,11 @@ struct SelectActiveFaces {
       while (pair < end && step.kinematics.bodyOf(step.faces, step.pairs.faces(pair)) == body)
         ++pair;
       FaceContact& contact = contacts[num_contacts];
-      recallContact(node, body, persistent, num_persistent, contact, sums);
+      recallContact(body, history, contact, sums);
       const bool is_tested = (body != own_body || step.law.config.self_contact) &&
                              step.kinematics.pushes(own_body, body);
-      if (!is_tested || !selectFaceOfBody(node, begin, pair, contact))
-        continue;
-      if (num_contacts < max_interactions)
+      if (is_tested && selectFaceOfBody(node, begin, pair, contact))
         ++num_contacts;
-      else
-        ++sums.overflow;
     }
     return num_contacts;
   }
@@ -125,23 +133,26 @@ struct SelectActiveFaces {
 
   // Reads the interaction with `body` from the contact history if its face is still a candidate,
   // and records the work of its last forces.
-  KOKKOS_INLINE_FUNCTION void recallContact(int node, global_id body,
-                                            const PersistentContact* persistent, int num_persistent,
-                                            FaceContact& contact, ContactSums& sums) const {
-    const int slot = previousSlot(node, body);
-    contact.previous = slot < 0 ? -1 : step.previous.row_begin(node) + slot;
+  KOKKOS_INLINE_FUNCTION void recallContact(global_id body, History& history, FaceContact& contact,
+                                            ContactSums& sums) const {
+    while (history.next < history.end && step.previous.interactions(history.next).body < body)
+      ++history.next;
+    const bool is_known =
+        history.next < history.end && step.previous.interactions(history.next).body == body;
+    contact.previous = is_known ? history.next : -1;
     contact.previous_face = -1;
     contact.persistent = nullptr;
     contact.contact_work = contact.closing_at_last_point = 0;
     contact.has_ended = false;
-    for (int k = 0; k < num_persistent; ++k)
-      if (persistent[k].slot == slot) {
-        contact.persistent = &persistent[k];
-        contact.previous_face = persistent[k].face;
-        contact.closing_at_last_point =
-            -dot(step.previous.interactions(contact.previous).normal, persistent[k].last_motion);
-        contact.contact_work = step.recordWork(persistent[k], contact.closing_at_last_point, sums);
-      }
+    if (!is_known || history.persistent == history.persistent_end ||
+        history.persistent->previous != history.next)
+      return;
+    contact.persistent = history.persistent++;
+    contact.previous_face = contact.persistent->face;
+    contact.closing_at_last_point =
+        -dot(step.previous.interactions(contact.previous).normal, contact.persistent->last_motion);
+    contact.contact_work =
+        step.recordWork(*contact.persistent, contact.closing_at_last_point, sums);
   }
 
   // Whether the node can have entered the body through this face. If it is much deeper than before,
@@ -166,19 +177,14 @@ struct SelectActiveFaces {
     return step.kinematics.test(step.faces, node, face, test_kind, contact) &&
            step.faces.isOfThisStep(step.pairs.step_test, node, face);
   }
-  KOKKOS_INLINE_FUNCTION int previousSlot(int node, global_id body) const {
-    for (int s = 0; s < step.previous.row_count(node); ++s)
-      if (step.previous.interactions(step.previous.row_begin(node) + s).body == body)
-        return s;
-    return -1;
-  }
 
   // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
   // than their tolerance.
-  KOKKOS_INLINE_FUNCTION void countLost(int node, int seen, ContactSums& sums) const {
-    for (int s = 0; s < step.previous.row_count(node); ++s)
-      if (!(seen & (1 << s)) &&
-          step.previous.interactions(step.previous.row_begin(node) + s).depth > 0)
+  KOKKOS_INLINE_FUNCTION void countLost(History history, ContactSums& sums) const {
+    for (int i = history.next; i < history.end; ++i)
+      if (history.persistent != history.persistent_end && history.persistent->previous == i)
+        ++history.persistent;
+      else if (step.previous.interactions(i).depth > 0)
         ++sums.lost;
   }
 };

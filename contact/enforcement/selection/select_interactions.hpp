@@ -24,7 +24,11 @@ struct SelectInteractions {
   static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
-  static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_interactions;
+  // Bodies of a row whose contacts fit local arrays; a row with more is crowded, and uses the
+  // workspace.
+  static constexpr int max_bodies = simd_width > 1 ? 16 : 8;
+  static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_bodies;
+  static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
 
   EnforcementStep<Kinematics> step;
   std::int64_t first_row = 0; // rows before it are empty
@@ -33,15 +37,15 @@ struct SelectInteractions {
   bool has_asleep = false; // otherwise `sleep` is not read
 
   // Rows that may have a contact, and their persistent contacts: row r has persistent[first[r]] ..
-  // persistent[first[r + 1] - 1].
+  // persistent[first[r + 1] - 1]. A crowded row is alone in its batch.
   struct Batch {
     int num_rows = 0, num_persistent = 0;
     std::int64_t rows[rows_at_once];
     int first[rows_at_once + 1];
-    PersistentContact persistent[max_persistent];
+    PersistentContact local[max_persistent];
+    PersistentContact* persistent = local;
+    FaceContact* crowded = nullptr; // room for the contacts of a crowded row
   };
-  static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
-  using Selected = SelectedContacts<rows_at_once, max_selected>;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
     const std::int64_t begin = part * rows_at_once;
@@ -82,8 +86,11 @@ struct SelectInteractions {
       if constexpr (!Kinematics::tests_rows_at_once)
         if (count == 0 && !rowMayActivate(row, node, penetrating[r]))
           continue;
-      if (batch.num_persistent + count > max_persistent)
+      const int crowd = crowdOf(row, count);
+      if (crowd > 0 || batch.crowded != nullptr || batch.num_persistent + count > max_persistent)
         selectBatch(batch, sums);
+      if (crowd > 0 && !useWorkspace(batch, crowd, sums))
+        continue;
       batch.rows[batch.num_rows] = row;
       batch.first[batch.num_rows++] = batch.num_persistent;
       if (count > 0) {
@@ -182,30 +189,59 @@ struct SelectInteractions {
     }
     return num_kept;
   }
+  // The number of bodies of a crowded row, 0 for others. `count`: its contacts in the history.
+  KOKKOS_INLINE_FUNCTION int crowdOf(std::int64_t row, int count) const {
+    const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
+    if (maxOf<std::int64_t>(end - begin, count) <= max_bodies)
+      return 0;
+    int num_bodies = 0;
+    for (std::int64_t p = begin; p < end; ++p)
+      num_bodies += p == begin || bodyOf(p) != bodyOf(p - 1);
+    const int crowd = maxOf(num_bodies, count);
+    return crowd > max_bodies ? crowd : 0;
+  }
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(std::int64_t pair) const {
+    return step.kinematics.bodyOf(step.faces, step.pairs.faces(pair));
+  }
+  // Takes workspace for an empty batch. Returns false if there is too little: the step is then
+  // repeated with more.
+  KOKKOS_INLINE_FUNCTION bool useWorkspace(Batch& batch, int crowd, ContactSums& sums) const {
+    sums.workspace += crowd;
+    const std::int64_t place = step.workspace.reserve(crowd);
+    if (place < 0)
+      return false;
+    batch.persistent = &step.workspace.persistent(place);
+    batch.crowded = &step.workspace.contacts(place);
+    return true;
+  }
+  // Bodies ascend among the candidates and in the row of the history.
   KOKKOS_INLINE_FUNCTION void findPersistent(std::int64_t row, int node, int count,
                                              Batch& batch) const {
-    const std::int64_t end = step.pairs.end(row);
-    const int first = step.previous.row_begin(node);
-    int deficit = count;
-    for (std::int64_t p = step.pairs.begin(row); p < end && deficit > 0; ++p) {
+    const std::int64_t pairs_end = step.pairs.end(row);
+    int i = step.previous.row_begin(node);
+    const int end = i + count;
+    for (std::int64_t p = step.pairs.begin(row); p < pairs_end; ++p) {
+      const global_id body = bodyOf(p);
+      while (i < end && step.previous.interactions(i).body < body)
+        ++i;
+      if (i == end)
+        return;
       const int face = step.pairs.faces(p);
-      const global_id id = step.kinematics.idOf(step.faces, face);
-      for (int s = 0; s < count; ++s) {
-        if (step.previous.interactions(first + s).face != id)
-          continue;
-        --deficit;
-        if (!step.faces.isOfThisStep(step.pairs.step_test, node, face))
-          continue;
-        PersistentContact& contact = batch.persistent[batch.num_persistent++];
-        contact.node = node;
-        contact.slot = s;
-        contact.previous = first + s;
-        contact.face = face;
-        step.faces.prefetchFace(face);
-      }
+      if (step.previous.interactions(i).face != step.kinematics.idOf(step.faces, face))
+        continue;
+      const int previous = i++;
+      if (!step.faces.isOfThisStep(step.pairs.step_test, node, face))
+        continue;
+      PersistentContact& contact = batch.persistent[batch.num_persistent++];
+      contact.node = node;
+      contact.previous = previous;
+      contact.face = face;
+      step.faces.prefetchFace(face);
     }
   }
   KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
+    if (batch.num_rows == 0)
+      return;
     for (int k = 0; k < batch.num_persistent; ++k) {
       step.faces.prefetchRow(step.add.target.nodes, batch.persistent[k].node);
       step.faces.prefetchCorners(batch.persistent[k].face, step.add.target.nodes);
@@ -213,58 +249,55 @@ struct SelectInteractions {
     step.kinematics.projectPersistent(step.faces, step.previous, batch.num_persistent,
                                       batch.persistent);
     batch.first[batch.num_rows] = batch.num_persistent;
-    Selected selected;
+    const WriteInteractions<Kinematics> write{step};
+    FaceContact local[max_selected + max_bodies]; // room for one more row
+    FaceContact* contacts = batch.crowded != nullptr ? batch.crowded : local;
+    int num_selected = 0;
     for (int r = 0; r < batch.num_rows; ++r) {
-      if (selected.count > max_selected)
-        write(selected, sums);
-      selectOfRow(batch.rows[r], batch.persistent + batch.first[r],
-                  batch.first[r + 1] - batch.first[r], selected, sums);
+      if (num_selected > max_selected) {
+        write.writeAll(contacts, num_selected, sums);
+        num_selected = 0;
+      }
+      num_selected +=
+          selectOfRow(batch.rows[r], batch.persistent + batch.first[r],
+                      batch.first[r + 1] - batch.first[r], contacts + num_selected, sums);
     }
-    write(selected, sums);
+    write.writeAll(contacts, num_selected, sums);
     batch.num_rows = batch.num_persistent = 0;
-  }
-  KOKKOS_INLINE_FUNCTION void write(Selected& selected, ContactSums& sums) const {
-    WriteInteractions<Kinematics>{step}.writeAll(selected, sums);
-    selected.num_rows = selected.count = 0;
+    batch.persistent = batch.local;
+    batch.crowded = nullptr;
   }
 
-  KOKKOS_INLINE_FUNCTION void selectOfRow(std::int64_t row, const PersistentContact* persistent,
-                                          int num_persistent, Selected& selected,
-                                          ContactSums& sums) const {
+  // Writes the contacts of the row that have a force to `contacts`, which has room for one for each
+  // body of the row. Returns their number.
+  KOKKOS_INLINE_FUNCTION int selectOfRow(std::int64_t row, const PersistentContact* persistent,
+                                         int num_persistent, FaceContact* contacts,
+                                         ContactSums& sums) const {
     const SelectActiveFaces<Kinematics> select{step};
     const int node = step.pairs.node(row);
-    FaceContact* contacts = selected.contacts + selected.count;
-    int seen = 0; // bit s: the face of the node's previous interaction s is still a candidate
-    for (int k = 0; k < num_persistent; ++k)
-      seen |= 1 << persistent[k].slot;
-    const int num_contacts =
-        select.selectActiveFaces(row, node, persistent, num_persistent, contacts, sums);
-    select.countLost(node, seen, sums);
+    const auto history = select.historyOf(node, persistent, num_persistent);
+    const int num_contacts = select.selectActiveFaces(row, node, history, contacts, sums);
+    select.countLost(history, sums);
     double deepest = 0;
-    unsigned loaded = 0; // bit h: contact h has a force
     for (int h = 0; h < num_contacts; ++h) {
       deepest = maxOf(deepest, contacts[h].depth);
-      loaded |= static_cast<unsigned>(select.isCompressive(node, contacts[h])) << h;
+      contacts[h].is_compressive = select.isCompressive(node, contacts[h]);
     }
     for (int h = 0; h < num_contacts; ++h)
-      if ((loaded >> h & 1u) && !contacts[h].is_persistent)
+      if (contacts[h].is_compressive && !contacts[h].is_persistent)
         contacts[h].activation_stiffness = step.kinematics.stiffnessAtActivation(
             step.law.config, step.faces, contacts[h], contacts, num_contacts);
     step.kinematics.record(node, num_contacts, deepest);
     sums.penetrating += num_contacts;
-    int num_loaded = 0;
+    int num_compressive = 0;
     for (int h = 0; h < num_contacts; ++h)
-      if (loaded >> h & 1u) {
-        if (num_loaded < h)
-          contacts[num_loaded] = contacts[h];
-        ++num_loaded;
+      if (contacts[h].is_compressive) {
+        if (num_compressive < h)
+          contacts[num_compressive] = contacts[h];
+        ++num_compressive;
       }
-    step.next.row_count(node) = static_cast<unsigned char>(num_loaded);
-    if (num_loaded == 0)
-      return;
-    selected.row_node[selected.num_rows] = node;
-    selected.row_first[selected.num_rows++] = selected.count;
-    selected.count += num_loaded;
+    step.next.row_count(node) = num_compressive;
+    return num_compressive;
   }
 };
 

@@ -1,4 +1,4 @@
-// Applies the contact law to the contacts that a batch of rows has selected, and writes their
+// Applies the contact law to the contacts that several rows have selected, and writes their
 // interactions and forces. Contacts with a normal spring and damping only are computed in SIMD
 // lanes; contacts with friction, and those that fade out beyond an edge, one by one. Kernel part of
 // SelectInteractions.
@@ -11,42 +11,38 @@ namespace brickwall::contact {
 // Below it a transfer to another face does not keep the energy.
 constexpr double min_fade_weight = 0.01;
 
-// Contacts of several rows. Those of a row follow each other.
-template <int max_rows, int max_contacts>
-struct SelectedContacts {
-  static constexpr int capacity = max_contacts + max_interactions + 1; // room for one more row
-  int num_rows = 0, count = 0;
-  int row_node[max_rows], row_first[max_rows];
-  FaceContact contacts[capacity];
-};
-
 template <class Kinematics>
 struct WriteInteractions {
   const EnforcementStep<Kinematics>& step;
 
-  template <class Selected>
-  KOKKOS_INLINE_FUNCTION void writeAll(const Selected& selected, ContactSums& sums) const {
+  // Writes `count` contacts; those of a row follow each other.
+  KOKKOS_INLINE_FUNCTION void writeAll(const FaceContact* contacts, int count,
+                                       ContactSums& sums) const {
     constexpr int width = NumLanes<Lanes>::value;
-    if (selected.count == 0)
+    if (count == 0)
       return;
-    const std::int64_t begin = step.reserveSlots(selected.count);
+    const std::int64_t begin = step.reserveSlots(count);
     const bool has_room =
-        begin + selected.count <= static_cast<std::int64_t>(step.next.interactions.extent(0));
-    sums.interactions += selected.count;
+        begin + count <= static_cast<std::int64_t>(step.next.interactions.extent(0));
+    sums.interactions += count;
     if (!has_room) // the step is repeated with more memory
       return;
-    for (int i = 0; i < selected.count; ++i)
+    for (int i = 0; i < count; ++i)
       step.next.prefetch(begin + i);
-    for (int r = 0; r < selected.num_rows; ++r)
-      step.next.row_begin(selected.row_node[r]) = static_cast<int>(begin) + selected.row_first[r];
-    int plain[Selected::capacity], num_plain = 0;
-    for (int i = 0; i < selected.count; ++i)
-      if (isPlain(selected.contacts[i]))
+    int plain[width], num_plain = 0;
+    for (int i = 0; i < count; ++i) {
+      const int node = contacts[i].node;
+      if (i == 0 || node != contacts[i - 1].node)
+        step.next.row_begin(node) = static_cast<int>(begin) + i;
+      if (isPlain(contacts[i]))
         plain[num_plain++] = i;
       else
-        writeOne(selected.contacts[i], begin + i, sums);
-    for (int first = 0; first < num_plain; first += width)
-      writeLanes(selected.contacts, plain + first, minOf(num_plain - first, width), begin, sums);
+        writeOne(contacts[i], begin + i, sums);
+      if (num_plain == width || (num_plain > 0 && i + 1 == count)) {
+        writeLanes(contacts, plain, num_plain, begin, sums);
+        num_plain = 0;
+      }
+    }
   }
 
 private:

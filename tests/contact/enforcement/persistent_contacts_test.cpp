@@ -91,7 +91,7 @@ public:
   ContactSums sums;
   std::vector<std::array<std::int64_t, 3>> forces; // of all ranks
   std::vector<Interaction> interactions; // of this rank, in the order of memory
-  View<const unsigned char*> status;
+  View<const int*> status;
   View<const double*> gap;
 
 private:

@@ -145,5 +145,62 @@ TEST(MeshScene, AStepThatIsNotRepresentableIsAnInputError) {
   EXPECT_NE(faultOf(config).find("the stable step is "), std::string::npos);
 }
 
+// Turns the bricks of a course into rhombic wedges around the z axis, with their tops at z = 0, and
+// the last one into a block over all of their points, 0.001 above them.
+void makeWedges(io::MeshPart& part) {
+  const auto num_wedges = static_cast<int>(part.num_global_bodies) - 1;
+  std::vector<int> body(part.node_ids.size());
+  for (std::size_t i = 0; i < part.elem_nodes.size(); ++i)
+    body[part.elem_nodes[i]] = static_cast<int>(part.elem_body[i / 8]);
+  for (int node = 0; node < part.numNodes(); ++node) {
+    double* x = &part.coordinates[3 * node];
+    const double along = x[0] - body[node], across = x[1];
+    if (body[node] == num_wedges) {
+      x[0] = along - 0.5, x[1] = across - 0.5, x[2] += 0.001;
+      continue;
+    }
+    const double angle = 2 * std::acos(-1.0) / num_wedges, first = body[node] * angle;
+    x[0] = along * std::cos(first) + across * std::cos(first + angle);
+    x[1] = along * std::sin(first) + across * std::sin(first + angle);
+    x[2] -= 1;
+  }
+}
+
+TEST(MeshScene, ABlockFallsOntoThePointOfManyWedgesWithTheSameBitsOnAnyNumberOfRanks) {
+  for (const int num_wedges : {12, 40}) {
+    io::WallConfig course;
+    course.bricks = {num_wedges + 1, 1, 1};
+    course.brick = {1, 1, 1};
+    course.elements = {2, 2, 1};
+    const MeshFile mesh(course, makeWedges);
+    const Config config = mesh.config("[[initial.velocity]]\nbody = " + std::to_string(num_wedges) +
+                                      "\nvelocity = [0, 0, -0.01]\n");
+    std::vector<Checksums> alone;
+    for (const MPI_Comm comm : {MPI_COMM_SELF, MPI_COMM_WORLD}) {
+      const Scene scene = makeScene(exec_space(), comm, config);
+      Simulation simulation(comm, config, scene);
+      simulation.start();
+      int most_bodies = 0;
+      for (int step = 0; step < 60; ++step) {
+        simulation.step();
+        const auto status = Kokkos::create_mirror_view_and_copy(
+            Kokkos::HostSpace(), simulation.contact()->enforcement().status());
+        for (std::size_t node = 0; node < status.extent(0); ++node)
+          most_bodies = std::max(most_bodies, status(node));
+        if (comm == MPI_COMM_SELF)
+          alone.push_back(checksums(simulation));
+        else {
+          const Checksums found = checksums(simulation);
+          ASSERT_EQ(found.nodes, alone[step].nodes) << step;
+          ASSERT_EQ(found.contacts, alone[step].contacts) << step;
+          ASSERT_EQ(found.interactions, alone[step].interactions) << step;
+        }
+      }
+      EXPECT_EQ(allReduce(comm, most_bodies, MPI_MAX), num_wedges);
+      EXPECT_GT(alone.back().interactions, 0);
+    }
+  }
+}
+
 } // namespace
 } // namespace brickwall::miniapp::testing

@@ -213,7 +213,6 @@ TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
     mass(node) = random(0.5, 2);
     history.interactions(f).point = atNode(node);
     contacts[f].node = node;
-    contacts[f].slot = 0;
     contacts[f].previous = contacts[f].face = f;
   }
   const FaceAccess faces{quads.surface, GhostFaces()};
