@@ -90,23 +90,30 @@ double triadBandwidth(const exec_space& space) { // bytes per second
   return 24.0 * n / seconds.median;
 }
 
-// Medians of the times of launches over one number per thread, with the wait for their end.
+// Times of a launch over one number per thread, with the wait for its end, in runs of 100.
 void printLaunches(const exec_space& space) {
+  constexpr int runs = 101, launches = 100;
   const int threads = concurrency(space);
   const View<double*> a("a", threads);
-  const Seconds loop = timeCalls(2001, [&] {
+  const auto timed = [&](const auto& launch) {
+    const Seconds seconds = timeCalls(runs, [&] {
+      for (int l = 0; l < launches; ++l)
+        launch();
+    });
+    return 1e6 * seconds.median / launches;
+  };
+  const double loop = timed([&] {
     Kokkos::parallel_for(
         "empty", rangePolicy(space, threads), KOKKOS_LAMBDA(const std::int64_t i) { a(i) = 1; });
     space.fence();
   });
-  const Seconds reduction = timeCalls(2001, [&] {
+  const double reduction = timed([&] {
     double sum = 0;
     Kokkos::parallel_reduce(
         "empty", rangePolicy(space, threads),
         KOKKOS_LAMBDA(const std::int64_t i, double& part) { part += a(i); }, sum);
   });
-  std::printf("  empty launch: parallel_for %.2f us, parallel_reduce %.2f us\n", 1e6 * loop.median,
-              1e6 * reduction.median);
+  std::printf("  empty launch: parallel_for %.2f us, parallel_reduce %.2f us\n", loop, reduction);
 }
 
 // Ten independent chains of products and ten of sums.

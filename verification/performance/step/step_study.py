@@ -154,28 +154,38 @@ def launches_of(program, arguments, wall, columns):
 
 
 def output_of(command, threads, **environment):
+    """What a program prints, and its CPU seconds over its threads."""
+    before = os.times()
     done = subprocess.run(command, capture_output=True, text=True, check=True, env={
         **os.environ, "OMP_NUM_THREADS": str(threads), "OMP_PROC_BIND": "false", "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **environment})
-    return done.stdout
+    return done.stdout, (os.times().children_user - before.children_user) / threads
+
+
+def zones_per_second(program, threads, cpu_time):
+    """Of LULESH, whose figure of merit is in thousands; by CPU time its set-up counts too."""
+    edge, steps = 76, 50
+    text, seconds = output_of([program, "-s", str(edge), "-i", str(steps)], threads, OMP_WAIT_POLICY="passive")
+    return edge**3 * steps / seconds if cpu_time else 1e3 * float(re.search(r"FOM\s*=\s*(\S+)", text)[1])
 
 
 def measure_machine(arguments):
-    """Bandwidth, cost of an empty launch and counts of operations, from the benchmarks."""
+    """Bandwidth, time of an empty launch and counts of operations, from the benchmarks."""
     build = Path(arguments.program).parent.parent
     subprocess.run(["cmake", "--build", str(build), "--target", *BENCHMARKS], check=True, stdout=subprocess.DEVNULL)
+    clock = {"BRICKWALL_CPU_TIME": "1"} if arguments.cpu_time else {}
+    solver, contact = (build / "verification/performance" / name for name in BENCHMARKS)
     found = {}
     for threads in (1, 2):
-        text = output_of([build / "verification/performance" / BENCHMARKS[0]], threads, BRICKWALL_BRICKS="24")
+        text, _ = output_of([solver], threads, BRICKWALL_BRICKS="24", **clock)
         found[threads] = {name: float(re.search(pattern, text)[1]) for name, pattern in (
             ("triad, GB/s", r"triad ([\d.]+) GB/s"), ("parallel_for, us", r"parallel_for ([\d.]+) us"),
             ("parallel_reduce, us", r"parallel_reduce ([\d.]+) us"), ("flops of an element-step", r"congruent: (\d+) flops"))}
-    text = output_of([build / "verification/performance" / BENCHMARKS[1]], 1)
+        if arguments.lulesh:
+            found[threads]["LULESH, zones/s"] = zones_per_second(arguments.lulesh, threads, arguments.cpu_time)
+    text, _ = output_of([contact], 1)
     found["contact"] = {name: float(re.search(pattern, text)[1]) for name, pattern in (
         ("flops", r"contact: (\d+) flops"), ("bytes", r"flops, (\d+) B"))}
-    if arguments.lulesh:
-        found["lulesh"] = {threads: float(re.search(r"FOM\s*=\s*(\S+)", output_of([arguments.lulesh, "-s", "76", "-i", "30"],
-                                                                                threads))[1]) for threads in (1, 2)}
     return found
 
 
@@ -254,7 +264,7 @@ def main():
             parts += step_tables(medians, spreads, columns, layouts) + [scaling_table(medians, columns)]
             if wall.deck != "wall_1113k":
                 parts.append(launch_table(launches_of(program, arguments, wall, columns), medians, place, layouts))
-            if place:
+            if place and outcome["elements"] > 100000:  # beyond the caches
                 parts.append(traffic_table(medians, outcome, place, layouts))
     except ProgramError as error:
         print(f"FAIL: {error}")
@@ -262,7 +272,7 @@ def main():
     study = {"machine": machine.describe(), "program": {name: outcome[name] for name in ("version", "commit", "compiler", "kokkos",
              "mpi", "cpu", "execution_space")}, "ranks": 1, "threads": 1, "benchmarks": place, "command": " ".join(sys.argv[1:]),
              "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")}
-    names = ["wall", "scene", "search", "ranks", "threads"] + list(next(iter(medians.values())))
+    names = ["wall", "scene", "lists", "ranks", "threads"] + list(next(iter(medians.values())))
     text = [f"# The time of a coupled step\n\nWritten by `./run.sh --study step`. {' '.join(__doc__.split(chr(10), 1)[1].split())}\n",
             report.headline(study).rsplit("; ", 1)[0] + ".\n"]
     if place:
