@@ -8,8 +8,8 @@
 # The preset "default" is built in build/, any other in build-NAME/. TARGET defaults to all.
 #
 # The user may provide a Kokkos by Kokkos_ROOT, Kokkos_DIR or CMAKE_PREFIX_PATH in the environment,
-# or by a build folder that was configured without this script. Nothing is downloaded then, and
-# packages are checked but not installed.
+# or by a build folder that was configured without this script. Packages are checked then, but not
+# installed, and Zoltan and SEACAS are built unless the user provides them in the same ways.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -40,32 +40,37 @@ cached() { # the value of a variable in the CMake cache of the build folder
 }
 cache_folder=${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}
 
-# Prints the location of a Kokkos that the user provides; fails if there is none.
-users_kokkos() {
-  if [[ -n ${Kokkos_ROOT:-} || -n ${Kokkos_DIR:-} ]]; then
-    echo "${Kokkos_ROOT:-$Kokkos_DIR}"
+# users PACKAGE: prints the location of a package that the user provides; fails if there is none.
+users() {
+  local root=$1_ROOT dir=$1_DIR folder folders
+  if [[ -n ${!root:-} || -n ${!dir:-} ]]; then
+    echo "${!root:-${!dir}}"
     return
   fi
-  local folder folders
   IFS=: read -r -a folders <<<"${CMAKE_PREFIX_PATH:-}"
   for folder in ${folders[@]+"${folders[@]}"}; do
-    if compgen -G "$folder/lib*/cmake/Kokkos/KokkosConfig.cmake" >/dev/null ||
-      compgen -G "$folder/lib/*/cmake/Kokkos/KokkosConfig.cmake" >/dev/null; then
+    if compgen -G "$folder/lib*/cmake/$1/$1Config.cmake" >/dev/null ||
+      compgen -G "$folder/lib/*/cmake/$1/$1Config.cmake" >/dev/null; then
       echo "$folder"
       return
     fi
   done
   # Configured without this script, which leaves setup.dependencies beside the CMake cache.
-  folder=$(cached Kokkos_DIR)
-  if [[ -n $folder && ! -e $build/setup.dependencies && $folder != "$cache_folder"/* ]]; then
+  folder=$(cached "$1_DIR")
+  if [[ -d $folder && ! -e $build/setup.dependencies && ($1 != Kokkos || $folder != "$cache_folder"/*) ]]; then
     echo "$folder"
     return
   fi
   return 1
 }
 
-if dependencies=$(users_kokkos); then
+if dependencies=$(users Kokkos); then
   cmake/install_packages.sh --check ${package_options[@]+"${package_options[@]}"}
+  if ! { users Zoltan && users SEACASExodus; } >/dev/null; then
+    others=$(cmake/build_trilinos.sh --without-kokkos)
+    export CMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH:+$CMAKE_PREFIX_PATH:}$others
+    dependencies+=" and $others"
+  fi
 else
   cmake/install_packages.sh ${package_options[@]+"${package_options[@]}"}
   dependencies=$(cmake/build_trilinos.sh)
@@ -78,7 +83,7 @@ if [[ -e $build/setup.dependencies && $(<"$build/setup.dependencies") != "$depen
   rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"
 fi
 if [[ ! -e $build/build.ninja || ! -e $build/CMakeCache.txt || CMakePresets.json -nt $build/CMakeCache.txt ]]; then
-  say "configuring $build/ (preset $preset, Kokkos from $dependencies)"
+  say "configuring $build/ (preset $preset, dependencies from $dependencies)"
   cmake --preset "$preset" >"$log" 2>&1 || fail "configuration failed"
   touch "$build/CMakeCache.txt"
   [[ -n $(cached Kokkos_DIR) ]] && echo "$dependencies" >"$build/setup.dependencies"
