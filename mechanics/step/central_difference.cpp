@@ -1,5 +1,6 @@
 #include "mechanics/step/central_difference.hpp"
 
+#include "contact/base/sum_over.hpp"
 #include "mechanics/step/kick_packs.hpp"
 
 #include <type_traits>
@@ -64,13 +65,10 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
   if (nodes.numRuns() == 0)
     return sums;
   if constexpr (simd_width > 1)
-    Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.numRuns()),
-                            KickRuns<kinds, simd_width>{functor, nodes},
-                            PlusReducer<KickSums>(sums));
+    sums = sumOver<KickSums>("mechanics::kick::nodes", space, 0, nodes.numRuns(),
+                             KickRuns<kinds, simd_width>{functor, nodes});
   else // On a device all nodes are kicked; the omitted ones are at rest and remain so.
-    Kokkos::parallel_reduce("mechanics::kick::nodes", rangePolicy(space, nodes.num_nodes), functor,
-                            PlusReducer<KickSums>(sums));
-  space.fence();
+    sums = sumOver<KickSums>("mechanics::kick::nodes", space, 0, nodes.num_nodes, functor);
   sums.carry();
   return sums;
 }

@@ -2,6 +2,7 @@
 // their forces.
 #pragma once
 
+#include "contact/base/sum_over.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
 #include "contact/enforcement/selection/enforcement_step.hpp"
 
@@ -104,12 +105,11 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     step.next = _next;
     step.workspace = _workspace;
     step.add = pairForces(space, step.faces);
-    ContactSums sums;
     Kokkos::deep_copy(space, _next.row_count, 0);
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
     const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
-    Kokkos::parallel_reduce("contact::selectInteractions", range_policy(space, begin, end), functor,
-                            PlusReducer<ContactSums>(sums));
+    const ContactSums sums =
+        sumOver<ContactSums>("contact::selectInteractions", space, begin, end, functor);
     _next.count = sums.interactions;
     _are_nodes_zero = sums.interactions == 0;
     if (hasRoomFor(sums))

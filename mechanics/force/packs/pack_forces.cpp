@@ -4,6 +4,7 @@
 #include "mechanics/force/packs/pack_forces.hpp"
 
 #include "contact/base/pack_rounding.hpp"
+#include "contact/base/sum_over.hpp"
 
 namespace brickwall::mechanics {
 
@@ -218,12 +219,8 @@ struct ForceFunctor {
 
 template <ElementKind kind, MaterialModel model, bool with_viscosity>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
-  ForceSums sums;
-  Kokkos::parallel_reduce("mechanics::InternalForce::add::packs", rangePolicy(space, group.count),
-                          ForceFunctor<kind, model, with_viscosity>{a},
-                          PlusReducer<ForceSums>(sums));
-  space.fence();
-  return sums;
+  return sumOver<ForceSums>("mechanics::InternalForce::add::packs", space, 0, group.count,
+                            ForceFunctor<kind, model, with_viscosity>{a});
 }
 template <ElementKind kind, MaterialModel model>
 ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {

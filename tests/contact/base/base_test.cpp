@@ -7,6 +7,7 @@
 #include "contact/base/fixed_point.hpp"
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/sum_over.hpp"
 
 #include <gtest/gtest.h>
 
@@ -104,29 +105,31 @@ KOKKOS_INLINE_FUNCTION double term(std::int64_t i) {
   return static_cast<double>(i * 7919 % 20011 - 10000) / static_cast<double>(8000 * (1 + i % 977));
 }
 
-// Term i is on rank i % size. nvcc requires kernels outside of test bodies.
-LimbSums<1> sumOfOwnTerms(int n, int rank, int size, LimbScale scale) {
-  LimbSums<1> mine;
-  Kokkos::parallel_reduce(
-      "test::limbs", rangePolicy(exec_space(), n),
-      KOKKOS_LAMBDA(const std::int64_t i, LimbSums<1>& sum) {
-        if (i % size == rank)
-          sum.add(0, term(i), scale);
-      },
-      PlusReducer<LimbSums<1>>(mine));
-  return mine;
-}
+// Term i is on rank i % size, in sum i % 40. nvcc requires kernels outside of test bodies.
+using FortySums = LimbSums<40>;
+struct AddOwnTerm {
+  int rank, size;
+  LimbScale scale;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, FortySums& sums) const {
+    if (i % size == rank)
+      sums.add(static_cast<int>(i % 40), term(i), scale);
+  }
+};
 
 TEST(LimbSumTest, RanksAndThreadsDoNotShowInTheBits) {
-  const int n = 20000;
   const LimbScale scale = LimbScale::forLargest(2.0);
-  LimbSums<1> mine = sumOfOwnTerms(n, rankOf(comm), sizeOf(comm), scale);
-  allReduce(comm, mine);
-  LimbSums<1> serial;
-  for (int i = n - 1; i >= 0; --i)
-    serial.add(0, term(i), scale);
-  EXPECT_EQ(mine.sum[0].value(scale), serial.sum[0].value(scale));
-  EXPECT_EQ(mine.invalid, 0);
+  using Range = std::pair<int, int>;
+  for (const auto& [begin, end] : {Range{0, 0}, Range{7, 8}, Range{300001, 600002}}) {
+    FortySums mine = sumOver<FortySums>("test::limbs", exec_space(), begin, end,
+                                        AddOwnTerm{rankOf(comm), sizeOf(comm), scale});
+    allReduce(comm, mine);
+    FortySums serial;
+    for (int i = end - 1; i >= begin; --i)
+      serial.add(i % 40, term(i), scale);
+    for (int k = 0; k < 40; ++k)
+      EXPECT_EQ(mine.sum[k].value(scale), serial.sum[k].value(scale)) << k << ' ' << end;
+    EXPECT_EQ(mine.invalid, 0);
+  }
 }
 
 TEST(BoxTest, EmptyBoxOverlapsNothingAndIsNeutralInUnions) {
