@@ -46,7 +46,10 @@ private:
 
   template <class T>
   static Array<T> accessible(const View<T>& view) {
-    return Kokkos::create_mirror_view_and_copy(Space(), view);
+    if constexpr (std::is_same<Space, memory_space>::value)
+      return view; // a copy, even if it is none, would fence
+    else
+      return Kokkos::create_mirror_view_and_copy(Space(), view);
   }
   KOKKOS_INLINE_FUNCTION global_id bodyOf(int face) const {
     return face < _num_faces ? _face_body(face) : _ghost_bodies(face - _num_faces);
