@@ -175,6 +175,9 @@ Provenance describeRun(MPI_Comm comm) {
   run.ranks = sizeOf(comm);
   run.threads_per_rank = host_exec_space().concurrency();
   run.execution_space = exec_space::name();
+  run.device = describeDevice();
+  run.device.name = broadcast(comm, run.device.name);
+  run.device.bytes_in_use = allReduce(comm, run.device.bytes_in_use, MPI_MAX);
   return run;
 }
 
@@ -196,6 +199,12 @@ void addProvenance(nlohmann::ordered_json& json, const Provenance& provenance) {
   json["ranks"] = provenance.ranks;
   json["threads_per_rank"] = provenance.threads_per_rank;
   json["execution_space"] = provenance.execution_space;
+  const Device& device = provenance.device;
+  json["device"] = device.name;
+  if (device.bytes > 0) {
+    json["device_versions"] = device.versions;
+    json["device_memory"] = {{"bytes", device.bytes}, {"bytes_in_use", device.bytes_in_use}};
+  }
 }
 
 nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
@@ -223,9 +232,14 @@ void printTable(std::ostream& out, const char* title, const std::vector<PhaseTim
 void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
                   const Provenance& provenance, std::int64_t max_rank_bytes) {
   out << "\n" << case_name << ": " << counts << "\n";
-  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n\n", provenance.ranks,
+  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n", provenance.ranks,
                 provenance.threads_per_rank, provenance.execution_space.c_str(),
                 provenance.kokkos.c_str(), static_cast<double>(max_rank_bytes) / 1e6);
+  if (const Device& device = provenance.device; device.bytes > 0)
+    out << format("%s, %s, %.1f of %.1f MB in use\n", device.name.c_str(), device.versions.c_str(),
+                  static_cast<double>(device.bytes_in_use) / 1e6,
+                  static_cast<double>(device.bytes) / 1e6);
+  out << '\n';
 }
 
 double RunReport::elementStepsPerSecond() const {

@@ -2,6 +2,7 @@
 // and PASS or FAIL; and the parts that it has in common with the report of `brickwall search`.
 #pragma once
 
+#include "miniapp/timing/device.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <mpi.h>
@@ -23,6 +24,7 @@ struct Provenance {
   int ranks = 1;
   int threads_per_rank = 1;
   std::string execution_space;
+  Device device; // of rank 0; bytes_in_use are those of the fullest of all ranks
 };
 // Collective.
 Provenance describeRun(MPI_Comm comm);
@@ -136,7 +138,7 @@ void printReport(std::ostream& out, const RunReport& report);
 
 // Parts of both reports.
 
-// "version" to "execution_space".
+// "version" to "device".
 void addProvenance(nlohmann::ordered_json& json, const Provenance& provenance);
 
 nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases);
@@ -146,7 +148,8 @@ std::string jsonText(const nlohmann::ordered_json& json);
 
 void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases);
 
-// The lines "CASE: counts" and ranks, threads, Kokkos and memory that open each report.
+// The lines "CASE: counts" and ranks, threads, Kokkos and memory that open each report, and that of
+// a device.
 void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
                   const Provenance& provenance, std::int64_t max_rank_bytes);
 

@@ -82,6 +82,29 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   EXPECT_EQ(json["pass"], true);
 }
 
+TEST(Report, NamesTheDeviceAndItsMemoryOnlyWhereThereIsOne) {
+  RunReport report = sampleReport();
+  report.provenance = describeRun(MPI_COMM_WORLD);
+  EXPECT_EQ(report.provenance.device.name == "none", host_accessible);
+  for (const Device& device : {report.provenance.device, Device{"G 1", "CUDA 1.2", 3000, 2000}}) {
+    report.provenance.device = device;
+    const bool is_there = device.name != "none";
+    const auto json = nlohmann::json::parse(reportJson(report));
+    EXPECT_EQ(json["device"], device.name);
+    EXPECT_EQ(json.value("device_versions", ""), device.versions);
+    ASSERT_EQ(json.contains("device_memory"), is_there);
+    std::ostringstream printed;
+    printReport(printed, report);
+    EXPECT_EQ(printed.str().find(" in use") != std::string::npos, is_there);
+    if (is_there) {
+      EXPECT_EQ(json["device_memory"]["bytes"], device.bytes);
+      EXPECT_EQ(json["device_memory"]["bytes_in_use"], device.bytes_in_use);
+      EXPECT_GT(device.bytes_in_use, 0);
+      EXPECT_LE(device.bytes_in_use, device.bytes);
+    }
+  }
+}
+
 TEST(SearchReport, NamesItsFieldsAsAgreed) {
   SearchOnlyReport report;
   report.provenance = describeRun(MPI_COMM_WORLD);
