@@ -99,6 +99,27 @@ double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& 
   return std::sqrt(maxOf(square, 0.0));
 }
 
+// Attenuation and delay [face][QuadPoint] of a pressure.
+template <class FaceColumns>
+void computeFactors(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
+                    const View<int* [4]>& face_to_nodes, const FaceColumns& attenuation,
+                    const FaceColumns& delay) {
+  const auto X = mesh.reference_coordinates;
+  Kokkos::parallel_for(
+      "mechanics::PressureLoad::computeFactors",
+      rangePolicy(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        Triple<double> corners[4];
+        for (int c = 0; c < 4; ++c)
+          corners[c] = triple(rowOf(X, face_to_nodes(face, c)));
+        for (int point = 0; point < 4; ++point) {
+          const Triple<double> at = QuadPoint::sum(QuadPoint(point).shape, corners);
+          attenuation(face, point) = pressure.attenuationAt({at.x, at.y, at.z});
+          delay(face, point) = pressure.delayAt({at.x, at.y, at.z});
+        }
+      });
+}
+
 } // namespace
 
 PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
@@ -107,8 +128,11 @@ PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const P
                                space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)),
       _face_loads("mechanics::PressureLoad::face_loads", W * numPacks()) {
   listNodes(space, face_to_nodes);
-  if (pressure.gaussian)
-    computeFactors(space, mesh);
+  if (pressure.gaussian) {
+    _attenuation = FaceColumns<double, 4>("mechanics::PressureLoad::attenuation", W * numPacks());
+    _delay = FaceColumns<double, 4>("mechanics::PressureLoad::delay", W * numPacks());
+    computeFactors(space, mesh, pressure, _face_to_nodes, _attenuation, _delay);
+  }
   if (pressure.shape.kind == PulseKind::constant)
     return;
   const double farthest =
@@ -132,28 +156,6 @@ void PressureLoad::listNodes(const exec_space& space, const std::vector<int>& fa
   _nodes = toDevice(space, "mechanics::PressureLoad::nodes", nodes);
   _first_corner = toDevice(space, "mechanics::PressureLoad::first_corner", first_corner);
   _corners = toDevice(space, "mechanics::PressureLoad::corners", corners);
-}
-
-void PressureLoad::computeFactors(const exec_space& space, const HexMesh& mesh) {
-  _attenuation = FaceColumns<double, 4>("mechanics::PressureLoad::attenuation", W * numPacks());
-  _delay = FaceColumns<double, 4>("mechanics::PressureLoad::delay", W * numPacks());
-  const Pressure pressure = _pressure;
-  const auto X = mesh.reference_coordinates;
-  const auto face_to_nodes = _face_to_nodes;
-  const auto attenuation = _attenuation, delay = _delay;
-  Kokkos::parallel_for(
-      "mechanics::PressureLoad::computeFactors",
-      rangePolicy(space, static_cast<std::int64_t>(face_to_nodes.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t face) {
-        Triple<double> corners[4];
-        for (int c = 0; c < 4; ++c)
-          corners[c] = triple(rowOf(X, face_to_nodes(face, c)));
-        for (int point = 0; point < 4; ++point) {
-          const Triple<double> at = QuadPoint::sum(QuadPoint(point).shape, corners);
-          attenuation(face, point) = pressure.attenuationAt({at.x, at.y, at.z});
-          delay(face, point) = pressure.delayAt({at.x, at.y, at.z});
-        }
-      });
 }
 
 std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,

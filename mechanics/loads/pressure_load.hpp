@@ -142,7 +142,6 @@ private:
   std::int64_t numPacks() const { // of simd_width faces
     return (static_cast<std::int64_t>(_face_to_nodes.extent(0)) + simd_width - 1) / simd_width;
   }
-  void computeFactors(const exec_space& space, const HexMesh& mesh);
   void listNodes(const exec_space& space, const std::vector<int>& face_to_nodes);
 
   Pressure _pressure;

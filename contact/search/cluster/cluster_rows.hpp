@@ -125,14 +125,16 @@ struct FindRows {
   template <class Visit>
   KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
                                                  const BlockList& list, const Visit& visit) {
-    if (group_size == 1 || tree.num_levels < 2 || list.count > max_near_blocks) {
-      walkBlocks(tree, reach, visit);
-      return;
-    }
-    for (int begin = 0; begin < list.count; begin += block_size)
-      for (unsigned lanes = lanesOverlapping(list.boxes + begin / block_size * block_floats, reach);
-           lanes != 0; lanes &= lanes - 1)
-        visit(std::int64_t(list.block[begin + lowestBit(lanes)]));
+    if constexpr (group_size > 1)
+      if (tree.num_levels >= 2 && list.count <= max_near_blocks) {
+        for (int begin = 0; begin < list.count; begin += block_size)
+          for (unsigned lanes =
+                   lanesOverlapping(list.boxes + begin / block_size * block_floats, reach);
+               lanes != 0; lanes &= lanes - 1)
+            visit(std::int64_t(list.block[begin + lowestBit(lanes)]));
+        return;
+      }
+    walkBlocks(tree, reach, visit);
   }
 
   KOKKOS_INLINE_FUNCTION void findRows(int cluster, const BlockList& near_faces,

@@ -53,13 +53,12 @@ struct RefitCluster {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
-    if (cluster_size == 1 || first + cluster_size > num_nodes)
-      return;
-    for (int lane = 0; lane < cluster_size; ++lane) {
-      const int node = node_order(first + lane);
-      prefetch(&x_old(node, 0));
-      prefetch(&x_new(node, 0));
-    }
+    if constexpr (cluster_size > 1)
+      for (int lane = 0; lane < cluster_size && first + cluster_size <= num_nodes; ++lane) {
+        const int node = node_order(first + lane);
+        prefetch(&x_old(node, 0));
+        prefetch(&x_new(node, 0));
+      }
   }
 
   // A row of coordinates of which sweptBox() may read four numbers: in place where it is contiguous

@@ -6,8 +6,6 @@
 
 namespace brickwall::mechanics {
 
-namespace {
-
 struct BrickSums {
   ForceSums force;
   KickSums kick;
@@ -17,6 +15,8 @@ struct BrickSums {
     return *this;
   }
 };
+
+namespace {
 
 template <int W>
 struct BrickStepFunctor {

@@ -118,10 +118,9 @@ TEST(HistoryChecksum, DependsOnTheLastBitOfEachValueAndNotOnTheOrder) {
   ASSERT_GT(history.count, 2);
   std::swap(all(0), all(2));
   EXPECT_EQ(sum(), before);
-  for (double Interaction::*value :
-       {&Interaction::offset, &Interaction::depth, &Interaction::stiffness,
-        &Interaction::fade_weight, &Interaction::stored, &Interaction::force, &Interaction::damping,
-        &Interaction::closing}) {
+  for (const auto value : {&Interaction::offset, &Interaction::depth, &Interaction::stiffness,
+                           &Interaction::fade_weight, &Interaction::stored, &Interaction::force,
+                           &Interaction::damping, &Interaction::closing}) {
     const double kept = all(1).*value;
     all(1).*value = std::nextafter(kept, 1e9);
     EXPECT_NE(sum(), before);

@@ -256,8 +256,9 @@ TEST_F(SearchInHost, ToleranceThatCannotBeIsAnErrorOfTheNextUpdate) {
 
 // Writes into a View of the surface.
 template <class ViewType>
-void changeInPlace(const ViewType& view, const std::function<void(Mutable<ViewType>)>& change) {
-  const auto source = changed(view, view.extent(0), [&](const auto& v) { change(v); });
+void changeInPlace(const ViewType& view,
+                   const std::function<void(typename Mutable<ViewType>::HostMirror)>& change) {
+  const auto source = changed(view, view.extent(0), change);
   if (view.extent(0) == 0)
     return;
   const Kokkos::View<typename ViewType::non_const_data_type, memory_space, Kokkos::MemoryUnmanaged>

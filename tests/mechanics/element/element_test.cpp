@@ -34,15 +34,15 @@ void randomGradient(int seed, double size, double (&H)[3][3]) {
 
 // 4 ulp (contact/base/portable_math.hpp), which is 4 * 2^-52 of the value.
 TEST(Logarithm, AgreesWithTheLibraryAndKeepsLanesApart) {
-  PackOf<8> pack;
+  Lanes lanes(0.0);
   for (int i = -500; i < 600; ++i) {
     const double d = 0.00179 * i;
     EXPECT_NEAR(logOnePlus(d), std::log1p(d), 8.9e-16 * std::fabs(std::log1p(d)) + 1e-300) << d;
-    pack.v[(i + 500) % 8] = d;
-    if ((i + 500) % 8 == 7) {
-      const PackOf<8> logs = logOnePlus(pack);
-      for (int lane = 0; lane < 8; ++lane)
-        EXPECT_EQ(logs[lane], logOnePlus(pack[lane]));
+    setLane(lanes, (i + 500) % simd_width, d);
+    if ((i + 501) % simd_width == 0) {
+      const Lanes logs = logOnePlus(lanes);
+      for (int lane = 0; lane < simd_width; ++lane)
+        EXPECT_EQ(laneOf(logs, lane), logOnePlus(laneOf(lanes, lane)));
     }
   }
 }

@@ -124,14 +124,20 @@ TEST(ContactMassFraction, IsThatOfSpringsAndDampers) {
   EXPECT_THROW(contactMassFraction(0.5, 1), InputError);
 }
 
+struct CountedInverse {
+  double input;
+  int& evaluations;
+  KOKKOS_INLINE_FUNCTION double operator()() const {
+    ++evaluations;
+    return 1 / input;
+  }
+};
+
 TEST(RecentResults, EvaluatesEqualInputsOnceAndTellsAllBitsApart) {
   RecentResults<double, double> recent;
   int evaluations = 0;
   const auto find = [&](double input) {
-    return recent.find(input, [&] {
-      ++evaluations;
-      return 1 / input;
-    });
+    return recent.find(input, CountedInverse{input, evaluations});
   };
   for (int repetition = 0; repetition < 3; ++repetition)
     for (const double input : {0.0, -0.0, 2.0, 3.0})
