@@ -52,7 +52,8 @@ a limit of the deck was exceeded; 4 an output could not be written.
 Environment:
   BRICKWALL_CACHE     folder of the built dependencies (default ~/.cache/brickwall)
   Kokkos_ROOT, Kokkos_DIR, CMAKE_PREFIX_PATH
-                      existing dependencies; nothing is downloaded if they provide Kokkos
+                      existing dependencies; packages are not installed if they provide Kokkos, and
+                      nothing is downloaded if they provide Zoltan and SEACAS too
   BRICKWALL_MPIEXEC   launcher with its options, to which "-n RANKS" is appended
                       (default: the mpiexec of the build)
 TEXT
