@@ -7,12 +7,42 @@
 #include "contact/base/mpi.hpp"
 
 #include <cstring>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace brickwall {
+
+// Messages of 64-bit words that are under way.
+class WordMessages {
+public:
+  void send(const std::int64_t* data, std::int64_t words, int receiver, int tag, MPI_Comm comm) {
+    _requests.emplace_back();
+    checkMpi(MPI_Isend(data, checkedInt(words, "message"), MPI_INT64_T, receiver, tag, comm,
+                       &_requests.back()),
+             "MPI_Isend");
+  }
+  void receive(std::int64_t* data, std::int64_t words, int sender, int tag, MPI_Comm comm) {
+    _requests.emplace_back();
+    checkMpi(MPI_Irecv(data, checkedInt(words, "message"), MPI_INT64_T, sender, tag, comm,
+                       &_requests.back()),
+             "MPI_Irecv");
+  }
+  // A message that was probed, of known size.
+  void receive(std::int64_t* data, std::int64_t words, MPI_Message& message) {
+    _requests.emplace_back();
+    checkMpi(MPI_Imrecv(data, static_cast<int>(words), MPI_INT64_T, &message, &_requests.back()),
+             "MPI_Imrecv");
+  }
+  void wait() {
+    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
+             "MPI_Waitall");
+    _requests.clear();
+  }
+
+private:
+  std::vector<MPI_Request> _requests;
+};
 
 // Persistent message buffers between this rank and some partners, in 64-bit words. The device reads
 // and writes `send` and `receive`; staging copies stand between them and MPI where MPI cannot read
@@ -31,15 +61,13 @@ public:
       copyRange(space, _staged_send, send, num_send);
     // Also before the receives: the device may still be reading the data of the last exchange.
     space.fence();
-    _requests.clear();
     for (std::size_t p = 0; p < partners.size(); ++p)
-      post(receiveData() + receive_offsets[p], receive_offsets[p + 1] - receive_offsets[p],
-           partners[p], tag, comm, false);
+      if (const std::int64_t words = receive_offsets[p + 1] - receive_offsets[p]; words > 0)
+        _messages.receive(receiveData() + receive_offsets[p], words, partners[p], tag, comm);
     for (std::size_t p = 0; p < partners.size(); ++p)
-      post(sendData() + send_offsets[p], send_offsets[p + 1] - send_offsets[p], partners[p], tag,
-           comm, true);
-    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
-             "MPI_Waitall");
+      if (const std::int64_t words = send_offsets[p + 1] - send_offsets[p]; words > 0)
+        _messages.send(sendData() + send_offsets[p], words, partners[p], tag, comm);
+    _messages.wait();
     if constexpr (!host_accessible)
       copyRange(space, receive, _staged_receive, num_receive);
   }
@@ -56,21 +84,16 @@ public:
     if constexpr (!host_accessible)
       copyRange(space, _staged_send, send, send_offsets.back());
     space.fence(); // `receive` may still be read as well
-    _requests.clear();
-    for (std::size_t p = 0; p < receivers.size(); ++p) {
-      _requests.emplace_back();
-      checkMpi(MPI_Isend(sendData() + send_offsets[p],
-                         checkedInt(send_offsets[p + 1] - send_offsets[p], "message"), MPI_INT64_T,
-                         receivers[p], tag, comm, &_requests.back()),
-               "MPI_Isend");
-    }
+    for (std::size_t p = 0; p < receivers.size(); ++p)
+      _messages.send(sendData() + send_offsets[p], send_offsets[p + 1] - send_offsets[p],
+                     receivers[p], tag, comm);
     // All sizes first, so that the buffer grows before it receives data.
-    _messages.resize(senders.size());
+    _probed.resize(senders.size());
     receive_offsets.assign(1, 0);
     for (std::size_t p = 0; p < senders.size(); ++p) {
       MPI_Status status;
       int words = 0;
-      checkMpi(MPI_Mprobe(senders[p], tag, comm, &_messages[p], &status), "MPI_Mprobe");
+      checkMpi(MPI_Mprobe(senders[p], tag, comm, &_probed[p], &status), "MPI_Mprobe");
       checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
       receive_offsets.push_back(receive_offsets.back() + words);
     }
@@ -78,15 +101,10 @@ public:
     growTo(space, receive, num_receive);
     growStaging(0, num_receive);
     space.fence(); // the old View is freed before MPI writes
-    for (std::size_t p = 0; p < senders.size(); ++p) {
-      _requests.emplace_back();
-      checkMpi(MPI_Imrecv(receiveData() + receive_offsets[p],
-                          static_cast<int>(receive_offsets[p + 1] - receive_offsets[p]),
-                          MPI_INT64_T, &_messages[p], &_requests.back()),
-               "MPI_Imrecv");
-    }
-    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
-             "MPI_Waitall");
+    for (std::size_t p = 0; p < senders.size(); ++p)
+      _messages.receive(receiveData() + receive_offsets[p],
+                        receive_offsets[p + 1] - receive_offsets[p], _probed[p]);
+    _messages.wait();
     if constexpr (!host_accessible)
       copyRange(space, receive, _staged_receive, num_receive);
   }
@@ -116,21 +134,9 @@ private:
   }
   std::int64_t* sendData() { return host_accessible ? send.data() : _staged_send.data(); }
   std::int64_t* receiveData() { return host_accessible ? receive.data() : _staged_receive.data(); }
-  void post(std::int64_t* data, std::int64_t words, int partner, int tag, MPI_Comm comm,
-            bool sending) {
-    if (words == 0)
-      return;
-    _requests.emplace_back();
-    const int n = checkedInt(words, "message");
-    if (sending)
-      checkMpi(MPI_Isend(data, n, MPI_INT64_T, partner, tag, comm, &_requests.back()), "MPI_Isend");
-    else
-      checkMpi(MPI_Irecv(data, n, MPI_INT64_T, partner, tag, comm, &_requests.back()), "MPI_Irecv");
-  }
-
   staging_view _staged_send, _staged_receive;
-  std::vector<MPI_Request> _requests;
-  std::vector<MPI_Message> _messages;
+  WordMessages _messages;
+  std::vector<MPI_Message> _probed;
 };
 
 // Bits of a double as a message word and back.
@@ -215,8 +221,7 @@ public:
   // double or int64, W equal on all ranks. Collective among partners.
   template <class ViewType>
   void forward(const exec_space& space, const ViewType& values) {
-    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
-             AssignReceived());
+    forward(space, values, values);
   }
   // Owner to ghost between two arrays: target(receive_row, :) = the partner's source(send_row, :).
   template <class SourceView, class TargetView>
@@ -229,7 +234,7 @@ public:
   template <class ViewType>
   void reverseSum(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
-    transfer(space, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
+    transfer(space, values, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
              AddReceived());
   }
   // Adds every partner's partial sums to this rank's, where both list the same rows to send and to
@@ -237,17 +242,11 @@ public:
   template <class ViewType>
   void sumShared(const exec_space& space, const ViewType& values) {
     static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
-    transfer(space, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
+    transfer(space, values, values, _send_rows, _send_offsets, _receive_rows, _receive_offsets,
              AddReceived());
   }
 
 private:
-  template <class ViewType, class Place>
-  void transfer(const exec_space& space, const ViewType& values, const View<int*>& from_rows,
-                const std::vector<std::int64_t>& from_offsets, const View<int*>& to_rows,
-                const std::vector<std::int64_t>& to_offsets, Place place) {
-    transfer(space, values, values, from_rows, from_offsets, to_rows, to_offsets, place);
-  }
   template <class SourceView, class TargetView, class Place>
   void transfer(const exec_space& space, const SourceView& source, const TargetView& target,
                 const View<int*>& from_rows, const std::vector<std::int64_t>& from_offsets,

@@ -7,7 +7,6 @@
 #include "contact/base/backend.hpp"
 
 #include <cmath>
-#include <type_traits>
 
 namespace brickwall {
 
@@ -21,6 +20,9 @@ struct VectorsOf<8> {
   typedef std::uint64_t bits __attribute__((vector_size(64)));
   typedef unsigned char bytes __attribute__((vector_size(8)));
 };
+
+template <int W>
+struct MaskPackOf;
 
 template <int W>
 struct PackOf {
@@ -39,55 +41,23 @@ struct PackOf {
     v -= b.v;
     return *this;
   }
+  friend PackOf operator+(const PackOf& a, const PackOf& b) { return a.v + b.v; }
+  friend PackOf operator-(const PackOf& a, const PackOf& b) { return a.v - b.v; }
+  friend PackOf operator*(const PackOf& a, const PackOf& b) { return a.v * b.v; }
+  friend PackOf operator/(const PackOf& a, const PackOf& b) { return a.v / b.v; }
+  friend PackOf operator-(const PackOf& a) { return -a.v; }
+  friend PackOf operator+(const PackOf& a, double b) { return a.v + b; }
+  friend PackOf operator+(double a, const PackOf& b) { return a + b.v; }
+  friend PackOf operator-(const PackOf& a, double b) { return a.v - b; }
+  friend PackOf operator*(const PackOf& a, double b) { return a.v * b; }
+  friend PackOf operator*(double a, const PackOf& b) { return a * b.v; }
+  friend PackOf operator/(double a, const PackOf& b) { return a / b.v; }
+  friend PackOf operator/(const PackOf& a, double b) { return a.v / b; }
+  friend MaskPackOf<W> operator<(const PackOf& a, const PackOf& b) { return a.v < b.v; }
+  friend MaskPackOf<W> operator<=(const PackOf& a, const PackOf& b) { return a.v <= b.v; }
+  friend MaskPackOf<W> operator>(const PackOf& a, const PackOf& b) { return a.v > b.v; }
+  friend MaskPackOf<W> operator==(const PackOf& a, const PackOf& b) { return a.v == b.v; }
 };
-template <int W>
-inline PackOf<W> operator+(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v + b.v;
-}
-template <int W>
-inline PackOf<W> operator-(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v - b.v;
-}
-template <int W>
-inline PackOf<W> operator*(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v * b.v;
-}
-template <int W>
-inline PackOf<W> operator/(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v / b.v;
-}
-template <int W>
-inline PackOf<W> operator-(const PackOf<W>& a) {
-  return -a.v;
-}
-template <int W>
-inline PackOf<W> operator+(const PackOf<W>& a, double b) {
-  return a.v + b;
-}
-template <int W>
-inline PackOf<W> operator+(double a, const PackOf<W>& b) {
-  return a + b.v;
-}
-template <int W>
-inline PackOf<W> operator-(const PackOf<W>& a, double b) {
-  return a.v - b;
-}
-template <int W>
-inline PackOf<W> operator*(const PackOf<W>& a, double b) {
-  return a.v * b;
-}
-template <int W>
-inline PackOf<W> operator*(double a, const PackOf<W>& b) {
-  return a * b.v;
-}
-template <int W>
-inline PackOf<W> operator/(double a, const PackOf<W>& b) {
-  return a / b.v;
-}
-template <int W>
-inline PackOf<W> operator/(const PackOf<W>& a, double b) {
-  return a.v / b;
-}
 
 // Integers in the same lanes.
 template <int W>
@@ -98,19 +68,10 @@ struct IntPackOf {
   IntPackOf() = default;
   IntPackOf(vector x) : v(x) {}
   std::int64_t operator[](int lane) const { return v[lane]; }
+  friend IntPackOf operator+(const IntPackOf& a, const IntPackOf& b) { return a.v + b.v; }
+  friend IntPackOf operator-(const IntPackOf& a, const IntPackOf& b) { return a.v - b.v; }
+  friend IntPackOf operator-(const IntPackOf& a) { return -a.v; }
 };
-template <int W>
-inline IntPackOf<W> operator+(const IntPackOf<W>& a, const IntPackOf<W>& b) {
-  return a.v + b.v;
-}
-template <int W>
-inline IntPackOf<W> operator-(const IntPackOf<W>& a, const IntPackOf<W>& b) {
-  return a.v - b.v;
-}
-template <int W>
-inline IntPackOf<W> operator-(const IntPackOf<W>& a) {
-  return -a.v;
-}
 
 // The result of a comparison: all bits of a lane are set, or none.
 template <int W>
@@ -121,35 +82,10 @@ struct MaskPackOf {
   MaskPackOf() = default;
   MaskPackOf(vector x) : v(x) {}
   MaskPackOf(bool x) : v(vector{} - static_cast<std::int64_t>(x)) {}
+  friend MaskPackOf operator&(const MaskPackOf& a, const MaskPackOf& b) { return a.v & b.v; }
+  friend MaskPackOf operator|(const MaskPackOf& a, const MaskPackOf& b) { return a.v | b.v; }
+  friend MaskPackOf operator!(const MaskPackOf& a) { return ~a.v; }
 };
-template <int W>
-inline MaskPackOf<W> operator<(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v < b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator<=(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v <= b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator>(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v > b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator==(const PackOf<W>& a, const PackOf<W>& b) {
-  return a.v == b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator&(const MaskPackOf<W>& a, const MaskPackOf<W>& b) {
-  return a.v & b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator|(const MaskPackOf<W>& a, const MaskPackOf<W>& b) {
-  return a.v | b.v;
-}
-template <int W>
-inline MaskPackOf<W> operator!(const MaskPackOf<W>& a) {
-  return ~a.v;
-}
 
 // Whether any lane is not zero.
 template <class Integers>

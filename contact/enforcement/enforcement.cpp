@@ -1,4 +1,3 @@
-// See enforcement.hpp.
 #include "contact/enforcement/enforcement.hpp"
 
 #include "contact/base/mpi.hpp"

@@ -1,4 +1,3 @@
-// See check_surface.hpp.
 #include "contact/surface/check_surface.hpp"
 
 #include "contact/base/hash.hpp"

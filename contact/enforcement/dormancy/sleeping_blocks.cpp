@@ -1,4 +1,3 @@
-// See sleeping_blocks.hpp.
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 
 namespace brickwall::contact {

@@ -1,4 +1,3 @@
-// See stationary_nodes.hpp.
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
 
 namespace brickwall::contact {

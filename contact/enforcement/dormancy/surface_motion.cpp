@@ -1,4 +1,3 @@
-// See surface_motion.hpp.
 #include "contact/enforcement/dormancy/surface_motion.hpp"
 
 #include "contact/base/to_device.hpp"

@@ -1,4 +1,3 @@
-// See edge_contact.hpp.
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
 
 #include "contact/base/region.hpp"

@@ -1,4 +1,3 @@
-// See edge_surface.hpp.
 #include "contact/enforcement/edge_edge/edge_surface.hpp"
 
 #include "contact/base/to_device.hpp"

@@ -10,21 +10,14 @@ PartnerMessages::announceSizes(MPI_Comm comm, int tag, const std::vector<int>& r
                                const std::vector<int>& senders) {
   setPartners(receivers, send_offsets, senders);
   _counts.resize(receivers.size() + senders.size());
-  _requests.clear();
   std::int64_t* const expected = _counts.data() + receivers.size();
-  for (std::size_t p = 0; p < senders.size(); ++p) {
-    _requests.emplace_back();
-    checkMpi(MPI_Irecv(expected + p, 1, MPI_INT64_T, senders[p], tag, comm, &_requests.back()),
-             "MPI_Irecv");
-  }
+  for (std::size_t p = 0; p < senders.size(); ++p)
+    _sizes.receive(expected + p, 1, senders[p], tag, comm);
   for (std::size_t p = 0; p < receivers.size(); ++p) {
     _counts[p] = send_offsets[p + 1] - send_offsets[p];
-    _requests.emplace_back();
-    checkMpi(MPI_Isend(&_counts[p], 1, MPI_INT64_T, receivers[p], tag, comm, &_requests.back()),
-             "MPI_Isend");
+    _sizes.send(&_counts[p], 1, receivers[p], tag, comm);
   }
-  checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
-           "MPI_Waitall");
+  _sizes.wait();
   _receive_offsets.assign(1, 0);
   for (std::size_t p = 0; p < senders.size(); ++p)
     _receive_offsets.push_back(_receive_offsets.back() + expected[p]);

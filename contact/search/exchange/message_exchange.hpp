@@ -51,7 +51,7 @@ private:
   std::vector<int> _receivers, _senders, _partners; // _partners: both, ascending
   std::vector<std::int64_t> _send_offsets{0}, _receive_offsets{0}, _counts;
   std::vector<std::int64_t> _send_words, _receive_words; // [partner + 1]
-  std::vector<MPI_Request> _requests;
+  WordMessages _sizes;
 };
 
 } // namespace brickwall::contact
