@@ -1,23 +1,19 @@
 // Host access to candidate rows, for tests.
 #pragma once
 
+#include "contact/base/to_device.hpp"
 #include "contact/surface/surface.hpp"
 
 #include <vector>
 
 namespace brickwall::contact::test {
 
-template <class ViewType>
-auto onHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
 // The rows of candidates on the host.
 class HostRows {
 public:
   explicit HostRows(const CandidatePairs& pairs)
-      : _nodes(onHost(pairs.row_nodes)), _blocks(onHost(pairs.block_begin)),
-        _rows(onHost(pairs.row_begin)), _faces(onHost(pairs.faces)) {}
+      : _nodes(toHost(pairs.row_nodes)), _blocks(toHost(pairs.block_begin)),
+        _rows(toHost(pairs.row_begin)), _faces(toHost(pairs.faces)) {}
   int node(int row) const { return _nodes(row); }
   struct Entry {
     std::int64_t place; // in CandidatePairs::faces

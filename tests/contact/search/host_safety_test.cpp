@@ -58,7 +58,7 @@ template <class ViewType, class Change>
 Mutable<ViewType> changed(const ViewType& view, std::size_t rows, const Change& change) {
   const Mutable<ViewType> copy("test::changed", rows);
   const auto host = Kokkos::create_mirror_view(copy);
-  const auto from = onHost(view);
+  const auto from = toHost(view);
   for (std::size_t i = 0; i < std::min(rows, from.extent(0)); ++i)
     if constexpr (ViewType::rank == 1)
       host(i) = from(i);
@@ -369,7 +369,7 @@ TEST_F(SearchInHost, MessagesOfTheHostDoNotMeetThoseOfTheSearch) {
         search.reverseSum(space, local.surface.face_to_nodes, ghost_values, node_values);
         EXPECT_TRUE(traffic.hasArrived()) << c.name();
         std::int64_t sum = 0;
-        const auto host = onHost(node_values);
+        const auto host = toHost(node_values);
         for (int node = 0; node < local.surface.num_nodes; ++node)
           for (int d = 0; d < 3; ++d)
             sum += host(node, d);

@@ -43,8 +43,8 @@ void drift(SurfaceCase& c, double speed) {
 std::map<int, std::vector<global_id>> rowsByNode(const Surface& surface, const GhostFaces& ghosts,
                                                  const CandidatePairs& pairs) {
   const HostRows rows(pairs);
-  const auto own_ids = onHost(surface.face_ids);
-  const auto ghost_ids = onHost(ghosts.face_ids);
+  const auto own_ids = toHost(surface.face_ids);
+  const auto ghost_ids = toHost(ghosts.face_ids);
   std::map<int, std::vector<global_id>> by_node;
   for (int r = 0; r < pairs.num_rows; ++r) {
     auto& ids = by_node[rows.node(r)];
@@ -126,7 +126,7 @@ TEST(MovingWallTest, BlocksThatAreNotMarkedAsChangedHaveTheRowsThatTheyHad) {
       const CandidatePairs& pairs = lasting.search(space, moved);
       space.fence();
       const auto blocks = blocksOf(pairs);
-      const auto marks = onHost(pairs.changed);
+      const auto marks = toHost(pairs.changed);
       ASSERT_GT(pairs.version, version);
       for (std::size_t b = 0; b < blocks.size() && pairs.version == version + 1; ++b) {
         kept += marks(b) == 0;

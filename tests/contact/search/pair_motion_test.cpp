@@ -8,16 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 
 namespace brickwall::contact::testing {
 namespace {
 
 const MPI_Comm world = MPI_COMM_WORLD;
-
-int scattered(int element) {
-  return element * 7 % 5 % sizeOf(world);
-}
 
 // A spinning brick on one at rest; every node has a motion of its own.
 Scene spinningOnTop() {

@@ -1,6 +1,7 @@
 // Shared by the search tests: methods by name, ghosts against the definition.
 #pragma once
 
+#include "contact/base/to_device.hpp"
 #include "contact/search/global_search.hpp"
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_oracle.hpp"
@@ -38,7 +39,7 @@ inline std::vector<int> facesOf(const SurfaceCase& c, const GhostFaces& ghosts) 
   std::map<global_id, int> face_of_id;
   for (std::size_t f = 0; f < c.faces.size(); ++f)
     face_of_id[c.faces[f].id] = static_cast<int>(f);
-  const auto ids = onHost(ghosts.face_ids);
+  const auto ids = toHost(ghosts.face_ids);
   std::vector<int> faces;
   for (int g = 0; g < ghosts.count; ++g) {
     const auto found = face_of_id.find(ids(g));
@@ -51,9 +52,9 @@ inline std::vector<int> facesOf(const SurfaceCase& c, const GhostFaces& ghosts) 
 class HostGhosts {
 public:
   explicit HostGhosts(const GhostFaces& ghosts)
-      : _bodies(onHost(ghosts.bodies)), _corners(onHost(ghosts.corner_ids)),
-        _x_old(onHost(ghosts.coordinates_old)), _x_new(onHost(ghosts.coordinates_new)),
-        _attributes(onHost(ghosts.attributes)) {}
+      : _bodies(toHost(ghosts.bodies)), _corners(toHost(ghosts.corner_ids)),
+        _x_old(toHost(ghosts.coordinates_old)), _x_new(toHost(ghosts.coordinates_new)),
+        _attributes(toHost(ghosts.attributes)) {}
 
   bool hasDataOf(const SurfaceCase& c, const CaseFace& face, int g) const {
     bool same = _bodies(g) == face.body;

@@ -1,4 +1,5 @@
 // Radix sort, Morton codes and the tree against plain loops.
+#include "contact/base/to_device.hpp"
 #include "contact/search/spatial/bvh_query.hpp"
 #include "tests/contact/search/search_cases.hpp"
 
@@ -8,6 +9,13 @@
 
 namespace brickwall::contact::test {
 namespace {
+
+Box boxOf(const Vec3& a, const Vec3& b) {
+  Box box;
+  box.include(a);
+  box.include(b);
+  return box;
+}
 
 void setKeys(const std::vector<std::uint64_t>& keys, SortedKeys& sorted) {
   sorted.grow(exec_space(), static_cast<std::int64_t>(keys.size()));
@@ -37,8 +45,8 @@ TEST(RadixSortTest, EqualsAStableSort) {
       std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return keys[a] < keys[b]; });
       setKeys(keys, sorted);
       sortByKey(exec_space(), n, bits, sorted);
-      const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), sorted.values);
-      const auto found_keys = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), sorted.keys);
+      const auto found = toHost(sorted.values);
+      const auto found_keys = toHost(sorted.keys);
       for (int i = 0; i < n; ++i) {
         ASSERT_EQ(found(i), order[i]) << n << " keys of " << bits << " bits";
         ASSERT_EQ(found_keys(i), keys[order[i]]);
@@ -56,10 +64,8 @@ TEST(RadixSortTest, BitsHoldAllKeysBelowTheLimit) {
 }
 
 TEST(MortonTest, InterleavesTheBitsOfTheCells) {
-  Box unit;
-  unit.include(Vec3{0, 0, 0});
-  unit.include(Vec3{2097151, 2097151, 2097151}); // one cell per unit length
-  const MortonGrid grid(unit);
+  // One cell per unit length.
+  const MortonGrid grid(boxOf({0, 0, 0}, {2097151, 2097151, 2097151}));
   EXPECT_EQ(mortonCode(grid, {0, 0, 0}), 0u);
   EXPECT_EQ(mortonCode(grid, {1, 0, 0}), 4u);
   EXPECT_EQ(mortonCode(grid, {0, 1, 0}), 2u);
@@ -69,9 +75,7 @@ TEST(MortonTest, InterleavesTheBitsOfTheCells) {
 }
 
 TEST(MortonTest, PointsOutsideAndNotFiniteGetACode) {
-  Box unit;
-  unit.include(Vec3{0, 0, 0});
-  unit.include(Vec3{1, 1, 1});
+  const Box unit = boxOf({0, 0, 0}, {1, 1, 1});
   const std::uint64_t last = ~std::uint64_t(0) >> 1;
   EXPECT_EQ(mortonCode(MortonGrid(unit), {-5, -1e300, -HUGE_VAL}), 0u);
   EXPECT_EQ(mortonCode(MortonGrid(unit), {5, 1e300, HUGE_VAL}), last);
@@ -94,10 +98,8 @@ TEST(FloatBoundsTest, RoundingKeepsTheOrderOfBounds) {
 }
 
 TEST(FloatBoundsTest, TheBoxOfEverythingFindsASingleItemOnce) {
-  Box everything, unit;
-  everything.include(Vec3{-1e300, -1e300, -1e300});
-  everything.include(Vec3{1e300, 1e300, 1e300});
-  unit.include(Vec3{0, 0, 0});
+  const Box everything = boxOf({-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300});
+  const Box unit = boxOf({0, 0, 0}, {0, 0, 0});
   TreeNode node;
   node.setBox(0, FloatBounds::of(unit));
   node.setBox(1, FloatBounds());
@@ -110,11 +112,7 @@ TEST(FloatBoundsTest, TheBoxOfEverythingFindsASingleItemOnce) {
 }
 
 TEST(FloatBoundsTest, BoxesThatTouchAtEitherZeroOverlap) {
-  Box below, above; // [-1, -0] and [+0, 1] in each direction
-  for (int d = 0; d < 3; ++d) {
-    below.lower[d] = -1, below.upper[d] = -0.0;
-    above.lower[d] = 0.0, above.upper[d] = 1;
-  }
+  const Box below = boxOf({-1, -1, -1}, {-0.0, -0.0, -0.0}), above = boxOf({0, 0, 0}, {1, 1, 1});
   TreeNode node;
   node.setBox(0, FloatBounds::of(below));
   node.setBox(1, FloatBounds::of(above));
@@ -126,20 +124,8 @@ TEST(FloatBoundsTest, BoxesThatTouchAtEitherZeroOverlap) {
 }
 
 Box randomBox(Random& random, double size) {
-  Box box;
   const Vec3 at{random.real(0, 10), random.real(0, 10), random.real(0, 10)};
-  box.include(at);
-  box.include(at + Vec3{random.real(0, size), random.real(0, size), random.real(0, size)});
-  return box;
-}
-
-View<Box*> onDevice(const std::vector<Box>& boxes) {
-  View<Box*> view("test", boxes.size());
-  const auto host = Kokkos::create_mirror_view(view);
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    host(i) = boxes[i];
-  Kokkos::deep_copy(view, host);
-  return view;
+  return boxOf(at, at + Vec3{random.real(0, size), random.real(0, size), random.real(0, size)});
 }
 
 struct Overlaps {
@@ -155,7 +141,8 @@ void expectAllOverlaps(const std::vector<Box>& items, const std::vector<Box>& qu
   Box all;
   for (const Box& box : items)
     all.include(box);
-  const View<const Box*> device_items = onDevice(items), device_queries = onDevice(queries);
+  const View<const Box*> device_items = toDevice(space, "test", items),
+                         device_queries = toDevice(space, "test", queries);
   const int num_queries = static_cast<int>(queries.size());
   buildTree(space, device_items, static_cast<int>(items.size()), all, tree);
   QueryOrder order;
@@ -163,9 +150,9 @@ void expectAllOverlaps(const std::vector<Box>& items, const std::vector<Box>& qu
   sortQueries(space, box_of, num_queries, all, order);
   queryTree(space, "test", tree, num_queries, box_of, Overlaps{device_queries, device_items},
             sorted ? &order : nullptr, results);
-  const auto begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), results.begin);
-  const auto count = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), results.count);
-  const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), results.items);
+  const auto begin = toHost(results.begin);
+  const auto count = toHost(results.count);
+  const auto found = toHost(results.items);
   for (int q = 0; q < num_queries; ++q) {
     std::vector<int> row, expected;
     for (std::int64_t i = begin(q); i < begin(q) + count(q); ++i)
