@@ -8,6 +8,7 @@
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/sum_over.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -132,16 +133,19 @@ TEST(LimbSumTest, RanksAndThreadsDoNotShowInTheBits) {
   }
 }
 
+Box boxOf(const Vec3& a, const Vec3& b) {
+  Box box;
+  box.include(a);
+  box.include(b);
+  return box;
+}
+
 TEST(BoxTest, EmptyBoxOverlapsNothingAndIsNeutralInUnions) {
   Box box;
   EXPECT_TRUE(box.empty());
-  Box everything;
-  everything.include(Vec3{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL});
-  everything.include(Vec3{HUGE_VAL, HUGE_VAL, HUGE_VAL});
+  const Box everything = boxOf({-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL});
+  const Box unit = boxOf({0, 0, 0}, {1, 1, 1});
   EXPECT_FALSE(box.overlaps(box));
-  Box unit;
-  unit.include(Vec3{0, 0, 0});
-  unit.include(Vec3{1, 1, 1});
   EXPECT_FALSE(box.overlaps(unit));
   EXPECT_FALSE(unit.overlaps(box));
   EXPECT_TRUE(everything.overlaps(unit));
@@ -151,13 +155,10 @@ TEST(BoxTest, EmptyBoxOverlapsNothingAndIsNeutralInUnions) {
 }
 
 TEST(BoxTest, OverlapIsClosed) {
-  Box a, b;
-  a.include(Vec3{0, 0, 0});
-  a.include(Vec3{1, 1, 1});
-  b.include(Vec3{1, 1, 1});
+  const Box a = boxOf({0, 0, 0}, {1, 1, 1}), b = boxOf({1, 1, 1}, {1, 1, 1});
   EXPECT_TRUE(a.overlaps(b)); // a corner touches a point
-  Box c;
-  c.include(Vec3{std::nextafter(1.0, 2.0), 0.5, 0.5});
+  const Vec3 beside = {std::nextafter(1.0, 2.0), 0.5, 0.5};
+  Box c = boxOf(beside, beside);
   EXPECT_FALSE(a.overlaps(c));
   c.inflate(0x1p-52);
   EXPECT_TRUE(c.overlaps(a));
@@ -179,8 +180,8 @@ TEST(CountScanFillTest, RowsOfAnyLengthKeepTheirOrder) {
   for (const int n : {0, 1, 1000}) {
     const std::int64_t total =
         countScanFill(space, "test::rows", n, RowsOfAnyLength(), offsets, values);
-    const auto host_offsets = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), offsets);
-    const auto host_values = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
+    const auto host_offsets = toHost(offsets);
+    const auto host_values = toHost(values);
     std::int64_t next = 0;
     for (int i = 0; i < n; ++i) {
       ASSERT_EQ(host_offsets(i), next);

@@ -14,13 +14,9 @@ namespace {
 
 using Forces = std::vector<std::array<std::int64_t, 3>>;
 
-int scattered(int element) {
-  return (element * 7 + element / 3) % sizeOf(MPI_COMM_WORLD);
-}
-
 // Contacts of the node with the most contacts.
 int longestRow(const ContactHistory& history) {
-  const auto counts = onHost(history.row_count);
+  const auto counts = toHost(history.row_count);
   int longest = 0;
   for (std::size_t node = 0; node < counts.extent(0); ++node)
     longest = std::max(longest, counts(node));
@@ -48,7 +44,7 @@ TEST(CrowdedNodes, ManyEqualBodiesShareTheStiffnessOfOneAndPushWithEqualIntegers
     EXPECT_EQ(run->sums.problem(), "");
     EXPECT_EQ(run->sums.penetrating, 4 * num_plates);
     EXPECT_EQ(run->sums.active, 4 * num_plates);
-    const auto status = onHost(run->enforcement.status());
+    const auto status = toHost(run->enforcement.status());
     for (const Vec3& corner : {Vec3{0.5, 0.5, -0.01}, Vec3{1.5, 1.5, -0.01}}) {
       const int node = run->scene.nodeAt(num_plates, corner);
       const auto contacts = run->of(node);
@@ -75,7 +71,7 @@ TEST(CrowdedNodes, AllContactsContinueAndAreLostOrEndTogether) {
       EXPECT_EQ(run->sums.active, 4 * num_plates);
       EXPECT_EQ(run->sums.lost, 0);
       EXPECT_EQ(longestRow(run->enforcement.history()), num_plates);
-      const auto all = onHost(run->enforcement.history().interactions);
+      const auto all = toHost(run->enforcement.history().interactions);
       for (std::int64_t i = 0; i < run->enforcement.history().count; ++i) {
         ASSERT_EQ(all(i).is_new, 0);
         ASSERT_NEAR(all(i).depth, 0.01 * (step + 1), 1e-15); // the motion adds up

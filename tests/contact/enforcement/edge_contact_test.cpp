@@ -133,14 +133,12 @@ TEST(EdgeContact, EdgesThatPassEachOtherOutsideAreNotInContact) {
 
 // Every rank finds the same contacts; elements are distributed one by one.
 TEST(EdgeContact, EveryPartitionGivesTheSameIntegers) {
-  const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.friction = 0.3;
   c.damping = 0.05;
   const Scene scene = crossedRidges(0.01);
   EdgeRun one(scene, MPI_COMM_SELF, onOneRank, c);
-  EdgeRun many(
-      scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+  EdgeRun many(scene, MPI_COMM_WORLD, scattered, c);
   for (const Vec3& by : {Vec3{0.1, 0, -0.02}, Vec3{0.2, 0.3, -0.01}, Vec3{0.3, 0.3, 0.005}}) {
     one.move(1, by);
     many.move(1, by);

@@ -83,13 +83,11 @@ std::uint64_t checksum(const SceneRun& run, MPI_Comm comm) {
 }
 
 TEST(HistoryChecksum, IsTheSameForEveryPartitionAndDiffersInEveryStep) {
-  const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.friction = 0.3;
   const Scene scene = heap(5);
   SceneRun one(scene, MPI_COMM_SELF, onOneRank, c);
-  SceneRun many(
-      scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+  SceneRun many(scene, MPI_COMM_WORLD, scattered, c);
   std::set<std::uint64_t> seen = {checksum(one, MPI_COMM_SELF)};
   EXPECT_EQ(*seen.begin(), 0u); // no contact yet
   for (int step = 0; step < 4; ++step) {
@@ -131,7 +129,6 @@ TEST(HistoryChecksum, DependsOnTheLastBitOfEachValueAndNotOnTheOrder) {
 }
 
 TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersForEveryPartition) {
-  const int size = sizeOf(MPI_COMM_WORLD);
   EnforcementConfig c = config();
   c.scheme = Scheme::energy_neutral;
   for (unsigned seed = 0; seed < 4; ++seed) {
@@ -140,8 +137,7 @@ TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersForEveryPartition) {
     for (std::size_t i = 0; i < acceleration.size(); ++i)
       acceleration[i] = {std::sin(7.0 * i), std::cos(5.0 * i), std::sin(3.0 * i)};
     SceneRun one(scene, MPI_COMM_SELF, onOneRank, c);
-    SceneRun many(
-        scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; }, c);
+    SceneRun many(scene, MPI_COMM_WORLD, scattered, c);
     for (int step = 0; step < 4; ++step) {
       std::vector<std::array<std::int64_t, 3>> forces[2];
       int which = 0;
@@ -164,11 +160,10 @@ TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersForEveryPartition) {
 // Search, enforcement and the return of reactions together, against brute-force pairs on one rank.
 // Both reach 0.3, but the search lists other pairs than brute force; inactive pairs change no bit.
 TEST(Enforcement, ForcesWithTheSearchEqualThoseOfBruteForce) {
-  const int size = sizeOf(MPI_COMM_WORLD);
   const exec_space space;
   for (unsigned seed = 0; seed < 6; ++seed) {
     const Scene scene = heap(seed);
-    SceneRun run(scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; });
+    SceneRun run(scene, MPI_COMM_WORLD, scattered);
     const auto expected = alone(scene)->step();
     const Surface& surface = run.part.surface();
     SearchConfig tolerances;
@@ -182,7 +177,7 @@ TEST(Enforcement, ForcesWithTheSearchEqualThoseOfBruteForce) {
     const ContactForces& forces = run.enforcement.forces();
     search.reverseSum(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
 
-    const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
+    const auto nodes = toHost(forces.nodes);
     std::vector<std::int64_t> sum(3 * scene.x_new.size(), 0);
     for (std::size_t i = 0; i < run.part.nodes().size(); ++i)
       for (int d = 0; d < 3; ++d)
@@ -198,7 +193,7 @@ TEST(Enforcement, GhostCornersReceiveTheValuesOfTheirOwnersNodes) {
   const int size = sizeOf(MPI_COMM_WORLD);
   const exec_space space;
   const Scene scene = heap(5);
-  SceneRun run(scene, MPI_COMM_WORLD, [&](int e) { return (e * 7 + e / 3) % size; });
+  SceneRun run(scene, MPI_COMM_WORLD, scattered);
   const Surface& surface = run.part.surface();
   SearchConfig tolerances;
   tolerances.node_tolerance = tolerances.face_tolerance = 0.12;
@@ -213,8 +208,8 @@ TEST(Enforcement, GhostCornersReceiveTheValuesOfTheirOwnersNodes) {
   const View<double* [12]> at_ghosts("test::at_ghosts", ghosts.count);
   search.forward(space, surface, values, at_ghosts);
   space.fence();
-  const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), at_ghosts);
-  const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), ghosts.corner_ids);
+  const auto found = toHost(at_ghosts);
+  const auto ids = toHost(ghosts.corner_ids);
   for (int ghost = 0; ghost < ghosts.count; ++ghost)
     for (int i = 0; i < 12; ++i)
       ASSERT_EQ(found(ghost, i), 10.0 * static_cast<double>(ids(ghost, i / 3)) + i % 3);

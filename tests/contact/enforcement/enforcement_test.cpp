@@ -34,21 +34,15 @@ TEST(Enforcement, InitialOverlapGivesNoForceAndFurtherApproachDoes) {
       EXPECT_EQ(f[d], 0);
   EXPECT_GT(run->sums.penetrating, 0);
   EXPECT_EQ(run->sums.interactions, 0);
-  run->scene.step();
-  run->scene.move(1, {0, 0, -0.01});
-  run->step();
+  run->moveAndStep(1, {0, 0, -0.01});
   const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.06}));
   ASSERT_EQ(contact.size(), 1u);
   EXPECT_NEAR(contact[0].offset, 0.05, 1e-15);
   EXPECT_NEAR(contact[0].depth, 0.01, 1e-15);
   // As the block leaves the overlap, the offset shrinks with it: the contact never pulls.
-  run->scene.step();
-  run->scene.move(1, {0, 0, 0.02});
-  run->step();
+  run->moveAndStep(1, {0, 0, 0.02});
   EXPECT_EQ(run->sums.interactions, 0);
-  run->scene.step();
-  run->scene.move(1, {0, 0, -0.01});
-  run->step();
+  run->moveAndStep(1, {0, 0, -0.01});
   EXPECT_NEAR(run->of(run->scene.nodeAt(1, {2, 2, -0.05}))[0].offset, 0.04, 1e-15);
 }
 
@@ -61,14 +55,10 @@ TEST(Enforcement, GapGivesNoForceHoweverSmall) {
 TEST(Enforcement, AStepWithoutPenetrationEndsTheHistory) {
   auto run = alone(blockOnPlate(0.02, 0.02));
   run->step();
-  run->scene.step();
-  run->scene.move(1, {0, 0, 0.03});
-  run->step();
+  run->moveAndStep(1, {0, 0, 0.03});
   EXPECT_EQ(run->sums.interactions, 0);
   EXPECT_EQ(run->sums.lost, 0); // it has separated and is not lost
-  run->scene.step();
-  run->scene.move(1, {0, 0, -0.05});
-  run->step();
+  run->moveAndStep(1, {0, 0, -0.05});
   const auto contact = run->of(run->scene.nodeAt(1, {2, 2, -0.04}));
   ASSERT_EQ(contact.size(), 1u);
   EXPECT_EQ(contact[0].is_new, 1);
@@ -83,17 +73,13 @@ TEST(Enforcement, NodeKeepsItsFaceWhileOnItAndContinuesOnTheNext) {
   const int node = run->scene.nodeAt(1, {2, 2, -0.02});
   const Interaction first = run->of(node)[0];
   for (const double slide : {0.01, -0.02}) { // to either side of the edge
-    run->scene.step();
-    run->scene.move(1, {slide, 0, 0});
-    run->step();
+    run->moveAndStep(1, {slide, 0, 0});
     EXPECT_EQ(run->of(node)[0].face, first.face);
     EXPECT_EQ(run->of(node)[0].is_new, 0);
   }
   // Ties go to the least face id, which is the face towards lower x and y: leave it, and press by
   // 0.03 more.
-  run->scene.step();
-  run->scene.move(1, {0.5, 0, -0.03});
-  run->step();
+  run->moveAndStep(1, {0.5, 0, -0.03});
   const Interaction moved = run->of(node)[0];
   EXPECT_NE(moved.face, first.face);
   // The cap s m_red fell a little where weights beyond the edge raised sum N_j^2 to 1.01^2 +
@@ -251,9 +237,7 @@ TEST(Enforcement, StiffnessIsThatOfActivationAndFollowsAFallingCapAtEqualEnergy)
   const Interaction before = run->of(node)[0];
   Interaction now = before;
   for (int step = 0; step < 5; ++step) {
-    run->scene.step();
-    run->scene.move(block, {0.09, 0.09, 0});
-    run->step();
+    run->moveAndStep(block, {0.09, 0.09, 0});
     const Interaction last = now;
     now = run->of(node)[0];
     EXPECT_LE(now.stiffness, last.stiffness * (1 + 1e-15));
@@ -291,9 +275,7 @@ TEST(Enforcement, LoadedContactThatLeavesTheCandidatesIsReported) {
   run->step();
   EXPECT_EQ(run->sums.problem(), "");
   EXPECT_NEAR(run->sums.max_penetration, 0.02, 1e-15); // faces of area 1
-  run->scene.step();
-  run->scene.move(1, {0, 0, -0.2});
-  run->step(); // still a candidate: the boxes contain x^n
+  run->moveAndStep(1, {0, 0, -0.2}); // still a candidate: the boxes contain x^n
   EXPECT_EQ(run->sums.lost, 0);
   EXPECT_NEAR(run->sums.max_penetration, 0.22, 1e-15);
   run->scene.step();

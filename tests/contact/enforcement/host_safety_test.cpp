@@ -20,10 +20,6 @@ protected:
   const int rank = rankOf(comm), size = sizeOf(comm);
 };
 
-int spread(int element) {
-  return (element * 7 + element / 3) % sizeOf(comm);
-}
-
 // A brick pressed into another one.
 Scene pressed() {
   Scene scene;
@@ -51,11 +47,11 @@ void expectError(const std::function<void()>& act, const std::string& words) {
 
 TEST_F(EnforcementInHost, MessagesOfTheHostDoNotMeetThoseOfTheEnforcement) {
   const Scene scene = pressed();
-  SceneRun alone(scene, comm, spread);
+  SceneRun alone(scene, comm, scattered);
   const auto expected = alone.step();
   for (const auto kind : {HostTraffic::pending_receives, HostTraffic::pending_messages}) {
     HostTraffic traffic(comm, kind);
-    SceneRun run(scene, comm, spread);
+    SceneRun run(scene, comm, scattered);
     EXPECT_EQ(run.step(), expected);
     EXPECT_TRUE(traffic.hasArrived());
   }
@@ -64,11 +60,11 @@ TEST_F(EnforcementInHost, MessagesOfTheHostDoNotMeetThoseOfTheEnforcement) {
 
 TEST_F(EnforcementInHost, MessagesOfTheHostDoNotMeetThoseOfTheEdges) {
   const Scene scene = crossedRidges(-0.02);
-  EdgeRun alone(scene, comm, spread);
+  EdgeRun alone(scene, comm, scattered);
   const auto expected = alone.step();
   for (const auto kind : {HostTraffic::pending_receives, HostTraffic::pending_messages}) {
     HostTraffic traffic(comm, kind);
-    EdgeRun run(scene, comm, spread);
+    EdgeRun run(scene, comm, scattered);
     EXPECT_EQ(run.step(), expected);
     EXPECT_TRUE(traffic.hasArrived());
   }
@@ -119,7 +115,7 @@ std::vector<BadParameter> badParameters() {
 
 TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
   const exec_space space;
-  const ScenePart part(pressed(), comm, spread, 0.3);
+  const ScenePart part(pressed(), comm, scattered, 0.3);
   const FeatureEdges edges = findFeatureEdges(comm, part.surface());
   int first_wrong = 0; // rank
   const auto expect = [&](const std::string& words, const std::function<void(Given&)>& spoil) {
@@ -159,7 +155,7 @@ TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
 }
 
 TEST_F(EnforcementInHost, AToleranceOfEdgesThatCannotBeIsAnErrorOfTheNextSearch) {
-  EdgeRun run(crossedRidges(-0.02), comm, spread);
+  EdgeRun run(crossedRidges(-0.02), comm, scattered);
   run.step();
   if (rank == size - 1)
     run.edges->setTolerance(-1);
@@ -170,7 +166,7 @@ TEST_F(EnforcementInHost, AToleranceOfEdgesThatCannotBeIsAnErrorOfTheNextSearch)
 
 TEST_F(EnforcementInHost, EnforcementNoticesASurfaceOfOtherCounts) {
   const exec_space space;
-  SceneRun run(pressed(), comm, spread);
+  SceneRun run(pressed(), comm, scattered);
   const auto expected = run.step();
   Surface other = run.part.surface();
   if (rank == size - 1)

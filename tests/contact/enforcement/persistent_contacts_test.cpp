@@ -52,7 +52,7 @@ int rankOfElement(int element) {
 std::map<global_id, unsigned char> trueEdges(const Scene& scene) {
   const ScenePart whole(scene, MPI_COMM_SELF, onOneRank, 0);
   const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, whole.surface());
-  const auto ids = onHost(whole.surface().face_ids);
+  const auto ids = toHost(whole.surface().face_ids);
   std::map<global_id, unsigned char> edges;
   for (int face = 0; face < whole.surface().num_faces; ++face)
     edges[ids(face)] = features.true_edges[face];
@@ -82,7 +82,7 @@ public:
                .nodes;
     forces = _part.total(_enforcement->forces(), scene.x_new.size(), scene);
     const ContactHistory& history = _enforcement->history();
-    const auto all = onHost(history.interactions);
+    const auto all = toHost(history.interactions);
     interactions.assign(all.data(), all.data() + history.count);
     status = _enforcement->status();
     gap = _enforcement->gap();
@@ -100,7 +100,7 @@ private:
     const AttributeWords known("test::attributes", attributes.extent(0), attributes.extent(1));
     const auto host = Kokkos::create_mirror_view(known);
     Kokkos::deep_copy(host, attributes);
-    const auto ids = onHost(face_ids);
+    const auto ids = toHost(face_ids);
     for (std::size_t f = 0; f < host.extent(0); ++f)
       attributesAt<FaceAttributes>(host, f).feature_edges = _true_edges.at(ids(f));
     Kokkos::deep_copy(known, host);
@@ -142,8 +142,8 @@ void expectSame(const Run& a, const Run& b) {
     EXPECT_EQ(namesOf(i->second), namesOf(j->second)) << "of node " << i->first.first;
     EXPECT_EQ(numbersOf(i->second), numbersOf(j->second)) << "of node " << i->first.first;
   }
-  const auto status_a = onHost(a.status), status_b = onHost(b.status);
-  const auto gap_a = onHost(a.gap), gap_b = onHost(b.gap);
+  const auto status_a = toHost(a.status), status_b = toHost(b.status);
+  const auto gap_a = toHost(a.gap), gap_b = toHost(b.gap);
   for (std::size_t node = 0; node < status_a.extent(0); ++node) {
     EXPECT_EQ(status_a(node), status_b(node)) << node;
     EXPECT_EQ(gap_a(node), gap_b(node)) << node;

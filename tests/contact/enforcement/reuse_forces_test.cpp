@@ -42,9 +42,7 @@ void swing(Scene& scene, const std::vector<Vec3>& start, int step) {
 // A rank's part with a search and its contacts.
 struct SearchedRun {
   SearchedRun(const Scene& scene, double kept_by)
-      : part(
-            scene, comm, [](int e) { return (e * 7 + e / 3) % sizeOf(comm); }, 0),
-        search(comm, tolerances(), kept_by),
+      : part(scene, comm, scattered, 0), search(comm, tolerances(), kept_by),
         enforcement(exec_space(), comm, part.surface(), part.nodeMass(), config(), quantum(),
                     energyScale()) {}
 
@@ -65,7 +63,7 @@ struct SearchedRun {
     sumOverRanks(comm, sums);
     const ContactForces& forces = enforcement.forces();
     search.reverseSum(space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
-    const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
+    const auto nodes = toHost(forces.nodes);
     std::vector<std::int64_t> total(3 * scene.x_new.size(), 0);
     for (std::size_t i = 0; i < part.nodes().size(); ++i)
       for (int d = 0; d < 3; ++d)

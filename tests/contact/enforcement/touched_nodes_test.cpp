@@ -24,7 +24,7 @@ Vec3 motionAt(int step) {
 constexpr int num_steps = 16;
 
 std::set<int> asSet(const NodeList& list) {
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), list.nodes);
+  const auto host = toHost(list.nodes);
   std::set<int> nodes;
   for (std::int64_t i = 0; i < list.count; ++i)
     EXPECT_TRUE(nodes.insert(host(i)).second) << "twice: " << host(i);
@@ -68,8 +68,7 @@ TEST(TouchedNodes, OnlyTheirAccelerationsAreReadAndOnlyTheyHaveForces) {
               all.part.total(all.enforcement.forces(), num_nodes, all.scene))
         << step;
     const std::set<int> listed = asSet(run.enforcement.touched());
-    const auto forces =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), run.enforcement.forces().nodes);
+    const auto forces = toHost(run.enforcement.forces().nodes);
     int pushed = 0;
     for (int node = 0; node < run.part.surface().num_nodes; ++node) {
       const bool is_pushed = forces(node, 0) != 0 || forces(node, 1) != 0 || forces(node, 2) != 0;
@@ -87,9 +86,7 @@ TEST(TouchedNodes, ManyAreListedAsAllAndNoneAsNone) {
   const exec_space space;
   SceneRun run(smallOnLarge(), MPI_COMM_SELF, onOneRank);
   for (int step = 0; step < 5; ++step) {
-    run.scene.step();
-    run.scene.move(1, motionAt(step));
-    run.step();
+    run.moveAndStep(1, motionAt(step));
   }
   const ContactHistory& pairs = run.enforcement.history();
   ASSERT_GT(pairs.count, 0);

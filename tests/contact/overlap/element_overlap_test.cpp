@@ -211,7 +211,6 @@ TEST(ElementOverlap, IsTheSameOnAnyRanksAndCut) {
   for (const Scene& scene : {heap, crossingBars(0.75, 4), crossingBars(0, 3)}) {
     const ElementOverlap expected = elementOverlapOf(scene);
     const int num_elems = static_cast<int>(scene.elements.size());
-    const auto scattered = [&](int e) { return (e * 7 + e / 3) % size; };
     const auto slabs = [&](int e) { return e * size / num_elems; };
     for (const BodyElements& elements : {meetingElements(scene, MPI_COMM_WORLD, scattered),
                                          meetingElements(scene, MPI_COMM_WORLD, slabs)}) {

@@ -154,7 +154,6 @@ TEST(InitialOverlap, IsTheSamePairOnAnyRanksAndCut) {
        {heap, blockAbovePlate(-0.0625), blockAbovePlate(0), blockAbovePlate(3)}) {
     const InitialOverlap expected = overlapOf(scene);
     const int num_elems = static_cast<int>(scene.elements.size());
-    const auto scattered = [&](int e) { return (e * 7 + e / 3) % size; };
     const auto slabs = [&](int e) { return e * size / num_elems; };
     const ScenePart cuts[2] = {{scene, MPI_COMM_WORLD, scattered, reach},
                                {scene, MPI_COMM_WORLD, slabs, reach}};

@@ -12,16 +12,6 @@ namespace {
 
 const MPI_Comm world = MPI_COMM_WORLD;
 
-template <class ViewType>
-std::vector<double> numbersOf(const ViewType& view, std::size_t rows) {
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-  std::vector<double> all;
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t j = 0; j < (ViewType::rank == 2 ? host.extent(1) : 1); ++j)
-      all.push_back(static_cast<double>(host.data()[i * host.stride(0) + j * host.stride(1)]));
-  return all;
-}
-
 // Five bricks, not quite flush, that swing, rotate and bend a little, each with its own period.
 class SwingingBricks {
 public:

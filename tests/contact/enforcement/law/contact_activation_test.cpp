@@ -220,7 +220,7 @@ Scene ridgesAt(double angle, double gap) {
 }
 Interaction onlyInteraction(const EdgeRun& run) {
   EXPECT_EQ(run.edges->history().count, 1);
-  return onHost(run.edges->history().interactions)(0);
+  return toHost(run.edges->history().interactions)(0);
 }
 
 // Half of s m_red/dt^2 at any angle at which there is a contact.

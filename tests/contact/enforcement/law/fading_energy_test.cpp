@@ -59,7 +59,7 @@ public:
       f[d] = _quantum.value * static_cast<double>(quanta[d]);
     return f;
   }
-  Interaction contact() const { return onHost(_enforcement->history().interactions)(0); }
+  Interaction contact() const { return toHost(_enforcement->history().interactions)(0); }
   double stored() const { return sums.terms.sum[spring_stored].value(_scale); }
 
   ContactSums sums;

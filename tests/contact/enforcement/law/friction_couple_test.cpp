@@ -54,7 +54,7 @@ Vec3 turnedAlong(const Vec3& a) {
 
 FrictionSpring onlyFriction(const ContactHistory& history) {
   EXPECT_EQ(history.count, 1);
-  return onHost(history.friction)(0);
+  return toHost(history.friction)(0);
 }
 
 void expectBalanced(const Scene& scene, const std::vector<std::array<std::int64_t, 3>>& force,

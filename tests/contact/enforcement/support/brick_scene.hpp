@@ -3,13 +3,13 @@
 // program works differently.
 #pragma once
 
+#include "contact/base/to_device.hpp"
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/surface/candidate_rows.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <set>
 #include <vector>
 
@@ -151,9 +151,8 @@ public:
   std::vector<std::array<std::int64_t, 3>> total(const ContactForces& forces, std::size_t num_nodes,
                                                  const Scene& scene) const {
     std::vector<std::array<std::int64_t, 3>> sum(num_nodes, {0, 0, 0});
-    const auto own = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.nodes);
-    const auto ghost =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.ghost_corners);
+    const auto own = toHost(forces.nodes);
+    const auto ghost = toHost(forces.ghost_corners);
     for (std::size_t i = 0; i < _nodes.size(); ++i)
       for (int d = 0; d < 3; ++d)
         sum[_nodes[i]][d] += own(i, d);
@@ -168,13 +167,7 @@ public:
   // The host's input of the energy-neutral scheme, by brute force. `acceleration` [global node].
   NeutralInput neutralInput(const Scene& scene, const std::vector<Vec3>& acceleration) const {
     NeutralInput input;
-    const View<double* [3]> values("test::acceleration", _nodes.size());
-    const auto host = Kokkos::create_mirror_view(values);
-    for (std::size_t i = 0; i < _nodes.size(); ++i)
-      for (int d = 0; d < 3; ++d)
-        host(i, d) = acceleration[_nodes[i]][d];
-    Kokkos::deep_copy(values, host);
-    input.accelerations = [values](const NodeList&) { return values; };
+    input.accelerations = [values = atNodes(acceleration)](const NodeList&) { return values; };
     input.sum_forces = [this, &scene](const ContactForces& forces) {
       const auto sum = total(forces, scene.x_new.size(), scene);
       const auto nodes = Kokkos::create_mirror_view(forces.nodes);
@@ -185,7 +178,7 @@ public:
     };
     input.share_with_ghosts = [this, &scene](const View<const double* [3]>& from,
                                              const View<double* [12]>& to) {
-      const auto host_from = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), from);
+      const auto host_from = toHost(from);
       std::vector<double> all(3 * scene.x_new.size(), -HUGE_VAL); // every copy has the same bits
       for (std::size_t i = 0; i < _nodes.size(); ++i)
         for (int d = 0; d < 3; ++d)
@@ -207,87 +200,74 @@ private:
               num_faces = static_cast<int>(_faces.size());
     _surface.num_nodes = num_nodes;
     _surface.num_faces = num_faces;
-    const View<int* [4]> face_to_nodes("test::face_to_nodes", num_faces);
-    const View<global_id*> node_ids("test::node_ids", num_nodes),
-        face_ids("test::face_ids", num_faces);
-    const View<unsigned char*> owned("test::owned", num_nodes);
-    const View<global_id*> node_body("test::node_body", num_nodes),
-        face_body("test::face_body", num_faces);
-    const AttributeWords attributes("test::attributes", num_faces, words_of<FaceAttributes>);
-    const View<double*> mass("test::mass", num_nodes);
-    fill(node_ids, [&](auto& v, int i) { v(i) = _nodes[i]; });
-    fill(owned, [&](auto& v, int i) { v(i) = owner[_nodes[i]] == _rank; });
-    fill(node_body, [&](auto& v, int i) { v(i) = scene.node_body[_nodes[i]]; });
-    fill(mass, [&](auto& v, int i) { v(i) = scene.mass[_nodes[i]]; });
-    fill(face_ids, [&](auto& v, int f) { v(f) = scene.faces[_faces[f]].id; });
-    fill(face_body, [&](auto& v, int f) { v(f) = scene.faces[_faces[f]].body; });
-    fill(attributes, [&](auto& v, int f) { setAttributes(scene, _faces[f], v, f); });
-    fill(face_to_nodes, [&](auto& v, int f) {
+    _surface.node_ids =
+        filled<View<global_id*>>(num_nodes, [&](auto& v, int i) { v(i) = _nodes[i]; });
+    _surface.node_is_owned = filled<View<unsigned char*>>(
+        num_nodes, [&](auto& v, int i) { v(i) = owner[_nodes[i]] == _rank; });
+    _surface.node_body = filled<View<global_id*>>(
+        num_nodes, [&](auto& v, int i) { v(i) = scene.node_body[_nodes[i]]; });
+    _mass = filled<View<double*>>(num_nodes, [&](auto& v, int i) { v(i) = scene.mass[_nodes[i]]; });
+    _surface.face_to_nodes = filled<View<int* [4]>>(num_faces, [&](auto& v, int f) {
       for (int j = 0; j < 4; ++j)
         v(f, j) = static_cast<int>(
             std::lower_bound(_nodes.begin(), _nodes.end(), scene.faces[_faces[f]].nodes[j]) -
             _nodes.begin());
     });
-    _surface.face_to_nodes = face_to_nodes;
-    _surface.node_ids = node_ids;
-    _surface.face_ids = face_ids;
-    _surface.node_is_owned = owned;
-    _surface.node_body = node_body;
-    _surface.face_body = face_body;
-    _surface.face_attributes = attributes;
-    _mass = mass;
+    setFaces(scene, _faces, _surface.face_ids, _surface.face_body, _surface.face_attributes);
     for (const int node : _nodes)
       _is_owned.push_back(owner[node] == _rank);
 
     const int num_ghosts = static_cast<int>(_ghosts.size());
     _ghost_faces.count = num_ghosts;
-    _ghost_faces.face_ids = View<global_id*>("test::ghost_ids", num_ghosts);
-    _ghost_faces.bodies = View<global_id*>("test::ghost_bodies", num_ghosts);
     _ghost_faces.corner_ids = View<global_id* [4]>("test::ghost_corner_ids", num_ghosts);
-    _ghost_faces.coordinates_old = View<double* [12]>("test::ghost_old", num_ghosts);
-    _ghost_faces.coordinates_new = View<double* [12]>("test::ghost_new", num_ghosts);
-    _ghost_faces.attributes =
-        AttributeWords("test::ghost_attributes", num_ghosts, words_of<FaceAttributes>);
-    fill(_ghost_faces.face_ids, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].id; });
-    fill(_ghost_faces.bodies, [&](auto& v, int g) { v(g) = scene.faces[_ghosts[g]].body; });
-    fill(_ghost_faces.attributes, [&](auto& v, int g) { setAttributes(scene, _ghosts[g], v, g); });
+    setFaces(scene, _ghosts, _ghost_faces.face_ids, _ghost_faces.bodies, _ghost_faces.attributes);
   }
-  template <class ViewType>
-  static void setAttributes(const Scene& scene, int face, const ViewType& view, int row) {
-    FaceAttributes attributes;
-    for (int j = 0; j < 4; ++j)
-      attributes.corner_mass[j] = scene.mass[scene.faces[face].nodes[j]];
-    attributes.surface_mass = scene.faces[face].surface_mass;
-    attributesAt<FaceAttributes>(view, row) = attributes;
+  // Ids, bodies and attributes of these faces.
+  template <class Ids, class Words>
+  static void setFaces(const Scene& scene, const std::vector<int>& faces, Ids& ids, Ids& bodies,
+                       Words& attributes) {
+    const int n = static_cast<int>(faces.size());
+    ids = filled<View<global_id*>>(n, [&](auto& v, int f) { v(f) = scene.faces[faces[f]].id; });
+    bodies =
+        filled<View<global_id*>>(n, [&](auto& v, int f) { v(f) = scene.faces[faces[f]].body; });
+    const auto setRow = [&](auto& v, int f) {
+      const Scene::Face& face = scene.faces[faces[f]];
+      FaceAttributes values;
+      for (int j = 0; j < 4; ++j)
+        values.corner_mass[j] = scene.mass[face.nodes[j]];
+      values.surface_mass = face.surface_mass;
+      attributesAt<FaceAttributes>(v, f) = values;
+    };
+    attributes = filled<AttributeWords>(n, setRow, words_of<FaceAttributes>);
   }
-  template <class ViewType, class Set>
-  static void fill(const ViewType& view, const Set& set) {
-    auto host = Kokkos::create_mirror_view(view);
-    for (int i = 0; i < static_cast<int>(view.extent(0)); ++i)
-      set(host, i);
+  template <class ViewType, class Set, class... Extents>
+  static ViewType filled(int num_rows, const Set& set, Extents... more) {
+    const ViewType view("test::filled", num_rows, more...);
+    const auto host = Kokkos::create_mirror_view(view);
+    for (int row = 0; row < num_rows; ++row)
+      set(host, row);
     Kokkos::deep_copy(view, host);
+    return view;
   }
 
-  void setCoordinates(const Scene& scene) {
-    const auto of = [&](const std::vector<Vec3>& x, const char* label) {
-      const View<double* [3]> view(std::string(label), _nodes.size());
-      fill(view, [&](auto& v, int i) {
-        for (int d = 0; d < 3; ++d)
-          v(i, d) = x[_nodes[i]][d];
-      });
-      return view;
-    };
-    _surface.coordinates_old = of(scene.x_old, "test::x_old");
-    _surface.coordinates_new = of(scene.x_new, "test::x_new");
-    const auto corners = [&](const std::vector<Vec3>& x, const View<double* [12]>& view) {
-      fill(view, [&](auto& v, int g) {
+  // The rows of this rank's surface nodes in `all` [global node].
+  View<double* [3]> atNodes(const std::vector<Vec3>& all) const {
+    return filled<View<double* [3]>>(static_cast<int>(_nodes.size()), [&](auto& v, int i) {
+      for (int d = 0; d < 3; ++d)
+        v(i, d) = all[_nodes[i]][d];
+    });
+  } void setCoordinates(const Scene& scene) {
+    const auto of_ghosts = [&](const std::vector<Vec3>& x) {
+      return filled<View<double* [12]>>(_ghost_faces.count, [&](auto& v, int g) {
         for (int j = 0; j < 4; ++j)
           for (int d = 0; d < 3; ++d)
             v(g, 3 * j + d) = x[scene.faces[_ghosts[g]].nodes[j]][d];
       });
     };
-    corners(scene.x_old, _ghost_faces.coordinates_old);
-    corners(scene.x_new, _ghost_faces.coordinates_new);
+    _surface.coordinates_old = atNodes(scene.x_old);
+    _surface.coordinates_new = atNodes(scene.x_new);
+    _ghost_faces.coordinates_old = of_ghosts(scene.x_old);
+    _ghost_faces.coordinates_new = of_ghosts(scene.x_new);
   }
 
   static bool near(const Vec3& p, const Scene& scene, const Scene::Face& face, double reach) {
@@ -324,10 +304,10 @@ private:
           listed.push_back(f);
       offsets.push_back(static_cast<std::int64_t>(listed.size()));
     }
-    View<std::int64_t*> row_offsets("test::offsets", offsets.size());
-    _pairs.faces = View<int*>("test::faces", listed.size());
-    fill(row_offsets, [&](auto& v, int i) { v(i) = offsets[i]; });
-    fill(_pairs.faces, [&](auto& v, int i) { v(i) = listed[i]; });
+    const auto row_offsets = filled<View<std::int64_t*>>(
+        static_cast<int>(offsets.size()), [&](auto& v, int i) { v(i) = offsets[i]; });
+    _pairs.faces = filled<View<int*>>(static_cast<int>(listed.size()),
+                                      [&](auto& v, int i) { v(i) = listed[i]; });
     layOutRowsByNode(exec_space(), static_cast<int>(_nodes.size()), row_offsets, _pairs);
   }
 

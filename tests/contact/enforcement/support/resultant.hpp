@@ -32,11 +32,6 @@ inline double momentOfRounding(const Resultant& r, std::int64_t num_pairs) {
   return std::sqrt(3.0) * 8 * static_cast<double>(num_pairs) * r.reach;
 }
 
-template <class ViewType>
-auto onHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
 // Rotation about the unit vector `axis` through `centre`.
 struct Turn {
   Vec3 axis, centre;

@@ -1,6 +1,7 @@
 // A scene of bricks with its contact enforcement, stepped explicitly.
 #pragma once
 
+#include "contact/base/to_device.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
 
 #include <algorithm>
@@ -25,6 +26,17 @@ inline LimbScale energyScale() {
   return LimbScale::forLargest(1e3);
 }
 
+// The first rows of a view of one or two dimensions, row by row.
+template <class ViewType>
+std::vector<double> numbersOf(const ViewType& view, std::size_t rows) {
+  const auto host = toHost(view);
+  std::vector<double> all;
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < (ViewType::rank == 2 ? host.extent(1) : 1); ++j)
+      all.push_back(static_cast<double>(host.data()[i * host.stride(0) + j * host.stride(1)]));
+  return all;
+}
+
 // A scene on the ranks of `comm` with its enforcement.
 struct SceneRun {
   template <class Cut>
@@ -40,11 +52,17 @@ struct SceneRun {
     sumOverRanks(part.comm(), sums);
     return part.total(enforcement.forces(), scene.x_new.size(), scene);
   }
+  // The same after a further motion of a body.
+  std::vector<std::array<std::int64_t, 3>> moveAndStep(int body, const Vec3& by) {
+    scene.step();
+    scene.move(body, by);
+    return step();
+  }
   // The interactions of an owned node.
   std::vector<Interaction> of(int node) const {
     std::vector<Interaction> found;
     const auto& h = enforcement.history();
-    const auto all = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), h.interactions);
+    const auto all = toHost(h.interactions);
     for (std::int64_t i = 0; i < h.count; ++i)
       if (part.nodes()[all(i).node] == node)
         found.push_back(all(i));
@@ -61,6 +79,9 @@ struct SceneRun {
 
 inline int onOneRank(int) {
   return 0;
+}
+inline int scattered(int element) {
+  return (element * 7 + element / 3) % sizeOf(MPI_COMM_WORLD);
 }
 inline std::unique_ptr<SceneRun> alone(const Scene& scene, const EnforcementConfig& c = config(),
                                        double reach = 0.3) {
