@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/base/exchange_plan.hpp"
+#include "contact/base/tags.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
 namespace brickwall::mechanics {
@@ -12,7 +13,13 @@ public:
   SharedNodeSum() = default;
   // Collective; `comm` is copied. Throws InputError when `shared.ranks` and `shared.nodes` differ
   // in size.
-  SharedNodeSum(const exec_space& space, MPI_Comm comm, const SharedNodeLists& shared);
+  SharedNodeSum(const exec_space& space, MPI_Comm comm, const SharedNodeLists& shared) {
+    if (shared.ranks.size() != shared.nodes.size())
+      throw InputError("SharedNodeSum: " + std::to_string(shared.ranks.size()) + " ranks but " +
+                       std::to_string(shared.nodes.size()) + " node lists");
+    _plan = ExchangePlan(space, Communicator(comm), tags::shared_nodes, shared.ranks, shared.nodes,
+                         shared.nodes);
+  }
 
   // values(node, :) = sum of all sharers' values(node, :). View [node][W] of int64, with W equal on
   // all ranks. Collective among sharers.

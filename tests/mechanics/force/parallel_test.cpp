@@ -6,21 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
 
 namespace brickwall::mechanics {
 namespace {
 
 using namespace testing;
 
-const MPI_Comm world = MPI_COMM_WORLD;
-
-Block cube(int n, Vec3 origin = {}) {
-  Block block;
-  block.elements[0] = block.elements[1] = block.elements[2] = n;
-  block.origin = origin;
-  return block;
-}
 // Moves interior nodes of the unit cube, and slides boundary nodes within their faces.
 Vec3 distorted(const Vec3& x) {
   const auto seed = static_cast<std::uint64_t>(1000 * x.x + 100000 * x.y + 10000000 * x.z);
@@ -29,9 +20,6 @@ Vec3 distorted(const Vec3& x) {
     if (x[j] > 1e-9 && x[j] < 1 - 1e-9)
       y[j] += 0.08 * randomOf(3 * seed + j);
   return y;
-}
-int scattered(global_id elem) { // an arbitrary partition
-  return static_cast<int>((elem * 2654435761u >> 7) % sizeOf(world));
 }
 bool isInterior(const std::vector<double>& X, global_id node) {
   for (int j = 0; j < 3; ++j)
@@ -51,8 +39,7 @@ std::vector<double> globalCoordinates(const BlockMesh& blocks) {
 TEST(PatchTest, AffineDisplacementLeavesInteriorNodesOfADistortedMeshFree) {
   const exec_space space;
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
-    for (const MaterialModel model :
-         {MaterialModel::neo_hookean, MaterialModel::svk, MaterialModel::linear}) {
+    for (const MaterialModel model : all_models) {
       BlockMesh blocks =
           makeBlocks(space, world, {cube(3)}, {steelLike(model)}, distorted, scattered);
       const auto u = nodalField(space, blocks.mesh, [](const Vec3& x) {
@@ -113,8 +100,7 @@ Outcome outcomeOf(MPI_Comm comm, bool is_distorted, ElementKind kind, const Part
 TEST(Partition, ChangesNoBitOfForcesMassEnergiesAndStep) {
   for (const bool is_distorted : {false, true})
     for (const ElementKind kind : {ElementKind::one_point, ElementKind::full}) {
-      const Outcome whole =
-          outcomeOf(MPI_COMM_SELF, is_distorted, kind, [](global_id) { return 0; });
+      const Outcome whole = outcomeOf(MPI_COMM_SELF, is_distorted, kind, onOneRank);
       const Outcome cut = outcomeOf(world, is_distorted, kind, scattered);
       EXPECT_EQ(whole.forces, cut.forces);
       EXPECT_EQ(whole.mass, cut.mass);
@@ -172,8 +158,7 @@ TEST(CongruentBodies, AreFoundAndAgreeWithTheGeneralPath) {
 // One body in chunks for many threads, with atomic additions where chunks meet.
 TEST(Threads, ChangeNoBit) {
   const exec_space space;
-  Block block;
-  block.elements[0] = 12, block.elements[1] = 10, block.elements[2] = 9;
+  const Block block{{12, 10, 9}};
   for (const bool is_distorted : {false, true}) {
     BlockMesh blocks = makeBlocks(
         space, world, {block, cube(3, {2, 0, 0})}, {steelLike()},
@@ -204,8 +189,7 @@ TEST(Lattices, ChangeNoBit) {
   const exec_space space;
   const auto bricks = stackOf({{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}});
   const int ranks = sizeOf(world);
-  for (const MaterialModel model :
-       {MaterialModel::neo_hookean, MaterialModel::svk, MaterialModel::linear})
+  for (const MaterialModel model : all_models)
     for (const bool is_sheared : {false, true})
       for (const bool is_whole : {false, true}) {
         BlockMesh blocks = makeBlocks(
@@ -305,17 +289,13 @@ TEST(Skin, OfACutBlockIsThatOfTheWhole) {
       makeBlocks(space, world, {cube(4), cube(2, {1, 0, 0})}, {steelLike()}, asIs, scattered);
   const Skin skin = findSkin(space, world, blocks.mesh, blocks.shared);
   EXPECT_EQ(allReduce(world, skin.num_faces, MPI_SUM), 6 * 16 + 6 * 4);
-  const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
-  const auto surface =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_surface_nodes);
-  const auto to_node =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.surface_to_node);
-  const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_ids);
-  const auto elems = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_elem);
-  const auto X =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
-  const auto elem_to_nodes =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.elem_to_nodes);
+  const auto nodes = toHost(skin.face_to_nodes);
+  const auto surface = toHost(skin.face_to_surface_nodes);
+  const auto to_node = toHost(skin.surface_to_node);
+  const auto ids = toHost(skin.face_ids);
+  const auto elems = toHost(skin.face_to_elem);
+  const auto X = toHost(blocks.mesh.reference_coordinates);
+  const auto elem_to_nodes = toHost(blocks.mesh.elem_to_nodes);
   for (int f = 0; f < skin.num_faces; ++f) {
     Vec3 p[4], centre, face_centre;
     for (int c = 0; c < 4; ++c) {
@@ -331,8 +311,7 @@ TEST(Skin, OfACutBlockIsThatOfTheWhole) {
     }
   }
   // Every owned node on the outside is a surface node on this rank, wherever its faces are.
-  const auto owned =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.node_is_owned);
+  const auto owned = toHost(blocks.mesh.node_is_owned);
   int surface_nodes = 0;
   for (int s = 0; s < skin.num_nodes; ++s) {
     surface_nodes += owned(to_node(s));
@@ -364,11 +343,9 @@ TEST(ElementFields, OfUniformStrainAreUniformForAllPaths) {
       cauchyStress(H, material, sigma);
       StressPoint<double> point;
       neoHookean(H, material.lambda(), material.mu(), true, point);
-      const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fields.stress);
-      const auto pressure =
-          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fields.pressure);
-      const auto density =
-          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fields.energy_density);
+      const auto stress = toHost(fields.stress);
+      const auto pressure = toHost(fields.pressure);
+      const auto density = toHost(fields.energy_density);
       for (int elem = 0; elem < blocks.mesh.num_elems; ++elem) {
         for (int k = 0; k < 6; ++k)
           EXPECT_NEAR(stress(elem, k), sigma[k], 1e-14);

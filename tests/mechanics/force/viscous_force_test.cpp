@@ -9,18 +9,12 @@ namespace {
 
 using namespace testing;
 
-const MPI_Comm world = MPI_COMM_WORLD;
-const MaterialModel models[] = {MaterialModel::neo_hookean, MaterialModel::svk,
-                                MaterialModel::linear};
 const ElementKind kinds[] = {ElementKind::one_point, ElementKind::full};
 constexpr BulkViscosity both = {0.06, 1.2};
 
 Vec3 distorted(const Vec3& x) {
   const auto seed = static_cast<std::uint64_t>(1000 * x.x + 100000 * x.y + 10000000 * x.z);
-  return x + 0.05 * Vec3{randomOf(3 * seed), randomOf(3 * seed + 1), randomOf(3 * seed + 2)};
-}
-int scattered(global_id elem) {
-  return static_cast<int>((elem * 2654435761u >> 7) % sizeOf(world));
+  return x + 0.05 * randomVector(3 * seed);
 }
 
 using Field = std::function<Vec3(const Vec3&)>;
@@ -60,11 +54,10 @@ Viscous evaluate(MPI_Comm comm, BlockMesh& blocks, const Field& displacement, co
 // material e has no effect.
 TEST(BulkViscosity, OfUniformDilationIsThePressureInClosedForm) {
   constexpr double h = 0.5, e = -0.1;
-  for (const MaterialModel model : models)
+  for (const MaterialModel model : all_models)
     for (const ElementKind kind : kinds)
       for (const double a : {-0.3, 0.3}) {
-        Block block;
-        block.size = {h, h, h};
+        const Block block{{1, 1, 1}, {h, h, h}};
         const Material material = {model, 1.7, 2.3, 0.3};
         BlockMesh blocks = makeBlocks(exec_space(), world, {block}, {material});
         const auto result = evaluate(
@@ -134,10 +127,8 @@ TEST(BulkViscosity, IsZeroInRigidMotion) {
   };
   for (const ElementKind kind : kinds)
     for (const bool is_distorted : {false, true}) {
-      Block block;
-      block.elements[0] = block.elements[1] = block.elements[2] = 3;
       BlockMesh blocks = makeBlocks(
-          exec_space(), world, {block}, {steelLike()},
+          exec_space(), world, {cube(3)}, {steelLike()},
           [&](const Vec3& x) { return is_distorted ? distorted(x) : x; }, scattered);
       const auto result = evaluate(world, blocks, turned, velocity, both, kind);
       for (global_id node = 0; node < blocks.num_global_nodes; ++node)
@@ -150,7 +141,7 @@ TEST(BulkViscosity, IsZeroInRigidMotion) {
 // f . v = -(sum of w J q tr D): no element gains energy from its viscosity at the velocity at which
 // it is evaluated.
 TEST(BulkViscosity, NeverHasPositivePower) {
-  for (const MaterialModel model : models)
+  for (const MaterialModel model : all_models)
     for (const ElementKind kind : kinds)
       for (const BulkViscosity& b : {BulkViscosity{0.06, 0}, BulkViscosity{0, 1.2}, both})
         for (int seed = 0; seed < 10; ++seed) {
@@ -161,7 +152,7 @@ TEST(BulkViscosity, NeverHasPositivePower) {
               const auto at =
                   static_cast<std::uint64_t>(1000 * (seed + 100 * salt) + 10 + 8 * std::rint(x.x) +
                                              4 * std::rint(x.y) + 2 * std::rint(x.z));
-              return size * Vec3{randomOf(3 * at), randomOf(3 * at + 1), randomOf(3 * at + 2)};
+              return size * randomVector(3 * at);
             };
           };
           const auto result = evaluate(world, blocks, random(0.1, 1), random(1, 2), b, kind);
@@ -177,10 +168,7 @@ TEST(BulkViscosity, HasTheSameBitsForAnyPartitionAndChangesNoOtherForce) {
   const Field v = [](const Vec3& x) {
     return Vec3{-0.1 * x.x + 0.02 * std::sin(5 * x.y), 0.03 * x.x * x.z, 0.05 * std::cos(4 * x.z)};
   };
-  Block small, large;
-  small.elements[0] = small.elements[1] = small.elements[2] = 3;
-  large.elements[0] = 12, large.elements[1] = 10, large.elements[2] = 9;
-  large.origin = {2, 0, 0};
+  const Block small = cube(3), large{{12, 10, 9}, {1, 1, 1}, {2, 0, 0}};
   for (const ElementKind kind : kinds)
     for (const bool is_distorted : {false, true}) {
       const auto meshOn = [&](MPI_Comm comm, const Partition& partition) {
@@ -188,7 +176,7 @@ TEST(BulkViscosity, HasTheSameBitsForAnyPartitionAndChangesNoOtherForce) {
             exec_space(), comm, {small, large}, {steelLike()},
             [&](const Vec3& x) { return is_distorted ? distorted(0.1 * x) : x; }, partition);
       };
-      BlockMesh whole_mesh = meshOn(MPI_COMM_SELF, [](global_id) { return 0; });
+      BlockMesh whole_mesh = meshOn(MPI_COMM_SELF, onOneRank);
       BlockMesh cut_mesh = meshOn(world, scattered);
       const auto whole = evaluate(MPI_COMM_SELF, whole_mesh, u, v, both, kind, 1);
       const auto threads = evaluate(MPI_COMM_SELF, whole_mesh, u, v, both, kind, 4);
@@ -220,9 +208,7 @@ TEST(BulkViscosity, HasTheSameBitsForAnyPartitionAndChangesNoOtherForce) {
 
 // A failed element adds no viscous force either; the others do.
 TEST(BulkViscosity, OfAFailedElementIsNotAdded) {
-  Block block;
-  block.elements[0] = 2;
-  BlockMesh blocks = makeBlocks(exec_space(), world, {block}, {steelLike()});
+  BlockMesh blocks = makeBlocks(exec_space(), world, {Block{{2, 1, 1}}}, {steelLike()});
   const auto result = evaluate(
       world, blocks,
       [](const Vec3& x) {

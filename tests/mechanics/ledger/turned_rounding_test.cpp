@@ -19,9 +19,7 @@ const std::array<double, 2> turns[] = {
 
 EnergyBalance run(const std::array<double, 2>& turn, double speed, bool allows,
                   MaterialModel model = MaterialModel::neo_hookean) {
-  Block block;
-  block.elements[0] = 4, block.elements[1] = 3, block.elements[2] = 2;
-  block.size = {2, 1, 1};
+  const Block block{{4, 3, 2}, {2, 1, 1}};
   Solver solver(world, block, {model, 1, 1, 0.2});
   AffineField field;
   field.gradient(0, 0) = field.gradient(1, 1) = turn[1] - 1;
@@ -30,16 +28,13 @@ EnergyBalance run(const std::array<double, 2>& turn, double speed, bool allows,
   setInitialField(solver.space, solver.blocks.mesh, solver.blocks.sum, all, field,
                   solver.state.displacement);
   if (speed > 0)
-    solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [&](const Vec3& x) {
+    solver.state.velocity = solver.field([&](const Vec3& x) {
       return Vec3{speed * x.x, -speed * x.y * x.z, 0};
     });
   if (allows)
     raiseNoiseFloorForRotation(solver.space, world, solver.blocks.mesh, solver.state.displacement,
                                solver.scales);
-  const double dt = 0.7 * solver.stableStep();
-  solver.start(dt);
-  for (int s = 0; s < 200; ++s)
-    solver.step(dt);
+  solver.run(0.7, 200);
   return solver.ledger.balance();
 }
 
@@ -68,8 +63,8 @@ TEST(RotatedBody, InMotionIsJudgedByTheUsualLimits) {
 TEST(RotatedBody, OfAnotherMaterialRaisesNoFloor) {
   const exec_space space;
   for (const MaterialModel model : {MaterialModel::svk, MaterialModel::neo_hookean}) {
-    const BlockMesh blocks = makeBlocks(space, MPI_COMM_SELF, {bar(3)}, {steelLike(model)}, asIs,
-                                        [](global_id) { return 0; });
+    const BlockMesh blocks =
+        makeBlocks(space, MPI_COMM_SELF, {bar(3)}, {steelLike(model)}, asIs, onOneRank);
     LedgerScales scales = ledgerScales(space, MPI_COMM_SELF, blocks.mesh);
     const double noise = scales.noise, angular_noise = scales.angular_noise;
     View<double* [3]> u("test::u", blocks.mesh.num_nodes);

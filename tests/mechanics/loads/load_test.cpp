@@ -80,22 +80,27 @@ TEST(Pressure, IsZeroBeforeItsStartUnlessItIsConstantAndWithoutAPeak) {
   }
 }
 
+// The corners of all faces, face by face.
+std::vector<int> cornersOf(const Skin& skin) {
+  const auto faces = toHost(skin.face_to_nodes);
+  std::vector<int> nodes;
+  for (int f = 0; f < skin.num_faces; ++f)
+    for (int c = 0; c < 4; ++c)
+      nodes.push_back(faces(f, c));
+  return nodes;
+}
+
 // Pressure on a closed surface exerts no force: the follower loads of all faces of a deformed block
 // sum to zero up to one rounding to the quantum per corner load.
 TEST(Pressure, OnAClosedSurfaceBalances) {
   const exec_space space;
-  testing::Block block;
-  block.elements[0] = 3, block.elements[1] = 2, block.elements[2] = 2;
+  const testing::Block block{{3, 2, 2}};
   auto blocks = testing::makeBlocks(space, MPI_COMM_WORLD, {block}, {testing::steelLike()});
   const auto u = testing::nodalField(space, blocks.mesh, [](const Vec3& x) {
     return Vec3{0.2 * x.y * x.z, 0.1 * std::sin(3 * x.x), 0.3 * x.x * x.y};
   });
   const Skin skin = findSkin(space, MPI_COMM_WORLD, blocks.mesh, blocks.shared);
-  std::vector<int> nodes;
-  const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
-  for (int f = 0; f < skin.num_faces; ++f)
-    for (int c = 0; c < 4; ++c)
-      nodes.push_back(faces(f, c));
+  const std::vector<int> nodes = cornersOf(skin);
   Pressure pressure;
   pressure.peak = 1e-3;
   const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
@@ -123,20 +128,16 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
 // single faces.
 TEST(Pressure, InPacksIsThatOfEachFace) {
   const exec_space space;
-  testing::Block block;
-  block.elements[0] = 5, block.elements[1] = 3, block.elements[2] = 2;
+  const testing::Block block{{5, 3, 2}};
   auto blocks = testing::makeBlocks(space, MPI_COMM_SELF, {block}, {testing::steelLike()},
-                                    testing::asIs, [](global_id) { return 0; });
+                                    testing::asIs, testing::onOneRank);
   const auto u = testing::nodalField(space, blocks.mesh, [](const Vec3& x) {
     return Vec3{0.2 * x.y * x.z, 0.1 * x.x, 0.3 * x.x * x.y};
   });
   const Skin skin = findSkin(space, MPI_COMM_SELF, blocks.mesh, blocks.shared);
   const auto faces = toHost(skin.face_to_nodes);
   const auto X = toHost(blocks.mesh.reference_coordinates), displacement = toHost(u);
-  std::vector<int> nodes;
-  for (int f = 0; f < skin.num_faces; ++f)
-    for (int c = 0; c < 4; ++c)
-      nodes.push_back(faces(f, c));
+  const std::vector<int> nodes = cornersOf(skin);
   Pressure pressure;
   pressure.peak = 1e-3;
   pressure.shape = {PulseKind::half_sine, 2.0};
@@ -171,17 +172,14 @@ TEST(Pressure, InPacksIsThatOfEachFace) {
     }
 }
 
-} // namespace
 // The load is skipped only when it is exactly zero.
 TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
   const exec_space space;
-  testing::Block block;
-  block.elements[0] = block.elements[1] = block.elements[2] = 2;
-  const auto blocks = testing::makeBlocks(space, MPI_COMM_SELF, {block}, {testing::steelLike()});
+  const auto blocks =
+      testing::makeBlocks(space, MPI_COMM_SELF, {testing::cube(2)}, {testing::steelLike()});
   const Skin skin = findSkin(space, MPI_COMM_SELF, blocks.mesh, blocks.shared);
-  const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
-  const auto X =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+  const auto faces = toHost(skin.face_to_nodes);
+  const auto X = toHost(blocks.mesh.reference_coordinates);
   std::vector<int> nodes;
   double farthest = 0;
   Pressure pressure;
@@ -217,4 +215,5 @@ TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
   EXPECT_EQ(PressureLoad(space, blocks.mesh, pressure, nodes).end(), HUGE_VAL);
 }
 
+} // namespace
 } // namespace brickwall::mechanics

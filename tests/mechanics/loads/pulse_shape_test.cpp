@@ -162,8 +162,7 @@ TEST(PrescribedMotion, HasTheDisplacementOfItsPulse) {
       for (int step = 0; step < needed; ++step)
         solver.step(dt);
       const double far = steps * dt * c.impulse;
-      const auto u =
-          Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.displacement);
+      const auto u = toHost(solver.state.displacement);
       for (const int node : motion.nodes) {
         const double rounded = steps * dt * rounding * (32 + 4 * needed);
         EXPECT_NEAR(u(node, 0), 1e-3 * far, 1e-3 * rounded) << steps;
@@ -179,10 +178,7 @@ TEST(Pressure, HasTheImpulseOfItsPulse) {
   for (const Case& c : allPulses())
     for (const double steps : {0.003, 0.5, 3.3})
       for (const double speed : {HUGE_VAL, 0.05}) {
-        testing::Block block;
-        block.size = {1, 1, 1};
-        block.elements[0] = block.elements[1] = block.elements[2] = 2;
-        testing::Solver solver(MPI_COMM_WORLD, block, testing::steelLike());
+        testing::Solver solver(MPI_COMM_WORLD, testing::cube(2), testing::steelLike());
         const double dt = 0.5 * solver.stableStep();
         Pressure pressure;
         pressure.peak = 1e-3;

@@ -18,8 +18,8 @@ constexpr int unknowns = 108; // 3x2x2 elements
 double trueStep(Solver& solver, const View<double* [3]>& displacement) {
   static double K[unknowns][unknowns];
   constexpr double h = 1e-5;
-  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), displacement);
-  const auto mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.state.mass);
+  const auto u = toHost(displacement);
+  const auto mass = toHost(solver.state.mass);
   for (int k = 0; k < unknowns; ++k) {
     const double at = u(k / 3, k % 3);
     for (const double sign : {1.0, -1.0}) {
@@ -29,7 +29,7 @@ double trueStep(Solver& solver, const View<double* [3]>& displacement) {
       const auto result =
           solver.internal->add(solver.space, solver.state.displacement, solver.forces, false);
       EXPECT_EQ(result.failure.count, 0);
-      const auto f = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), solver.forces.values);
+      const auto f = toHost(solver.forces.values);
       for (int r = 0; r < unknowns; ++r) {
         const double force = solver.forces.quantum.value *
                              static_cast<double>(f(r / 3, r % 3) + f(r / 3, 3 + r % 3));
@@ -57,7 +57,7 @@ struct Deformation {
 };
 Vec3 noise(const Vec3& x, double size) {
   const auto seed = static_cast<std::uint64_t>(1e4 * (x.x + 10 * x.y + 100 * x.z) + 0.5);
-  return size * Vec3{randomOf(3 * seed), randomOf(3 * seed + 1), randomOf(3 * seed + 2)};
+  return size * randomVector(3 * seed);
 }
 std::vector<Deformation> deformations(double size) {
   return {
@@ -96,9 +96,7 @@ std::vector<Deformation> deformations(double size) {
 
 // Comparison of the step with the true one over all deformations.
 void checkSteps(ElementKind kind, MaterialModel model, double distortion, double size) {
-  Block block;
-  block.elements[0] = 3, block.elements[1] = block.elements[2] = 2;
-  block.size = {3, 2, 2};
+  const Block block{{3, 2, 2}, {3, 2, 2}};
   Solver solver(
       MPI_COMM_SELF, block, steelLike(model, 0.3), {},
       [&](const Vec3& x) { return x + noise(x, distortion); }, kind);
@@ -129,8 +127,7 @@ TEST(DeformedStep, IsSafeAndCloseToTheTrueStep) {
   if (sizeOf(world) > 1)
     GTEST_SKIP() << "runs on one rank only";
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
-    for (const MaterialModel model :
-         {MaterialModel::neo_hookean, MaterialModel::svk, MaterialModel::linear})
+    for (const MaterialModel model : all_models)
       for (const double distortion : {0.0, 0.1}) {
         checkSteps(kind, model, distortion, 0.01);
         checkSteps(kind, model, distortion, 0.05);
@@ -139,9 +136,7 @@ TEST(DeformedStep, IsSafeAndCloseToTheTrueStep) {
 
 TEST(DeformedStep, OfAnInvertedElementIsZero) {
   Solver solver(MPI_COMM_SELF, Block(), steelLike(), {});
-  const auto u = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
-    return Vec3{-2 * x.x, 0, 0};
-  });
+  const auto u = solver.field([](const Vec3& x) { return Vec3{-2 * x.x, 0, 0}; });
   EXPECT_EQ(stableTimeStep(solver.space, MPI_COMM_SELF, solver.blocks.mesh, u, {}, {1, 1}, 0.1).dt,
             0);
 }

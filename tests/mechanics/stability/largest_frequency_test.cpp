@@ -22,17 +22,9 @@ LargestFrequency frequencyOf(MPI_Comm comm, BlockMesh& blocks,
   return largestFrequency(space, comm, blocks.mesh, blocks.shared, mass, kind, bound);
 }
 
-int onOneRank(global_id) {
-  return 0;
-}
-
-Block cube(int n, double edge = 1, Vec3 origin = {}, int material = 0) {
-  Block block;
-  block.elements[0] = block.elements[1] = block.elements[2] = n;
-  block.size = {n * edge, n * edge, n * edge};
-  block.origin = origin;
-  block.material = material;
-  return block;
+// A brick of n^3 cubes.
+Block bricks(int n, double edge = 1, Vec3 origin = {}, int material = 0) {
+  return {{n, n, n}, {n * edge, n * edge, n * edge}, origin, material};
 }
 
 // dt c_d/h of free bricks of n^3 elements, from dense eigenvalue solutions.
@@ -49,7 +41,7 @@ TEST(LargestFrequency, OfBricksHasTheKnownValue) {
   for (const Known& brick : known) {
     const Material material = steelLike(MaterialModel::neo_hookean, brick.poisson);
     BlockMesh blocks =
-        makeBlocks(exec_space(), MPI_COMM_SELF, {cube(brick.n)}, {material}, asIs, onOneRank);
+        makeBlocks(exec_space(), MPI_COMM_SELF, {bricks(brick.n)}, {material}, asIs, onOneRank);
     const LargestFrequency found = frequencyOf(MPI_COMM_SELF, blocks);
     const double unit = 1 / material.dilatationalSpeed();
     EXPECT_NEAR(2 / std::sqrt(found.ritz) / unit, brick.step, 0.0015)
@@ -95,15 +87,13 @@ TEST(RitzValue, OfAChainIsTheClosedForm) {
 // Four bodies of two types, which numbering and materials determine; one body displaced, and a
 // distorted one.
 BlockMesh someBodies(MPI_Comm comm, double distortion, const Partition& partition) {
-  Block small = cube(2, 0.5, {0, 0, 9}, 1);
-  const std::vector<Block> blocks = {cube(3), cube(3, 1, {4.1, 0, 0}), small,
-                                     cube(3, 1, {0, 5.3, 0.7}, 2)};
+  const std::vector<Block> blocks = {bricks(3), bricks(3, 1, {4.1, 0, 0}),
+                                     bricks(2, 0.5, {0, 0, 9}, 1), bricks(3, 1, {0, 5.3, 0.7}, 2)};
   const std::vector<Material> materials = {
       steelLike(), {MaterialModel::svk, 3, 1, 0.4}, steelLike(MaterialModel::linear)};
   const auto place = [distortion](const Vec3& x) {
     const auto seed = static_cast<std::uint64_t>(1e4 * (x.x + 10 * x.y + 100 * x.z) + 0.5);
-    return x + (x.x > 3.5 ? distortion : 0.0) *
-                   Vec3{randomOf(3 * seed), randomOf(3 * seed + 1), randomOf(3 * seed + 2)};
+    return x + (x.x > 3.5 ? distortion : 0.0) * randomVector(3 * seed);
   };
   return makeBlocks(exec_space(), comm, blocks, materials, place, partition);
 }
@@ -148,8 +138,8 @@ TEST(LargestFrequency, OfSeveralBodiesIsTheLargestOfEach) {
         makeBlocks(exec_space(), MPI_COMM_SELF, blocks, {soft, stiff}, asIs, onOneRank);
     return frequencyOf(MPI_COMM_SELF, mesh).ritz;
   };
-  const double alone = of({cube(3, 1, {}, 1)});
-  EXPECT_NEAR(of({cube(6), cube(3, 1, {9, 0, 0}, 1), cube(3, 1.5, {0, 9, 0})}), alone,
+  const double alone = of({bricks(3, 1, {}, 1)});
+  EXPECT_NEAR(of({bricks(6), bricks(3, 1, {9, 0, 0}, 1), bricks(3, 1.5, {0, 9, 0})}), alone,
               2e-3 * alone);
 }
 
@@ -170,13 +160,10 @@ double stepUnderContact(BlockMesh& blocks, const std::vector<int>& surface, doub
 // A chain of masses m and springs k whose end has the mass mu m < m/2 has a mode localised there,
 // omega^2 = (k/m)/(mu (1 - mu)).
 TEST(StepUnderContact, OfABarPressedAtItsEndsHasTheKnownValue) {
-  Block bar;
-  bar.elements[0] = 40, bar.elements[1] = bar.elements[2] = 1;
-  bar.size = {40, 3, 3};
+  const Block bar{{40, 1, 1}, {40, 3, 3}};
   const Material material = steelLike(MaterialModel::linear, 0);
   BlockMesh blocks = makeBlocks(exec_space(), MPI_COMM_SELF, {bar}, {material}, asIs, onOneRank);
-  const auto X =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+  const auto X = toHost(blocks.mesh.reference_coordinates);
   std::vector<int> ends, all;
   for (int node = 0; node < blocks.mesh.num_nodes; ++node) {
     all.push_back(node);
@@ -204,17 +191,16 @@ struct FreeBody {
   ElementKind kind;
 };
 std::vector<FreeBody> freeBodies() {
-  Block slab = cube(3);
-  slab.elements[0] = 6, slab.elements[2] = 1;
-  slab.size = {1.5, 2, 0.4};
-  return {{"cube", cube(3), steelLike(MaterialModel::neo_hookean, 0.3), 0, ElementKind::one_point},
-          {"nearly incompressible", cube(2), steelLike(MaterialModel::svk, 0.499), 0,
-           ElementKind::one_point},
-          {"slab", slab, steelLike(MaterialModel::linear, 0.2), 0, ElementKind::one_point},
-          {"distorted", cube(3), steelLike(MaterialModel::neo_hookean, 0.3), 0.12,
-           ElementKind::one_point},
-          {"full integration", cube(2), steelLike(MaterialModel::neo_hookean, 0.3), 0.1,
-           ElementKind::full}};
+  const Block slab{{6, 3, 1}, {1.5, 2, 0.4}};
+  return {
+      {"cube", bricks(3), steelLike(MaterialModel::neo_hookean, 0.3), 0, ElementKind::one_point},
+      {"nearly incompressible", bricks(2), steelLike(MaterialModel::svk, 0.499), 0,
+       ElementKind::one_point},
+      {"slab", slab, steelLike(MaterialModel::linear, 0.2), 0, ElementKind::one_point},
+      {"distorted", bricks(3), steelLike(MaterialModel::neo_hookean, 0.3), 0.12,
+       ElementKind::one_point},
+      {"full integration", bricks(2), steelLike(MaterialModel::neo_hookean, 0.3), 0.1,
+       ElementKind::full}};
 }
 
 // Kinetic energy after the steps over that at the start; stops after growth by 1e9.
@@ -223,8 +209,7 @@ double growthOfEnergy(const FreeBody& body, double share) {
       MPI_COMM_SELF, body.block, body.material, {},
       [&](const Vec3& x) {
         const auto seed = static_cast<std::uint64_t>(1e4 * (x.x + 10 * x.y + 100 * x.z) + 0.5);
-        return x + body.distortion *
-                       Vec3{randomOf(3 * seed), randomOf(3 * seed + 1), randomOf(3 * seed + 2)};
+        return x + body.distortion * randomVector(3 * seed);
       },
       body.kind);
   const LargestFrequency found = frequencyOf(MPI_COMM_SELF, solver.blocks, body.kind);

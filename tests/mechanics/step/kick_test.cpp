@@ -60,8 +60,7 @@ void compareWithNodes(Solver& solver) {
 }
 
 Solver makeSolver() {
-  Block block;
-  block.elements[0] = 5, block.elements[1] = 4, block.elements[2] = 3;
+  const Block block{{5, 4, 3}};
   Solver solver(world, block, steelLike(), {0, 0, -10});
   PrescribedMotion held;
   held.nodes = solver.nodesWhere([](const Vec3& X) { return X.x == 0 && X.y < 0.3; });

@@ -12,8 +12,6 @@ namespace {
 
 using namespace testing;
 
-const MPI_Comm world = MPI_COMM_WORLD;
-
 struct Bricks {
   exec_space space;
   BlockMesh blocks;
@@ -38,8 +36,7 @@ struct Bricks {
     may_be_pushed.assign(blocks.mesh.num_nodes, 1);
   }
   std::vector<int> nodesOf(int brick) const {
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+    const auto X = toHost(blocks.mesh.reference_coordinates);
     std::vector<int> nodes;
     for (int node = 0; node < blocks.mesh.num_nodes; ++node)
       if (X(node, 2) > 4.0 * brick - 0.1 && X(node, 2) < 4.0 * brick + 3)
@@ -57,10 +54,8 @@ struct Bricks {
 
 // Pushes one corner of the bricks from steps 3, 6, ... on, brick by brick.
 void push(Bricks& bricks, int step) {
-  const auto values =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), bricks.forces.values);
-  const auto ids =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), bricks.blocks.mesh.node_ids);
+  const auto values = toHost(bricks.forces.values);
+  const auto ids = toHost(bricks.blocks.mesh.node_ids);
   for (int brick = 0; brick < 3; ++brick) {
     const std::vector<int> nodes = bricks.nodesOf(brick);
     global_id lowest = INT64_MAX;
@@ -107,7 +102,7 @@ std::vector<std::int64_t> run(MaterialModel model, bool lets_rest, std::int64_t&
         kick(bricks.space, mesh, boundary, {step * dt, (step + 1) * dt}, dt, bricks.forces,
              bricks.state, bricks.scales, {}, resting.any() ? resting.movingNodes() : all);
     for (const View<double* [3]>& field : {bricks.state.displacement, bricks.state.velocity}) {
-      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), field);
+      const auto host = toHost(field);
       for (int node = 0; node < mesh.num_nodes; ++node)
         for (int axis = 0; axis < 3; ++axis)
           take(&host(node, axis), 8);
@@ -167,14 +162,13 @@ TEST(RestingBodies, WakeInAllTheirRows) {
   const std::size_t last = mesh.bodies.size() - 1;
   RestingBodies resting = bricks.resting();
   const std::int64_t before = resting.numElems();
-  const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.elem_to_nodes);
-  const auto values =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), bricks.forces.values);
+  const auto nodes = toHost(mesh.elem_to_nodes);
+  const auto values = toHost(bricks.forces.values);
   values(nodes(whole.first, 0), 0) = 1;
   Kokkos::deep_copy(bricks.forces.values, values);
   resting.wake(bricks.space, bricks.forces);
   EXPECT_EQ(resting.numElems(), before - whole.count);
-  const auto flags = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), resting.flags());
+  const auto flags = toHost(resting.flags());
   EXPECT_EQ(flags(0), 0);
   EXPECT_EQ(flags(last), 0);
 }

@@ -12,8 +12,6 @@ namespace {
 
 using namespace testing;
 
-const Partition alone = [](global_id) { return 0; };
-
 // Matrices of one element, by differences of forces about X + u: K/m (elastic) and C/m (viscous,
 // linear term only).
 struct Matrices {
@@ -79,13 +77,11 @@ TEST(ViscousStep, IsExactOnACubeAndSafeOnOthers) {
         const auto place = [seed](const Vec3& x) { // 0: a cube, 1: a flat box
           const auto at = static_cast<std::uint64_t>(100 * seed + 4 * x.x + 2 * x.y + x.z);
           const Vec3 y = {x.x, x.y, seed == 1 ? 0.2 * x.z : x.z};
-          return seed < 2 ? y
-                          : y + (0.03 * seed) * Vec3{randomOf(3 * at), randomOf(3 * at + 1),
-                                                     randomOf(3 * at + 2)};
+          return seed < 2 ? y : y + (0.03 * seed) * randomVector(3 * at);
         };
         BlockMesh one =
             makeBlocks(space, MPI_COMM_SELF, {Block()},
-                       {Material{MaterialModel::neo_hookean, 1, 1, poisson}}, place, alone);
+                       {Material{MaterialModel::neo_hookean, 1, 1, poisson}}, place, onOneRank);
         const auto at_rest = [](const Vec3&) { return Vec3(); };
         for (const double b1 : {0.0, 0.06, 0.5}) {
           const double dt = stableTimeStep(space, MPI_COMM_SELF, one.mesh, {{b1, 0}}).dt;
@@ -105,7 +101,7 @@ TEST(ViscousStep, OfADeformedElementUsesTheMassThatContactLeaves) {
   const auto u = [](const Vec3& x) {
     return Vec3{-0.15 * x.x + 0.1 * x.y, -0.1 * x.y, 0.02 * x.x - 0.15 * x.z};
   };
-  BlockMesh one = makeBlocks(space, MPI_COMM_SELF, {Block()}, {steelLike()}, asIs, alone);
+  BlockMesh one = makeBlocks(space, MPI_COMM_SELF, {Block()}, {steelLike()}, asIs, onOneRank);
   const auto displacement = nodalField(space, one.mesh, u);
   for (const double contact : {0.0, 0.36}) {
     const auto step = [&](const StabilityTerms& load) {
@@ -127,14 +123,13 @@ TEST(ViscousStep, OfADeformedElementUsesTheMassThatContactLeaves) {
 double growth(double dt, const BulkViscosity& b) {
   Solver solver(MPI_COMM_SELF, Block(), {MaterialModel::linear, 1, 1, 0.2});
   solver.makeViscous(b);
-  solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
+  solver.state.velocity = solver.field([](const Vec3& x) {
     const auto at = static_cast<std::uint64_t>(4 * x.x + 2 * x.y + x.z);
-    return 1e-8 * Vec3{randomOf(3 * at), randomOf(3 * at + 1), randomOf(3 * at + 2)};
+    return 1e-8 * randomVector(3 * at);
   });
   solver.start(dt);
   const double start = solver.ledger.balance().kinetic;
-  for (int s = 0; s < 4000; ++s)
-    solver.step(dt);
+  solver.steps(4000, dt);
   return solver.ledger.balance().peak_kinetic / start;
 }
 TEST(ViscousStep, IsASharpLimit) {
@@ -167,8 +162,7 @@ Wave stepWave(int n, const BulkViscosity& b, double pressure) {
   const int steps = static_cast<int>(std::ceil(0.5 / (0.9 * stable)));
   const double dt = 0.5 / steps;
   solver.start(dt);
-  for (int s = 0; s < steps; ++s)
-    solver.step(dt);
+  solver.steps(steps, dt);
   Wave wave{0, 0, solver.ledger.balance()};
   for (const auto& [elem, stress] : solver.axialStresses()) {
     const double s = -stress / pressure;
@@ -208,18 +202,14 @@ struct Finish {
   EnergyBalance balance;
 };
 Finish hitBlock(MPI_Comm comm, ElementKind kind) {
-  Block block;
-  block.elements[0] = 5, block.elements[1] = 3, block.elements[2] = 4;
+  const Block block{{5, 3, 4}};
   const auto bent = [](const Vec3& x) { return x + Vec3{0.05 * std::sin(3 * x.y), 0, 0}; };
   Solver solver(comm, block, {MaterialModel::neo_hookean, 1, 1, 0.2}, {}, bent, kind);
   solver.makeViscous({0.06, 1.2});
-  solver.state.velocity = nodalField(solver.space, solver.blocks.mesh, [](const Vec3& x) {
+  solver.state.velocity = solver.field([](const Vec3& x) {
     return Vec3{0.1, 0, x.z > 0.6 ? -0.1 : 0.0};
   });
-  const double dt = 0.6 * solver.stableStep();
-  solver.start(dt);
-  for (int s = 0; s < 100; ++s)
-    solver.step(dt);
+  solver.run(0.6, 100);
   return {globalWords(comm, solver.blocks, solver.state.velocity), solver.ledger.balance()};
 }
 TEST(ViscousSteps, GiveTheSameBitsForAnyPartitionAndCloseTheLedger) {

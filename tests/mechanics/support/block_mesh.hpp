@@ -5,6 +5,7 @@
 
 #include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 #include "mechanics/force/internal_force.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
@@ -25,7 +26,7 @@ namespace brickwall::mechanics::testing {
 struct Block {
   int elements[3] = {1, 1, 1};
   Vec3 size = {1, 1, 1};
-  Vec3 origin;
+  Vec3 origin = {};
   int material = 0;
 };
 
@@ -50,6 +51,10 @@ struct BlockMesh {
   std::vector<global_id> node_ids; // host copy of mesh.node_ids
 };
 
+const MPI_Comm world = MPI_COMM_WORLD;
+constexpr MaterialModel all_models[] = {MaterialModel::neo_hookean, MaterialModel::svk,
+                                        MaterialModel::linear};
+
 using Placement = std::function<Vec3(const Vec3&)>; // moves the nodes of the regular grid
 using Partition = std::function<int(global_id)>; // rank of an element
 
@@ -58,6 +63,21 @@ inline Material steelLike(MaterialModel model = MaterialModel::neo_hookean, doub
 }
 inline Vec3 asIs(const Vec3& x) {
   return x;
+}
+inline int onOneRank(global_id) {
+  return 0;
+}
+inline int slices(global_id elem) {
+  return static_cast<int>(elem / 3 % sizeOf(world));
+}
+inline int scattered(global_id elem) {
+  return static_cast<int>((elem * 2654435761u >> 7) % sizeOf(world));
+}
+inline Vec3 randomVector(std::uint64_t seed) { // components in [-1, 1]
+  return {randomOf(seed), randomOf(seed + 1), randomOf(seed + 2)};
+}
+inline Block cube(int n, const Vec3& origin = {}) {
+  return {{n, n, n}, {1, 1, 1}, origin};
 }
 
 inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,
@@ -152,8 +172,7 @@ inline BlockMesh makeBlocks(const exec_space& space, MPI_Comm comm,
 // A vector field of the reference position on the mesh's nodes.
 inline View<double* [3]> nodalField(const exec_space& space, const HexMesh& mesh,
                                     const std::function<Vec3(const Vec3&)>& field) {
-  const auto X =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.reference_coordinates);
+  const auto X = toHost(mesh.reference_coordinates);
   std::vector<double> values;
   for (int node = 0; node < mesh.num_nodes; ++node) {
     const Vec3 value = field(rowOf(X, node));
@@ -179,9 +198,8 @@ inline NodalForces zeroedForces(const HexMesh& mesh, Quantum quantum, bool has_v
 template <class ViewType>
 std::vector<std::int64_t> globalWords(MPI_Comm comm, const BlockMesh& blocks,
                                       const ViewType& values) {
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
-  const auto owned =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.node_is_owned);
+  const auto host = toHost(values);
+  const auto owned = toHost(blocks.mesh.node_is_owned);
   const int columns =
       allReduce(comm, ViewType::rank == 1 ? 1 : static_cast<int>(host.extent(1)), MPI_MAX);
   std::vector<std::int64_t> result(blocks.num_global_nodes * columns, 0);

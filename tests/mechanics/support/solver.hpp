@@ -2,6 +2,7 @@
 // conditions and ledger of one block.
 #pragma once
 
+#include "contact/base/to_device.hpp"
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/loads/pressure_load.hpp"
 #include "mechanics/mesh/skin.hpp"
@@ -13,12 +14,6 @@
 #include <memory>
 
 namespace brickwall::mechanics::testing {
-
-const MPI_Comm world = MPI_COMM_WORLD;
-
-inline int slices(global_id elem) {
-  return static_cast<int>(elem / 3 % sizeOf(world));
-}
 
 struct Solver {
   exec_space space;
@@ -40,7 +35,7 @@ struct Solver {
          const Placement& place = asIs, ElementKind kind = ElementKind::one_point)
       : comm(comm_in) {
     blocks = makeBlocks(space, comm, {block}, {material}, place,
-                        comm == MPI_COMM_SELF ? Partition([](global_id) { return 0; }) : slices);
+                        comm == MPI_COMM_SELF ? onOneRank : slices);
     state = stateAtRest(space, comm, blocks);
     const Quantum quantum = Quantum::forForceScale(forceScale(space, comm, blocks.mesh));
     forces = zeroedForces(blocks.mesh, quantum);
@@ -58,10 +53,11 @@ struct Solver {
     viscosity = b;
     forces = zeroedForces(blocks.mesh, forces.quantum, b.any());
   }
-  std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
+  View<double* [3]> field(const std::function<Vec3(const Vec3&)>& of_position) const {
+    return nodalField(space, blocks.mesh, of_position);
+  } std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
     std::vector<int> nodes;
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+    const auto X = toHost(blocks.mesh.reference_coordinates);
     for (int node = 0; node < blocks.mesh.num_nodes; ++node)
       if (chosen(rowOf(X, node)))
         nodes.push_back(node);
@@ -69,9 +65,8 @@ struct Solver {
   }
   void press(const Pressure& pressure, const std::function<bool(const Vec3&)>& chosen) {
     const Skin skin = findSkin(space, comm, blocks.mesh, blocks.shared);
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), skin.face_to_nodes);
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.reference_coordinates);
+    const auto faces = toHost(skin.face_to_nodes);
+    const auto X = toHost(blocks.mesh.reference_coordinates);
     std::vector<int> nodes;
     for (int f = 0; f < skin.num_faces; ++f) {
       bool all = true;
@@ -113,6 +108,21 @@ struct Solver {
     evaluateAndKick(0.5 * (dt + next), next);
   }
   void step(double dt) { step(dt, dt); }
+  void steps(int count, double dt) {
+    for (int s = 0; s < count; ++s)
+      step(dt);
+  }
+  // Starts with `share` of the stable step, which is returned.
+  double startAt(double share) {
+    const double dt = share * stableStep();
+    start(dt);
+    return dt;
+  }
+  double run(double share, int count) {
+    const double dt = startAt(share);
+    steps(count, dt);
+    return dt;
+  }
 
   // Fixes the face z = 0, drives the edge y = 0, z = 1 along x and presses on the face y = 0, under
   // gravity.
@@ -134,8 +144,8 @@ struct Solver {
   std::vector<std::pair<global_id, double>> axialStresses() const {
     ElementFields fields;
     internal->computeFields(space, state.displacement, fields);
-    const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fields.stress);
-    const auto ids = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), blocks.mesh.elem_ids);
+    const auto stress = toHost(fields.stress);
+    const auto ids = toHost(blocks.mesh.elem_ids);
     std::vector<std::pair<global_id, double>> result;
     for (int elem = 0; elem < blocks.mesh.num_elems; ++elem)
       result.emplace_back(ids(elem), stress(elem, 0));
@@ -146,10 +156,7 @@ struct Solver {
 };
 
 inline Block bar(int n, double length = 1) {
-  Block block;
-  block.elements[0] = n;
-  block.size = {length, length / n, length / n};
-  return block;
+  return {{n, 1, 1}, {length, length / n, length / n}};
 }
 
 } // namespace brickwall::mechanics::testing
