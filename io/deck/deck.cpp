@@ -63,6 +63,15 @@ std::string readDeckFile(const std::string& path) {
   return text;
 }
 
+template <class T>
+std::vector<T> listOf(const DeckValue& value, T DeckValue::Entry::*member) {
+  std::vector<T> list;
+  if (value.is_good)
+    for (const DeckValue::Entry& entry : value.entries)
+      list.push_back(entry.*member);
+  return list;
+}
+
 DeckValue::Entry firstOf(const DeckValue& value) {
   return value.is_good ? value.entries.front() : DeckValue::Entry();
 }
@@ -150,28 +159,13 @@ std::string Deck::text(const std::string& block, const std::string& key) const {
 }
 
 std::vector<std::int64_t> Deck::integers(const std::string& block, const std::string& key) const {
-  std::vector<std::int64_t> out;
-  const DeckValue& value = _contents->value(block, key);
-  if (value.is_good)
-    for (const DeckValue::Entry& entry : value.entries)
-      out.push_back(entry.integer);
-  return out;
+  return listOf(_contents->value(block, key), &DeckValue::Entry::integer);
 }
 std::vector<double> Deck::reals(const std::string& block, const std::string& key) const {
-  std::vector<double> out;
-  const DeckValue& value = _contents->value(block, key);
-  if (value.is_good)
-    for (const DeckValue::Entry& entry : value.entries)
-      out.push_back(entry.real);
-  return out;
+  return listOf(_contents->value(block, key), &DeckValue::Entry::real);
 }
 std::vector<std::string> Deck::texts(const std::string& block, const std::string& key) const {
-  std::vector<std::string> out;
-  const DeckValue& value = _contents->value(block, key);
-  if (value.is_good)
-    for (const DeckValue::Entry& entry : value.entries)
-      out.push_back(entry.text);
-  return out;
+  return listOf(_contents->value(block, key), &DeckValue::Entry::text);
 }
 
 void Deck::complain(const std::string& block, const std::string& key, const std::string& found,

@@ -3,6 +3,8 @@
 #include "io/deck/deck_checker.hpp"
 
 #include "io/deck/deck_overrides.hpp"
+#include "io/deck/deck_renames.hpp"
+#include "io/deck/deck_spelling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,18 +53,6 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::string joined(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;
-}
-
-// As in a deck.
-std::string headerOf(const BlockRule& block) {
-  switch (block.kind) {
-  case BlockKind::repeated:
-    return "[[" + block.name + "]]";
-  case BlockKind::named:
-    return "[" + block.name + ".<name>]";
-  default:
-    return "[" + block.name + "]";
-  }
 }
 
 bool isTables(const TomlNode& node) {
@@ -126,7 +116,7 @@ private:
   }
 
   void visitNamed(const TomlNode& node, const BlockRule& block) {
-    const std::string header = "[" + block.name + ".<name>]";
+    const std::string header = headerOf(block);
     if (node.kind != Kind::table) {
       _faults.add(node.key_at, block.name, node.describe(), "tables " + header);
       return;
@@ -316,16 +306,8 @@ private:
 
 const TomlNode* findNode(const TomlNode& root, const std::string& path) {
   const TomlNode* node = &root;
-  std::size_t begin = 0;
-  while (node && !path.empty()) {
-    const std::size_t end = path.find('.', begin);
-    node = node->kind == Kind::table
-               ? node->member(path.substr(begin, end == std::string::npos ? end : end - begin))
-               : nullptr;
-    if (end == std::string::npos)
-      break;
-    begin = end + 1;
-  }
+  for (const std::string& name : splitDots(path))
+    node = node && node->kind == Kind::table ? node->member(name) : nullptr;
   return node;
 }
 

@@ -113,20 +113,6 @@ std::string bounds(const KeyRule& rule) {
   return out;
 }
 
-std::string header(const BlockRule& block) {
-  switch (block.kind) {
-  case BlockKind::top:
-    return "(top of the deck)";
-  case BlockKind::single:
-    return "[" + block.name + "]";
-  case BlockKind::named:
-    return "[" + block.name + ".<name>]";
-  case BlockKind::repeated:
-    break;
-  }
-  return "[[" + block.name + "]]";
-}
-
 } // namespace
 
 KeyRule boolean(const std::string& name, const std::string& help) {
@@ -169,7 +155,8 @@ std::string describeValue(const KeyRule& rule) {
 std::string describe(const Schema& schema) {
   std::ostringstream out;
   for (const BlockRule& block : schema) {
-    out << header(block) << "  " << block.help << "\n";
+    out << (block.kind == BlockKind::top ? "(top of the deck)" : headerOf(block)) << "  "
+        << block.help << "\n";
     for (const KeyRule& key : block.keys) {
       out << "  " << key.name;
       if (key.name.size() < 20)

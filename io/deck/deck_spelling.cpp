@@ -53,17 +53,9 @@ std::string spellValue(const DeckValue& value) {
 }
 
 std::string spellHeader(const DeckBlock& block) {
-  switch (block.rule->kind) {
-  case BlockKind::top:
-    return "";
-  case BlockKind::single:
-    return "\n[" + block.rule->name + "]\n";
-  case BlockKind::named:
-    return "\n[" + block.rule->name + "." + spellName(block.name) + "]\n";
-  case BlockKind::repeated:
-    break;
-  }
-  return "\n[[" + block.rule->name + "]]\n";
+  return block.rule->kind == BlockKind::top
+             ? ""
+             : "\n" + headerOf(*block.rule, spellName(block.name)) + "\n";
 }
 
 bool anyRequired(const BlockRule& rule) {
@@ -72,6 +64,12 @@ bool anyRequired(const BlockRule& rule) {
 }
 
 } // namespace
+
+std::string headerOf(const BlockRule& rule, const std::string& name) {
+  if (rule.kind == BlockKind::named)
+    return "[" + rule.name + "." + name + "]";
+  return rule.kind == BlockKind::repeated ? "[[" + rule.name + "]]" : "[" + rule.name + "]";
+}
 
 std::string spellReal(double value) {
   char digits[32];

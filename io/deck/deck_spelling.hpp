@@ -7,6 +7,10 @@
 
 namespace brickwall::io {
 
+// The header of a block, `name` being that of an instance: "[wall]", "[material.<name>]",
+// "[[load.pressure]]".
+std::string headerOf(const BlockRule& rule, const std::string& name = "<name>");
+
 // The shortest spelling that reads back to the same bits: with a point or an exponent, as TOML
 // requires of a real.
 std::string spellReal(double value);

@@ -42,14 +42,7 @@ public:
     for (const auto& from : exchangeByRank(_comm, byHome(nodes)))
       for (const global_id node : from)
         _id_of_node[node - _begin] = 0;
-    const std::int64_t mine = std::count(_id_of_node.begin(), _id_of_node.end(), 0);
-    const auto counts =
-        exchangeByRank(_comm, std::vector<std::vector<std::int64_t>>(sizeOf(_comm), {mine}));
-    global_id next = 0, total = 0;
-    for (int q = 0; q < sizeOf(_comm); ++q) {
-      next += q < rankOf(_comm) ? counts[q][0] : 0;
-      total += counts[q][0];
-    }
+    auto [next, total] = numbersFor(_comm, std::count(_id_of_node.begin(), _id_of_node.end(), 0));
     for (global_id& id : _id_of_node)
       if (id == 0)
         id = next++;
@@ -72,10 +65,7 @@ public:
         _holders.emplace_back(node, static_cast<int>(q));
       }
     std::sort(_holders.begin(), _holders.end());
-    std::vector<NodeData> data;
-    for (const auto& from : exchangeByRank(_comm, answers)) // homes ascend with the rank
-      data.insert(data.end(), from.begin(), from.end());
-    return data;
+    return joined(exchangeByRank(_comm, answers)); // homes ascend with the rank
   }
 
   // Sends entries of node sets, with the new number of the node, to every rank of the last query
@@ -92,10 +82,7 @@ public:
         for (; holder != _holders.end() && holder->first == entry.node; ++holder)
           to_holders[holder->second].push_back({entry.set, _id_of_node[entry.node - _begin]});
       }
-    std::vector<NodeEntry> received;
-    for (const auto& from : exchangeByRank(_comm, to_holders))
-      received.insert(received.end(), from.begin(), from.end());
-    return received;
+    return joined(exchangeByRank(_comm, to_holders));
   }
 
 private:
@@ -137,17 +124,6 @@ std::vector<int> placeElems(MPI_Comm comm, const MeshSlice& slice, NodeHome& hom
     }
   }
   return partitionPoints(comm, ids, centroids);
-}
-
-std::vector<ElemCorners> moveElems(MPI_Comm comm, const MeshSlice& slice,
-                                   const std::vector<int>& rank_of_elem) {
-  std::vector<std::vector<ElemCorners>> to_owners(sizeOf(comm));
-  for (std::size_t i = 0; i < slice.elems.size(); ++i)
-    to_owners[rank_of_elem[i]].push_back(slice.elems[i]);
-  std::vector<ElemCorners> elems;
-  for (const auto& from : exchangeByRank(comm, to_owners)) // slices ascend with the rank
-    elems.insert(elems.end(), from.begin(), from.end());
-  return elems;
 }
 
 void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& elems,
@@ -230,7 +206,8 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   part.blocks = contents.blocks;
 
   const std::vector<int> rank_of_elem = placeElems(comm, slice, home);
-  const std::vector<ElemCorners> elems = moveElems(comm, slice, rank_of_elem);
+  const std::vector<ElemCorners> elems =
+      sendTo(comm, rank_of_elem, slice.elems); // slices ascend with the rank
   rethrowOnAllRanks(comm, [&] {
     checkedInt(8 * static_cast<std::int64_t>(elems.size()), "readMesh: element corners");
   });

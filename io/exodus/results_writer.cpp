@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <limits>
-#include <utility>
 
 namespace brickwall::io {
 

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 namespace brickwall::io {
@@ -72,27 +71,14 @@ global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_i
     questions[homes.rankOf(label)].push_back(label);
   auto asked = exchangeByRank(comm, questions);
 
-  std::vector<global_id> mine;
-  for (const auto& from : asked)
-    mine.insert(mine.end(), from.begin(), from.end());
-  mine = sortedDistinct(std::move(mine));
+  const std::vector<global_id> mine = sortedDistinct(joined(asked));
   // Homes hold ascending slices: the numbers of lower ranks come before those of this rank.
-  std::vector<std::vector<std::int64_t>> count(
-      size, std::vector<std::int64_t>(1, static_cast<std::int64_t>(mine.size())));
-  const auto counts = exchangeByRank(comm, count);
-  global_id first = 0, total = 0;
-  for (int q = 0; q < size; ++q) {
-    first += q < rankOf(comm) ? counts[q][0] : 0;
-    total += counts[q][0];
-  }
+  const auto [first, total] = numbersFor(comm, static_cast<std::int64_t>(mine.size()));
   for (auto& from : asked)
     for (global_id& label : from)
       label = first + localIndex(mine, label);
-  const auto answers = exchangeByRank(comm, asked);
-
-  std::vector<global_id> numbers; // of `distinct`: queries went to homes in ascending order
-  for (const auto& from : answers)
-    numbers.insert(numbers.end(), from.begin(), from.end());
+  // Of `distinct`: queries went to homes in ascending order.
+  const std::vector<global_id> numbers = joined(exchangeByRank(comm, asked));
   for (global_id& label : labels)
     label = numbers[localIndex(distinct, label)];
   return total;

@@ -4,6 +4,7 @@
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "io/mesh/id_slices.hpp"
+#include "io/mesh/local_numbering.hpp"
 #include "io/mesh/partition.hpp"
 #include "io/mesh/shared_nodes.hpp"
 
@@ -31,14 +32,8 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
     for (const double x : wall.elemCentroid(elem))
       centroids.push_back(x);
 
-  const std::vector<int> rank_of_elem = partitionPoints(comm, ids, centroids);
-  std::vector<std::vector<global_id>> to_owners(size);
-  for (int i = 0; i < count; ++i)
-    to_owners[rank_of_elem[i]].push_back(ids[i]);
-  std::vector<global_id> owned;
-  for (const auto& received : exchangeByRank(comm, to_owners))
-    owned.insert(owned.end(), received.begin(), received.end()); // slices ascend with the rank
-  return owned;
+  // Slices ascend with the rank.
+  return sendTo(comm, partitionPoints(comm, ids, centroids), ids);
 }
 
 // Elements in ascending order, and so brick by brick; the nodes of each brick follow those of the

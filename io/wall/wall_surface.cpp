@@ -8,8 +8,6 @@
 #include "io/mesh/shared_nodes.hpp"
 #include "io/wall/hashed_random.hpp"
 
-#include <algorithm>
-
 namespace brickwall::io {
 
 namespace {
@@ -26,8 +24,8 @@ std::array<global_id, 4> faceNodes(const WallLayout& wall, global_id face_id) {
 
 // Ids of the faces that belong to this rank, ascending.
 std::vector<global_id> partitionFaces(MPI_Comm comm, const WallLayout& wall) {
-  const int size = sizeOf(comm), rank = rankOf(comm);
-  const IdSlices slices{wall.numFaces(), size};
+  const int rank = rankOf(comm);
+  const IdSlices slices{wall.numFaces(), sizeOf(comm)};
   const std::int64_t first = slices.begin(rank);
   const int count = checkedInt(slices.end(rank) - first, "generateWallSurface: faces of a rank");
   std::vector<global_id> ids(count);
@@ -39,16 +37,7 @@ std::vector<global_id> partitionFaces(MPI_Comm comm, const WallLayout& wall) {
     for (int d = 0; d < 3; ++d)
       centroids[3 * static_cast<std::size_t>(f) + d] = 0.5 * (a[d] + b[d]);
   }
-
-  const std::vector<int> rank_of_face = partitionPoints(comm, ids, centroids);
-  std::vector<std::vector<global_id>> to_owners(size);
-  for (int f = 0; f < count; ++f)
-    to_owners[rank_of_face[f]].push_back(ids[f]);
-  std::vector<global_id> owned;
-  for (const auto& received : exchangeByRank(comm, to_owners))
-    owned.insert(owned.end(), received.begin(), received.end());
-  std::sort(owned.begin(), owned.end());
-  return owned;
+  return sortedDistinct(sendTo(comm, partitionPoints(comm, ids, centroids), ids));
 }
 
 void appendJittered(const WallLayout& wall, const WallJitter& jitter, global_id node,

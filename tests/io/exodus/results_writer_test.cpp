@@ -77,13 +77,27 @@ std::string complaintOf(const std::string& command, const std::string& log) {
   return code == 0 ? "" : command + " returned " + std::to_string(code) + "\n" + contentsOf(log);
 }
 
+// An Exodus file that is open for reading while this lives.
+class OpenFile {
+public:
+  explicit OpenFile(const std::string& path) {
+    int real_bytes = 8, stored_bytes = 0;
+    float version = 0;
+    _id = ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+  }
+  ~OpenFile() { ex_close(_id); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  operator int() const { return _id; } // negative if it cannot be opened
+
+private:
+  int _id;
+};
+
 // Every entry of every set. Node sets in the order of the file; epu appends side sets file by file,
 // so they are sorted.
 std::string listSets(const std::string& path) {
-  int real_bytes = 8, stored_bytes = 0;
-  float version = 0;
-  const int id =
-      ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+  const OpenFile id(path);
   if (id < 0)
     return "cannot be opened: " + path;
   std::ostringstream text;
@@ -112,8 +126,16 @@ std::string listSets(const std::string& path) {
       text << "\n";
     }
   }
-  ex_close(id);
   return text.str();
+}
+
+// Writes `part` on all ranks as "many.exo" and the wall on rank 0 as "alone.exo", some steps each.
+void writeBoth(const TemporaryFolder& folder, const WallConfig& wall, const MeshPart& part,
+               const ResultsConfig& config, int num_steps) {
+  writeAll(MPI_COMM_WORLD, folder / "many.exo", part, config, num_steps);
+  if (rankOf(MPI_COMM_WORLD) == 0)
+    writeAll(MPI_COMM_SELF, folder / "alone.exo", generateWall(MPI_COMM_SELF, wall), config,
+             num_steps);
 }
 
 // Joins rank files with epu, which writes into the current folder, and compares with the file that
@@ -153,9 +175,7 @@ TEST(ResultsWriter, RankFilesJoinToTheFileOfOneRank) {
       ResultsConfig config = someFields();
       config.format = format;
       config.single_precision = single;
-      writeAll(MPI_COMM_WORLD, folder / "many.exo", part, config, 3);
-      if (rankOf(MPI_COMM_WORLD) == 0)
-        writeAll(MPI_COMM_SELF, folder / "alone.exo", generateWall(MPI_COMM_SELF, wall), config, 3);
+      writeBoth(folder, wall, part, config, 3);
       expectJoinedEqual(folder, "many.exo", "alone.exo");
     }
   }
@@ -164,11 +184,7 @@ TEST(ResultsWriter, RankFilesJoinToTheFileOfOneRank) {
 TEST(ResultsWriter, RanksWithoutElementsJoinToo) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   for (const WallConfig& wall : {wallOf({1, 1, 1}, {1, 1, 1}), wallOf({1, 1, 2}, {2, 1, 1})}) {
-    const MeshPart part = generateWall(MPI_COMM_WORLD, wall);
-    writeAll(MPI_COMM_WORLD, folder / "many.exo", part, someFields(), 2);
-    if (rankOf(MPI_COMM_WORLD) == 0)
-      writeAll(MPI_COMM_SELF, folder / "alone.exo", generateWall(MPI_COMM_SELF, wall), someFields(),
-               2);
+    writeBoth(folder, wall, generateWall(MPI_COMM_WORLD, wall), someFields(), 2);
     expectJoinedEqual(folder, "many.exo", "alone.exo");
   }
 }
@@ -193,11 +209,7 @@ TEST(ResultsWriter, JoinsAMeshReadFromAFile) {
   if (rankOf(MPI_COMM_WORLD) == 0)
     writeMesh(MPI_COMM_SELF, folder / "mesh.exo", generateWall(MPI_COMM_SELF, wall), {});
   MPI_Barrier(MPI_COMM_WORLD);
-  const MeshPart part = readMesh(MPI_COMM_WORLD, folder / "mesh.exo");
-  writeAll(MPI_COMM_WORLD, folder / "many.exo", part, someFields(), 2);
-  if (rankOf(MPI_COMM_WORLD) == 0)
-    writeAll(MPI_COMM_SELF, folder / "alone.exo", generateWall(MPI_COMM_SELF, wall), someFields(),
-             2);
+  writeBoth(folder, wall, readMesh(MPI_COMM_WORLD, folder / "mesh.exo"), someFields(), 2);
   expectJoinedEqual(folder, "many.exo", "alone.exo");
 }
 
@@ -216,10 +228,7 @@ TEST(ResultsWriter, StepsAreReadableWhileTheFileIsStillOpen) {
     const std::string copy = writer.fileName() + ".copy";
     std::filesystem::copy_file(writer.fileName(), copy,
                                std::filesystem::copy_options::overwrite_existing);
-    int real_bytes = 8, stored_bytes = 0;
-    float version = 0;
-    const int id =
-        ex_open(copy.c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+    const OpenFile id(copy);
     ASSERT_GE(id, 0);
     EXPECT_EQ(ex_inquire_int(id, EX_INQ_TIME), 2);
     double time = 0;
@@ -234,7 +243,6 @@ TEST(ResultsWriter, StepsAreReadableWhileTheFileIsStillOpen) {
     std::vector<double> global(2);
     EXPECT_EQ(ex_get_var(id, 2, EX_GLOBAL, 1, 1, 2, global.data()), 0);
     EXPECT_EQ(global[1], valueOf(1, 20, 1));
-    ex_close(id);
     std::filesystem::remove(copy);
     MPI_Barrier(MPI_COMM_WORLD);
   }
@@ -247,10 +255,7 @@ TEST(ResultsWriter, CarriesNamesInformationAndBrickNumbers) {
   writeAll(MPI_COMM_WORLD, folder / "named.exo", part, config, 1);
   const std::string path =
       rankFileName(folder / "named.exo", sizeOf(MPI_COMM_WORLD), rankOf(MPI_COMM_WORLD));
-  int real_bytes = 8, stored_bytes = 0;
-  float version = 0;
-  const int id =
-      ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+  const OpenFile id(path);
   ASSERT_GE(id, 0);
   ex_set_max_name_length(id, 128);
   char name[129] = {};
@@ -275,7 +280,6 @@ TEST(ResultsWriter, CarriesNamesInformationAndBrickNumbers) {
     for (int elem = 0; elem < num_bricks; ++elem)
       EXPECT_EQ(bricks[elem], static_cast<double>(part.elem_body[elem] + 1));
   }
-  ex_close(id);
 }
 
 TEST(ResultsWriter, SaysOnAllRanksThatAFileCannotBeCreated) {
@@ -356,14 +360,10 @@ TEST(ResultsWriter, WritesIdsBeyond32Bits) {
     part.num_global_elems += shift;
     part.num_global_nodes += shift;
     writeMesh(MPI_COMM_SELF, folder / "large.exo", part, {});
-    int real_bytes = 8, stored_bytes = 0;
-    float version = 0;
-    const int id = ex_open((folder / "large.exo").c_str(), EX_READ | EX_ALL_INT64_API, &real_bytes,
-                           &stored_bytes, &version);
+    const OpenFile id(folder / "large.exo");
     std::vector<global_id> ids(part.elem_ids.size());
     EXPECT_EQ(ex_get_id_map(id, EX_ELEM_MAP, ids.data()), 0);
     EXPECT_EQ(ids.back(), part.elem_ids.back() + 1);
-    ex_close(id);
   }
   MPI_Barrier(MPI_COMM_WORLD);
 }

@@ -6,6 +6,8 @@
 #include "io/mesh/partition.hpp"
 #include "io/mesh/shared_nodes.hpp"
 
+#include <numeric>
+
 namespace brickwall::io::testing {
 namespace {
 
@@ -48,27 +50,15 @@ TEST(Partition, SharesPointsEvenly) {
                 0.02 * n);
 }
 
-TEST(Partition, TakesFewerPointsThanRanksAndNone) {
-  for (const std::int64_t n : {0, 1, 2, 3}) {
-    std::int64_t sum = 0;
-    for (const std::int64_t share : sharesOf(n, false, 0))
-      sum += share;
-    EXPECT_EQ(sum, n);
-  }
-}
-
-TEST(Partition, TakesCoincidentPoints) {
-  std::int64_t sum = 0;
-  for (const std::int64_t share : sharesOf(1000, true, 0))
-    sum += share;
-  EXPECT_EQ(sum, 1000);
-}
-
-TEST(Partition, KeepsIdsBeyond32Bits) {
-  std::int64_t sum = 0;
-  for (const std::int64_t share : sharesOf(500, false, (std::int64_t(1) << 40) + 12345))
-    sum += share;
-  EXPECT_EQ(sum, 500);
+TEST(Partition, PlacesEveryPointAlsoWhereThereAreFewOrCoincidentOnesOrLargeIds) {
+  const auto placed = [](std::int64_t n, bool coincident, std::int64_t first_id) {
+    const auto shares = sharesOf(n, coincident, first_id);
+    return std::accumulate(shares.begin(), shares.end(), std::int64_t(0));
+  };
+  for (const std::int64_t n : {0, 1, 2, 3})
+    EXPECT_EQ(placed(n, false, 0), n);
+  EXPECT_EQ(placed(1000, true, 0), 1000);
+  EXPECT_EQ(placed(500, false, (std::int64_t(1) << 40) + 12345), 500);
 }
 
 TEST(SharedNodes, AreFoundOnBothSidesAndOwnedByTheLowest) {
