@@ -9,6 +9,7 @@
 #include "io/wall/wall_layout.hpp"
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/element/material.hpp"
+#include "mechanics/loads/pulse_shape.hpp"
 #include "miniapp/deck/limits.hpp"
 
 #include <mpi.h>
@@ -46,14 +47,9 @@ enum class Formulation {
 };
 
 // Variation in time of a load or of a prescribed velocity. Time t counts from `start`; 0 before it.
-//   step        1, until duration if it is given
-//   half_sine   sin(pi t / duration), t < duration
-//   sin_squared sin(pi t / duration)^2, t < duration
-//   triangle    1 - |2 t / duration - 1|, t < duration
-//   friedlander (1 - t / duration) exp(-decay t / duration), t < duration
-enum class PulseShape { step, half_sine, sin_squared, triangle, friedlander };
+using mechanics::PulseKind;
 struct PulseConfig {
-  PulseShape shape = PulseShape::step;
+  PulseKind shape = PulseKind::step; // any but `constant`
   double start = 0; // time
   std::optional<double> duration = {}; // time; given for all shapes but `step`
   double decay = 1; // friedlander
@@ -63,7 +59,7 @@ struct PulseConfig {
 enum class Distribution { uniform, gaussian };
 struct PressureConfig {
   std::string side_set;
-  PulseConfig pulse = {PulseShape::half_sine};
+  PulseConfig pulse = {PulseKind::half_sine};
   double peak = 0; // pressure
   Distribution distribution = Distribution::uniform;
   // gaussian: peak exp(-(r/radius)^2), arriving r/wave_speed later, with r the distance of the

@@ -108,10 +108,10 @@ std::string instance(const std::string& block, int index) {
 void checkPulse(Deck& deck, const std::string& block, const PulseConfig& pulse) {
   if (!deck.isGood(block, "shape"))
     return;
-  if (pulse.shape != PulseShape::step && !deck.has(block, "duration"))
+  if (pulse.shape != PulseKind::step && !deck.has(block, "duration"))
     deck.complain(block, "shape", "no duration for shape \"" + deck.text(block, "shape") + "\"",
                   "a key duration = a number above 0, in s");
-  if (pulse.shape != PulseShape::friedlander && deck.has(block, "decay"))
+  if (pulse.shape != PulseKind::friedlander && deck.has(block, "decay"))
     deck.complain(block, "decay", "decay beside shape \"" + deck.text(block, "shape") + "\"",
                   "decay only with shape = \"friedlander\"");
 }

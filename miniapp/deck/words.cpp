@@ -2,74 +2,56 @@
 
 namespace brickwall::miniapp {
 
-const Words<io::WallEnds>& wordsOf(io::WallEnds) {
-  static const Words<io::WallEnds> words = {{"flush", io::WallEnds::flush},
-                                            {"ragged", io::WallEnds::ragged}};
-  return words;
+Words<io::WallEnds> wordsOf(io::WallEnds) {
+  return {{"flush", io::WallEnds::flush}, {"ragged", io::WallEnds::ragged}};
 }
-const Words<mechanics::MaterialModel>& wordsOf(mechanics::MaterialModel) {
+Words<mechanics::MaterialModel> wordsOf(mechanics::MaterialModel) {
   using mechanics::MaterialModel;
-  static const Words<MaterialModel> words = {{"neo_hookean", MaterialModel::neo_hookean},
-                                             {"svk", MaterialModel::svk},
-                                             {"linear", MaterialModel::linear}};
-  return words;
+  return {{"neo_hookean", MaterialModel::neo_hookean},
+          {"svk", MaterialModel::svk},
+          {"linear", MaterialModel::linear}};
 }
-const Words<Formulation>& wordsOf(Formulation) {
-  static const Words<Formulation> words = {{"one_point", Formulation::one_point, "tlps"},
-                                           {"full", Formulation::full}};
-  return words;
+Words<Formulation> wordsOf(Formulation) {
+  return {{"one_point", Formulation::one_point, "tlps"}, {"full", Formulation::full}};
 }
-const Words<PulseShape>& wordsOf(PulseShape) {
-  static const Words<PulseShape> words = {{"step", PulseShape::step},
-                                          {"half_sine", PulseShape::half_sine},
-                                          {"sin_squared", PulseShape::sin_squared},
-                                          {"triangle", PulseShape::triangle},
-                                          {"friedlander", PulseShape::friedlander}};
-  return words;
+Words<PulseKind> wordsOf(PulseKind) {
+  return {{"step", PulseKind::step},
+          {"half_sine", PulseKind::half_sine},
+          {"sin_squared", PulseKind::sin_squared},
+          {"triangle", PulseKind::triangle},
+          {"friedlander", PulseKind::friedlander}};
 }
-const Words<Distribution>& wordsOf(Distribution) {
-  static const Words<Distribution> words = {{"uniform", Distribution::uniform},
-                                            {"gaussian", Distribution::gaussian}};
-  return words;
+Words<Distribution> wordsOf(Distribution) {
+  return {{"uniform", Distribution::uniform}, {"gaussian", Distribution::gaussian}};
 }
-const Words<contact::Scheme>& wordsOf(contact::Scheme) {
-  static const Words<contact::Scheme> words = {{"energy_neutral", contact::Scheme::energy_neutral},
-                                               {"penalty", contact::Scheme::penalty}};
-  return words;
+Words<contact::Scheme> wordsOf(contact::Scheme) {
+  return {{"energy_neutral", contact::Scheme::energy_neutral},
+          {"penalty", contact::Scheme::penalty}};
 }
-const Words<SelfContact>& wordsOf(SelfContact) {
-  static const Words<SelfContact> words = {{"auto", SelfContact::automatic},
-                                           {"never", SelfContact::never},
-                                           {"always", SelfContact::always}};
-  return words;
+Words<SelfContact> wordsOf(SelfContact) {
+  return {{"auto", SelfContact::automatic},
+          {"never", SelfContact::never},
+          {"always", SelfContact::always}};
 }
-const Words<GuardAction>& wordsOf(GuardAction) {
-  static const Words<GuardAction> words = {
-      {"cut", GuardAction::cut}, {"stop", GuardAction::stop}, {"off", GuardAction::off}};
-  return words;
+Words<GuardAction> wordsOf(GuardAction) {
+  return {{"cut", GuardAction::cut}, {"stop", GuardAction::stop}, {"off", GuardAction::off}};
 }
-const Words<contact::SearchMethod>& wordsOf(contact::SearchMethod) {
+Words<contact::SearchMethod> wordsOf(contact::SearchMethod) {
   using contact::SearchMethod;
-  static const Words<SearchMethod> words = {{"cluster", SearchMethod::cluster},
-                                            {"paper", SearchMethod::paper},
-                                            {"reference", SearchMethod::reference}};
-  return words;
+  return {{"cluster", SearchMethod::cluster},
+          {"paper", SearchMethod::paper},
+          {"reference", SearchMethod::reference}};
 }
-const Words<StepBound>& wordsOf(StepBound) {
-  static const Words<StepBound> words = {{"lanczos", StepBound::lanczos},
-                                         {"element", StepBound::element}};
-  return words;
+Words<StepBound> wordsOf(StepBound) {
+  return {{"lanczos", StepBound::lanczos}, {"element", StepBound::element}};
 }
 // The netCDF-3 formats are one for the writer.
-const Words<io::FileFormat>& wordsOf(io::FileFormat) {
-  static const Words<io::FileFormat> words = {{"64bit_offset", io::FileFormat::offset64, "classic"},
-                                              {"netcdf4", io::FileFormat::netcdf4}};
-  return words;
+Words<io::FileFormat> wordsOf(io::FileFormat) {
+  return {{"64bit_offset", io::FileFormat::offset64, "classic"},
+          {"netcdf4", io::FileFormat::netcdf4}};
 }
-const Words<Precision>& wordsOf(Precision) {
-  static const Words<Precision> words = {{"single", Precision::float32},
-                                         {"double", Precision::float64}};
-  return words;
+Words<Precision> wordsOf(Precision) {
+  return {{"single", Precision::float32}, {"double", Precision::float64}};
 }
 
 } // namespace brickwall::miniapp

@@ -24,18 +24,18 @@ template <class Enum>
 using Words = std::vector<Word<Enum>>;
 
 // In the order in which `brickwall --keys` lists them.
-const Words<io::WallEnds>& wordsOf(io::WallEnds);
-const Words<mechanics::MaterialModel>& wordsOf(mechanics::MaterialModel);
-const Words<Formulation>& wordsOf(Formulation);
-const Words<PulseShape>& wordsOf(PulseShape);
-const Words<Distribution>& wordsOf(Distribution);
-const Words<contact::Scheme>& wordsOf(contact::Scheme);
-const Words<SelfContact>& wordsOf(SelfContact);
-const Words<GuardAction>& wordsOf(GuardAction);
-const Words<contact::SearchMethod>& wordsOf(contact::SearchMethod);
-const Words<StepBound>& wordsOf(StepBound);
-const Words<io::FileFormat>& wordsOf(io::FileFormat);
-const Words<Precision>& wordsOf(Precision);
+Words<io::WallEnds> wordsOf(io::WallEnds);
+Words<mechanics::MaterialModel> wordsOf(mechanics::MaterialModel);
+Words<Formulation> wordsOf(Formulation);
+Words<PulseKind> wordsOf(PulseKind);
+Words<Distribution> wordsOf(Distribution);
+Words<contact::Scheme> wordsOf(contact::Scheme);
+Words<SelfContact> wordsOf(SelfContact);
+Words<GuardAction> wordsOf(GuardAction);
+Words<contact::SearchMethod> wordsOf(contact::SearchMethod);
+Words<StepBound> wordsOf(StepBound);
+Words<io::FileFormat> wordsOf(io::FileFormat);
+Words<Precision> wordsOf(Precision);
 
 template <class Enum>
 const char* nameOf(Enum value) {

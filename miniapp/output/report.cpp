@@ -74,10 +74,14 @@ std::string mpiVersion() {
   return version.substr(0, version.find_first_of(",\n"));
 }
 
+const char* wordOf(StepCut::Reason reason) {
+  return reason == StepCut::Reason::tunnelling ? "tunnelling" : "stability";
+}
+
 nlohmann::ordered_json toJson(const StepReport& steps) {
   auto cuts = nlohmann::ordered_json::array();
-  for (const StepCutReport& cut : steps.cuts)
-    cuts.push_back({{"reason", cut.reason},
+  for (const StepCut& cut : steps.cuts)
+    cuts.push_back({{"reason", wordOf(cut.reason)},
                     {"step", cut.step},
                     {"time", cut.time},
                     {"from", cut.from},
@@ -85,30 +89,35 @@ nlohmann::ordered_json toJson(const StepReport& steps) {
   return {{"first", steps.first},
           {"last", steps.last},
           {"bound", steps.bound},
-          {"gain", steps.gain},
-          {"products", steps.products},
-          {"body_types", steps.body_types},
+          {"gain", steps.gain.step},
+          {"products", steps.gain.products},
+          {"body_types", steps.gain.body_types},
           {"guarded_steps", steps.guarded_steps},
           {"cuts", cuts}};
 }
 
-nlohmann::ordered_json toJson(const BalanceReport& balance) {
+nlohmann::ordered_json balanceJson(const RunReport& r) {
+  const mechanics::EnergyBalance& balance = r.balance;
   nlohmann::ordered_json json = {{"energy_error", balance.energy_error},
                                  {"momentum_error", balance.momentum_error},
                                  {"angular_momentum_error", balance.angular_momentum_error},
                                  {"ledger_residual", balance.ledger_residual},
                                  {"stored_error", balance.stored_error},
-                                 {"hourglass_share", balance.hourglass_share}};
-  if (balance.has_contact) {
+                                 {"hourglass_share", balance.hourglassShare()}};
+  if (r.has_contact) {
     json["contact_error"] = balance.contact_error;
-    json["penetration"] = balance.penetration;
+    json["penetration"] = r.contact.largest_penetration;
   }
   json["external_work"] = balance.external_work;
-  json["dissipated_energy"] = balance.dissipated_energy;
-  json["peak_kinetic_energy"] = balance.peak_kinetic_energy;
-  json["peak_stored_energy"] = balance.peak_stored_energy;
-  json["peak_energy"] = balance.peak_energy;
+  json["dissipated_energy"] = balance.dissipated.total();
+  json["peak_kinetic_energy"] = balance.peak_kinetic;
+  json["peak_stored_energy"] = balance.peak_stored;
+  json["peak_energy"] = balance.peak_total;
   return json;
+}
+
+double stepsPerSearch(const ContactCounts& counts) {
+  return ratio(static_cast<double>(counts.updates), static_cast<double>(counts.searches));
 }
 
 void printSteps(std::ostream& out, const StepReport& steps) {
@@ -116,49 +125,48 @@ void printSteps(std::ostream& out, const StepReport& steps) {
                 steps.last, steps.cuts.size());
   constexpr std::size_t most = 4;
   for (std::size_t i = 0; i < minOf(most, steps.cuts.size()); ++i) {
-    const StepCutReport& cut = steps.cuts[i];
-    out << format("%s to %.4g in step %lld for %s", i == 0 ? ":" : ",", cut.to,
-                  static_cast<long long>(cut.step), cut.reason.c_str());
+    const StepCut& cut = steps.cuts[i];
+    out << format("%s to %.4g in step %lld for %s", i == 0 ? ":" : ",", cut.to, cut.step,
+                  wordOf(cut.reason));
   }
   out << (steps.cuts.size() > most ? ", and so on" : "");
   if (steps.bound == "lanczos")
-    out << format("; %.1f %% longer than by elements (Lanczos, %lld products, body types: %lld)",
-                  100 * (steps.gain - 1), static_cast<long long>(steps.products),
-                  static_cast<long long>(steps.body_types));
-  out << format("; tunnelling guard active in %lld steps\n",
-                static_cast<long long>(steps.guarded_steps));
+    out << format("; %.1f %% longer than by elements (Lanczos, %d products, body types: %lld)",
+                  100 * (steps.gain.step - 1), steps.gain.products, steps.gain.body_types);
+  out << format("; tunnelling guard active in %lld steps\n", steps.guarded_steps);
 }
 
-void printBalance(std::ostream& out, const BalanceReport& balance) {
+void printBalance(std::ostream& out, const RunReport& r) {
+  const mechanics::EnergyBalance& balance = r.balance;
   out << format("balance: energy error %.3e, momentum error %.3e, external work %.6e, peak "
                 "kinetic %.6e, peak stored %.6e\n",
                 balance.energy_error, balance.momentum_error, balance.external_work,
-                balance.peak_kinetic_energy, balance.peak_stored_energy);
+                balance.peak_kinetic, balance.peak_stored);
   out << format("gauges: ledger residual %.1e, angular momentum error %.1e, stored error %.1e, "
                 "hourglass share %.2g",
                 balance.ledger_residual, balance.angular_momentum_error, balance.stored_error,
-                balance.hourglass_share);
-  if (balance.has_contact)
+                balance.hourglassShare());
+  if (r.has_contact)
     out << format(", contact error %.1e, penetration %.2g", balance.contact_error,
-                  balance.penetration);
+                  r.contact.largest_penetration);
   out << "\n";
 }
 
 } // namespace
 
 void judgeNumbers(RunReport& report) {
-  if (report.balance.is_rounding)
+  if (report.balance.peak_total > 0 && !report.balance.is_above_noise)
     report.warnings.push_back(
         format("the energy of the run, at most %.3g, is within the rounding of forces and "
                "sums: its relative errors have no meaning",
-               report.balance.peak_energy));
-  if (report.search.lost_contacts > 0)
+               report.balance.peak_total));
+  if (report.contact.lost > 0)
     report.warnings.push_back(
         "contacts under load that were lost because they were deeper than the search reaches: " +
-        std::to_string(report.search.lost_contacts) + "; a larger contact.tolerance keeps them");
-  if (report.search.missed_pairs > 0)
+        std::to_string(report.contact.lost) + "; a larger contact.tolerance keeps them");
+  if (report.contact.missed_pairs > 0)
     report.failures.push_back("the audit of the search found " +
-                              std::to_string(report.search.missed_pairs) +
+                              std::to_string(report.contact.missed_pairs) +
                               " candidate pairs that the lists in use missed");
 }
 
@@ -226,7 +234,7 @@ void printTable(std::ostream& out, const char* title, const std::vector<PhaseTim
   out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
   for (const PhaseTime& phase : phases)
     out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phaseName(phase.name).c_str(),
-                  static_cast<long long>(phase.calls), phase.min, phase.mean, phase.max);
+                  phase.calls, phase.min, phase.mean, phase.max);
 }
 
 void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
@@ -276,20 +284,20 @@ std::string reportJson(const RunReport& r) {
   json["phases"] = toJson(r.phases);
   json["search"] = {{"method", r.search.method},
                     {"margin", r.search.margin},
-                    {"searches", r.search.searches},
-                    {"steps_per_search", r.search.steps_per_search},
+                    {"searches", r.contact.searches},
+                    {"steps_per_search", stepsPerSearch(r.contact)},
                     {"seconds_per_step", r.search.seconds_per_step},
-                    {"ghost_faces", r.search.ghost_faces},
-                    {"candidate_pairs", r.search.candidate_pairs},
-                    {"active_contacts", r.search.active_contacts},
+                    {"ghost_faces", r.contact.ghost_faces},
+                    {"candidate_pairs", r.contact.candidate_pairs},
+                    {"active_contacts", r.contact.active},
                     {"drops_same_body", r.search.drops_same_body}};
   if (r.search.audit > 0) {
     json["search"]["audit"] = r.search.audit;
-    json["search"]["missed_pairs"] = r.search.missed_pairs;
+    json["search"]["missed_pairs"] = r.contact.missed_pairs;
   }
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
-  json["balance"] = toJson(r.balance);
+  json["balance"] = balanceJson(r);
   json["skipped"] = nlohmann::ordered_json::array();
   for (const SkippedPart& part : r.skipped)
     json["skipped"].push_back(
@@ -315,9 +323,8 @@ void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report
 
 void printReport(std::ostream& out, const RunReport& r) {
   printHeading(out, r.case_name,
-               format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s",
-                      static_cast<long long>(r.elements), static_cast<long long>(r.nodes),
-                      static_cast<long long>(r.faces), static_cast<long long>(r.steps), r.end_time),
+               format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s", r.elements,
+                      r.nodes, r.faces, r.steps, r.end_time),
                r.provenance, r.max_rank_bytes);
   printTable(out, "phase", r.phases);
   out << "\n";
@@ -327,16 +334,13 @@ void printReport(std::ostream& out, const RunReport& r) {
                                    : ", pairs within one body kept")
       << format(", %lld searches, one in %.3g steps, median %.3e s per step; last step: %lld "
                 "ghost faces, %lld candidate pairs, %lld active contacts\n",
-                static_cast<long long>(r.search.searches), r.search.steps_per_search,
-                r.search.seconds_per_step, static_cast<long long>(r.search.ghost_faces),
-                static_cast<long long>(r.search.candidate_pairs),
-                static_cast<long long>(r.search.active_contacts));
+                r.contact.searches, stepsPerSearch(r.contact), r.search.seconds_per_step,
+                r.contact.ghost_faces, r.contact.candidate_pairs, r.contact.active);
   if (r.search.audit > 0)
     out << format("audit: %lld pairs missed, all pairs tested every %lld steps\n",
-                  static_cast<long long>(r.search.missed_pairs),
-                  static_cast<long long>(r.search.audit));
+                  r.contact.missed_pairs, r.search.audit);
   printSteps(out, r.time_step);
-  printBalance(out, r.balance);
+  printBalance(out, r);
   for (const SkippedPart& part : r.skipped)
     if (part.share > 0)
       out << format("skipped: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "miniapp/timing/device.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <mpi.h>
@@ -32,47 +33,20 @@ Provenance describeRun(MPI_Comm comm);
 // The text of --version.
 std::string versionText();
 
+// The search that the deck asks for, and the time that it took.
 struct SearchReport {
   std::string method; // search.method
   double margin = 0; // search.reuse.margin
-  std::int64_t searches = 0;
-  double steps_per_search = 0; // updates of the lists, that of the start included, over searches
-  double seconds_per_step = 0; // PhaseRecorder::medianPerStep("contact::search")
-  // In the last step, sums over all ranks.
-  std::int64_t ghost_faces = 0, candidate_pairs = 0, active_contacts = 0;
-  std::int64_t lost_contacts = 0; // since the start
-  std::int64_t audit = 0; // search.audit
-  std::int64_t missed_pairs = 0; // in the audited steps
+  std::int64_t audit = 0; // search.audit; 0 without contact
   bool drops_same_body = false; // pairs of a node and a face of its own body are dropped
+  double seconds_per_step = 0; // PhaseRecorder::medianPerStep("contact::search")
 };
 
-// mechanics/ledger/energy.hpp defines them.
-struct BalanceReport {
-  double energy_error = 0, momentum_error = 0, angular_momentum_error = 0;
-  double ledger_residual = 0;
-  double stored_error = 0;
-  double hourglass_share = 0;
-  bool has_contact = false; // without contact, the next two are omitted
-  double contact_error = 0;
-  double penetration = 0; // over the square root of the face area
-  double external_work = 0, dissipated_energy = 0;
-  double peak_kinetic_energy = 0, peak_stored_energy = 0, peak_energy = 0;
-  bool is_rounding = false; // the motion is so small that energy errors have no meaning
-};
-
-// A step that was shortened, with all that follow it.
-struct StepCutReport {
-  std::string reason; // "stability" or "tunnelling"
-  std::int64_t step = 0; // the first of the new length
-  double time = 0; // at the beginning of that step
-  double from = 0, to = 0; // dt
-};
 struct StepReport {
   std::string bound; // time.bound
-  double gain = 1; // stable step over that of the worst element, at rest
-  std::int64_t products = 0, body_types = 0; // Lanczos method; 0 with bound = "element"
+  StepGain gain;
   double first = 0, last = 0; // dt
-  std::vector<StepCutReport> cuts;
+  std::vector<StepCut> cuts;
   std::int64_t guarded_steps = 0; // steps with nodes so fast that the guard tested their pairs
 };
 
@@ -82,12 +56,6 @@ struct SkippedPart {
   double share = 0; // 0 to 1
   std::string of; // the whole to which the share refers, in words
   std::string key; // of the deck, which does the work nevertheless; empty: none
-};
-
-// Simulation::checksums.
-struct ChecksumReport {
-  std::uint64_t nodes = 0, contacts = 0;
-  std::int64_t interactions = 0;
 };
 
 struct RunReport {
@@ -107,8 +75,10 @@ struct RunReport {
   SearchReport search;
   StepReport time_step;
   std::vector<SkippedPart> skipped;
-  ChecksumReport checksums;
-  BalanceReport balance;
+  Checksums checksums;
+  mechanics::EnergyBalance balance;
+  bool has_contact = false;
+  ContactCounts contact;
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings;
   std::size_t printed_warnings = 0; // the first of them, which were printed during the run
@@ -157,10 +127,18 @@ inline double ratio(double amount, double seconds) {
   return seconds > 0 ? amount / seconds : 0;
 }
 
+// A std::int64_t as %lld takes it.
+inline long long printable(std::int64_t number) {
+  return number;
+}
+template <class Value>
+Value printable(Value value) {
+  return value;
+}
 template <class... Values>
 std::string format(const char* how, Values... values) {
   char line[256];
-  std::snprintf(line, sizeof(line), how, values...);
+  std::snprintf(line, sizeof(line), how, printable(values)...);
   return line;
 }
 

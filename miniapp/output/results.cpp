@@ -2,6 +2,7 @@
 
 #include "contact/base/exchange_plan.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/to_device.hpp"
 #include "mechanics/step/nodal_motion.hpp"
 #include "miniapp/output/history_columns.hpp"
 #include "miniapp/output/report.hpp"
@@ -73,15 +74,12 @@ void Results::writeStep(Simulation& simulation) {
 // v^{n+1/2} - dt/2 a^n.
 void Results::fillNodal(Simulation& simulation) {
   const mechanics::NodalForces& forces = simulation.forces();
-  const auto u =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
-  const auto v =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().velocity);
-  const auto mass =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
-  const auto values = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), forces.values);
+  const auto u = toHost(simulation.state().displacement);
+  const auto v = toHost(simulation.state().velocity);
+  const auto mass = toHost(simulation.state().mass);
+  const auto values = toHost(forces.values);
   const auto& boundary = simulation.boundary();
-  const auto motion = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), boundary.motion());
+  const auto motion = toHost(boundary.motion());
   const double quantum = forces.quantum.value;
   const auto nodal_motion = nodalMotion(forces, values, mass, motion, boundary);
   const double half_step = 0.5 * simulation.clock().dt;
@@ -99,7 +97,7 @@ void Results::fillContact(const Simulation& simulation) {
     return;
   packContact(_space, _scene, simulation.contact()->enforcement(), _contact_words);
   _shared.sum(_space, _contact_words);
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _contact_words);
+  const auto host = toHost(_contact_words);
   for (int node = 0; node < _scene.mesh.num_nodes; ++node) {
     _nodal[9][node] = static_cast<double>(host(node, 0));
     fromWord(host(node, 1), _nodal[10][node]);
@@ -108,10 +106,9 @@ void Results::fillContact(const Simulation& simulation) {
 
 void Results::fillElement(Simulation& simulation) {
   simulation.internalForce().computeFields(_space, simulation.state().displacement, _fields);
-  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.stress);
-  const auto pressure = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.pressure);
-  const auto density =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _fields.energy_density);
+  const auto stress = toHost(_fields.stress);
+  const auto pressure = toHost(_fields.pressure);
+  const auto density = toHost(_fields.energy_density);
   for (int elem = 0; elem < _scene.mesh.num_elems; ++elem) {
     for (int c = 0; c < 6; ++c)
       _element[c][elem] = stress(elem, c);

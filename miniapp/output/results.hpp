@@ -4,7 +4,6 @@
 #include "io/exodus/results_writer.hpp"
 #include "miniapp/simulation/simulation.hpp"
 
-#include <memory>
 #include <string>
 #include <vector>
 

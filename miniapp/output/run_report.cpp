@@ -8,59 +8,15 @@ namespace brickwall::miniapp {
 
 namespace {
 
-SearchReport searchReport(const Config& config, const ContactCounts& counts) {
-  SearchReport search;
-  search.method = nameOf(config.search.method);
-  search.margin = config.search.margin;
-  search.searches = counts.searches;
-  search.steps_per_search = counts.searches == 0 ? 0
-                                                 : static_cast<double>(counts.updates) /
-                                                       static_cast<double>(counts.searches);
-  search.ghost_faces = counts.ghost_faces;
-  search.candidate_pairs = counts.candidate_pairs;
-  search.active_contacts = counts.active;
-  search.lost_contacts = counts.lost;
-  search.audit = config.contact.enabled ? config.search.audit : 0;
-  search.missed_pairs = counts.missed_pairs;
-  search.drops_same_body = dropsSameBody(config);
-  return search;
-}
-
 StepReport stepReport(const Config& config, const Simulation& simulation) {
   StepReport steps;
   steps.bound = nameOf(config.time.bound);
-  steps.gain = simulation.steps().gain().step;
-  steps.products = simulation.steps().gain().products;
-  steps.body_types = simulation.steps().gain().body_types;
-  const auto& cuts = simulation.steps().cuts();
+  steps.gain = simulation.steps().gain();
+  steps.cuts = simulation.steps().cuts();
   steps.last = simulation.clock().dt;
-  steps.first = cuts.empty() ? steps.last : cuts.front().from;
+  steps.first = steps.cuts.empty() ? steps.last : steps.cuts.front().from;
   steps.guarded_steps = simulation.guardedSteps();
-  for (const StepCut& cut : cuts)
-    steps.cuts.push_back({cut.reason == StepCut::Reason::tunnelling ? "tunnelling" : "stability",
-                          cut.step, cut.time, cut.from, cut.to});
   return steps;
-}
-
-BalanceReport balanceReport(const Config& config, const mechanics::EnergyBalance& balance,
-                            const ContactCounts& counts) {
-  BalanceReport report;
-  report.energy_error = balance.energy_error;
-  report.momentum_error = balance.momentum_error;
-  report.angular_momentum_error = balance.angular_momentum_error;
-  report.ledger_residual = balance.ledger_residual;
-  report.stored_error = balance.stored_error;
-  report.hourglass_share = balance.hourglassShare();
-  report.has_contact = config.contact.enabled;
-  report.contact_error = balance.contact_error;
-  report.penetration = counts.largest_penetration;
-  report.external_work = balance.external_work;
-  report.dissipated_energy = balance.dissipated.total();
-  report.peak_kinetic_energy = balance.peak_kinetic;
-  report.peak_stored_energy = balance.peak_stored;
-  report.peak_energy = balance.peak_total;
-  report.is_rounding = balance.peak_total > 0 && !balance.is_above_noise;
-  return report;
 }
 
 } // namespace
@@ -84,14 +40,15 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
               recorder.seconds("miniapp::enforceContact"));
   report.phases = recorder.phases();
   report.search_timers = recorder.searchTimers();
-  const ContactCounts counts = contactCounts(simulation);
-  report.search = searchReport(config, counts);
-  report.search.seconds_per_step = recorder.medianPerStep("contact::search");
+  report.has_contact = config.contact.enabled;
+  report.contact = contactCounts(simulation);
+  report.search = {nameOf(config.search.method), config.search.margin,
+                   config.contact.enabled ? config.search.audit : 0, dropsSameBody(config),
+                   recorder.medianPerStep("contact::search")};
   report.time_step = stepReport(config, simulation);
-  report.balance = balanceReport(config, simulation.balance(), counts);
-  report.skipped = skippedWork(config, simulation, counts, report.elements);
-  const Checksums sums = checksums(simulation);
-  report.checksums = {sums.nodes, sums.contacts, sums.interactions};
+  report.balance = simulation.balance();
+  report.skipped = skippedWork(config, simulation, report.contact, report.elements);
+  report.checksums = checksums(simulation);
   report.max_rank_bytes = peakRankBytes(comm);
   judgeNumbers(report);
   return report;

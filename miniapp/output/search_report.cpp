@@ -106,17 +106,14 @@ std::string searchReportJson(const SearchOnlyReport& r) {
 
 void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
   printHeading(out, r.case_name,
-               format("%lld nodes, %lld faces%s; method %s", static_cast<long long>(r.nodes),
-                      static_cast<long long>(r.faces), r.shuffled ? ", shuffled" : "",
-                      r.method.c_str()),
+               format("%lld nodes, %lld faces%s; method %s", r.nodes, r.faces,
+                      r.shuffled ? ", shuffled" : "", r.method.c_str()),
                r.provenance, r.peak.max);
   if (r.margin > 0)
     out << format(
         "margin of %g edges: %lld of %lld repetitions searched, the others kept their lists\n",
-        r.margin, static_cast<long long>(r.searches), static_cast<long long>(r.repetitions));
-  printTimes(out,
-             format("wall clock of a search (%lld counted)", static_cast<long long>(r.repetitions)),
-             r.seconds);
+        r.margin, r.searches, r.repetitions);
+  printTimes(out, format("wall clock of a search (%lld counted)", r.repetitions), r.seconds);
   printTimes(out,
              r.timing == Timing::paper ? "CPU time of a rank, without waiting"
                                        : "CPU time of a rank, waiting included",
@@ -125,11 +122,9 @@ void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
   for (const PhaseSteps& timer : r.timers)
     printSteps(out, timer.name, timer.seconds);
   out << format("first search %.3f ms; last search: %lld ghost faces, %lld candidate pairs\n",
-                1e3 * r.first_seconds, static_cast<long long>(r.ghost_faces),
-                static_cast<long long>(r.candidate_pairs));
+                1e3 * r.first_seconds, r.ghost_faces, r.candidate_pairs);
   out << format("sent %lld node boxes, tested %lld faces, %lld overlapping pairs in search 2\n",
-                static_cast<long long>(r.node_boxes_sent), static_cast<long long>(r.faces_tested),
-                static_cast<long long>(r.overlapping_pairs));
+                r.node_boxes_sent, r.faces_tested, r.overlapping_pairs);
   out << format(
       "memory: %.1f MB before the searches, %.1f MB more for the searches (largest rank: %.1f)\n",
       1e-6 * static_cast<double>(r.inputs.sum), 1e-6 * static_cast<double>(r.search.sum),

@@ -5,7 +5,6 @@
 #include "mechanics/loads/initial_conditions.hpp"
 
 #include <cmath>
-#include <string>
 
 namespace brickwall::miniapp {
 
@@ -13,23 +12,7 @@ namespace {
 
 mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   mechanics::PulseShape shape;
-  switch (pulse.shape) {
-  case PulseShape::step:
-    shape.kind = mechanics::PulseKind::step;
-    break;
-  case PulseShape::half_sine:
-    shape.kind = mechanics::PulseKind::half_sine;
-    break;
-  case PulseShape::sin_squared:
-    shape.kind = mechanics::PulseKind::sin_squared;
-    break;
-  case PulseShape::triangle:
-    shape.kind = mechanics::PulseKind::triangle;
-    break;
-  case PulseShape::friedlander:
-    shape.kind = mechanics::PulseKind::friedlander;
-    break;
-  }
+  shape.kind = pulse.shape;
   if (pulse.duration)
     shape.duration = *pulse.duration;
   shape.decay = pulse.decay;

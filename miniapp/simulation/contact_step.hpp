@@ -8,7 +8,6 @@
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
-#include "miniapp/simulation/contact_ledger.hpp"
 #include "miniapp/simulation/step_controller.hpp"
 #include "miniapp/simulation/surface_coupling.hpp"
 #include "miniapp/simulation/tunnelling_guard.hpp"
@@ -27,6 +26,41 @@ static_assert(deeper_than_boxes < mechanics::num_host_counts);
 inline double maxPenetration(const contact::EnforcementSums& sums) {
   return maxOf(sums.nodes.max_penetration, sums.edges.max_penetration);
 }
+
+// Contact's entries in the energy ledger of a step.
+class ContactLedger {
+public:
+  // This rank's share of the balance after a step's enforcement. The energy that friction has taken
+  // from the bodies is partly stored, and the rest is dissipated.
+  mechanics::ContactEnergySums add(const contact::EnforcementSums& step) {
+    mechanics::ContactEnergySums shares;
+    LimbSum& stored = shares.sum[mechanics::contact_friction_stored_half];
+    for (const contact::ContactSums* sums : {&step.nodes, &step.edges}) {
+      subtract(sums->terms.sum[contact::friction_work], _taken_by_friction);
+      subtract(sums->terms.sum[contact::damping_work], _taken_by_damping);
+      stored += sums->terms.sum[contact::friction_stored];
+    }
+    _edge_work += step.edges.terms.sum[contact::spring_work];
+    for (LimbSum* sum : {&_taken_by_friction, &_taken_by_damping, &_edge_work})
+      sum->carry();
+    shares.sum[mechanics::contact_stored_half] = step.nodes.terms.sum[contact::spring_stored];
+    shares.sum[mechanics::contact_edge_stored_half] = step.edges.terms.sum[contact::spring_stored];
+    shares.sum[mechanics::contact_edge_work] = _edge_work;
+    shares.sum[mechanics::contact_damping_dissipated] = _taken_by_damping;
+    LimbSum& dissipated = shares.sum[mechanics::contact_friction_dissipated];
+    dissipated = _taken_by_friction;
+    subtract(stored, dissipated);
+    return shares;
+  }
+
+private:
+  static void subtract(const LimbSum& term, LimbSum& from) {
+    from.high -= term.high;
+    from.low -= term.low;
+    from.tail -= term.tail;
+  }
+  LimbSum _taken_by_friction, _taken_by_damping, _edge_work; // since the start
+};
 
 class ContactStep {
 public:

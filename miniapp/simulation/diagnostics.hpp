@@ -5,6 +5,7 @@
 #include "miniapp/simulation/simulation.hpp"
 
 #include <cstdint>
+#include <string>
 
 namespace brickwall::miniapp {
 
@@ -57,5 +58,9 @@ SpecialElements specialElements(const Simulation& simulation); // collective
 // Speed of a node relative to a face up to which the tunnelling guard does not act; HUGE_VAL
 // without a guard.
 double sureSpeed(const Simulation& simulation);
+
+// Message of a step that failed: names the element, the contact or the load, and a remedy where one
+// is known. Before the step is undone; collective.
+std::string describeFailure(const Simulation& simulation);
 
 } // namespace brickwall::miniapp

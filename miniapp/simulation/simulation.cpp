@@ -4,7 +4,7 @@
 #include "contact/base/region.hpp"
 #include "mechanics/step/central_difference.hpp"
 #include "mechanics/step/nodal_motion.hpp"
-#include "miniapp/simulation/step_failure.hpp"
+#include "miniapp/simulation/diagnostics.hpp"
 
 namespace brickwall::miniapp {
 

@@ -11,7 +11,6 @@
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/simulation/contact_step.hpp"
 #include "miniapp/simulation/step_controller.hpp"
-#include "miniapp/simulation/step_state.hpp"
 
 #include <mpi.h>
 
@@ -19,6 +18,26 @@
 #include <vector>
 
 namespace brickwall::miniapp {
+
+// Results of a step's verbs that later verbs, reports and the next step read. Sums and counts are
+// those of this rank.
+struct StepState {
+  bool is_guarded = false; // some nodes are fast, so the state before the drift is kept
+  bool free_bricks_have_drifted = true; // otherwise they drift in kickVelocities()
+  bool has_all_forces = true; // false: those of free bricks were not stored
+  std::int64_t resting_elems = 0;
+  mechanics::InternalForceResult internal;
+  mechanics::TimeSpan load_span, previous_load_span; // spans of the last two kicks
+  std::int64_t load_failures = 0;
+  contact::EnforcementSums contact;
+  mechanics::KickSums kick;
+};
+
+// The state before a drift that the tunnelling guard may undo.
+struct StateBeforeDrift {
+  Clock clock;
+  View<double* [3]> displacement; // u^n [node][xyz], length
+};
 
 class Simulation {
 public:

@@ -1,6 +1,7 @@
 // Set-up of a simulation: state, forces, loads, free and resting bodies, length of the steps,
 // contact.
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "mechanics/ledger/turned_rounding.hpp"
 #include "mechanics/mesh/lumped_mass.hpp"
 #include "miniapp/scene/loads.hpp"
@@ -21,7 +22,7 @@ std::string excessiveDamping(double damping, double dt) {
 
 void markNodes(const std::vector<mechanics::PressureLoad>& loads, std::vector<char>& marks) {
   for (const auto& load : loads) {
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), load.faceToNodes());
+    const auto faces = toHost(load.faceToNodes());
     for (std::size_t face = 0; face < faces.extent(0); ++face)
       for (int corner = 0; corner < 4; ++corner)
         marks[faces(face, corner)] = 1;
@@ -91,8 +92,7 @@ void Simulation::findRestingBodies() {
   if (!_config.skip.resting_bodies || !_config.contact.enabled)
     return;
   std::vector<char> may_be_pushed(_scene.mesh.num_nodes, 0);
-  const auto surface =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _scene.skin.surface_to_node);
+  const auto surface = toHost(_scene.skin.surface_to_node);
   for (std::size_t s = 0; s < surface.extent(0); ++s)
     may_be_pushed[surface(s)] = 1;
   for (const auto& nodes : sharedNodes(_scene.part).nodes)

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -54,7 +53,7 @@ TEST(Config, ReadsTheDefaultDeck) {
   EXPECT_EQ(config.materialOf("brick")->model, mechanics::MaterialModel::neo_hookean);
   ASSERT_EQ(config.pressures.size(), 1u);
   EXPECT_EQ(config.pressures[0].side_set, "front");
-  EXPECT_EQ(config.pressures[0].pulse.shape, PulseShape::half_sine);
+  EXPECT_EQ(config.pressures[0].pulse.shape, PulseKind::half_sine);
   EXPECT_TRUE(config.pressures[0].follower);
   ASSERT_EQ(config.fixed.size(), 1u);
   EXPECT_EQ(config.fixed[0].node_set, "base_course");
@@ -163,7 +162,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.materials[0].material.poisson, -0.5);
   EXPECT_EQ(config.formulation, Formulation::full);
   const PressureConfig& load = config.pressures.at(0);
-  EXPECT_EQ(load.pulse.shape, PulseShape::friedlander);
+  EXPECT_EQ(load.pulse.shape, PulseKind::friedlander);
   EXPECT_EQ(*load.pulse.duration, 2);
   EXPECT_EQ(load.pulse.start, 0.5);
   EXPECT_EQ(load.pulse.decay, 3);
@@ -177,7 +176,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.viscosity.linear, 0.06);
   EXPECT_EQ(config.viscosity.quadratic, 1.2);
   EXPECT_EQ(config.fixed.at(0).components, (std::array<bool, 3>{true, false, true}));
-  EXPECT_EQ(config.prescribed.at(0).pulse.shape, PulseShape::triangle);
+  EXPECT_EQ(config.prescribed.at(0).pulse.shape, PulseKind::triangle);
   ASSERT_EQ(config.initial_velocities.size(), 4u);
   EXPECT_FALSE(config.initial_velocities[0].body.has_value());
   EXPECT_EQ(*config.initial_velocities[1].body, 3);

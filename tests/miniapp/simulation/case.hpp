@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 
 #include <cstdio>
@@ -34,18 +35,14 @@ struct Case {
     return allReduce(MPI_COMM_WORLD, sum, MPI_SUM);
   }
   double momentum(global_id body, int component) const {
-    const auto v =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().velocity);
-    const auto mass =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
+    const auto v = toHost(simulation.state().velocity);
+    const auto mass = toHost(simulation.state().mass);
     return sumOverBody(body, [&](int node) { return mass(node) * v(node, component); });
   }
   // Displacement of the body's centre of mass.
   double meanDisplacement(global_id body, int component) const {
-    const auto u =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().displacement);
-    const auto mass =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), simulation.state().mass);
+    const auto u = toHost(simulation.state().displacement);
+    const auto mass = toHost(simulation.state().mass);
     return sumOverBody(body, [&](int node) { return mass(node) * u(node, component); }) /
            sumOverBody(body, [&](int node) { return mass(node); });
   }

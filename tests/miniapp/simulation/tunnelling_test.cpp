@@ -2,6 +2,7 @@
 // guard must detect the contact, and its only effect may be a shorter step: the ledger closes, free
 // flight is exact, and the bits depend neither on the number of ranks nor on whether lists of
 // candidates are kept.
+#include "contact/base/to_device.hpp"
 #include "tests/miniapp/simulation/case.hpp"
 
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@
 namespace {
 
 using brickwall::PhysicsError;
+using brickwall::toHost;
 using brickwall::verification::Case;
 using brickwall::verification::printResult;
 
@@ -38,8 +40,8 @@ void run(Case& bricks) {
 // Displacement and velocity by global node.
 std::map<std::int64_t, std::array<double, 6>> stateOf(const Case& bricks) {
   const auto& state = bricks.simulation.state();
-  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.displacement);
-  const auto v = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.velocity);
+  const auto u = toHost(state.displacement);
+  const auto v = toHost(state.velocity);
   std::map<std::int64_t, std::array<double, 6>> values;
   for (int node = 0; node < bricks.scene.mesh.num_nodes; ++node)
     for (int d = 0; d < 3; ++d) {
