@@ -1,6 +1,7 @@
 #include "verification/performance/benchmarks/bench_wall.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/surface/construct_boxes.hpp"
 #include "io/wall/wall_generator.hpp"
 
@@ -9,11 +10,6 @@ namespace {
 
 constexpr double jitter = 0.01, drift = 0.01, tolerance = 0.05; // of an element's edge
 constexpr std::uint64_t seed = 1;
-
-template <class T>
-auto onHost(const View<T>& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
 
 } // namespace
 
@@ -51,9 +47,9 @@ SearchBoxes searchBoxes(const exec_space& space, const contact::Surface& surface
   contact::SurfaceBoxes device;
   contact::constructBoxes(space, surface, config, device);
   space.fence();
-  const auto node_boxes = onHost(device.node_boxes), face_boxes = onHost(device.face_boxes);
-  const auto node_ids = onHost(surface.node_ids), face_ids = onHost(surface.face_ids);
-  const auto owned = onHost(surface.node_is_owned);
+  const auto node_boxes = toHost(device.node_boxes), face_boxes = toHost(device.face_boxes);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
+  const auto owned = toHost(surface.node_is_owned);
   SearchBoxes boxes;
   for (int node = 0; node < surface.num_nodes; ++node)
     if (owned(node)) {

@@ -1,17 +1,13 @@
 #include "verification/performance/benchmarks/own_search.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <algorithm>
 #include <unordered_set>
 
 namespace brickwall::peers {
 namespace {
-
-template <class T>
-auto onHost(const View<T>& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
 
 // Appends (node, face) for each corner of the face that is_owned accepts; the repeated corner of a
 // triangle counts once.
@@ -33,16 +29,16 @@ void OwnSearch::search(const exec_space& space, const contact::Surface& surface)
 
 std::vector<IdPair> OwnSearch::pairsWithOwnFaces(const contact::Surface& surface) const {
   const auto& ghosts = _global.ghosts();
-  const auto node_ids = onHost(surface.node_ids), face_ids = onHost(surface.face_ids);
-  const auto owned = onHost(surface.node_is_owned);
-  const auto face_nodes = onHost(surface.face_to_nodes);
-  const auto ghost_ids = onHost(ghosts.face_ids);
-  const auto ghost_corners = onHost(ghosts.corner_ids);
+  const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
+  const auto owned = toHost(surface.node_is_owned);
+  const auto face_nodes = toHost(surface.face_to_nodes);
+  const auto ghost_ids = toHost(ghosts.face_ids);
+  const auto ghost_corners = toHost(ghosts.corner_ids);
 
   const contact::CandidatePairs& rows = candidates();
-  const auto row_nodes = onHost(rows.row_nodes), row_begin = onHost(rows.row_begin);
-  const auto block_begin = onHost(rows.block_begin);
-  const auto faces = onHost(rows.faces);
+  const auto row_nodes = toHost(rows.row_nodes), row_begin = toHost(rows.row_begin);
+  const auto block_begin = toHost(rows.block_begin);
+  const auto faces = toHost(rows.faces);
   std::vector<IdPair> pairs;
   pairs.reserve(static_cast<std::size_t>(rows.count + 4 * std::int64_t(surface.num_faces)));
   constexpr int per_block = contact::CandidatePairs::rows_per_block;

@@ -5,6 +5,7 @@
 //   peak       multiplications and additions of vectors in registers
 //   launch     of a kernel without work
 // and counts the flops of one element and one node by running their templates on a counting type.
+#include "contact/base/to_device.hpp"
 #include "mechanics/ledger/energy.hpp"
 #include "mechanics/step/central_difference.hpp"
 #include "mechanics/step/free_bricks/free_bricks.hpp"
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 namespace brickwall {
 
@@ -185,8 +185,7 @@ struct Bench {
     internal = std::make_unique<InternalForce>(space, MPI_COMM_SELF, mesh, ElementKind::one_point,
                                                quantum, scales.energy);
     PrescribedMotion base;
-    const auto X =
-        Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.reference_coordinates);
+    const auto X = toHost(mesh.reference_coordinates);
     for (int node = 0; node < mesh.num_nodes; ++node)
       if (X(node, 2) == 0)
         base.nodes.push_back(node);

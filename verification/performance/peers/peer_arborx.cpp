@@ -3,6 +3,7 @@
 // one writes. With a buffer of `buffer_size` results a node, one traversal does unless a node has
 // more. It runs in float, its faster type, and in double, with queries in Morton order or in the
 // order given.
+#include "contact/base/to_device.hpp"
 #include "verification/performance/peers/peers.hpp"
 
 #include <ArborX.hpp>
@@ -47,8 +48,8 @@ public:
   }
 
   std::vector<IdPair> pairs() const override {
-    const auto faces = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _faces);
-    const auto offsets = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), _offsets);
+    const auto faces = toHost(_faces);
+    const auto offsets = toHost(_offsets);
     std::vector<IdPair> ids;
     ids.reserve(faces.size());
     for (std::size_t node = 0; node < _node_ids.size(); ++node)

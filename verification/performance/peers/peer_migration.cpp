@@ -1,6 +1,7 @@
 // Times Brickwall's migration of ghost faces beside Zoltan's (the paper's Fig. 9): both send the
 // same faces of the wall W(n) to the same ranks, the same number of bytes a face, in turns in one
 // process. The ghosts must be equal bit by bit. Needs at least two ranks.
+#include "contact/base/to_device.hpp"
 #include "contact/search/exchange/face_migration.hpp"
 #include "verification/performance/benchmarks/bench_wall.hpp"
 #include "verification/performance/benchmarks/own_search.hpp"
@@ -25,15 +26,10 @@ struct Exports {
   std::vector<int> senders;
 };
 
-template <class T>
-auto onHost(const View<T>& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
 // Collective.
 Exports findExports(const exec_space& space, MPI_Comm comm, const contact::Surface& surface,
                     const contact::GlobalSearch& search) {
-  const auto ids = onHost(surface.face_ids);
+  const auto ids = toHost(surface.face_ids);
   std::unordered_map<global_id, int> face_of;
   for (int face = 0; face < surface.num_faces; ++face)
     face_of[ids(face)] = face;
@@ -59,9 +55,9 @@ Exports findExports(const exec_space& space, MPI_Comm comm, const contact::Surfa
 }
 
 std::vector<FaceRecord> recordsOf(const contact::GhostFaces& ghosts) {
-  const auto ids = onHost(ghosts.face_ids), bodies = onHost(ghosts.bodies);
-  const auto corners = onHost(ghosts.corner_ids);
-  const auto x_old = onHost(ghosts.coordinates_old), x_new = onHost(ghosts.coordinates_new);
+  const auto ids = toHost(ghosts.face_ids), bodies = toHost(ghosts.bodies);
+  const auto corners = toHost(ghosts.corner_ids);
+  const auto x_old = toHost(ghosts.coordinates_old), x_new = toHost(ghosts.coordinates_new);
   std::vector<FaceRecord> records(static_cast<std::size_t>(ghosts.count));
   for (int g = 0; g < ghosts.count; ++g) {
     records[g].face = ids(g);

@@ -1,6 +1,7 @@
 #include "verification/performance/peers/zoltan_migration.hpp"
 
 #include "contact/base/error.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <zoltan.h>
 
@@ -17,18 +18,13 @@ void checkZoltan(int code, const char* call) {
     throw Error(ExitCode::internal, std::string(call) + " failed: " + std::to_string(code));
 }
 
-template <class T>
-auto onHost(const View<T>& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
 } // namespace
 
 struct ZoltanMigration::State {
   explicit State(const contact::Surface& surface)
-      : face_to_nodes(onHost(surface.face_to_nodes)), face_ids(onHost(surface.face_ids)),
-        face_body(onHost(surface.face_body)), node_ids(onHost(surface.node_ids)),
-        x_old(onHost(surface.coordinates_old)), x_new(onHost(surface.coordinates_new)) {}
+      : face_to_nodes(toHost(surface.face_to_nodes)), face_ids(toHost(surface.face_ids)),
+        face_body(toHost(surface.face_body)), node_ids(toHost(surface.node_ids)),
+        x_old(toHost(surface.coordinates_old)), x_new(toHost(surface.coordinates_new)) {}
   ~State() {
     if (zoltan)
       Zoltan_Destroy(&zoltan);
