@@ -32,6 +32,21 @@ void accelerate(const exec_space& space, const NodeList& list,
       });
 }
 
+// Responses of the nodes to the magnitudes of the proposed changes, which are zeroed.
+void respond(const exec_space& space, const NodeList& list, const View<std::int64_t* [3]>& totals,
+             const Quantum& quantum, const View<const double*>& node_mass,
+             const View<double* [3]>& responses) {
+  Kokkos::parallel_for(
+      "contact::respond", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = list(i);
+        const double per_quantum = quantum.value / node_mass(node);
+        for (int d = 0; d < 3; ++d) {
+          responses(node, d) = static_cast<double>(totals(node, d)) * per_quantum;
+          totals(node, d) = 0;
+        }
+      });
+}
+
 // totals = 0 at the listed nodes.
 void zeroTotals(const exec_space& space, const NodeList& list,
                 const View<std::int64_t* [3]>& totals) {
@@ -85,6 +100,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _has_changed =
       View<unsigned char*>("contact::Enforcement::has_changed", _accelerations.extent(0));
   _ghost_accelerations = View<double* [12]>("contact::Enforcement::ghost_accelerations", 0);
+  _responses = View<double* [3]>("contact::Enforcement::responses", _accelerations.extent(0));
+  _ghost_responses = View<double* [12]>("contact::Enforcement::ghost_responses", 0);
 }
 
 EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& surface,
@@ -251,25 +268,31 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
                                 const StepLengths& steps, const NeutralInput* neutral,
                                 EdgeContact* edges, EnforcementSums& sums) {
   growTo(space, _ghost_accelerations, faces.ghosts.count);
+  growTo(space, _ghost_responses, faces.ghosts.count);
   const View<const double* [3]> by_others = neutral->accelerations(_touched.list());
   for (int round = 0; round < _config.corrections; ++round) {
-    const double relaxation = round == 0 ? 1 : _config.relaxation;
     collectForces(space, edges);
     neutral->sum_forces(_forces);
     accelerate(space, _touched.list(), by_others, _forces.nodes, _quantum, _node_mass,
                _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
+    const NodeVectors accelerations{_accelerations, _ghost_accelerations};
     const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
-    const Corrections of_nodes = _set.correctForces(space, faces, steps, relaxation, _accelerations,
-                                                    _ghost_accelerations, has_changed);
-    sums.nodes.invalid += of_nodes.invalid;
-    Corrections of_edges;
+    Corrections proposed = _set.proposeChanges(space, faces, steps, accelerations, has_changed);
     if (edges != nullptr)
-      of_edges = edges->correctForces(space, steps, relaxation, _accelerations, has_changed);
-    sums.edges.invalid += of_edges.invalid;
-    const bool is_last = round + 1 == _config.corrections;
-    if (!is_last && !isOnAnyRank(of_nodes.changed + of_edges.changed > 0))
-      return; // the next round would change nothing
+      proposed += edges->proposeChanges(space, steps, _accelerations, has_changed);
+    if (!isOnAnyRank(proposed.changed > 0))
+      return;
+    const ContactForces proposals = _set.proposals();
+    if (edges != nullptr)
+      edges->collectProposals(space, proposals.nodes);
+    neutral->sum_forces(proposals);
+    respond(space, _touched.list(), proposals.nodes, _quantum, _node_mass, _responses);
+    neutral->share_with_ghosts(_responses, _ghost_responses);
+    const NodeVectors responses{_responses, _ghost_responses};
+    sums.nodes.invalid += _set.correctForces(space, faces, steps, accelerations, responses).invalid;
+    if (edges != nullptr)
+      sums.edges.invalid += edges->correctForces(space, steps, _responses).invalid;
   }
 }
 

@@ -133,6 +133,8 @@ private:
   // [surface node] its acceleration has changed since the last round
   View<unsigned char*> _has_changed;
   View<double* [12]> _ghost_accelerations;
+  View<double* [3]> _responses; // to the proposed changes (correct_pair.hpp)
+  View<double* [12]> _ghost_responses;
 };
 
 } // namespace brickwall::contact

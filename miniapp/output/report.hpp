@@ -2,8 +2,8 @@
 // and PASS or FAIL; and the parts that it has in common with the report of `brickwall search`.
 #pragma once
 
-#include "miniapp/timing/device.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
+#include "miniapp/timing/device.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <mpi.h>

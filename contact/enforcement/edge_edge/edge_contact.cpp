@@ -83,6 +83,51 @@ void recordGhosts(const exec_space& space, const FaceAccess& faces,
       });
 }
 
+// nodes += of_corners at the nodes of the listed corners, which are distinct.
+void addCorners(const exec_space& space, const NodeList& list,
+                const View<const int*>& corner_to_node, const View<std::int64_t* [3]>& of_corners,
+                const View<std::int64_t* [3]>& nodes) {
+  Kokkos::parallel_for(
+      "contact::EdgeContact::toNodes", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i);
+        for (int d = 0; d < 3; ++d)
+          nodes(corner_to_node(corner), d) += of_corners(corner, d);
+      });
+}
+
+void zeroCorners(const exec_space& space, const NodeList& list,
+                 const View<std::int64_t* [3]>& of_corners) {
+  Kokkos::parallel_for(
+      "contact::EdgeContact::zeroCorners", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d)
+          of_corners(list(i), d) = 0;
+      });
+}
+
+// of_corners = of_nodes at the listed corners.
+void gatherVectors(const exec_space& space, const NodeList& list,
+                   const View<const int*>& corner_to_node, const View<const double* [3]>& of_nodes,
+                   const View<double* [3]>& of_corners) {
+  Kokkos::parallel_for(
+      "contact::EdgeContact::gatherVectors", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int corner = list(i), node = corner_to_node(corner);
+        for (int d = 0; d < 3; ++d)
+          of_corners(corner, d) = of_nodes(node, d);
+      });
+}
+void gatherFlags(const exec_space& space, const NodeList& list,
+                 const View<const int*>& corner_to_node, const View<const unsigned char*>& of_nodes,
+                 const View<unsigned char*>& of_corners) {
+  Kokkos::parallel_for(
+      "contact::EdgeContact::gatherFlags", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        of_corners(list(i)) = of_nodes(corner_to_node(list(i)));
+      });
+}
+
 } // namespace
 
 EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& surface,
@@ -106,6 +151,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", _num_corners);
   _touched = TouchedNodes("contact::EdgeContact", _num_corners);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
+  _responses = View<double* [3]>("contact::EdgeContact::responses", _num_corners);
+  _ghost_responses = View<double* [12]>("contact::EdgeContact::ghost_responses", 0);
   _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
@@ -175,49 +222,52 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
 }
 
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
-  if (!_has_forces_anywhere)
+  if (_has_forces_anywhere)
+    addToNodes(space, _set.forces(), nodes);
+}
+
+void EdgeContact::collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
+  if (canSkipCorrection())
     return;
+  addToNodes(space, _set.proposals(), nodes);
+  zeroCorners(space, _touched.list(), _set.proposals().nodes);
+}
+
+void EdgeContact::addToNodes(const exec_space& space, const ContactForces& values,
+                             const View<std::int64_t* [3]>& nodes) {
   if (hasOtherRanks())
-    _search.reverseSum(space, _edge_to_nodes, _set.forces().ghost_corners, nodes);
-  if (!_set.hasForces())
-    return;
-  const auto of_corners = _set.forces().nodes;
-  const auto corner_to_node = _corner_to_node;
-  const NodeList list = _touched.list();
-  Kokkos::parallel_for(
-      "contact::EdgeContact::toNodes", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        const int corner = list(i);
-        for (int d = 0; d < 3; ++d)
-          // distinct corners are distinct nodes
-          nodes(corner_to_node(corner), d) += of_corners(corner, d);
-      });
+    _search.reverseSum(space, _edge_to_nodes, values.ghost_corners, nodes);
+  if (_set.hasForces())
+    addCorners(space, _touched.list(), _corner_to_node, values.nodes, nodes);
+}
+
+Corrections EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
+                                        const View<double* [3]>& node_accelerations,
+                                        const View<const unsigned char*>& node_has_changed) {
+  if (canSkipCorrection())
+    return {};
+  toCorners(space, node_accelerations, _accelerations, _ghost_accelerations);
+  const bool has_change_flags = node_has_changed.extent(0) > 0;
+  if (has_change_flags)
+    gatherFlags(space, _touched.list(), _corner_to_node, node_has_changed, _has_changed);
+  return _set.proposeChanges(space, access(), steps, {_accelerations, _ghost_accelerations},
+                             has_change_flags ? _has_changed : View<unsigned char*>());
 }
 
 Corrections EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
-                                       double relaxation,
-                                       const View<double* [3]>& node_accelerations,
-                                       const View<const unsigned char*>& node_has_changed) {
-  if (!_has_forces_anywhere || (!hasOtherRanks() && !_set.hasForces()))
+                                       const View<double* [3]>& node_responses) {
+  if (canSkipCorrection())
     return {};
-  const auto corner_to_node = _corner_to_node;
-  const auto accelerations = _accelerations;
-  const auto has_changed = _has_changed;
-  const bool has_change_flags = node_has_changed.extent(0) > 0;
-  const NodeList list = _touched.list();
-  Kokkos::parallel_for(
-      "contact::EdgeContact::accelerations", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        const int corner = list(i), node = corner_to_node(corner);
-        for (int d = 0; d < 3; ++d)
-          accelerations(corner, d) = node_accelerations(node, d);
-        has_changed(corner) = has_change_flags ? node_has_changed(node) : 1;
-      });
-  growTo(space, _ghost_accelerations, _search.ghosts().count);
-  _search.forward(space, _edges, _accelerations, _ghost_accelerations);
-  return _set.correctForces(space, access(), steps, relaxation, _accelerations,
-                            _ghost_accelerations,
-                            has_change_flags ? _has_changed : View<unsigned char*>());
+  toCorners(space, node_responses, _responses, _ghost_responses);
+  return _set.correctForces(space, access(), steps, {_accelerations, _ghost_accelerations},
+                            {_responses, _ghost_responses});
+}
+
+void EdgeContact::toCorners(const exec_space& space, const View<double* [3]>& of_nodes,
+                            const View<double* [3]>& own, View<double* [12]>& of_ghosts) {
+  gatherVectors(space, _touched.list(), _corner_to_node, of_nodes, own);
+  growTo(space, of_ghosts, _search.ghosts().count);
+  _search.forward(space, _edges, own, of_ghosts);
 }
 
 // With ghosts, other ranks may act on any corner.

@@ -34,14 +34,18 @@ public:
   // must include this step if skip_stationary is set. After select(), ranks agree on whether edges
   // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
   // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
-  // correctForces() is collective; `has_changed` [surface node]: see InteractionSet. addTouched()
-  // adds the surface nodes that contacts of this rank act on.
+  // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
+  // and correctForces() are collective; `has_changed` [surface node]: see InteractionSet.
+  // addTouched() adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  Corrections correctForces(const exec_space& space, const StepLengths& steps, double relaxation,
-                            const View<double* [3]>& node_accelerations,
-                            const View<const unsigned char*>& has_changed);
+  Corrections proposeChanges(const exec_space& space, const StepLengths& steps,
+                             const View<double* [3]>& node_accelerations,
+                             const View<const unsigned char*>& has_changed);
+  void collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes);
+  Corrections correctForces(const exec_space& space, const StepLengths& steps,
+                            const View<double* [3]>& node_responses);
   void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
     of_surface.add(space, _edges, _set.next(), _corner_to_node);
   }
@@ -74,6 +78,14 @@ private:
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
   bool canSkipAll() const;
   void findTouched(const exec_space& space);
+  bool canSkipCorrection() const {
+    return !_has_forces_anywhere || (!hasOtherRanks() && !_set.hasForces());
+  }
+  void addToNodes(const exec_space& space, const ContactForces& of_corners,
+                  const View<std::int64_t* [3]>& nodes);
+  // Collective. The vectors of all corners, own and of ghosts.
+  void toCorners(const exec_space& space, const View<double* [3]>& of_nodes,
+                 const View<double* [3]>& own, View<double* [12]>& of_ghosts);
   // whether there are ghosts of other ranks' edges, or of these edges on other ranks
   bool hasOtherRanks() const;
 
@@ -99,6 +111,8 @@ private:
   View<double* [3]> _accelerations; // [corner]
   View<unsigned char*> _has_changed; // [corner]
   View<double* [12]> _ghost_accelerations;
+  View<double* [3]> _responses; // [corner]
+  View<double* [12]> _ghost_responses;
 };
 
 } // namespace brickwall::contact

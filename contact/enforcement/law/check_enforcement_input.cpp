@@ -19,7 +19,6 @@ constexpr Range positive{DBL_TRUE_MIN, DBL_MAX, "a finite number above 0"};
 constexpr Range not_negative{0, DBL_MAX, "a finite number, 0 or more"};
 constexpr Range depth{0, HUGE_VAL, "0 or more"};
 constexpr Range cosine{-1, 1, "a number from -1 to 1"};
-constexpr Range share{DBL_TRUE_MIN, 1, "a number above 0, at most 1"};
 constexpr Range rounds{1, INT_MAX, "1 or more"};
 constexpr Range flag{0, 1, "0 or 1"};
 
@@ -64,7 +63,6 @@ void checkEnforcementInput(const exec_space& space, MPI_Comm comm, const std::st
                    {"self_contact", double(config.self_contact), flag},
                    {"skip_stationary", double(config.skip_stationary), flag},
                    {"corrections", double(config.corrections), rounds},
-                   {"relaxation", config.relaxation, share},
                    {"quantum", quantum.value, positive},
                    {"energy_scale", energy_scale.high_quantum, positive}});
   checkSurface(space, comm, function, surface);

@@ -1,5 +1,7 @@
 // The energy-neutral correction of one interaction from the accelerations by the present forces;
-// eqs. (17) to (19) and (28).
+// eqs. (17) to (19) and (28). Contacts that share nodes move each other, so a round takes two
+// passes: the first proposes a change of each force as if the others stayed, the second allows for
+// the proposals of all, eq. (36).
 #pragma once
 
 #include "contact/enforcement/law/coulomb_friction.hpp"
@@ -8,13 +10,19 @@
 
 namespace brickwall::contact {
 
+// A vector for each surface node and for each corner of each ghost face.
+struct NodeVectors {
+  View<const double* [3]> nodes; // [surface node][xyz]
+  View<const double* [12]> ghosts; // [ghost face][3 * corner + xyz]
+};
+
 struct CorrectPair {
   FaceAccess faces;
-  View<const double* [12]> ghost_accelerations;
-  View<const double* [3]> accelerations;
+  NodeVectors accelerations;
+  // Accelerations by the magnitudes of all proposed changes; without Views in the first pass.
+  NodeVectors responses;
   double dt, next_dt; // lengths of the drifts before and after the kick, time
   double friction_limit; // mu
-  double relaxation; // share of the computed change that is applied
 
   struct Correction {
     double force, damping;
@@ -33,7 +41,7 @@ struct CorrectPair {
     const Vec3 relative = relativeAcceleration(pair);
     KickedPair motion = kicked(pair.closing, pair.inverse_mass, dot(pair.normal, relative));
     Correction corrected;
-    corrected.force = relaxed(pair.force, neutralForce(springOf(pair), motion));
+    corrected.force = forceOf(springOf(pair), isProposal() ? 0.0 : responseOf(pair), motion);
     corrected.damping = maxOf(pair.first_damping, -corrected.force);
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
@@ -50,8 +58,7 @@ struct CorrectPair {
       kicked.after = kicked.before + kick * kick * power(fading, pair, relative);
       kicked.gain = motion.mobility * dot(fading.on_node, fading.on_node);
       kicked.next_drift = motion.next_drift;
-      corrected.fading =
-          relaxed(1.0, neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end));
+      corrected.fading = neutralFading(pair, corrected.force, motion, kicked, fading.work_to_end);
     }
     return corrected;
   }
@@ -65,9 +72,20 @@ struct CorrectPair {
       pairs.fading(i).correct(corrected.fading);
   }
 
+  KOKKOS_INLINE_FUNCTION bool isProposal() const { return responses.nodes.data() == nullptr; }
+
+  // The corrected normal force. In the second pass the mobility grows to that of eq. (36).
   template <class Real>
-  KOKKOS_INLINE_FUNCTION Real relaxed(const Real& present, const Real& target) const {
-    return relaxation < 1 ? present + relaxation * (target - present) : target;
+  KOKKOS_INLINE_FUNCTION Real forceOf(const SpringState<Real>& spring, const Real& response,
+                                      KickedPairOf<Real>& motion) const {
+    const Real proposed = neutralForce(spring, motion);
+    if (isProposal())
+      return proposed;
+    const double kick = 0.5 * (dt + next_dt);
+    const Real change = magnitude(proposed - spring.force), none = 0.0;
+    const Real mobility = kick * kick * response / where(change > none, change, Real(1.0));
+    motion.mobility = where(change > none, maxOf(motion.mobility, mobility), motion.mobility);
+    return neutralForce(spring, motion);
   }
   // `acceleration`: normal component, of the pushing point with respect to the face point.
   template <class Real>
@@ -82,12 +100,26 @@ struct CorrectPair {
     return motion;
   }
 
+  // By how much all proposed changes together can change the acceleration of the pair along its
+  // normal: the row of |G|^T M^-1 |G| |dF| in eq. (36).
+  KOKKOS_INLINE_FUNCTION double responseOf(const Interaction& pair) const {
+    const double share = pair.point.share;
+    Vec3 sum = std::fabs(1 - share) * rowOf(responses.nodes, pair.point.node[0]);
+    if (!pair.point.isNode())
+      sum += std::fabs(share) * rowOf(responses.nodes, pair.point.node[1]);
+    for (int j = 0; j < 4; ++j)
+      if (pair.weight[j] != 0)
+        sum += std::fabs(pair.weight[j]) *
+               faces.corner(pair.face_index, j, responses.nodes, responses.ghosts);
+    return std::fabs(pair.normal.x) * sum.x + std::fabs(pair.normal.y) * sum.y +
+           std::fabs(pair.normal.z) * sum.z;
+  }
   // Of the pushing point with respect to the face point.
   KOKKOS_INLINE_FUNCTION Vec3 relativeAcceleration(const Interaction& pair) const {
     const double share = pair.point.share;
-    Vec3 relative = rowOf(accelerations, pair.point.node[0]);
+    Vec3 relative = rowOf(accelerations.nodes, pair.point.node[0]);
     if (!pair.point.isNode())
-      relative = (1 - share) * relative + share * rowOf(accelerations, pair.point.node[1]);
+      relative = (1 - share) * relative + share * rowOf(accelerations.nodes, pair.point.node[1]);
     for (int j = 0; j < 4; ++j)
       if (pair.weight[j] != 0)
         relative -= pair.weight[j] * ofCorner(pair, j);
@@ -100,11 +132,11 @@ struct CorrectPair {
     for (int j = 0; j < 4; ++j)
       of_corner[j] = ofCorner(pair, j);
     return fading.times(pair.normal, relative, of_corner,
-                        rowOf(accelerations, pair.point.node[1]) -
-                            rowOf(accelerations, pair.point.node[0]));
+                        rowOf(accelerations.nodes, pair.point.node[1]) -
+                            rowOf(accelerations.nodes, pair.point.node[0]));
   }
   KOKKOS_INLINE_FUNCTION Vec3 ofCorner(const Interaction& pair, int j) const {
-    return faces.corner(pair.face_index, j, accelerations, ghost_accelerations);
+    return faces.corner(pair.face_index, j, accelerations.nodes, accelerations.ghosts);
   }
 };
 

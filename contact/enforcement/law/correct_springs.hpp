@@ -14,7 +14,7 @@ namespace correct_springs {
 template <class Real>
 struct Gathered {
   LaneArray<Real> force, first_force, damping, first_damping, depth, offset, stored, is_new;
-  LaneArray<Real> closing, inverse_mass, weight[4];
+  LaneArray<Real> closing, inverse_mass, response, weight[4];
   LaneTriple<Real> normal, acceleration, corner_acceleration[4];
 
   KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const Interaction& pair,
@@ -29,11 +29,12 @@ struct Gathered {
     is_new[lane] = pair.is_new;
     closing[lane] = pair.closing;
     inverse_mass[lane] = pair.inverse_mass;
+    response[lane] = correct.isProposal() ? 0 : correct.responseOf(pair);
     normal.set(lane, pair.normal);
-    acceleration.set(lane, rowOf(correct.accelerations, pair.point.node[0]));
+    acceleration.set(lane, rowOf(correct.accelerations.nodes, pair.point.node[0]));
     Vec3 of_corner[4];
-    correct.faces.corners(pair.face_index, correct.accelerations, correct.ghost_accelerations,
-                          of_corner);
+    correct.faces.corners(pair.face_index, correct.accelerations.nodes,
+                          correct.accelerations.ghosts, of_corner);
     for (int j = 0; j < 4; ++j) {
       corner_acceleration[j].set(lane, of_corner[j]);
       weight[j][lane] = pair.weight[j];
@@ -49,15 +50,13 @@ struct Corrected {
   PairQuanta<Real> change;
   LaneArray<Real> fits; // 1: the forces before and after the correction fit the fixed point
 
-  // Returns whether the force changes.
-  KOKKOS_FORCEINLINE_FUNCTION bool scatter(int lane, Interaction& pair,
-                                           const PairForces& add) const {
-    if (force[lane] == pair.force && damping[lane] == pair.damping)
-      return false;
+  KOKKOS_FORCEINLINE_FUNCTION bool changes(int lane, const Interaction& pair) const {
+    return force[lane] != pair.force || damping[lane] != pair.damping;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void apply(int lane, Interaction& pair, const PairForces& add) const {
     pair.force = force[lane];
     pair.damping = damping[lane];
     add.add(pair, change, 1, lane);
-    return true;
   }
 };
 
@@ -79,17 +78,19 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const Corre
   spring.offset = gathered.offset;
   spring.stored = gathered.stored;
   spring.is_new = !(Real(gathered.is_new) == Real(0.0));
-  const KickedPairOf<Real> motion =
+  KickedPairOf<Real> motion =
       correct.kicked(Real(gathered.closing), Real(gathered.inverse_mass), dot(normal, relative));
-  const Real force = correct.relaxed(spring.force, neutralForce(spring, motion));
+  const Real force = correct.forceOf(spring, Real(gathered.response), motion);
   const Real damping = maxOf(Real(gathered.first_damping), -force);
+  corrected.force = force;
+  corrected.damping = damping;
+  if (correct.isProposal())
+    return;
   PairQuanta<Real> before;
   add.round(spring.force + Real(gathered.damping), normal, Real(0.0), weight, before);
   add.round(force + damping, normal, Real(0.0), weight, corrected.change);
   corrected.fits = where(before.fits & corrected.change.fits, Real(1.0), Real(0.0));
   corrected.change.subtract(before);
-  corrected.force = force;
-  corrected.damping = damping;
 }
 
 } // namespace correct_springs
@@ -102,10 +103,11 @@ KOKKOS_FORCEINLINE_FUNCTION bool hasOnlySpring(const Interaction& pair, const Pa
 // Prefetch distance, in interactions.
 constexpr std::int64_t pairs_ahead = 64;
 
-// Corrects the `count` listed interactions as correctForce() corrects one; is_changed(number)
-// stores whether the force has changed, and `num_changed` counts those that have. Interactions
-// whose forces do not fit the fixed point are left unchanged and moved to the front of `numbers`;
-// returns how many they are.
+// Proposes the changes of the `count` listed interactions, or applies them, as proposeForce() and
+// correctForce() do for one; is_changed(number) stores whether the force is to change, and
+// `num_changed` counts those. `add` adds to the magnitudes of the proposals, or to the forces.
+// Interactions whose forces do not fit the fixed point are left unchanged and moved to the front of
+// `numbers`; returns how many they are.
 KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const CorrectPair& correct,
                                           const PairForces& add, std::int64_t* numbers, int count,
                                           const View<unsigned char*>& is_changed,
@@ -126,12 +128,19 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
     evaluate(gathered, correct, add, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
-      if (corrected.fits[lane] == 0) {
+      Interaction& pair = pairs.interactions(number);
+      const bool changes = corrected.changes(lane, pair);
+      if (correct.isProposal()) {
+        is_changed(number) = changes;
+        if (changes)
+          add.addMagnitude(pair, corrected.force[lane] - pair.force);
+      } else if (corrected.fits[lane] == 0) {
         numbers[num_left++] = number;
         continue;
+      } else if (changes) {
+        corrected.apply(lane, pair, add);
       }
-      is_changed(number) = corrected.scatter(lane, pairs.interactions(number), add);
-      num_changed += is_changed(number);
+      num_changed += changes;
     }
   }
   return num_left;

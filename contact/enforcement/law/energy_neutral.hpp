@@ -49,24 +49,26 @@ KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
   const Mask is_fixed = !((tau > none) & (first > none));
   const Real D = -0.5 * (motion.closing + motion.next_closing + present * tau);
   const Real returning = forceThatReturns(maxOf(pair.stored, none), D, tau);
-  const Real closing_by_first = motion.next_closing + (present - first) * tau;
+  const Real last = minOf(returning, 4 * first);
   // until p = 0 or P = 0, whichever is first
   const Real remaining_depth = minOf(pair.depth, pair.depth + pair.offset);
-  const Mask is_last = remaining_depth + motion.next_drift * closing_by_first <= none;
-  Real force = first;
-  Mask is_open = pair.is_new & !is_last & !is_fixed; // first step: stores k w p p+/2 in total
-  force = where(is_open, present, force);
-  for (int sweep = 0; sweep < 3 && isAny(is_open); ++sweep) {
+  const auto endsBy = [&](const Real& force) {
     const Real closing = motion.next_closing + (present - force) * tau;
-    const Real both = motion.closing + closing;
-    is_open = is_open & (both > none);
-    const Real next_depth = pair.depth + motion.next_drift * closing;
-    const Real target = (first * next_depth - 2 * pair.stored) / both;
-    force = where(is_open, minOf(maxOf(target, none), first), force);
+    return remaining_depth + motion.next_drift * closing <= none;
+  };
+  const Mask ends_by_first = endsBy(first);
+  const Mask is_old = !pair.is_new, is_loaded = !is_fixed;
+  const Mask is_last = is_old & ends_by_first & endsBy(last), goes_on = !is_last;
+  const Mask stores = is_loaded & (pair.is_new | (ends_by_first & goes_on));
+  Real force = where(is_last, last, first);
+  if (isAny(stores)) { // k w p p+/2 in total
+    const Real free_closing = motion.next_closing + present * tau; // without a force
+    const Real B = motion.closing + free_closing + motion.next_drift * first * tau;
+    const Real C = first * (pair.depth + motion.next_drift * free_closing) - 2 * pair.stored;
+    const Real denominator = B + squareRoot(maxOf(B * B - 4 * tau * C, none));
+    const Real storing = minOf(maxOf(2 * C / denominator, none), first);
+    force = where(stores, where(denominator > none, storing, none), force);
   }
-  // The last step returns all stored energy.
-  const Real last = maxOf(where(pair.stored > none, minOf(returning, 4 * first), none), none);
-  force = where(is_last, last, force);
   // A contact never returns more than is stored.
   force = where(D + 0.5 * force * tau > none, minOf(force, returning), force);
   return where(is_fixed, first, force);

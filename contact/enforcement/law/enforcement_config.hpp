@@ -42,9 +42,6 @@ struct EnforcementConfig {
   bool skip_stationary = true;
   // rounds of the energy-neutral correction
   int corrections = 3;
-  // share of the computed change that rounds after the first apply: all contacts are corrected at
-  // once, so those that share nodes would overshoot
-  double relaxation = 0.7;
 };
 
 } // namespace brickwall::contact

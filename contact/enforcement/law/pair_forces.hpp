@@ -136,6 +136,21 @@ struct PairForces {
       addBy<Together>(pair, quanta, sign, lane);
   }
 
+  // Adds the magnitudes, along each axis, of the nodal forces by which a normal force `change`
+  // acts; beyond the fixed-point range nothing.
+  KOKKOS_INLINE_FUNCTION void addMagnitude(const Interaction& pair, double change) const {
+    const double along[3] = {pair.normal.x, pair.normal.y, pair.normal.z};
+    PairQuanta<double> quanta;
+    for (int d = 0; d < 3; ++d) {
+      const double whole = std::fabs(inverse_quantum * along[d] * change);
+      quanta.on_point[0][d] = toFixed(std::fabs(1 - pair.point.share) * whole);
+      quanta.on_point[1][d] = toFixed(std::fabs(pair.point.share) * whole);
+      for (int j = 0; j < face_corners; ++j)
+        quanta.on_corner[j][d] = toFixed(std::fabs(pair.weight[j]) * whole);
+    }
+    add(pair, quanta, 1);
+  }
+
 private:
   struct Alone {
     KOKKOS_FORCEINLINE_FUNCTION static void add(std::int64_t& to, std::int64_t value) {

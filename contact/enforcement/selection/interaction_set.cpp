@@ -34,21 +34,25 @@ std::int64_t numParts(std::int64_t count) {
   return (count + pairs_at_once - 1) / pairs_at_once;
 }
 
-// Prefetches the rows of `values` and `forces` [node][xyz] of the nodes of pairs.
-template <class NodeView>
-KOKKOS_FORCEINLINE_FUNCTION void
-prefetchPairs(const ContactHistory& pairs, const FaceAccess& faces, const NodeView& values,
-              const View<std::int64_t* [3]>& forces, const std::int64_t* numbers, int count) {
+// Prefetches what the correction of these pairs reads and adds to.
+KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
+                                               const CorrectPair& correct, const PairForces& add,
+                                               const std::int64_t* numbers, int count) {
+  const FaceAccess& faces = correct.faces;
   for (int w = 0; w < count; ++w) {
     pairs.prefetch(numbers[w]);
     faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
-    faces.prefetchRow(values, pair.point.node[0]);
-    faces.prefetchCorners(pair.face_index, values);
-    faces.prefetchRow(forces, pair.point.node[0]);
-    faces.prefetchCorners(pair.face_index, forces);
+    faces.prefetchRow(correct.accelerations.nodes, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, correct.accelerations.nodes);
+    if (correct.isProposal()) // it adds for few pairs
+      continue;
+    faces.prefetchRow(correct.responses.nodes, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, correct.responses.nodes);
+    faces.prefetchRow(add.target.nodes, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, add.target.nodes);
   }
 }
 
@@ -64,14 +68,23 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
   return any != 0;
 }
 
-// Corrects an interaction with a force. Returns whether the force has changed.
-KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const CorrectPair& correct,
-                                         const PairForces& add, std::int64_t i,
-                                         Corrections& corrections) {
+// Proposes the change of an interaction, or applies it.
+KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const CorrectPair& correct,
+                                       const PairForces& add, std::int64_t i,
+                                       const View<unsigned char*>& is_corrected,
+                                       Corrections& corrections) {
   const Interaction& pair = pairs.interactions(i);
   const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
-  if (!corrected.changes(pair))
-    return false;
+  const bool changes = corrected.changes(pair);
+  corrections.changed += changes;
+  if (correct.isProposal()) {
+    is_corrected(i) = changes;
+    if (changes)
+      add.addMagnitude(pair, corrected.force - pair.force);
+    return;
+  }
+  if (!changes)
+    return;
   PairQuanta<double> quanta;
   add.round(pairs, i, quanta);
   const bool did_fit = quanta.fits;
@@ -83,8 +96,48 @@ KOKKOS_INLINE_FUNCTION bool correctForce(const ContactHistory& pairs, const Corr
     add.add(pair, quanta, 1);
   else
     corrections.invalid += did_fit; // otherwise it has been counted before
-  ++corrections.changed;
-  return true;
+}
+
+// A pass over all interactions. The first lists those that `has_changed` asks for, or all if it is
+// empty, and flags which are to change; the second takes these.
+Corrections correctAll(const exec_space& space, const ContactHistory& pairs, const PairForces& add,
+                       const CorrectPair& correct, const View<const unsigned char*>& has_changed,
+                       const View<unsigned char*>& is_corrected) {
+  Corrections sums;
+  const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
+  const bool lists_changed = correct.isProposal() && !lists_all;
+  Kokkos::parallel_reduce(
+      "contact::correctForces", rangePolicy(space, numParts(pairs.count)),
+      KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
+        const std::int64_t begin = part * pairs_at_once;
+        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
+        std::int64_t listed[pairs_at_once];
+        int num_listed = 0;
+        for (std::int64_t i = begin; i < end; ++i)
+          if (lists_all || is_corrected(i) ||
+              (lists_changed && hasChanged(pairs.interactions(i), correct.faces, has_changed)))
+            listed[num_listed++] = i;
+        prefetchPairs(pairs, correct, add, listed, num_listed);
+        std::int64_t springs[pairs_at_once];
+        int num_springs = 0, num_others = 0;
+        for (int w = 0; w < num_listed; ++w) {
+          const Interaction& pair = pairs.interactions(listed[w]);
+          if (pair.first_force == 0)
+            is_corrected(listed[w]) = 0;
+          else if (hasOnlySpring(pair, add))
+            springs[num_springs++] = listed[w];
+          else
+            listed[num_others++] = listed[w];
+        }
+        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
+                                            corrections.changed);
+        for (int w = 0; w < num_others; ++w)
+          correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
+        for (int w = 0; w < num_left; ++w)
+          correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
+      },
+      PlusReducer<Corrections>(sums));
+  return sums;
 }
 
 } // namespace
@@ -101,6 +154,9 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                  View<std::int64_t>(label + "::workspace::num_reserved")} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
+  const bool is_corrected = config.scheme == Scheme::energy_neutral;
+  _proposals.nodes = View<std::int64_t* [3]>(label + "::proposals", is_corrected ? num_nodes : 0);
+  _proposals.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_proposals", 0);
 }
 
 bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
@@ -133,51 +189,27 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
   _are_nodes_zero = true;
 }
 
+Corrections InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
+                                           const StepLengths& steps,
+                                           const NodeVectors& accelerations,
+                                           const View<const unsigned char*>& has_changed) {
+  growTo(space, _is_corrected, static_cast<std::int64_t>(_next.interactions.extent(0)));
+  growTo(space, _proposals.ghost_corners, faces.ghosts.count);
+  zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
+  PairForces add = pairForces(space, faces);
+  add.target = _proposals;
+  return correctAll(space, _next, add,
+                    {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
+                    has_changed, _is_corrected);
+}
+
 Corrections InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                          const StepLengths& steps, double relaxation,
-                                          const View<double* [3]>& accelerations,
-                                          const View<double* [12]>& ghost_accelerations,
-                                          const View<const unsigned char*>& has_changed) {
-  Corrections sums;
-  const ContactHistory pairs = _next;
-  const PairForces add = pairForces(space, faces);
-  const CorrectPair correct{faces,         ghost_accelerations, accelerations, steps.dt,
-                            steps.next_dt, _config.friction,    relaxation};
-  growTo(space, _is_corrected, static_cast<std::int64_t>(pairs.interactions.extent(0)));
-  const auto is_corrected = _is_corrected;
-  const bool has_change_flags = has_changed.extent(0) > 0;
-  Kokkos::parallel_reduce(
-      "contact::correctForces", rangePolicy(space, numParts(pairs.count)),
-      KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
-        const std::int64_t begin = part * pairs_at_once;
-        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        std::int64_t listed[pairs_at_once];
-        int num_listed = 0;
-        for (std::int64_t i = begin; i < end; ++i)
-          if (!has_change_flags || is_corrected(i) ||
-              hasChanged(pairs.interactions(i), faces, has_changed))
-            listed[num_listed++] = i;
-        prefetchPairs(pairs, faces, accelerations, add.target.nodes, listed, num_listed);
-        std::int64_t springs[pairs_at_once];
-        int num_springs = 0, num_others = 0;
-        for (int w = 0; w < num_listed; ++w) {
-          const Interaction& pair = pairs.interactions(listed[w]);
-          if (pair.first_force == 0)
-            is_corrected(listed[w]) = 0;
-          else if (hasOnlySpring(pair, add))
-            springs[num_springs++] = listed[w];
-          else
-            listed[num_others++] = listed[w];
-        }
-        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
-                                            corrections.changed);
-        for (int w = 0; w < num_others; ++w)
-          is_corrected(listed[w]) = correctForce(pairs, correct, add, listed[w], corrections);
-        for (int w = 0; w < num_left; ++w)
-          is_corrected(springs[w]) = correctForce(pairs, correct, add, springs[w], corrections);
-      },
-      PlusReducer<Corrections>(sums));
-  return sums;
+                                          const StepLengths& steps,
+                                          const NodeVectors& accelerations,
+                                          const NodeVectors& responses) {
+  return correctAll(space, _next, pairForces(space, faces),
+                    {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
+                    {}, _is_corrected);
 }
 
 PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {

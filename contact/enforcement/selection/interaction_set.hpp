@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/base/sum_over.hpp"
+#include "contact/enforcement/law/correct_pair.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
 #include "contact/enforcement/selection/enforcement_step.hpp"
 
@@ -49,15 +50,19 @@ public:
   // The same in a step without any interaction that follows a step without any.
   void selectNone(const exec_space& space, const FaceAccess& faces);
 
-  // Energy-neutral correction (energy_neutral.hpp) of the forces, from the accelerations by the
-  // present forces; updates forces(). `has_changed` [surface node], in rounds after the first:
+  // The two passes of a round of the energy-neutral correction (correct_pair.hpp), from the
+  // accelerations by the present forces. The first adds the magnitudes of the proposed changes to
+  // proposals(), which must be zero, and returns how many contacts are to change. The second
+  // changes these and updates forces(). `has_changed` [surface node], in rounds after the first:
   // accelerations that have changed since the last round. A pair is skipped if neither these nor
   // the last round changed it.
+  Corrections proposeChanges(const exec_space& space, const FaceAccess& faces,
+                             const StepLengths& steps, const NodeVectors& accelerations,
+                             const View<const unsigned char*>& has_changed);
   Corrections correctForces(const exec_space& space, const FaceAccess& faces,
-                            const StepLengths& steps, double relaxation,
-                            const View<double* [3]>& accelerations,
-                            const View<double* [12]>& ghost_accelerations,
-                            const View<const unsigned char*>& has_changed = {});
+                            const StepLengths& steps, const NodeVectors& accelerations,
+                            const NodeVectors& responses);
+  const ContactForces& proposals() const { return _proposals; }
 
   // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
   // later; active contacts are never stiffened.
@@ -81,11 +86,12 @@ private:
   EnforcementConfig _config;
   Quantum _quantum;
   int _face_corners = 4;
-  View<unsigned char*> _is_corrected; // [as interactions] the last round has changed it
+  View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
   RowWorkspace _workspace; // empty until a row is crowded
   ContactForces _forces;
+  ContactForces _proposals; // magnitudes
   bool _are_nodes_zero = true; // of _forces
 };
 

@@ -103,7 +103,6 @@ std::vector<BadParameter> badParameters() {
   add("max_activation_depth", &EnforcementConfig::max_activation_depth, {nan, -1});
   add("opposed_cosine", &EnforcementConfig::opposed_cosine, {nan, 1.1});
   add("shared_cosine", &EnforcementConfig::shared_cosine, {nan, -1.1});
-  add("relaxation", &EnforcementConfig::relaxation, {nan, 0, 1.1});
   all.push_back(
       {"corrections is 0; expected 1 or more", [](Given& g) { g.enforcement.corrections = 0; }});
   for (const double value : {nan, 0.0, -1.0}) {
@@ -151,7 +150,6 @@ TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
   expect("reference_step", [](Given& g) { g.enforcement.reference_step = 0; });
   expect("friction", [](Given& g) { g.enforcement.friction = 0.3; });
   expect("skip_stationary", [](Given& g) { g.enforcement.skip_stationary = false; });
-  expect("relaxation", [](Given& g) { g.enforcement.relaxation = 1; });
 }
 
 TEST_F(EnforcementInHost, AToleranceOfEdgesThatCannotBeIsAnErrorOfTheNextSearch) {

@@ -94,6 +94,20 @@ TEST(ContactEnergy, EnergyNeutralImpactOnAJointKeepsTheEnergy) {
   EXPECT_LT(neutral, remaining_error * penalty);
 }
 
+// Sixteen and more contacts at the common corner of four bricks begin and end together.
+TEST(ContactEnergy, FlushImpactOnFourBricksKeepsTheEnergy) {
+  for (const int elements : {1, 2}) {
+    Impact impact;
+    for (const double x : {0.0, 1.0})
+      for (const double y : {0.0, 1.0})
+        impact.scene.addBox({x, y, 0}, {1, 1, 1}, {elements, elements, elements});
+    impact.scene.addBox({0, 0, 1.001}, {2, 2, 1}, {4, 3, 1});
+    impact.launch(0, {});
+    impact.launch(4, {0, 0, -0.01});
+    EXPECT_LT(worstEnergyError(impact, Scheme::energy_neutral, 700), 5e-3) << elements;
+  }
+}
+
 // A spring on which `work` was done and that holds the energy `held`.
 double offsetAfter(double work, double held) {
   ContactState<double> spring;

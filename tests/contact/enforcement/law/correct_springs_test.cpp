@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
+#include <vector>
 
 namespace brickwall::contact::testing {
 namespace {
@@ -33,10 +35,17 @@ public:
     Kokkos::deep_copy(_pairs.interactions, host);
     _accelerations = randomValues<View<double* [3]>>(num_nodes, 3);
     _ghost_accelerations = randomValues<View<double* [12]>>(3, 12);
+    _responses = randomValues<View<double* [3]>>(num_nodes, 3);
+    _ghost_responses = randomValues<View<double* [12]>>(3, 12);
   }
 
-  CorrectPair correct(double relaxation) const {
-    return {_faces, _ghost_accelerations, _accelerations, 0.9, 1.1, 0, relaxation};
+  CorrectPair propose() const {
+    return {_faces, {_accelerations, _ghost_accelerations}, {}, 0.9, 1.1, 0};
+  }
+  CorrectPair correct() const {
+    CorrectPair correct = propose();
+    correct.responses = {_responses, _ghost_responses};
+    return correct;
   }
   PairForces add() const {
     PairForces add;
@@ -89,8 +98,8 @@ private:
   std::mt19937 _random;
   FaceAccess _faces = {{}, GhostFaces::none()};
   ContactHistory _pairs;
-  View<double* [3]> _accelerations;
-  View<double* [12]> _ghost_accelerations;
+  View<double*[3]> _accelerations, _responses;
+  View<double*[12]> _ghost_accelerations, _ghost_responses;
 };
 
 struct Outcome {
@@ -103,11 +112,11 @@ struct Outcome {
   explicit Outcome(const RandomContacts& contacts) : pairs(contacts.pairs()) {}
 };
 
-Outcome inLanes(const RandomContacts& contacts, double relaxation) {
+Outcome inLanes(const RandomContacts& contacts, bool proposes) {
   Outcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
-  const CorrectPair correct = contacts.correct(relaxation);
+  const CorrectPair correct = proposes ? contacts.propose() : contacts.correct();
   const auto pairs = outcome.pairs;
   const auto is_changed = outcome.is_changed;
   const auto num_changed = outcome.num_changed;
@@ -123,23 +132,28 @@ Outcome inLanes(const RandomContacts& contacts, double relaxation) {
   return outcome;
 }
 
-Outcome oneByOne(const RandomContacts& contacts, double relaxation) {
+Outcome oneByOne(const RandomContacts& contacts, bool proposes) {
   Outcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
-  const CorrectPair correct = contacts.correct(relaxation);
+  const CorrectPair correct = proposes ? contacts.propose() : contacts.correct();
   const auto pairs = outcome.pairs;
   const auto is_changed = outcome.is_changed;
   Kokkos::parallel_for(
       "oneByOne", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
         const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
-        is_changed(i) = corrected.changes(pairs.interactions(i));
+        const Interaction& pair = pairs.interactions(i);
+        is_changed(i) = corrected.changes(pair);
+        if (proposes) {
+          add.addMagnitude(pair, corrected.force - pair.force);
+          return;
+        }
         PairQuanta<double> quanta;
         add.round(pairs, i, quanta);
-        add.add(pairs.interactions(i), quanta, -1);
+        add.add(pair, quanta, -1);
         correct.apply(corrected, pairs, i);
         add.round(pairs, i, quanta);
-        add.add(pairs.interactions(i), quanta, 1);
+        add.add(pair, quanta, 1);
       });
   return outcome;
 }
@@ -159,9 +173,9 @@ void expectEqual(const ViewType& a, const ViewType& b) {
 
 TEST(CorrectSprings, EqualScalarCorrections) {
   for (const unsigned seed : {1u, 2u, 3u})
-    for (const double relaxation : {1.0, 0.7}) {
-      const Outcome lanes = inLanes(RandomContacts(seed), relaxation);
-      const Outcome one = oneByOne(RandomContacts(seed), relaxation);
+    for (const bool proposes : {true, false}) {
+      const Outcome lanes = inLanes(RandomContacts(seed), proposes);
+      const Outcome one = oneByOne(RandomContacts(seed), proposes);
       EXPECT_EQ(lanes.num_left, 0);
       const auto pairs = onHost(lanes.pairs.interactions), of_one = onHost(one.pairs.interactions);
       const auto changed = onHost(lanes.is_changed), of_one_changed = onHost(one.is_changed);
@@ -169,8 +183,10 @@ TEST(CorrectSprings, EqualScalarCorrections) {
       for (int i = 0; i < num_pairs; ++i) {
         EXPECT_EQ(pairs(i).force, of_one(i).force) << i;
         EXPECT_EQ(pairs(i).damping, of_one(i).damping) << i;
-        EXPECT_EQ(changed(i), of_one_changed(i)) << i;
-        num_changed += changed(i);
+        if (proposes) {
+          EXPECT_EQ(changed(i), of_one_changed(i)) << i;
+        }
+        num_changed += of_one_changed(i);
       }
       EXPECT_GT(num_changed, num_pairs / 4);
       EXPECT_LT(num_changed, num_pairs);
@@ -180,10 +196,71 @@ TEST(CorrectSprings, EqualScalarCorrections) {
     }
 }
 
+// Eq. (36) of theory.md, with unit masses.
+TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
+  const RandomContacts contacts(5);
+  const Outcome proposed = inLanes(contacts, true);
+  const auto pairs = onHost(proposed.pairs.interactions);
+  const auto quanta = onHost(proposed.forces.nodes);
+  const auto of_ghosts = onHost(proposed.forces.ghost_corners);
+  const View<double* [3]> nodes("nodes", num_nodes);
+  const View<double* [12]> ghosts("ghosts", 3);
+  const auto to_nodes = onHost(nodes);
+  const auto to_ghosts = onHost(ghosts);
+  for (int d = 0; d < 3; ++d)
+    for (int node = 0; node < num_nodes; ++node)
+      to_nodes(node, d) = 1e-14 * static_cast<double>(quanta(node, d));
+  for (int c = 0; c < 12; ++c)
+    for (int ghost = 0; ghost < 3; ++ghost)
+      to_ghosts(ghost, c) = 1e-14 * static_cast<double>(of_ghosts(ghost, c));
+  Kokkos::deep_copy(nodes, to_nodes);
+  Kokkos::deep_copy(ghosts, to_ghosts);
+  const CorrectPair propose = contacts.propose();
+  CorrectPair correct = propose;
+  correct.responses = {nodes, ghosts};
+  const View<double*> device_changes("changes", num_pairs),
+      device_responses("responses", num_pairs);
+  const auto all = proposed.pairs;
+  Kokkos::parallel_for(
+      "responses", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
+        device_changes(i) = propose.correctionOf(all, i).force - all.interactions(i).force;
+        device_responses(i) = correct.responseOf(all.interactions(i));
+      });
+  const auto changes = onHost(device_changes), responses = onHost(device_responses);
+  const auto corners = onHost(propose.faces.surface.face_to_nodes);
+  // G: the effect of a unit force on each node and on each ghost's corner, along each axis
+  const auto effectOf = [&](int i) {
+    std::vector<double> effect(3 * (num_nodes + 12));
+    const double along[3] = {pairs(i).normal.x, pairs(i).normal.y, pairs(i).normal.z};
+    for (int d = 0; d < 3; ++d) {
+      effect[3 * pairs(i).node + d] += along[d];
+      for (int j = 0; j < 4; ++j) {
+        const int face = pairs(i).face_index, ghost = face - (num_faces - 3);
+        const int at = ghost < 0 ? corners(face, j) : num_nodes + 4 * ghost + j;
+        effect[3 * at + d] -= pairs(i).weight[j] * along[d];
+      }
+    }
+    return effect;
+  };
+  for (int i = 0; i < num_pairs; ++i) {
+    const std::vector<double> effect = effectOf(i);
+    double together = 0;
+    for (int j = 0; j < num_pairs; ++j) {
+      const std::vector<double> other = effectOf(j);
+      for (std::size_t k = 0; k < effect.size(); ++k)
+        together += effect[k] * other[k] * changes(j);
+    }
+    EXPECT_GE(responses(i), std::fabs(together) - 1e-10) << i;
+    const double alone = std::inner_product(effect.begin(), effect.end(), effect.begin(), 0.0) *
+                         std::fabs(changes(i));
+    EXPECT_GE(responses(i), alone - 1e-10) << i;
+  }
+}
+
 TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
   const RandomContacts contacts(4, 500);
   const auto before = onHost(RandomContacts(4, 500).pairs().interactions);
-  const Outcome lanes = inLanes(contacts, 1);
+  const Outcome lanes = inLanes(contacts, false);
   EXPECT_GT(lanes.num_left, num_pairs / 2);
   EXPECT_LT(lanes.num_left, num_pairs); // some forces are almost zero
   const auto pairs = onHost(lanes.pairs.interactions);

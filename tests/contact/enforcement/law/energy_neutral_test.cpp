@@ -1,4 +1,5 @@
-// The factor of the fading force against the closed form of its work.
+// The corrected force against the energy balance of its step; the factor of the fading force
+// against the closed form of its work.
 #include "contact/enforcement/law/energy_neutral.hpp"
 
 #include <gtest/gtest.h>
@@ -49,6 +50,75 @@ Case randomCase(std::mt19937& random, double share) {
 
 // Sums and products of numbers up to 4, and a root of one of them; the divisor gain is >= 0.1.
 constexpr double round_off = 1e-13;
+
+// A contact with the present force F0 = k p, in a step of unit length.
+struct Spring {
+  SpringState<double> state;
+  KickedPair motion;
+
+  double force() const { return neutralForce(state, motion); }
+  double nextClosing(double force) const {
+    return motion.next_closing + (state.force - force) * motion.mobility;
+  }
+  double nextDepth(double force) const { return state.depth + nextClosing(force); }
+  // U after the kick
+  double storedAfter(double force) const {
+    return state.stored + 0.5 * force * (motion.closing + nextClosing(force));
+  }
+};
+
+// k tau up to 4: several contacts of the largest stable stiffness that act together. The last
+// penetration `before` is 0 at activation.
+Spring randomSpring(std::mt19937& random, bool is_new) {
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Spring s;
+  const double stiffness = 1 + uniform(random), depth = 0.1 + uniform(random);
+  const double before = is_new ? 0 : 0.1 + uniform(random);
+  s.state.is_new = is_new;
+  s.state.depth = depth;
+  s.state.offset = 0;
+  s.state.stored = 0.5 * stiffness * before * depth;
+  s.state.force = s.state.first_force = stiffness * depth;
+  s.motion.mobility = (0.1 + 3.9 * uniform(random)) / stiffness;
+  s.motion.closing = depth - before + (is_new ? uniform(random) : 0); // part of it becomes e
+  s.motion.next_drift = 1;
+  s.motion.next_closing = s.motion.closing - s.state.force * s.motion.mobility;
+  return s;
+}
+
+TEST(NeutralForce, StoresTheEnergyOfTheSpringInTheFirstStep) {
+  std::mt19937 random(4);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Spring s = randomSpring(random, true);
+    const double force = s.force();
+    EXPECT_GT(force, 0);
+    EXPECT_LE(force, s.state.first_force);
+    EXPECT_GE(s.nextDepth(force), -round_off);
+    EXPECT_NEAR(s.storedAfter(force), 0.5 * s.state.first_force * s.nextDepth(force), round_off);
+  }
+}
+
+TEST(NeutralForce, ReturnsTheStoredEnergyInTheLastStepOnly) {
+  std::mt19937 random(5);
+  int num_last = 0, num_held = 0, num_others = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Spring s = randomSpring(random, false);
+    const double force = s.force(), next_depth = s.nextDepth(force);
+    if (s.nextDepth(s.state.first_force) > 0) { // exact without a correction
+      EXPECT_NEAR(force, s.state.first_force, round_off);
+      ++num_others;
+    } else if (next_depth <= 0) {
+      EXPECT_NEAR(s.storedAfter(force), 0, round_off);
+      ++num_last;
+    } else { // F0 would end it, the force that returns U would not
+      EXPECT_NEAR(s.storedAfter(force), 0.5 * s.state.first_force * next_depth, round_off);
+      ++num_held;
+    }
+  }
+  EXPECT_GT(num_others, 100);
+  EXPECT_GT(num_last, 50);
+  EXPECT_GT(num_held, 50);
+}
 
 TEST(NeutralFading, ReturnsExactlyTheRemainingEnergyInTheLastStep) {
   std::mt19937 random(1);
