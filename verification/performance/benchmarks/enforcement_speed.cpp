@@ -215,7 +215,7 @@ std::int64_t flopsOfContact() {
   gathered.node_motion.set(0, {0, 0, -depth / 4});
   gathered.node_mass[0] = 1;
   PairForces add;
-  CorrectPair correct{{{}, GhostFaces::none()}, {}, {}, dt, dt, 0, 1};
+  const CorrectPair correct{{{}, GhostFaces::none()}, {}, {}, dt, dt, 0};
   ContactLaw law;
   law.dt = law.previous_dt = dt;
   Counted::count = 0;
@@ -237,7 +237,7 @@ std::int64_t flopsOfContact() {
   const Counted weights[4] = {found.weight[0], found.weight[1], found.weight[2], found.weight[3]};
   add.round(Counted(state.first_force), Triple<Counted>(state.normal), Counted(0), weights, quanta);
   springs.force = springs.first_force = state.first_force;
-  springs.damping[0] = springs.first_damping[0] = springs.is_new[0] = 0;
+  springs.damping[0] = springs.first_damping[0] = springs.is_new[0] = springs.response[0] = 0;
   springs.depth = state.depth;
   springs.offset = state.offset;
   springs.stored = state.stored;

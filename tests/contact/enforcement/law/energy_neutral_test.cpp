@@ -82,7 +82,8 @@ Spring randomSpring(std::mt19937& random, bool is_new) {
   s.motion.mobility = (0.1 + 3.9 * uniform(random)) / stiffness;
   s.motion.closing = depth - before + (is_new ? uniform(random) : 0); // part of it becomes e
   s.motion.next_drift = 1;
-  s.motion.next_closing = s.motion.closing - s.state.force * s.motion.mobility;
+  const double by_others = 2 * uniform(random);
+  s.motion.next_closing = s.motion.closing + by_others - s.state.force * s.motion.mobility;
   return s;
 }
 
@@ -100,24 +101,21 @@ TEST(NeutralForce, StoresTheEnergyOfTheSpringInTheFirstStep) {
 
 TEST(NeutralForce, ReturnsTheStoredEnergyInTheLastStepOnly) {
   std::mt19937 random(5);
-  int num_last = 0, num_held = 0, num_others = 0;
+  int num_last = 0, num_others = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const Spring s = randomSpring(random, false);
-    const double force = s.force(), next_depth = s.nextDepth(force);
+    const double force = s.force();
     if (s.nextDepth(s.state.first_force) > 0) { // exact without a correction
       EXPECT_NEAR(force, s.state.first_force, round_off);
       ++num_others;
-    } else if (next_depth <= 0) {
+    } else {
+      EXPECT_LE(s.nextDepth(force), round_off);
       EXPECT_NEAR(s.storedAfter(force), 0, round_off);
       ++num_last;
-    } else { // F0 would end it, the force that returns U would not
-      EXPECT_NEAR(s.storedAfter(force), 0.5 * s.state.first_force * next_depth, round_off);
-      ++num_held;
     }
   }
   EXPECT_GT(num_others, 100);
   EXPECT_GT(num_last, 50);
-  EXPECT_GT(num_held, 50);
 }
 
 TEST(NeutralFading, ReturnsExactlyTheRemainingEnergyInTheLastStep) {
