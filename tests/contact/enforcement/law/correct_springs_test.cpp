@@ -196,6 +196,17 @@ TEST(CorrectSprings, EqualScalarCorrections) {
     }
 }
 
+// What each pair proposes, and its response to what all propose.
+void respond(const Outcome& proposed, const CorrectPair& propose, const CorrectPair& correct,
+             const View<double*>& changes, const View<double*>& responses) {
+  const auto all = proposed.pairs;
+  Kokkos::parallel_for(
+      "responses", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
+        changes(i) = propose.correctionOf(all, i).force - all.interactions(i).force;
+        responses(i) = correct.responseOf(all.interactions(i));
+      });
+}
+
 // Eq. (36) of theory.md, with unit masses.
 TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
   const RandomContacts contacts(5);
@@ -220,12 +231,7 @@ TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
   correct.responses = {nodes, ghosts};
   const View<double*> device_changes("changes", num_pairs),
       device_responses("responses", num_pairs);
-  const auto all = proposed.pairs;
-  Kokkos::parallel_for(
-      "responses", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
-        device_changes(i) = propose.correctionOf(all, i).force - all.interactions(i).force;
-        device_responses(i) = correct.responseOf(all.interactions(i));
-      });
+  respond(proposed, propose, correct, device_changes, device_responses);
   const auto changes = onHost(device_changes), responses = onHost(device_responses);
   const auto corners = onHost(propose.faces.surface.face_to_nodes);
   // G: the effect of a unit force on each node and on each ghost's corner, along each axis
