@@ -3,6 +3,8 @@
 
 #include "contact/base/backend.hpp"
 
+#include <string>
+
 namespace brickwall {
 
 // Reduces a functor over [begin, end) by teams whose threads add many items to sums of their own
@@ -38,7 +40,8 @@ Value sumOver(const std::string& label, const exec_space& space, std::int64_t be
                             PlusReducer<Value>(sum));
   } else {
     using Teams = SumByTeams<Value, Functor>;
-    const std::int64_t fitting = concurrency(space) / (8 * Teams::team_size); // by registers
+    const std::int64_t fitting = // by registers
+        maxOf(1, concurrency(space) / (8 * Teams::team_size));
     const std::int64_t needed = (end - begin + Teams::team_size - 1) / Teams::team_size;
     Kokkos::parallel_reduce(
         label,

@@ -14,15 +14,16 @@ Device describeDevice() {
     cudaDeviceProp properties;
     std::size_t free = 0, bytes = 0;
     if (cudaGetDevice(&number) != cudaSuccess ||
-        cudaGetDeviceProperties(&properties, number) != cudaSuccess ||
-        cudaMemGetInfo(&free, &bytes) != cudaSuccess ||
+        cudaGetDeviceProperties(&properties, number) != cudaSuccess)
+      return device;
+    device.name = properties.name;
+    if (cudaMemGetInfo(&free, &bytes) != cudaSuccess ||
         cudaRuntimeGetVersion(&runtime) != cudaSuccess ||
         cudaDriverGetVersion(&driver) != cudaSuccess)
       return device;
     const auto text = [](int version) { // 13010 is 13.1
       return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
     };
-    device.name = properties.name;
     device.versions = "CUDA " + text(runtime) + ", driver for CUDA " + text(driver);
     device.bytes = static_cast<std::int64_t>(bytes);
     device.bytes_in_use = static_cast<std::int64_t>(bytes - free);

@@ -1,4 +1,4 @@
-// The GPU that this rank uses. Its source is the only one of the program that names a back end.
+// The GPU that this rank uses. Its source is the only one of miniapp/ that names a back end.
 #pragma once
 
 #include <cstdint>

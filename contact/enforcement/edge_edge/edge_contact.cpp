@@ -147,11 +147,12 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   const int num_nodes = _edges.num_nodes;
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
-  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", _num_corners);
-  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", _num_corners);
+  const int num_corrected = config.scheme == Scheme::energy_neutral ? _num_corners : 0;
+  _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_corrected);
+  _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_corrected);
   _touched = TouchedNodes("contact::EdgeContact", _num_corners);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
-  _responses = View<double* [3]>("contact::EdgeContact::responses", _num_corners);
+  _responses = View<double* [3]>("contact::EdgeContact::responses", num_corrected);
   _ghost_responses = View<double* [12]>("contact::EdgeContact::ghost_responses", 0);
   _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
   _edges.coordinates_old = _old;

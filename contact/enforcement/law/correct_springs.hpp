@@ -103,8 +103,8 @@ KOKKOS_FORCEINLINE_FUNCTION bool hasOnlySpring(const Interaction& pair, const Pa
 // Prefetch distance, in interactions.
 constexpr std::int64_t pairs_ahead = 64;
 
-// Proposes the changes of the `count` listed interactions, or applies them, as proposeForce() and
-// correctForce() do for one; is_changed(number) stores whether the force is to change, and
+// Proposes the changes of the `count` listed interactions, or applies them, as correctOne()
+// does for one (interaction_set.cpp); is_changed(number) stores whether the force is to change, and
 // `num_changed` counts those. `add` adds to the magnitudes of the proposals, or to the forces.
 // Interactions whose forces do not fit the fixed point are left unchanged and moved to the front of
 // `numbers`; returns how many they are.

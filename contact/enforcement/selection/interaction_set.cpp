@@ -107,7 +107,8 @@ Corrections correctAll(const exec_space& space, const ContactHistory& pairs, con
   const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
   const bool lists_changed = correct.isProposal() && !lists_all;
   Kokkos::parallel_reduce(
-      "contact::correctForces", rangePolicy(space, numParts(pairs.count)),
+      correct.isProposal() ? "contact::proposeChanges" : "contact::correctForces",
+      rangePolicy(space, numParts(pairs.count)),
       KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);

@@ -42,8 +42,9 @@ public:
                  const Quantum& quantum);
 
   // Launches SelectInteractions<Kinematics> over the rows of `pairs`, again with more memory if the
-  // interactions, or the contacts of crowded rows, did not fit. Afterwards next() holds the interactions of this step, history()
-  // those of the last one, and forces() the forces of next() (pair_forces.hpp).
+  // interactions, or the contacts of crowded rows, did not fit. Afterwards next() holds the
+  // interactions of this step, history() those of the last one, and forces() the forces of next()
+  // (pair_forces.hpp).
   template <class Select>
   ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
 

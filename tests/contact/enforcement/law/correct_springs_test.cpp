@@ -1,5 +1,6 @@
 // Contacts corrected in SIMD lanes against the same contacts corrected one by one: the same bits of
 // forces, and sums of forces that are those of the interactions, in any state of these.
+#include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/correct_springs.hpp"
 
 #include <gtest/gtest.h>
@@ -159,13 +160,8 @@ Outcome oneByOne(const RandomContacts& contacts, bool proposes) {
 }
 
 template <class ViewType>
-auto onHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
-
-template <class ViewType>
 void expectEqual(const ViewType& a, const ViewType& b) {
-  const auto host_a = onHost(a), host_b = onHost(b);
+  const auto host_a = toHost(a), host_b = toHost(b);
   for (std::size_t i = 0; i < a.extent(0); ++i)
     for (std::size_t c = 0; c < a.extent(1); ++c)
       EXPECT_EQ(host_a(i, c), host_b(i, c)) << i << " " << c;
@@ -177,8 +173,8 @@ TEST(CorrectSprings, EqualScalarCorrections) {
       const Outcome lanes = inLanes(RandomContacts(seed), proposes);
       const Outcome one = oneByOne(RandomContacts(seed), proposes);
       EXPECT_EQ(lanes.num_left, 0);
-      const auto pairs = onHost(lanes.pairs.interactions), of_one = onHost(one.pairs.interactions);
-      const auto changed = onHost(lanes.is_changed), of_one_changed = onHost(one.is_changed);
+      const auto pairs = toHost(lanes.pairs.interactions), of_one = toHost(one.pairs.interactions);
+      const auto changed = toHost(lanes.is_changed), of_one_changed = toHost(one.is_changed);
       int num_changed = 0;
       for (int i = 0; i < num_pairs; ++i) {
         EXPECT_EQ(pairs(i).force, of_one(i).force) << i;
@@ -190,7 +186,7 @@ TEST(CorrectSprings, EqualScalarCorrections) {
       }
       EXPECT_GT(num_changed, num_pairs / 4);
       EXPECT_LT(num_changed, num_pairs);
-      EXPECT_EQ(onHost(lanes.num_changed)(), num_changed);
+      EXPECT_EQ(toHost(lanes.num_changed)(), num_changed);
       expectEqual(lanes.forces.nodes, one.forces.nodes);
       expectEqual(lanes.forces.ghost_corners, one.forces.ghost_corners);
     }
@@ -211,13 +207,13 @@ void respond(const Outcome& proposed, const CorrectPair& propose, const CorrectP
 TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
   const RandomContacts contacts(5);
   const Outcome proposed = inLanes(contacts, true);
-  const auto pairs = onHost(proposed.pairs.interactions);
-  const auto quanta = onHost(proposed.forces.nodes);
-  const auto of_ghosts = onHost(proposed.forces.ghost_corners);
+  const auto pairs = toHost(proposed.pairs.interactions);
+  const auto quanta = toHost(proposed.forces.nodes);
+  const auto of_ghosts = toHost(proposed.forces.ghost_corners);
   const View<double* [3]> nodes("nodes", num_nodes);
   const View<double* [12]> ghosts("ghosts", 3);
-  const auto to_nodes = onHost(nodes);
-  const auto to_ghosts = onHost(ghosts);
+  const auto to_nodes = toHost(nodes);
+  const auto to_ghosts = toHost(ghosts);
   for (int d = 0; d < 3; ++d)
     for (int node = 0; node < num_nodes; ++node)
       to_nodes(node, d) = 1e-14 * static_cast<double>(quanta(node, d));
@@ -232,8 +228,8 @@ TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
   const View<double*> device_changes("changes", num_pairs),
       device_responses("responses", num_pairs);
   respond(proposed, propose, correct, device_changes, device_responses);
-  const auto changes = onHost(device_changes), responses = onHost(device_responses);
-  const auto corners = onHost(propose.faces.surface.face_to_nodes);
+  const auto changes = toHost(device_changes), responses = toHost(device_responses);
+  const auto corners = toHost(propose.faces.surface.face_to_nodes);
   // G: the effect of a unit force on each node and on each ghost's corner, along each axis
   const auto effectOf = [&](int i) {
     std::vector<double> effect(3 * (num_nodes + 12));
@@ -265,11 +261,11 @@ TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
 
 TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
   const RandomContacts contacts(4, 500);
-  const auto before = onHost(RandomContacts(4, 500).pairs().interactions);
+  const auto before = toHost(RandomContacts(4, 500).pairs().interactions);
   const Outcome lanes = inLanes(contacts, false);
   EXPECT_GT(lanes.num_left, num_pairs / 2);
   EXPECT_LT(lanes.num_left, num_pairs); // some forces are almost zero
-  const auto pairs = onHost(lanes.pairs.interactions);
+  const auto pairs = toHost(lanes.pairs.interactions);
   int num_same = 0;
   for (int i = 0; i < num_pairs; ++i)
     num_same += pairs(i).force == before(i).force && pairs(i).damping == before(i).damping;
