@@ -47,17 +47,6 @@ void respond(const exec_space& space, const NodeList& list, const View<std::int6
       });
 }
 
-// totals = 0 at the listed nodes.
-void zeroTotals(const exec_space& space, const NodeList& list,
-                const View<std::int64_t* [3]>& totals) {
-  if (list.count > 0)
-    Kokkos::parallel_for(
-        "contact::zeroTotals", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
-          for (int d = 0; d < 3; ++d)
-            totals(list(i), d) = 0;
-        });
-}
-
 // totals = forces at the listed nodes.
 void copyTotals(const exec_space& space, const NodeList& list,
                 const View<std::int64_t* [3]>& forces, const View<std::int64_t* [3]>& totals) {
@@ -243,7 +232,7 @@ void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
   if (sizeOf(_comm) > 1) {
     _touched.listAll(space);
   } else {
-    zeroTotals(space, _touched.list(), _totals);
+    zeroListed(space, "contact::zeroTotals", _touched.list(), _totals);
     _touched.clear(space);
   }
   _touched.add(space, faces.surface, _set.next());
@@ -278,10 +267,10 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     const NodeVectors accelerations{_accelerations, _ghost_accelerations};
     const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
-    Corrections proposed = _set.proposeChanges(space, faces, steps, accelerations, has_changed);
+    std::int64_t num_changes = _set.proposeChanges(space, faces, steps, accelerations, has_changed);
     if (edges != nullptr)
-      proposed += edges->proposeChanges(space, steps, _accelerations, has_changed);
-    if (!isOnAnyRank(proposed.changed > 0))
+      num_changes += edges->proposeChanges(space, steps, _accelerations, has_changed);
+    if (!isOnAnyRank(num_changes > 0))
       return;
     const ContactForces proposals = _set.proposals();
     if (edges != nullptr)
@@ -290,9 +279,9 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     respond(space, _touched.list(), proposals.nodes, _quantum, _node_mass, _responses);
     neutral->share_with_ghosts(_responses, _ghost_responses);
     const NodeVectors responses{_responses, _ghost_responses};
-    sums.nodes.invalid += _set.correctForces(space, faces, steps, accelerations, responses).invalid;
+    sums.nodes.invalid += _set.correctForces(space, faces, steps, accelerations, responses);
     if (edges != nullptr)
-      sums.edges.invalid += edges->correctForces(space, steps, _responses).invalid;
+      sums.edges.invalid += edges->correctForces(space, steps, _responses);
   }
 }
 

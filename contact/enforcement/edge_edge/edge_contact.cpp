@@ -96,16 +96,6 @@ void addCorners(const exec_space& space, const NodeList& list,
       });
 }
 
-void zeroCorners(const exec_space& space, const NodeList& list,
-                 const View<std::int64_t* [3]>& of_corners) {
-  Kokkos::parallel_for(
-      "contact::EdgeContact::zeroCorners", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int d = 0; d < 3; ++d)
-          of_corners(list(i), d) = 0;
-      });
-}
-
 // of_corners = of_nodes at the listed corners.
 void gatherVectors(const exec_space& space, const NodeList& list,
                    const View<const int*>& corner_to_node, const View<const double* [3]>& of_nodes,
@@ -231,7 +221,7 @@ void EdgeContact::collectProposals(const exec_space& space, const View<std::int6
   if (canSkipCorrection())
     return;
   addToNodes(space, _set.proposals(), nodes);
-  zeroCorners(space, _touched.list(), _set.proposals().nodes);
+  zeroListed(space, "contact::EdgeContact::zeroCorners", _touched.list(), _set.proposals().nodes);
 }
 
 void EdgeContact::addToNodes(const exec_space& space, const ContactForces& values,
@@ -242,11 +232,11 @@ void EdgeContact::addToNodes(const exec_space& space, const ContactForces& value
     addCorners(space, _touched.list(), _corner_to_node, values.nodes, nodes);
 }
 
-Corrections EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
-                                        const View<double* [3]>& node_accelerations,
-                                        const View<const unsigned char*>& node_has_changed) {
+std::int64_t EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
+                                         const View<double* [3]>& node_accelerations,
+                                         const View<const unsigned char*>& node_has_changed) {
   if (canSkipCorrection())
-    return {};
+    return 0;
   toCorners(space, node_accelerations, _accelerations, _ghost_accelerations);
   const bool has_change_flags = node_has_changed.extent(0) > 0;
   if (has_change_flags)
@@ -255,10 +245,10 @@ Corrections EdgeContact::proposeChanges(const exec_space& space, const StepLengt
                              has_change_flags ? _has_changed : View<unsigned char*>());
 }
 
-Corrections EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
-                                       const View<double* [3]>& node_responses) {
+std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                        const View<double* [3]>& node_responses) {
   if (canSkipCorrection())
-    return {};
+    return 0;
   toCorners(space, node_responses, _responses, _ghost_responses);
   return _set.correctForces(space, access(), steps, {_accelerations, _ghost_accelerations},
                             {_responses, _ghost_responses});

@@ -40,12 +40,12 @@ public:
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  Corrections proposeChanges(const exec_space& space, const StepLengths& steps,
-                             const View<double* [3]>& node_accelerations,
-                             const View<const unsigned char*>& has_changed);
+  std::int64_t proposeChanges(const exec_space& space, const StepLengths& steps,
+                              const View<double* [3]>& node_accelerations,
+                              const View<const unsigned char*>& has_changed);
   void collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  Corrections correctForces(const exec_space& space, const StepLengths& steps,
-                            const View<double* [3]>& node_responses);
+  std::int64_t correctForces(const exec_space& space, const StepLengths& steps,
+                             const View<double* [3]>& node_responses);
   void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
     of_surface.add(space, _edges, _set.next(), _corner_to_node);
   }

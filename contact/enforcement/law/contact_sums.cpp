@@ -1,4 +1,3 @@
-// See contact_sums.hpp.
 #include "contact/enforcement/law/contact_sums.hpp"
 
 #include "contact/base/mpi.hpp"

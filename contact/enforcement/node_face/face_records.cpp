@@ -1,4 +1,3 @@
-// See face_records.hpp.
 #include "contact/enforcement/node_face/face_records.hpp"
 
 namespace brickwall::contact {

@@ -1,4 +1,3 @@
-// See node_faces.hpp.
 #include "contact/enforcement/node_face/node_faces.hpp"
 
 #include "contact/base/tags.hpp"

@@ -1,4 +1,3 @@
-// See interaction_set.hpp.
 #include "contact/enforcement/selection/interaction_set.hpp"
 
 #include "contact/enforcement/law/correct_springs.hpp"
@@ -67,6 +66,18 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
     any |= has_changed(faces.surface.face_to_nodes(pair.face_index, j));
   return any != 0;
 }
+
+// Result of a pass of corrections over the interactions of this rank.
+struct Corrections {
+  std::int64_t changed = 0;
+  std::int64_t invalid = 0; // forces that do not fit the fixed point
+
+  KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
+    changed += b.changed;
+    invalid += b.invalid;
+    return *this;
+  }
+};
 
 // Proposes the change of an interaction, or applies it.
 KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const CorrectPair& correct,
@@ -190,10 +201,10 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
   _are_nodes_zero = true;
 }
 
-Corrections InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
-                                           const StepLengths& steps,
-                                           const NodeVectors& accelerations,
-                                           const View<const unsigned char*>& has_changed) {
+std::int64_t InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
+                                            const StepLengths& steps,
+                                            const NodeVectors& accelerations,
+                                            const View<const unsigned char*>& has_changed) {
   growTo(space, _is_corrected, static_cast<std::int64_t>(_next.interactions.extent(0)));
   growTo(space, _proposals.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
@@ -201,16 +212,18 @@ Corrections InteractionSet::proposeChanges(const exec_space& space, const FaceAc
   add.target = _proposals;
   return correctAll(space, _next, add,
                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
-                    has_changed, _is_corrected);
+                    has_changed, _is_corrected)
+      .changed;
 }
 
-Corrections InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                          const StepLengths& steps,
-                                          const NodeVectors& accelerations,
-                                          const NodeVectors& responses) {
+std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
+                                           const StepLengths& steps,
+                                           const NodeVectors& accelerations,
+                                           const NodeVectors& responses) {
   return correctAll(space, _next, pairForces(space, faces),
                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
-                    {}, _is_corrected);
+                    {}, _is_corrected)
+      .invalid;
 }
 
 PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {

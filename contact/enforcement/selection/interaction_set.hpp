@@ -20,18 +20,6 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
-// Result of a round of corrections over the interactions of this rank.
-struct Corrections {
-  std::int64_t changed = 0;
-  std::int64_t invalid = 0; // forces that do not fit the fixed point
-
-  KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
-    changed += b.changed;
-    invalid += b.invalid;
-    return *this;
-  }
-};
-
 class InteractionSet {
 public:
   InteractionSet() = default;
@@ -54,15 +42,15 @@ public:
   // The two passes of a round of the energy-neutral correction (correct_pair.hpp), from the
   // accelerations by the present forces. The first adds the magnitudes of the proposed changes to
   // proposals(), which must be zero, and returns how many contacts are to change. The second
-  // changes these and updates forces(). `has_changed` [surface node], in rounds after the first:
-  // accelerations that have changed since the last round. A pair is skipped if neither these nor
-  // the last round changed it.
-  Corrections proposeChanges(const exec_space& space, const FaceAccess& faces,
+  // changes these, updates forces() and returns how many of them no longer fit the fixed point.
+  // `has_changed` [surface node], in rounds after the first: accelerations that have changed since
+  // the last round. A pair is skipped if neither these nor the last round changed it.
+  std::int64_t proposeChanges(const exec_space& space, const FaceAccess& faces,
+                              const StepLengths& steps, const NodeVectors& accelerations,
+                              const View<const unsigned char*>& has_changed);
+  std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
                              const StepLengths& steps, const NodeVectors& accelerations,
-                             const View<const unsigned char*>& has_changed);
-  Corrections correctForces(const exec_space& space, const FaceAccess& faces,
-                            const StepLengths& steps, const NodeVectors& accelerations,
-                            const NodeVectors& responses);
+                             const NodeVectors& responses);
   const ContactForces& proposals() const { return _proposals; }
 
   // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active

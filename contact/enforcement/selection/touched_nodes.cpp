@@ -1,4 +1,3 @@
-// See touched_nodes.hpp.
 #include "contact/enforcement/selection/touched_nodes.hpp"
 
 namespace brickwall::contact {
@@ -8,6 +7,16 @@ constexpr int nodes_of_pair = 6;
 constexpr int most_share = 3; // a list of more than a third of the nodes costs more than it saves
 
 } // namespace
+
+void zeroListed(const exec_space& space, const std::string& label, const NodeList& list,
+                const View<std::int64_t* [3]>& values) {
+  if (list.count > 0)
+    Kokkos::parallel_for(
+        label, rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
+          for (int d = 0; d < 3; ++d)
+            values(list(i), d) = 0;
+        });
+}
 
 TouchedNodes::TouchedNodes(const std::string& label, int num_nodes)
     : _num_nodes(num_nodes), _nodes(label + "::touched_nodes", num_nodes),

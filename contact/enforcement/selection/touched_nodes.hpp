@@ -5,6 +5,8 @@
 #include "contact/enforcement/law/contact_history.hpp"
 #include "contact/surface/surface.hpp"
 
+#include <string>
+
 namespace brickwall::contact {
 
 // The surface nodes that a kernel visits: all of them, or those of a list.
@@ -18,6 +20,10 @@ struct NodeList {
     return nodes.data() == nullptr ? static_cast<int>(place) : nodes(place);
   }
 };
+
+// values = 0 at the listed nodes.
+void zeroListed(const exec_space& space, const std::string& label, const NodeList& list,
+                const View<std::int64_t* [3]>& values);
 
 class TouchedNodes {
 public:
