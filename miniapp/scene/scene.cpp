@@ -10,7 +10,6 @@
 #include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/force_range.hpp"
 
-
 namespace brickwall::miniapp {
 
 namespace {

@@ -13,7 +13,6 @@
 #include "mechanics/ledger/ledger_sums.hpp"
 #include "miniapp/deck/config.hpp"
 
-
 namespace brickwall::miniapp {
 
 class TunnellingGuard {
