@@ -125,6 +125,9 @@ Corrections correctAll(const exec_space& space, const ContactHistory& pairs, con
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
         std::int64_t listed[pairs_at_once];
         int num_listed = 0;
+        if (lists_changed)
+          for (std::int64_t i = begin; i < end; ++i)
+            correct.faces.prefetchFace(pairs.interactions(i).face_index);
         for (std::int64_t i = begin; i < end; ++i)
           if (lists_all || is_corrected(i) ||
               (lists_changed && hasChanged(pairs.interactions(i), correct.faces, has_changed)))

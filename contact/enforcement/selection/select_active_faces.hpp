@@ -10,24 +10,30 @@ template <class Kinematics>
 struct SelectActiveFaces {
   const EnforcementStep<Kinematics>& step;
 
-  // The row of a node in the contact history. Its bodies ascend, as those of the candidates do, so
-  // both are read side by side.
+  // The persistent contacts of a row, in the order of its history.
+  struct Persistents {
+    const PersistentContact* contacts;
+    int count;
+  };
+  // The place in the history of a row and in its persistent contacts. Bodies ascend in both, as
+  // those of the candidates do, so all are read side by side.
   struct History {
     int next, end; // indices of interactions
-    const PersistentContact* persistent; // of the row, in its order
+    const PersistentContact* persistent;
     const PersistentContact* persistent_end;
   };
-  KOKKOS_INLINE_FUNCTION History historyOf(int node, const PersistentContact* persistent,
-                                           int num_persistent) const {
+  KOKKOS_FORCEINLINE_FUNCTION History historyOf(int node, const Persistents& persistent) const {
     const int count = step.previous.row_count(node);
     const int first = count == 0 ? 0 : step.previous.row_begin(node);
-    return {first, first + count, persistent, persistent + num_persistent};
+    return {first, first + count, persistent.contacts, persistent.contacts + persistent.count};
   }
 
   // One contact per opposing body, written to `contacts`, which has room for all bodies of the row.
   // Returns their number.
-  KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node, History history,
-                                               FaceContact* contacts, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node,
+                                               const Persistents& persistent, FaceContact* contacts,
+                                               ContactSums& sums) const {
+    History history = historyOf(node, persistent);
     const std::int64_t end = step.pairs.end(row);
     const global_id own_body = step.faces.surface.node_body(node);
     int num_contacts = 0;
@@ -180,7 +186,9 @@ struct SelectActiveFaces {
 
   // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
   // than their tolerance.
-  KOKKOS_INLINE_FUNCTION void countLost(History history, ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION void countLost(int node, const Persistents& persistent,
+                                        ContactSums& sums) const {
+    History history = historyOf(node, persistent);
     for (int i = history.next; i < history.end; ++i)
       if (history.persistent != history.persistent_end && history.persistent->previous == i)
         ++history.persistent;

@@ -12,6 +12,14 @@
 
 namespace brickwall::contact {
 
+// An array whose elements have no values until they are assigned.
+template <class T, int size>
+struct UnsetArray {
+  static_assert(std::is_trivially_copyable<T>::value, "elements come to life by assignment");
+  alignas(T) unsigned char bytes[size * sizeof(T)];
+  KOKKOS_FORCEINLINE_FUNCTION operator T*() { return reinterpret_cast<T*>(bytes); }
+};
+
 // Takes rows_at_once rows of candidates, one row per surface node: tests the node against its
 // candidates, selects one face of each opposing body and writes the node's row of `next`.
 // Candidates are in the order of (body, face id), so ties go to the lower id. Rows without history
@@ -20,6 +28,7 @@ namespace brickwall::contact {
 template <class Kinematics>
 struct SelectInteractions {
   using value_type = ContactSums;
+  using Persistents = typename SelectActiveFaces<Kinematics>::Persistents;
 
   static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
@@ -42,7 +51,7 @@ struct SelectInteractions {
     int num_rows = 0, num_persistent = 0;
     std::int64_t rows[rows_at_once];
     int first[rows_at_once + 1];
-    PersistentContact local[max_persistent];
+    UnsetArray<PersistentContact, max_persistent> local;
     PersistentContact* persistent = local;
     FaceContact* crowded = nullptr; // room for the contacts of a crowded row
   };
@@ -250,17 +259,18 @@ struct SelectInteractions {
                                       batch.persistent);
     batch.first[batch.num_rows] = batch.num_persistent;
     const WriteInteractions<Kinematics> write{step};
-    FaceContact local[max_selected + max_bodies]; // room for one more row
-    FaceContact* contacts = batch.crowded != nullptr ? batch.crowded : local;
+    UnsetArray<FaceContact, max_selected + max_bodies> local; // room for one more row
+    FaceContact* contacts =
+        batch.crowded != nullptr ? batch.crowded : static_cast<FaceContact*>(local);
     int num_selected = 0;
     for (int r = 0; r < batch.num_rows; ++r) {
       if (num_selected > max_selected) {
         write.writeAll(contacts, num_selected, sums);
         num_selected = 0;
       }
-      num_selected +=
-          selectOfRow(batch.rows[r], batch.persistent + batch.first[r],
-                      batch.first[r + 1] - batch.first[r], contacts + num_selected, sums);
+      num_selected += selectOfRow(
+          batch.rows[r], {batch.persistent + batch.first[r], batch.first[r + 1] - batch.first[r]},
+          contacts + num_selected, sums);
     }
     write.writeAll(contacts, num_selected, sums);
     batch.num_rows = batch.num_persistent = 0;
@@ -270,14 +280,12 @@ struct SelectInteractions {
 
   // Writes the contacts of the row that have a force to `contacts`, which has room for one for each
   // body of the row. Returns their number.
-  KOKKOS_INLINE_FUNCTION int selectOfRow(std::int64_t row, const PersistentContact* persistent,
-                                         int num_persistent, FaceContact* contacts,
-                                         ContactSums& sums) const {
+  KOKKOS_INLINE_FUNCTION int selectOfRow(std::int64_t row, const Persistents& persistent,
+                                         FaceContact* contacts, ContactSums& sums) const {
     const SelectActiveFaces<Kinematics> select{step};
     const int node = step.pairs.node(row);
-    const auto history = select.historyOf(node, persistent, num_persistent);
-    const int num_contacts = select.selectActiveFaces(row, node, history, contacts, sums);
-    select.countLost(history, sums);
+    const int num_contacts = select.selectActiveFaces(row, node, persistent, contacts, sums);
+    select.countLost(node, persistent, sums);
     double deepest = 0;
     for (int h = 0; h < num_contacts; ++h) {
       deepest = maxOf(deepest, contacts[h].depth);
