@@ -17,6 +17,10 @@ struct NodeVectors {
 };
 
 struct CorrectPair {
+  // Changes smaller than this share of the uncorrected force F0 are not made. Each is worth at most
+  // this share of F0 times the approach of the pair over a kick.
+  static constexpr double least_change = 1e-4;
+
   FaceAccess faces;
   NodeVectors accelerations;
   // Accelerations by the magnitudes of all proposed changes; without Views in the first pass.
@@ -28,9 +32,9 @@ struct CorrectPair {
     double force, damping;
     Vec3 friction;
     double fading = 1; // factor of the fading force
-    bool has_friction = false;
     KOKKOS_INLINE_FUNCTION bool changes(const Interaction& pair) const {
-      return has_friction || force != pair.force || damping != pair.damping || fading != 1;
+      return isChange(force - pair.force, pair.first_force) ||
+             isChange(damping - pair.damping, pair.first_force) || isChange(fading - 1, 1.0);
     }
   };
 
@@ -47,8 +51,6 @@ struct CorrectPair {
       const FrictionSpring& spring = pairs.friction(i);
       corrected.friction =
           returnMap(spring.trial, friction_limit * (corrected.force + corrected.damping));
-      const Vec3 change = corrected.friction - spring.force;
-      corrected.has_friction = change.x != 0 || change.y != 0 || change.z != 0;
     }
     if (pair.fade_weight < 1) {
       motion.next_closing += (pair.force - corrected.force) * motion.mobility;
@@ -72,6 +74,9 @@ struct CorrectPair {
       pairs.fading(i).correct(corrected.fading);
   }
 
+  KOKKOS_FORCEINLINE_FUNCTION static bool isChange(double change, double of) {
+    return std::fabs(change) > least_change * std::fabs(of);
+  }
   KOKKOS_INLINE_FUNCTION bool isProposal() const { return responses.nodes.data() == nullptr; }
 
   // The corrected normal force. In the second pass the mobility grows to that of eq. (36).

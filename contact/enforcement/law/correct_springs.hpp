@@ -51,7 +51,8 @@ struct Corrected {
   LaneArray<Real> fits; // 1: the forces before and after the correction fit the fixed point
 
   KOKKOS_FORCEINLINE_FUNCTION bool changes(int lane, const Interaction& pair) const {
-    return force[lane] != pair.force || damping[lane] != pair.damping;
+    return CorrectPair::isChange(force[lane] - pair.force, pair.first_force) ||
+           CorrectPair::isChange(damping[lane] - pair.damping, pair.first_force);
   }
   KOKKOS_FORCEINLINE_FUNCTION void apply(int lane, Interaction& pair, const PairForces& add) const {
     pair.force = force[lane];

@@ -145,6 +145,8 @@ Outcome oneByOne(const RandomContacts& contacts, bool proposes) {
         const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
         const Interaction& pair = pairs.interactions(i);
         is_changed(i) = corrected.changes(pair);
+        if (!is_changed(i))
+          return;
         if (proposes) {
           add.addMagnitude(pair, corrected.force - pair.force);
           return;
@@ -257,6 +259,20 @@ TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
                          std::fabs(changes(i));
     EXPECT_GE(responses(i), alone - 1e-10) << i;
   }
+}
+
+TEST(CorrectPair, MakesNoChangeBelowItsLeastShareOfTheUncorrectedForce) {
+  Interaction pair;
+  pair.first_force = pair.force = 2;
+  const auto changesBy = [&](double share) {
+    CorrectPair::Correction corrected;
+    corrected.force = pair.force - share * pair.first_force;
+    corrected.damping = pair.damping;
+    return corrected.changes(pair);
+  };
+  EXPECT_FALSE(changesBy(0.9 * CorrectPair::least_change));
+  EXPECT_TRUE(changesBy(1.1 * CorrectPair::least_change));
+  EXPECT_TRUE(changesBy(-1.1 * CorrectPair::least_change));
 }
 
 TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
