@@ -27,13 +27,15 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
 }
 
 void zeroForces(const exec_space& space, const NodalForces& forces) {
-  const int num_kinds = static_cast<int>(forces.values.extent(1)) / 3;
-  for (int kind = 0; kind < num_kinds; ++kind)
-    if (forces.acts[kind])
-      Kokkos::deep_copy(
-          space,
-          Kokkos::subview(forces.values, Kokkos::ALL(), std::make_pair(3 * kind, 3 * kind + 3)),
-          std::int64_t(0));
+  Kokkos::parallel_for(
+      "mechanics::zeroForces", rangePolicy(space, forces.values.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        const int num_kinds = static_cast<int>(forces.values.extent(1)) / 3;
+        for (int kind = 0; kind < num_kinds; ++kind)
+          if (forces.acts[kind])
+            for (int d = 0; d < 3; ++d)
+              forces.values(node, 3 * kind + d) = 0;
+      });
 }
 
 namespace {
