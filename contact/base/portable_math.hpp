@@ -49,7 +49,7 @@ KOKKOS_INLINE_FUNCTION double portableExp(double x) {
   const double r = (x - k * ln2_high) - k * ln2_low; // |r| <= ln(2)/2
   double series = 1;
   for (int n = 14; n >= 1; --n) // Taylor: the first term left out is below 1e-19
-    series = 1 + series * (r / n);
+    series = 1 + series * (r * (1.0 / n));
   return std::ldexp(series, static_cast<int>(k));
 }
 
@@ -57,7 +57,7 @@ KOKKOS_INLINE_FUNCTION double portableExp(double x) {
 KOKKOS_INLINE_FUNCTION double portableSineTail(double y_squared) {
   double series = 1;
   for (int n = 22; n >= 4; n -= 2)
-    series = 1 - series * (y_squared / (n * (n + 1)));
+    series = 1 - series * (y_squared * (1.0 / (n * (n + 1))));
   return series;
 }
 
