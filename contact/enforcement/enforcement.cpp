@@ -135,6 +135,13 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   return sums;
 }
 
+void Enforcement::restore(const exec_space& space, const Surface& surface,
+                          const ContactCarry& carry) {
+  _set.restore(space, surface.node_ids, carry.records, atNode);
+  _previous_dt = carry.previous_dt;
+  _has_forces = carry.has_forces;
+}
+
 bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
 }

@@ -91,6 +91,13 @@ public:
   // The contact history, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
+  // What enforce() carries to the next step, for restart files; restore() takes the records of the
+  // nodes that this rank owns, in any order, before the next enforce(). Not collective.
+  ContactCarry carry(const exec_space& space, const Surface& surface) const {
+    return {recordsOf(space, surface.node_ids, history()), _previous_dt, _has_forces};
+  }
+  void restore(const exec_space& space, const Surface& surface, const ContactCarry& carry);
+
 private:
   void collectForces(const exec_space& space, EdgeContact* edges);
   void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);

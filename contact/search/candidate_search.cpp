@@ -115,6 +115,16 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   return _global.ghosts();
 }
 
+void CandidateSearch::restore(const exec_space& space, const SweptBoxes& surface,
+                              std::int64_t searches, std::int64_t updates) {
+  _has_lists = _has_pairs = false;
+  const int has_boxes = surface.num_nodes == 0 || surface.coordinates_new.extent(0) > 0;
+  if (allReduce(_comm, has_boxes, MPI_MIN) == 1 && _margin > 0)
+    update(space, surface, HUGE_VAL);
+  _searches = searches;
+  _updates = updates;
+}
+
 void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
   _has_lists = _has_pairs = false; // in case of a throw
   _global.findGhosts(space, surface);

@@ -79,6 +79,12 @@ public:
   const GhostFaces& ghosts() const { return _global.ghosts(); }
   const CandidatePairs& pairs() const { return _local.pairs(); }
 
+  // Collective. Restores the lists and counts of an earlier run: `surface` as for update(), but with
+  // the low and the high corners of that run's sweptBoxes() as coordinates_old and coordinates_new.
+  // With empty coordinates there were no lists to keep, and the next update() searches.
+  void restore(const exec_space& space, const SweptBoxes& surface, std::int64_t searches,
+               std::int64_t updates);
+
   // Collective; as GlobalSearch, for the ghosts of the last update().
   void reverseSum(const exec_space& space, const View<const int* [4]>& face_to_nodes,
                   const View<const std::int64_t* [12]>& ghost_values,

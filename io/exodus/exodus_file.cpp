@@ -27,21 +27,6 @@ std::string reason() {
   return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
 }
 
-// Silences Exodus, and disables the exit handler of HDF5, which crashes when a netCDF-4 file could
-// not be flushed to a full disk, so that the exit code would be lost. This must precede the first
-// use of HDF5; no handle is found when the netCDF library was built without HDF5.
-void prepareLibraries() {
-  static const bool prepared = [] {
-    using Function = int (*)();
-    if (const auto without_exit_handler =
-            reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "H5dont_atexit")))
-      without_exit_handler();
-    return true;
-  }();
-  (void)prepared;
-  ex_opts(0);
-}
-
 // ex_open writes to standard error when it fails, whatever its options are: netCDF opens the file
 // first.
 void checkIsExodus(const std::string& path) {
@@ -57,6 +42,21 @@ void checkIsExodus(const std::string& path) {
 }
 
 } // namespace
+
+// The exit handler of HDF5 crashes when a netCDF-4 file could
+// not be flushed to a full disk, so that the exit code would be lost. This must precede the first
+// use of HDF5; no handle is found when the netCDF library was built without HDF5.
+void prepareLibraries() {
+  static const bool prepared = [] {
+    using Function = int (*)();
+    if (const auto without_exit_handler =
+            reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, "H5dont_atexit")))
+      without_exit_handler();
+    return true;
+  }();
+  (void)prepared;
+  ex_opts(0);
+}
 
 ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_real_bytes) {
   prepareLibraries();

@@ -5,6 +5,9 @@
 
 namespace brickwall::io {
 
+// Silences Exodus, and disables the exit handler of HDF5. Call before the first use of either.
+void prepareLibraries();
+
 // Owns an open Exodus id. Calls on it are written
 //   file.check(ex_put_time(file.id(), step, &time), "time of step 3");
 // and throw OutputError (a file being written) or InputError (a file being read) naming the file

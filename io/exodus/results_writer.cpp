@@ -9,7 +9,10 @@
 #include <netcdf.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <limits>
 
@@ -76,6 +79,7 @@ std::string rankFileName(const std::string& base, int num_ranks, int rank) {
 
 struct ResultsWriter::State {
   MPI_Comm comm = MPI_COMM_NULL;
+  std::string path; // without a temporary suffix
   ExodusFile file;
   std::vector<std::int64_t> block_ids;
   std::vector<int> block_begin; // [block + 1] first local element of each block
@@ -277,10 +281,11 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
   s.comm = comm;
   s.num_nodes = part.numNodes();
   const int rank = rankOf(comm);
-  const std::string path = rankFileName(base, sizeOf(comm), rank);
+  s.path = rankFileName(base, sizeOf(comm), rank);
   rethrowOnAllRanks(comm, [&] {
     const int flags = createFlags(part, config.format);
-    s.file = ExodusFile::create(path, flags, config.single_precision ? 4 : 8);
+    s.file = ExodusFile::create(s.path + config.temporary_suffix, flags,
+                                config.single_precision ? 4 : 8);
     if (flags & EX_NETCDF4) {
       s.file.check(ex_set_option(s.file.id(), EX_OPT_COMPRESSION_LEVEL, 1), "the compression");
       s.file.check(ex_set_option(s.file.id(), EX_OPT_COMPRESSION_SHUFFLE, 1), "the compression");
@@ -352,11 +357,19 @@ void ResultsWriter::writeStep(double time, const std::vector<std::vector<double>
   });
 }
 
+void ResultsWriter::rename() {
+  rethrowOnAllRanks(_state->comm, [&] {
+    const std::string& from = _state->file.path();
+    if (std::rename(from.c_str(), _state->path.c_str()) != 0)
+      throw OutputError(from + ": cannot be renamed: " + std::strerror(errno));
+  });
+}
+
 int ResultsWriter::numSteps() const {
   return _state->num_steps;
 }
 const std::string& ResultsWriter::fileName() const {
-  return _state->file.path();
+  return _state->path;
 }
 
 void ResultsWriter::close() {

@@ -28,6 +28,8 @@ struct ResultsConfig {
   bool write_brick_id = true; // adds the element variable brick_id (body number + 1), last
   bool write_processor_id = false; // adds the element variable processor_id, after it
   bool single_precision = false; // store floats
+  // The files carry this suffix until rename(), so that those of an earlier run stay as they are.
+  std::string temporary_suffix = {};
   FileFormat format = FileFormat::offset64;
 };
 
@@ -52,6 +54,10 @@ public:
   void writeStep(double time, const std::vector<std::vector<double>>& nodal,
                  const std::vector<std::vector<double>>& element,
                  const std::vector<double>& global);
+
+  // Removes the temporary suffix: the file replaces one of an earlier run. Collective; throws as
+  // above.
+  void rename();
 
   int numSteps() const;
   const std::string& fileName() const; // of this rank

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <filesystem>
+#include <regex>
 
 namespace brickwall::miniapp {
 namespace {
@@ -20,7 +21,8 @@ constexpr const char* description =
     "  mesh    write the Exodus mesh of the deck\n"
     "  search  time the global and local search alone on the surface of the wall\n\n"
     "Exit code: 0 PASS, 1 internal error, 2 bad deck or command line, 3 the computation failed or\n"
-    "a limit of the deck is broken, 4 an output could not be written.";
+    "a limit of the deck is broken, 4 an output could not be written, 5 a signal or --time-limit\n"
+    "ended the run early: --restart latest continues it.";
 
 constexpr const char* footer =
     "Options --kokkos-* go to Kokkos, such as --kokkos-num-threads=2 (--kokkos-threads=2 in\n"
@@ -39,6 +41,14 @@ Command commandOf(const std::string& word) {
 
 bool isCommand(const std::string& word) {
   return word == "run" || word == "check" || word == "mesh" || word == "search";
+}
+
+// Seconds of hh:mm:ss; nothing for another form.
+std::optional<double> secondsOf(const std::string& text) {
+  std::smatch parts;
+  if (!std::regex_match(text, parts, std::regex("(\\d{1,6}):([0-5]\\d):([0-5]\\d)")))
+    return {};
+  return 3600 * std::stod(parts[1]) + 60 * std::stod(parts[2]) + std::stod(parts[3]);
 }
 
 // The first positional argument is the command if it is one of the four words, otherwise the deck.
@@ -68,6 +78,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   std::vector<std::string> positionals;
   std::int64_t steps = 0;
   std::string timing = "normal";
+  std::string time_limit;
+  double extend_to = 0;
   bool no_output = false, version = false, keys = false;
   app.add_option("command", positionals,
                  "[run|check|mesh|search] [DECK]; default: run inputs/brick_wall.toml")
@@ -83,6 +95,16 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   auto* steps_option = app.add_option("--steps", steps, "end after N steps (--set time.steps=N)")
                            ->type_name("N")
                            ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
+  app.add_option("--time-limit", time_limit,
+                 "end the run after this wall clock time, with output and a checkpoint")
+      ->type_name("HH:MM:SS");
+  app.add_option("--restart", options.restart,
+                 "continue from a checkpoint: latest (in the output folder), or the path of one")
+      ->type_name("latest|PATH");
+  auto* extend_option = app.add_option("--extend-to", extend_to,
+                                       "with --restart: run on to this time of the simulation")
+                            ->type_name("TIME")
+                            ->check(CLI::PositiveNumber);
   app.add_flag("--no-output", no_output, "write no files");
   app.add_option("--timing", timing,
                  "normal, or paper: fences and barriers between the phases of the search,\n"
@@ -121,6 +143,18 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
       (options.command == Command::mesh || options.command == Command::search))
     return fault("--steps: 'brickwall mesh' makes no steps, and the number of searches of "
                  "'brickwall search' is search.repetitions");
+  if (options.command != Command::run &&
+      (!time_limit.empty() || !options.restart.empty() || extend_option->count() > 0))
+    return fault("--time-limit, --restart and --extend-to belong to 'brickwall run'");
+  if (!time_limit.empty() && !(options.time_limit = secondsOf(time_limit)))
+    return fault("--time-limit: found \"" + time_limit +
+                 "\", expected hours, minutes and seconds, such as 01:30:00");
+  if (extend_option->count() > 0) {
+    if (options.restart.empty())
+      return fault(
+          "--extend-to needs --restart; a run from the start ends at time.end of its deck");
+    options.extend_to = extend_to;
+  }
   if (steps_option->count() > 0)
     options.overrides.push_back("time.steps=" + std::to_string(steps));
   options.write_output = !no_output;

@@ -3,46 +3,21 @@
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/commands/failure.hpp"
-#include "miniapp/output/history.hpp"
-#include "miniapp/output/history_columns.hpp"
-#include "miniapp/output/output_files.hpp"
-#include "miniapp/output/results.hpp"
+#include "miniapp/commands/run_signals.hpp"
+#include "miniapp/output/run_output.hpp"
 #include "miniapp/output/run_report.hpp"
+#include "miniapp/restart/checkpoints.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <memory>
 
 namespace brickwall::miniapp {
 
 namespace {
-
-// True once per interval, at the first step at or after each multiple of it; with interval 0, in
-// every step if `always`.
-class Ticker {
-public:
-  Ticker(double interval, bool always) : _interval(interval), _always(always) {}
-  bool due(double time) {
-    if (_interval <= 0)
-      return _always;
-    // A step may end a rounding error before the multiple.
-    const double tick = std::floor(time / _interval * (1 + 1e-12) + 1e-9);
-    if (tick <= _last)
-      return false;
-    _last = tick;
-    return true;
-  }
-
-private:
-  double _interval;
-  bool _always;
-  double _last = 0; // a whole number
-};
 
 // Wall clock time since the run began.
 class WallClock {
@@ -57,24 +32,34 @@ private:
   std::chrono::steady_clock::time_point _begin = std::chrono::steady_clock::now();
 };
 
+// Ends the run early, without a failure.
+constexpr int stopped_code = 5;
+
 class Run {
 public:
   Run(MPI_Comm comm, const Config& config, const Options& options)
       : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
         _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
-        _limits(config.limits), _output_ticker(config.output.interval, false),
-        _history_ticker(config.output.history_interval, true) {
+        _limits(config.limits), _checkpoints(comm, config, _scene, options.output_directory),
+        _output(comm, config, _scene, options.output_directory, options.caseName(),
+                options.write_output) {
     _setup_seconds = _clock.seconds();
     for (const std::string& warning : loadWarnings(comm, config, _scene.part))
       _scene.warnings.push_back(warning);
-    if (rankOf(_comm) == 0)
-      for (const std::string& warning : _scene.warnings)
-        std::cout << "warning: " << warning << std::endl;
-    if (_options.write_output)
-      openOutput();
+    for (const std::string& warning : _scene.warnings)
+      print("warning: " + warning);
+    if (_options.restart.empty())
+      _output.begin();
+    else
+      resume();
   }
 
   int execute() {
+    if (_is_complete) {
+      print("the run is complete: it has reached its end at step " + presentStep() +
+            "; --extend-to continues it");
+      return 0;
+    }
     _recorder.watch("contact::search", _simulation.steps().plannedSteps());
     try {
       loop();
@@ -83,26 +68,66 @@ public:
       // reported as at any other end.
       _breakdown = error.what();
     }
-    finishOutput();
+    if (_breakdown.empty() && (_config.checkpoint.any() || !_stopped.empty() || _out_of_time))
+      writeCheckpoint();
+    _output.writeState(_simulation);
+    _output.close();
     const RunReport report = makeReport();
     if (_options.write_output)
-      writeReport(_comm, path("report.json"), report);
+      writeReport(_comm, _output.path("report.json"), report);
     if (rankOf(_comm) == 0) {
       if (!_breakdown.empty())
         printMessage(_breakdown);
       printReport(std::cout, report);
     }
-    return report.pass() ? 0 : static_cast<int>(ExitCode::physics);
+    if (!_checkpoint_failure.empty())
+      throw OutputError(_checkpoint_failure);
+    return report.pass()             ? 0
+           : report.failures.empty() ? stopped_code
+                                     : static_cast<int>(ExitCode::physics);
   }
 
 private:
+  void resume() {
+    const RunRestart data = _checkpoints.read(_options.restart, _simulation);
+    _simulation.restore(data.simulation);
+    _first_step = _simulation.clock().step;
+    if (_options.extend_to)
+      extendTo(*_options.extend_to);
+    _limits.restore(data.reported_limits, data.warnings);
+    _has_large_strain = data.has_large_strain;
+    print("restarted at step " + presentStep());
+    _is_complete = _simulation.isDone();
+    if (_is_complete)
+      return;
+    const std::string warning = _output.resume(data.output);
+    if (warning.empty())
+      return;
+    _scene.warnings.push_back(warning);
+    print("warning: " + warning);
+  }
+
+  void extendTo(double end) {
+    const double time = _simulation.clock().time;
+    if (!(end > time))
+      throw InputError("--extend-to: found " + format("%.9g", end) +
+                       ", expected a time after that of the checkpoint, " + format("%.9g", time));
+    _simulation.extendTo(end);
+  }
+
   void loop() {
     const double begin = _clock.seconds();
-    _simulation.start();
-    _setup_seconds += _clock.seconds() - begin;
-    writeState();
+    if (_options.restart.empty()) {
+      makeRequests();
+      _simulation.start();
+      _setup_seconds += _clock.seconds() - begin;
+      _output.writeState(_simulation);
+      if (obeyRequests())
+        return;
+    }
     bool first = true;
     while (!_simulation.isDone()) {
+      makeRequests();
       {
         const Region region("miniapp::step");
         _simulation.step();
@@ -114,66 +139,82 @@ private:
         _recorder.endStep();
       }
       first = false;
-      const double time = _simulation.clock().time;
-      if (_options.write_output && _history_ticker.due(time))
-        writeHistory();
-      if (_options.write_output && _output_ticker.due(time))
-        writeResults();
+      _output.writeDue(_simulation);
       checkLimits();
-      if (wallTimeIsUp())
+      if (obeyRequests() || wallTimeIsUp())
         break;
       printProgress();
     }
   }
 
-  std::string path(const std::string& file) const { return _options.output_directory + "/" + file; }
-
-  void openOutput() {
-    makeDirectory(_comm, _options.output_directory);
-    removeFile(_comm,
-               path("report.json")); // an aborted run must not leave the file of an earlier one
-    const std::string base = path(_options.caseName());
-    writeTextFile(_comm, base + ".resolved.toml", _config.resolved_deck);
-    std::vector<std::string> columns = {"step", "time"};
-    const auto names = globalNames(_config);
-    columns.insert(columns.end(), names.begin(), names.end());
-    _history = std::make_unique<HistoryWriter>(_comm, path("history.csv"), columns);
-    _results = std::make_unique<Results>(_comm, base, _config, _scene);
+  // Signals may reach any rank; the clock is that of rank 0.
+  void makeRequests() {
+    Requests requests;
+    _stop_signal = _signals.stop();
+    requests.checkpoint = _signals.takeCheckpoint();
+    if (rankOf(_comm) == 0) {
+      const double now = _clock.seconds();
+      _is_time_up = _options.time_limit && now >= *_options.time_limit;
+      requests.checkpoint |=
+          _config.checkpoint.minutes && now - _last_checkpoint >= 60 * *_config.checkpoint.minutes;
+    }
+    requests.stop = !_stop_signal.empty() || _is_time_up;
+    _simulation.request(requests);
   }
 
-  void writeResults() {
-    _results->writeStep(_simulation);
-    _last_written = _simulation.clock().step;
+  // What all ranks have agreed on in the step. Returns whether the run is to end.
+  bool obeyRequests() {
+    const Requests requests = _simulation.requests();
+    if (requests.stop && !_simulation.isDone()) {
+      const std::string reason = _is_time_up            ? "--time-limit"
+                                 : _stop_signal.empty() ? "a signal"
+                                                        : _stop_signal;
+      _stopped = "ended by " + broadcast(_comm, reason) + " after step " + presentStep() +
+                 (_options.write_output ? "; --restart latest continues the run" : "");
+      return true;
+    }
+    const auto& steps = _config.checkpoint.steps;
+    const std::int64_t step = _simulation.clock().step;
+    if (requests.checkpoint || (steps && step > 0 && step % *steps == 0))
+      writeCheckpoint();
+    return false;
   }
-  void writeHistory() {
-    const Region region("miniapp::output");
-    std::vector<double> row = {static_cast<double>(_simulation.clock().step),
-                               _simulation.clock().time};
-    const auto values = globalValues(_simulation);
-    row.insert(row.end(), values.begin(), values.end());
-    _history->write(row);
-    _last_row = _simulation.clock().step;
-  }
-  void writeState() {
-    if (!_options.write_output)
+
+  // A checkpoint that cannot be written is a warning while the run goes on.
+  void writeCheckpoint() {
+    if (!_options.write_output || _last_checkpoint_step == _simulation.clock().step)
       return;
-    if (_last_row != _simulation.clock().step)
-      writeHistory();
-    if (_last_written != _simulation.clock().step)
-      writeResults();
+    const Region region("miniapp::checkpoint");
+    _last_checkpoint = _clock.seconds();
+    _last_checkpoint_step = _simulation.clock().step;
+    _checkpoint_failure.clear();
+    try {
+      _output.sync();
+      RunRestart data{_simulation.restartData(), _output.restartData(), _limits.reported(),
+                      _has_large_strain, _limits.warnings()};
+      print("checkpoint " + _checkpoints.write(data, _simulation));
+    } catch (const OutputError& error) {
+      _checkpoint_failure = error.what();
+      print("warning: no checkpoint: " + _checkpoint_failure);
+    }
   }
-  void finishOutput() {
-    writeState();
-    if (_results)
-      _results->close();
+
+  std::string presentStep() const {
+    const Clock& clock = _simulation.clock();
+    return format("%lld of %lld, time %.9g", clock.step, _simulation.steps().plannedSteps(),
+                  clock.time);
+  }
+
+  void print(const std::string& line) const {
+    if (rankOf(_comm) == 0)
+      std::cout << line << std::endl;
   }
 
   void checkLimits() {
     const Clock& clock = _simulation.clock();
     const GaugeValues values = gauges(_simulation);
     for (const std::string& warning : _limits.newWarnings(values, clock.step, clock.time))
-      if (rankOf(_comm) == 0)
-        std::cout << "warning: " << warning << std::endl;
+      print("warning: " + warning);
     warnOfLargeStrain();
     _limits.stopBeyondLimits(values, clock.step, clock.time);
   }
@@ -196,8 +237,7 @@ private:
         static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem) + 1,
         neglected.strain, static_cast<long long>(clock.step), clock.time);
     _scene.warnings.push_back(text);
-    if (rankOf(_comm) == 0)
-      std::cout << "warning: " << text << std::endl;
+    print(std::string("warning: ") + text);
   }
 
   bool wallTimeIsUp() {
@@ -224,6 +264,9 @@ private:
   RunReport makeReport() {
     RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
     report.case_name = _options.caseName();
+    report.first_step = _first_step;
+    report.counted_steps = maxOf<std::int64_t>(report.counted_steps - _first_step, 0);
+    report.stopped = _stopped;
     report.setup_seconds = allReduce(_comm, _setup_seconds, MPI_MAX);
     report.counted_searches = numSearches(_simulation) - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
@@ -244,18 +287,25 @@ private:
   MPI_Comm _comm;
   const Config& _config;
   const Options& _options;
+  RunSignals _signals;
   WallClock _clock;
   PhaseRecorder _recorder;
   Scene _scene;
   Simulation _simulation;
   LimitWatch _limits;
-  Ticker _output_ticker, _history_ticker;
-  std::unique_ptr<HistoryWriter> _history;
-  std::unique_ptr<Results> _results;
+  Checkpoints _checkpoints;
+  RunOutput _output;
   double _setup_seconds = 0; // without output
   std::int64_t _searches_before = 0; // in steps that are not timed
-  std::int64_t _last_written = -1, _last_row = -1;
+  std::int64_t _first_step = 0; // of a restarted run
   double _last_progress = 0;
+  double _last_checkpoint = 0; // s
+  std::int64_t _last_checkpoint_step = -1;
+  std::string _checkpoint_failure; // of the last one
+  std::string _stop_signal; // of this rank
+  bool _is_time_up = false; // on rank 0
+  std::string _stopped; // why the run ends early
+  bool _is_complete = false; // a restart with nothing left to do
   bool _out_of_time = false;
   bool _has_large_strain = false; // in a linear material
   std::string _breakdown; // why the computation could not continue

@@ -167,6 +167,13 @@ struct OutputConfig {
   bool processor_id = false; // write the element field processor_id
 };
 
+// [output.checkpoint]: restart files, miniapp/restart/README.md
+struct CheckpointConfig {
+  std::optional<std::int64_t> steps; // between checkpoints
+  std::optional<double> minutes; // of wall clock between checkpoints
+  bool any() const { return steps || minutes; }
+};
+
 struct Config {
   std::string title;
   std::optional<WallConfig> wall; // exactly one of wall and mesh is given
@@ -186,6 +193,7 @@ struct Config {
   SkipConfig skip;
   TimeConfig time;
   OutputConfig output;
+  CheckpointConfig checkpoint;
   LimitsConfig limits;
 
   std::string deck_path;

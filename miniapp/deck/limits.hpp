@@ -51,9 +51,17 @@ public:
 
   const std::vector<std::string>& warnings() const { return _warnings; } // all so far
 
+  // Limits that have been reported, for restart files; the warnings are those of the earlier run.
+  using Reported = std::array<bool, num_gauges>;
+  const Reported& reported() const { return _is_reported; }
+  void restore(const Reported& reported, const std::vector<std::string>& warnings) {
+    _is_reported = reported;
+    _warnings = warnings;
+  }
+
 private:
   LimitsConfig _limits;
-  std::array<bool, num_gauges> _is_reported = {};
+  Reported _is_reported = {};
   std::vector<std::string> _warnings;
 };
 

@@ -1,4 +1,4 @@
-// [output], [limits] and [limits.warn]
+// [output], [output.checkpoint], [limits] and [limits.warn]
 #include "miniapp/deck/block_keys.hpp"
 #include "miniapp/deck/deck_blocks.hpp"
 
@@ -20,6 +20,12 @@ void outputKeys(BlockKeys& keys, OutputConfig& output) {
   keys.add("processor_id", output.processor_id, "whether the rank of each element is written");
 }
 
+void checkpointKeys(BlockKeys& keys, CheckpointConfig& checkpoint) {
+  keys.add("steps", checkpoint.steps, "steps between checkpoints, from which --restart continues")
+      .atLeast(1);
+  keys.add("minutes", checkpoint.minutes, "wall clock time between checkpoints").in("min").above(0);
+}
+
 void gaugeKeys(BlockKeys& keys, GaugeValues& limits) {
   for (int g = 0; g < num_gauges; ++g)
     keys.add(gauge_rules[g].key, limits[g], gauge_rules[g].help).above(0);
@@ -39,6 +45,9 @@ void warnKeys(BlockKeys& keys, LimitsConfig& limits) {
 io::Schema outputBlocks() {
   return {
       withKeys({"output", BlockKind::single, "the files that are written"}, outputKeys),
+      withKeys({"output.checkpoint", BlockKind::single,
+                "restart files; with either key, one is also written at the end"},
+               checkpointKeys),
       withKeys({"limits", BlockKind::single, "limits beyond which the run ends with FAIL"},
                limitKeys),
       withKeys({"limits.warn", BlockKind::single, "limits beyond which the run warns, once each"},
@@ -48,6 +57,7 @@ io::Schema outputBlocks() {
 
 void readOutput(const io::Deck& deck, Config& config) {
   readBlock(deck, "output", outputKeys, config.output);
+  readBlock(deck, "output.checkpoint", checkpointKeys, config.checkpoint);
   readBlock(deck, "limits", limitKeys, config.limits);
   readBlock(deck, "limits.warn", warnKeys, config.limits);
 }

@@ -2,6 +2,10 @@
 
 #include "contact/base/mpi.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -25,12 +29,34 @@ void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& te
   });
 }
 
+bool fileExists(MPI_Comm comm, const std::string& path) {
+  std::error_code ignored;
+  int found = rankOf(comm) == 0 && std::filesystem::exists(path, ignored);
+  broadcast(comm, &found, 1, 0);
+  return found != 0;
+}
+
 void removeFile(MPI_Comm comm, const std::string& path) {
   rethrowOnAllRanks(comm, [&] {
     std::error_code error;
     if (rankOf(comm) == 0 && !std::filesystem::remove(path, error) && error)
       throw OutputError(path + ": cannot remove the file of an earlier run: " + error.message());
   });
+}
+
+FolderLock::FolderLock(MPI_Comm comm, const std::string& path) {
+  rethrowOnAllRanks(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    _descriptor = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (_descriptor >= 0 && flock(_descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      throw OutputError(path + ": another run is writing to this folder");
+  });
+}
+
+FolderLock::~FolderLock() {
+  if (_descriptor >= 0)
+    close(_descriptor);
 }
 
 void makeDirectory(MPI_Comm comm, const std::string& path) {

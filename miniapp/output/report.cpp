@@ -312,6 +312,8 @@ std::string reportJson(const RunReport& r) {
                        {"interactions", r.checksums.interactions}};
   json["memory"] = {{"max_rank_bytes", r.max_rank_bytes}};
   json["pass"] = r.pass();
+  json["stopped"] = r.stopped;
+  json["first_step"] = r.first_step;
   json["warnings"] = r.warnings;
   json["failures"] = r.failures;
   return jsonText(json);
@@ -353,7 +355,10 @@ void printReport(std::ostream& out, const RunReport& r) {
   std::string why;
   for (const std::string& failure : r.failures)
     why += (why.empty() ? "" : "; ") + failure;
-  out << (r.pass() ? "PASS" : "FAIL: " + why) << std::endl;
+  out << (r.pass()             ? "PASS"
+          : r.failures.empty() ? "STOPPED: " + r.stopped
+                               : "FAIL: " + why)
+      << std::endl;
 }
 
 } // namespace brickwall::miniapp

@@ -83,11 +83,13 @@ struct RunReport {
   std::vector<std::string> warnings;
   std::size_t printed_warnings = 0; // the first of them, which were printed during the run
   std::vector<std::string> failures; // reasons of a failed run; empty: PASS
+  std::string stopped; // why the run ended early though nothing failed; "": it did not
+  std::int64_t first_step = 0; // from which a restarted run continued
 
   double elementStepsPerSecond() const; // 0 where no time was measured
   double solverElementStepsPerSecond() const;
   double faceSearchesPerSecond() const;
-  bool pass() const { return failures.empty(); }
+  bool pass() const { return failures.empty() && stopped.empty(); }
 };
 
 // Adds the warnings and failures that follow from the numbers alone: lost contacts, missed pairs.
@@ -102,7 +104,7 @@ std::string reportJson(const RunReport& report);
 // Collective: rank 0 writes; throws OutputError on every rank when that fails.
 void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report);
 
-// Table of phases, FOM line, and last line PASS or FAIL with the reasons. For the standard output
+// Table of phases, FOM line, and last line PASS, FAIL or STOPPED with the reasons. For the standard output
 // of rank 0.
 void printReport(std::ostream& out, const RunReport& report);
 

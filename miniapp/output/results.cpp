@@ -19,20 +19,6 @@ const std::vector<std::string> element_names = {"stress_xx", "stress_yy",     "s
                                                 "stress_xy", "stress_yz",     "stress_zx",
                                                 "pressure",  "energy_density"};
 
-io::ResultsConfig resultsConfig(const Config& config) {
-  io::ResultsConfig results;
-  results.title = config.title;
-  results.version = versionText();
-  results.information = config.resolved_deck;
-  results.nodal_names = nodal_names;
-  results.element_names = element_names;
-  results.global_names = globalNames(config);
-  results.write_processor_id = config.output.processor_id;
-  results.single_precision = config.output.precision == Precision::float32;
-  results.format = config.output.file_format;
-  return results;
-}
-
 // Status and gap of the nodes owned here as message words. Only the owner of a node knows its
 // contacts: the words of all other sharers are zero, so that a sum forwards the bits of the owner.
 void packContact(const exec_space& space, const Scene& scene,
@@ -53,11 +39,41 @@ void packContact(const exec_space& space, const Scene& scene,
       });
 }
 
+io::ResultsConfig asTemporary(io::ResultsConfig config) {
+  config.temporary_suffix = ".new";
+  return config;
+}
+
 } // namespace
 
+io::ResultsConfig resultsConfig(const Config& config) {
+  io::ResultsConfig results;
+  results.title = config.title;
+  results.version = versionText();
+  results.information = config.resolved_deck;
+  results.nodal_names = nodal_names;
+  results.element_names = element_names;
+  results.global_names = globalNames(config);
+  results.write_processor_id = config.output.processor_id;
+  results.single_precision = config.output.precision == Precision::float32;
+  results.format = config.output.file_format;
+  return results;
+}
+
 Results::Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene)
-    : _scene(scene), _shared(scene.shared),
-      _writer(comm, base + ".exo", scene.part, resultsConfig(config)),
+    : Results(comm, base, resultsConfig(config), scene) {}
+
+Results::Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene,
+                 const EarlierResults& earlier)
+    : Results(comm, base, asTemporary(resultsConfig(config)), scene) {
+  earlier.copyTo(_writer, scene.part);
+  _writer.rename();
+  earlier.removeReplaced();
+}
+
+Results::Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& config,
+                 const Scene& scene)
+    : _scene(scene), _shared(scene.shared), _writer(comm, base + ".exo", scene.part, config),
       _nodal(nodal_names.size(), std::vector<double>(scene.part.node_ids.size())),
       _element(element_names.size(), std::vector<double>(scene.part.elem_ids.size())),
       _contact_words("miniapp::ResultsWriter::contact_words", scene.part.node_ids.size(), 2) {}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/exodus/results_writer.hpp"
+#include "miniapp/output/earlier_results.hpp"
 #include "miniapp/simulation/simulation.hpp"
 
 #include <string>
@@ -9,16 +10,27 @@
 
 namespace brickwall::miniapp {
 
+// The variables of the Exodus files.
+io::ResultsConfig resultsConfig(const Config& config);
+
 class Results {
 public:
   // Creates `base`.exo (or this rank's file of it). Collective. Throws OutputError on all ranks.
   Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene);
+  // The same with the steps of an earlier run, whose files it replaces when all steps are copied.
+  // Collective. Throws as EarlierResults::copyTo().
+  Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene,
+          const EarlierResults& earlier);
 
   // Appends the present state. Collective. Throws OutputError on all ranks.
   void writeStep(Simulation& simulation);
   void close() { _writer.close(); }
+  int numSteps() const { return _writer.numSteps(); }
+  const std::string& fileName() const { return _writer.fileName(); } // of this rank
 
 private:
+  Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& config,
+          const Scene& scene);
   void fillNodal(Simulation& simulation);
   void fillContact(const Simulation& simulation);
   void fillElement(Simulation& simulation);

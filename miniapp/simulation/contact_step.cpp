@@ -1,6 +1,7 @@
 #include "miniapp/simulation/contact_step.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
 
@@ -74,9 +75,13 @@ double ContactStep::toleranceFor(double deepest) const {
 void ContactStep::growSearchTolerance(const contact::EnforcementSums& sums) {
   const double needed = toleranceFor(allReduce(_comm, deepest(sums), MPI_MAX));
   if (needed > _search_tolerance)
-    _search_tolerance = 1.25 * needed;
+    setSearchTolerance(1.25 * needed);
   else if (needed < 0.5 * _search_tolerance)
-    _search_tolerance = maxOf(_box_tolerance, needed);
+    setSearchTolerance(maxOf(_box_tolerance, needed));
+}
+
+void ContactStep::setSearchTolerance(double tolerance) {
+  _search_tolerance = tolerance;
   _search.setTolerances(_search_tolerance, _search_tolerance);
   if (_edges)
     _edges->setTolerance(_search_tolerance);
@@ -161,6 +166,71 @@ contact::LargestForce ContactStep::largestForce() const {
       largest = of_edges;
   }
   return largest;
+}
+
+ContactRestart ContactStep::restartData(const contact::EnforcementSums& sums) const {
+  ContactRestart data;
+  data.search_tolerance = _search_tolerance;
+  data.reference_step = _guard.referenceStep();
+  double largest[3] = {sums.nodes.deepest, sums.edges.deepest, _penetration};
+  allReduce(_comm, largest, 3, MPI_MAX);
+  data.deepest[0] = largest[0];
+  data.deepest[1] = largest[1];
+  data.penetration = largest[2];
+  data.known_penetration = _known_penetration;
+  data.lost = allReduce(_comm, _lost, MPI_SUM);
+  data.missed_pairs = _missed_pairs;
+  data.searches = _search.searches();
+  data.updates = _search.updates();
+  data.ledger = _ledger.totals();
+  allReduce(_comm, &data.ledger[0].high, 3 * static_cast<int>(data.ledger.size()), MPI_SUM);
+  contact::ContactCarry nodes = _enforcement->carry(_space, surface());
+  data.previous_dt = nodes.previous_dt;
+  data.has_forces = nodes.has_forces;
+  data.nodes = std::move(nodes.records);
+  if (_edges) {
+    contact::ContactCarry edges = _edges->carry(_space);
+    data.edges_have_forces = edges.has_forces;
+    data.edges = std::move(edges.records);
+  }
+  const auto boxes = toHost(_search.sweptBoxes());
+  if (boxes.extent(0) > 0)
+    for (int node = 0; node < surface().num_nodes; ++node)
+      for (int i = 0; i < 6; ++i)
+        data.swept_boxes.push_back(boxes(node, i));
+  return data;
+}
+
+void ContactStep::restore(const ContactRestart& data, const View<const double* [3]>& displacement,
+                          contact::EnforcementSums& sums) {
+  const bool takes_sums = rankOf(_comm) == 0;
+  setSearchTolerance(data.search_tolerance);
+  _guard.setReferenceStep(data.reference_step);
+  _enforcement->setReferenceStep(data.reference_step);
+  sums.nodes.deepest = data.deepest[0];
+  sums.edges.deepest = data.deepest[1];
+  _penetration = data.penetration;
+  _known_penetration = data.known_penetration;
+  _lost = takes_sums ? data.lost : 0;
+  _missed_pairs = data.missed_pairs;
+  _ledger.restore(takes_sums ? data.ledger : std::array<LimbSum, 3>());
+  _coupling.resetCoordinates(_space, displacement);
+  _enforcement->restore(_space, surface(), {data.nodes, data.previous_dt, data.has_forces});
+  if (_edges) {
+    _edges->setReferenceStep(data.reference_step);
+    _edges->restore(_space, {data.edges, data.previous_dt, data.edges_have_forces});
+  }
+  restoreLists(data);
+}
+
+void ContactStep::restoreLists(const ContactRestart& data) {
+  contact::Surface swept = surface();
+  std::vector<double> low, high;
+  for (std::size_t i = 0; i < data.swept_boxes.size(); ++i)
+    (i % 6 < 3 ? low : high).push_back(data.swept_boxes[i]);
+  swept.coordinates_old = toDevice<View<double* [3]>>(_space, "miniapp::ContactStep::low", low);
+  swept.coordinates_new = toDevice<View<double* [3]>>(_space, "miniapp::ContactStep::high", high);
+  _search.restore(_space, swept, data.searches, data.updates);
 }
 
 double ContactStep::agreeOnPenetration(const std::int64_t* host_counts) {

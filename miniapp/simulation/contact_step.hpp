@@ -7,20 +7,18 @@
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/search/candidate_search.hpp"
-#include "mechanics/ledger/ledger_sums.hpp"
+#include "miniapp/simulation/host_counts.hpp"
 #include "miniapp/simulation/step_controller.hpp"
 #include "miniapp/simulation/surface_coupling.hpp"
 #include "miniapp/simulation/tunnelling_guard.hpp"
 
 #include <mpi.h>
 
+#include <array>
 #include <memory>
+#include <vector>
 
 namespace brickwall::miniapp {
-
-// Elements of mechanics::StepCounts::host: numbers of ranks whose penetration exceeds a limit.
-enum HostCount : int { deeper_than_warned, deeper_than_allowed, deeper_than_boxes };
-static_assert(deeper_than_boxes < mechanics::num_host_counts);
 
 // Largest penetration under load over the square root of the face's area, on this rank.
 inline double maxPenetration(const contact::EnforcementSums& sums) {
@@ -53,6 +51,16 @@ public:
     return shares;
   }
 
+  // Totals since the start on this rank, for restart files.
+  std::array<LimbSum, 3> totals() const {
+    return {_taken_by_friction, _taken_by_damping, _edge_work};
+  }
+  void restore(const std::array<LimbSum, 3>& totals) {
+    _taken_by_friction = totals[0];
+    _taken_by_damping = totals[1];
+    _edge_work = totals[2];
+  }
+
 private:
   static void subtract(const LimbSum& term, LimbSum& from) {
     from.high -= term.high;
@@ -60,6 +68,22 @@ private:
     from.tail -= term.tail;
   }
   LimbSum _taken_by_friction, _taken_by_damping, _edge_work; // since the start
+};
+
+// What contact carries from step to step, for restart files. Scalars are those of all ranks.
+struct ContactRestart {
+  double search_tolerance = 0; // length
+  double reference_step = 0; // time
+  double deepest[2] = {0, 0}; // in the last step, of nodes and of edges, length
+  double penetration = 0, known_penetration = 0; // largest, over the square root of the face's area
+  double previous_dt = 0; // of the last step, time
+  bool has_forces = false, edges_have_forces = false; // in the last step
+  std::int64_t lost = 0, missed_pairs = 0, searches = 0, updates = 0; // since the start
+  std::array<LimbSum, 3> ledger; // ContactLedger::totals()
+  // of this rank's part
+  std::vector<contact::ContactRecord> nodes, edges;
+  // [surface node][low xyz, high xyz] of the last search, length; empty if no lists are kept
+  std::vector<double> swept_boxes;
 };
 
 class ContactStep {
@@ -128,7 +152,16 @@ public:
   // `host_counts` of the step, otherwise a lower bound. Collective.
   double agreeOnPenetration(const std::int64_t* host_counts);
 
+  // For restart files; `sums` are those of the last step. Collective.
+  ContactRestart restartData(const contact::EnforcementSums& sums) const;
+  // The surface is at X + `displacement`. Sets the sums of the last step that the next one reads.
+  // Collective.
+  void restore(const ContactRestart& data, const View<const double* [3]>& displacement,
+               contact::EnforcementSums& sums);
+
 private:
+  void setSearchTolerance(double tolerance);
+  void restoreLists(const ContactRestart& data);
   double toleranceFor(double deepest) const;
 
   MPI_Comm _comm;

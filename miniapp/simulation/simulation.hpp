@@ -39,6 +39,22 @@ struct StateBeforeDrift {
   View<double* [3]> displacement; // u^n [node][xyz], length
 };
 
+// What a simulation carries from step to step, for restart files; everything else follows from the
+// deck and the mesh (miniapp/restart/README.md lists both).
+struct SimulationRestart {
+  // the same on all ranks
+  StepRestart steps;
+  mechanics::EnergyLedger ledger;
+  mechanics::TimeSpan load_span, previous_load_span;
+  mechanics::KindFlags forces_act = {};
+  std::int64_t guarded_steps = 0, skipped_element_steps = 0; // of all ranks
+  // of this rank's nodes
+  std::vector<double> displacement, velocity; // [node][xyz]: u^n, v^{n+1/2}
+  // [node][column] in quanta: only if the tunnelling guard may repeat the last kick, otherwise empty
+  std::vector<std::int64_t> forces;
+  ContactRestart contact;
+};
+
 class Simulation {
 public:
   // Positions and velocities are the initial ones, forces are zero. `config` and `scene` must
@@ -51,6 +67,20 @@ public:
   // previous step. Collective.
   void step() { runVerbs(true); }
   bool isDone() const { return _steps.isDone(); }
+
+  // What this rank asks of all ranks from the next step on, and what any rank has asked for in the
+  // last step: they agree in its one reduction of energies.
+  void request(const Requests& of_this_rank) { _requests = of_this_rank; }
+  Requests requests() const {
+    return {balance().host_counts[stop_requests] > 0,
+            balance().host_counts[checkpoint_requests] > 0};
+  }
+
+  // Between steps, after start(). Collective.
+  SimulationRestart restartData() const;
+  // In place of start(), which an earlier run has done. Collective.
+  void restore(const SimulationRestart& data);
+  void extendTo(double end) { _steps.extendTo(end); } // see StepController
 
   MPI_Comm comm() const { return _comm; }
   const exec_space& space() const { return _space; }
@@ -124,6 +154,7 @@ private:
   mechanics::EnergyLedger _ledger;
 
   StepState _step;
+  Requests _requests; // of this rank
   StateBeforeDrift _before_drift;
   std::int64_t _guarded_steps = 0;
   std::int64_t _skipped_element_steps = 0; // of bodies at rest, on this rank

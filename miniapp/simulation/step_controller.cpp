@@ -8,6 +8,10 @@
 
 namespace brickwall::miniapp {
 
+namespace {
+constexpr double most_steps = 1e15; // also the largest time.steps of a deck
+}
+
 void StepController::plan(mechanics::ElementKind kind,
                           const View<const double* [3]>& displacement) {
   setLimits(kind);
@@ -83,20 +87,39 @@ double StepController::longestStepAtStart(const View<const double* [3]>& displac
 
 // Whole steps of equal length from the present time to the end, none longer than `longest`.
 void StepController::planSteps(double longest) {
-  const double left = _config.time.end - _clock.time;
-  constexpr double most = 1e15; // also the largest time.steps of a deck
+  const double left = _end - _clock.time;
   const double steps = maxOf(std::ceil(left / longest * (1 - 1e-12)), 1.0);
   _clock.dt = left / steps;
   if (!(_clock.dt > 0)) {
     std::ostringstream message;
     message << "the stable step is " << longest
-            << ", and the number of steps until time.end = " << _config.time.end
+            << ", and the number of steps until time.end = " << _end
             << " is not representable; expected another density, stiffness or element size";
     throw InputError(message.str());
   }
-  _planned_steps = _clock.step + static_cast<std::int64_t>(minOf(steps, most));
-  if (_config.time.steps)
-    _planned_steps = minOf(_planned_steps, *_config.time.steps);
+  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, most_steps));
+}
+
+StepRestart StepController::restartData() const {
+  StepRestart data{_clock, _end, _steps_to_end, {}, _cuts};
+  for (const StepLimit& limit : _limits)
+    data.rates.push_back(limit.load.rate);
+  return data;
+}
+
+void StepController::restore(const StepRestart& data) {
+  _clock = data.clock;
+  _end = data.end;
+  _steps_to_end = data.steps_to_end;
+  _cuts = data.cuts;
+  for (std::size_t i = 0; i < _limits.size(); ++i)
+    _limits[i].load.rate = data.rates.at(i);
+}
+
+void StepController::extendTo(double end) {
+  const double steps = std::ceil((end - _clock.time) / _clock.dt * (1 - 1e-12));
+  _end = end;
+  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, most_steps));
 }
 
 void StepController::shorten(double longest, StepCut::Reason reason) {

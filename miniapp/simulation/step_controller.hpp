@@ -63,11 +63,20 @@ struct StepLimit {
   double share = 1, largest_share = 1;
 };
 
+// What the lengths of the steps depend on from step to step, for restart files.
+struct StepRestart {
+  Clock clock;
+  double end = 0; // time
+  std::int64_t steps_to_end = 0; // total number of steps until `end`
+  std::vector<double> rates; // of compression, StepLimit::load
+  std::vector<StepCut> cuts;
+};
+
 class StepController {
 public:
   // `config` and `scene` must outlive the controller.
   StepController(MPI_Comm comm, const Config& config, const Scene& scene)
-      : _comm(comm), _config(config), _scene(scene) {}
+      : _comm(comm), _config(config), _scene(scene), _end(config.time.end) {}
 
   // Finds the limits and plans steps of equal length until the end time. Throws InputError if the
   // initial deformation is unstable or if the number of steps is not representable. Collective.
@@ -75,8 +84,11 @@ public:
 
   const Clock& clock() const { return _clock; }
   // Total number of steps until the end time, or time.steps of the deck.
-  std::int64_t plannedSteps() const { return _planned_steps; }
-  bool isDone() const { return _clock.step >= _planned_steps; }
+  std::int64_t plannedSteps() const {
+    return minOf(_steps_to_end, _config.time.steps.value_or(_steps_to_end));
+  }
+  bool isDone() const { return _clock.step >= plannedSteps(); }
+  double end() const { return _end; }
   const StepGain& gain() const { return _gain; }
   const std::vector<StepCut>& cuts() const { return _cuts; }
   bool checksStability(std::int64_t step) const { return step % _config.time.check_interval == 0; }
@@ -95,6 +107,13 @@ public:
   // Plans steps no longer than `longest` from the present time.
   void shorten(double longest, StepCut::Reason reason);
 
+  // After plan().
+  StepRestart restartData() const;
+  void restore(const StepRestart& data);
+  // Moves the end to `end`, later than the present time, with steps of the present length: the last
+  // one ends there or less than a step later.
+  void extendTo(double end);
+
 private:
   void setLimits(mechanics::ElementKind kind); // collective
   void findLargestFrequency(mechanics::ElementKind kind, StepLimit& limit); // collective
@@ -107,7 +126,8 @@ private:
   const Scene& _scene;
   exec_space _space;
   Clock _clock;
-  std::int64_t _planned_steps = 0;
+  double _end = 0; // time
+  std::int64_t _steps_to_end = 0; // total number
   std::vector<StepLimit> _limits; // for free bodies; with contact also for bodies in contact
   StepGain _gain;
   std::vector<StepCut> _cuts;

@@ -47,6 +47,7 @@ public:
 
   // Reference step of contact; not shorter than any later step.
   double referenceStep() const { return _reference_step; }
+  void setReferenceStep(double dt) { _reference_step = dt; } // that of a restart file
 
 private:
   bool actsEarly(bool is_early) const { return is_early && _action == GuardAction::cut; }

@@ -279,6 +279,18 @@ PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, doub
                          limit);
 }
 
+void EdgeContact::restore(const exec_space& space, const ContactCarry& carry) {
+  const auto edge_to_nodes = toHost(_edges.face_to_nodes);
+  _set.restore(space, _edges.node_ids, carry.records, [&](int row) {
+    ContactPoint point;
+    for (int end = 0; end < 2; ++end)
+      point.node[end] = edge_to_nodes(row - _num_corners, end);
+    return point;
+  });
+  _previous_dt = carry.previous_dt;
+  _has_forces_anywhere = carry.has_forces;
+}
+
 void EdgeContact::advance(double dt) {
   _set.advance();
   _previous_dt = dt;

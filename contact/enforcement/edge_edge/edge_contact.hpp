@@ -72,6 +72,11 @@ public:
   const ContactHistory& history() const { return _set.history(); }
   // Ids of the nodes that the history names: corners, then edges with ids of their own.
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
+  // As those of Enforcement.
+  ContactCarry carry(const exec_space& space) const {
+    return {recordsOf(space, _edges.node_ids, history()), _previous_dt, _has_forces_anywhere};
+  }
+  void restore(const exec_space& space, const ContactCarry& carry);
 
 private:
   double gatherCoordinates(const exec_space& space, const Surface& surface);

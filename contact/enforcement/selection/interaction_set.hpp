@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/base/sum_over.hpp"
+#include "contact/enforcement/law/contact_records.hpp"
 #include "contact/enforcement/law/correct_pair.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
 #include "contact/enforcement/selection/enforcement_step.hpp"
@@ -64,6 +65,12 @@ public:
   bool hasForces() const { return !_are_nodes_zero; } // in the present step
   const ContactHistory& history() const { return _history; }
   const ContactHistory& next() const { return _next; } // of the present step, until advance()
+  // Replaces the history; see setHistory().
+  void restore(const exec_space& space, const View<const global_id*>& node_ids,
+               const std::vector<ContactRecord>& records,
+               const std::function<ContactPoint(int row)>& pointOf) {
+    setHistory(space, node_ids, records, _config.friction > 0, pointOf, _history);
+  }
 
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);

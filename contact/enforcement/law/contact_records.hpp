@@ -1,0 +1,76 @@
+// The contact history as records on the host, for restart files: every value that the next step
+// reads, with global ids in place of local numbers.
+#pragma once
+
+#include "contact/base/to_device.hpp"
+#include "contact/enforcement/law/contact_history.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace brickwall::contact {
+
+struct ContactRecord {
+  global_id node = -1; // global id of the node (or edge) whose row this is
+  Interaction pair; // without local numbers
+  FrictionSpring friction; // zero without friction
+  FadingForce fading; // zero where fade_weight is 1
+};
+
+// Calls visit(name, value) for every value of a record that a restart needs; a value is a double, a
+// Vec3, an array of doubles, an int or a global_id. The only list of these values.
+template <class Record, class Visit>
+void visitFields(Record& record, const Visit& visit) {
+  visit("node", record.node);
+  auto& pair = record.pair;
+  visit("body", pair.body);
+  visit("face", pair.face);
+  visit("offset", pair.offset);
+  visit("depth", pair.depth);
+  visit("stiffness", pair.stiffness);
+  visit("fade_weight", pair.fade_weight);
+  visit("stored", pair.stored);
+  visit("force", pair.force);
+  visit("damping", pair.damping);
+  visit("closing", pair.closing);
+  visit("normal", pair.normal);
+  visit("weight", pair.weight);
+  visit("first_force", pair.first_force);
+  visit("share", pair.point.share);
+  visit("is_retained", pair.is_retained);
+  visit("is_new", pair.is_new);
+  visit("first_damping", pair.first_damping);
+  visit("inverse_mass", pair.inverse_mass);
+  visit("friction_force", record.friction.force);
+  visit("friction_trial", record.friction.trial);
+  visit("friction_motion", record.friction.motion);
+  visit("friction_stiffness", record.friction.stiffness);
+  visit("friction_lever_0", record.friction.lever[0]);
+  visit("friction_lever_1", record.friction.lever[1]);
+  visit("fading_on_node", record.fading.on_node);
+  visit("fading_on_corner", record.fading.normal.on_corner);
+  visit("fading_on_end", record.fading.normal.on_end);
+  visit("fading_work", record.fading.work);
+  visit("fading_factor", record.fading.factor);
+  visit("fading_work_to_end", record.fading.work_to_end);
+}
+
+// What the enforcement of contact carries from step to step besides the coordinates.
+struct ContactCarry {
+  std::vector<ContactRecord> records; // of this rank's nodes (or edges)
+  double previous_dt = 0; // of the last step, time
+  bool has_forces = false; // on any rank in the last step
+};
+
+// The interactions of this rank. `node_ids` are those of the surface whose nodes the history names.
+std::vector<ContactRecord> recordsOf(const exec_space& space,
+                                     const View<const global_id*>& node_ids,
+                                     const ContactHistory& history);
+
+// Sets `history`, whose rows are nodes with these ids, to `records`. `pointOf` gives the pushing
+// point of a row. Throws Error for a node that is not in `node_ids`.
+void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
+                const std::vector<ContactRecord>& records, bool has_friction,
+                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history);
+
+} // namespace brickwall::contact

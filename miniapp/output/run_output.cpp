@@ -1,0 +1,153 @@
+#include "miniapp/output/run_output.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
+#include "io/checkpoint/table_file.hpp"
+#include "miniapp/output/history_columns.hpp"
+
+#include <cmath>
+
+namespace brickwall::miniapp {
+
+bool Ticker::due(double time) {
+  if (_interval <= 0)
+    return _always;
+  // A step may end a rounding error before the multiple.
+  const double tick = std::floor(time / _interval * (1 + 1e-12) + 1e-9);
+  if (tick <= _last)
+    return false;
+  _last = tick;
+  return true;
+}
+
+RunOutput::RunOutput(MPI_Comm comm, const Config& config, const Scene& scene,
+                     const std::string& directory, const std::string& case_name, bool writes)
+    : _comm(comm), _config(config), _scene(scene), _directory(directory), _case_name(case_name),
+      _writes(writes), _output_ticker(config.output.interval, false),
+      _history_ticker(config.output.history_interval, true) {}
+
+std::vector<std::string> RunOutput::columns() const {
+  std::vector<std::string> columns = {"step", "time"};
+  const auto names = globalNames(_config);
+  columns.insert(columns.end(), names.begin(), names.end());
+  return columns;
+}
+
+void RunOutput::begin() {
+  if (!_writes)
+    return;
+  lock();
+  create();
+}
+
+void RunOutput::lock() {
+  makeDirectory(_comm, _directory);
+  _lock = FolderLock(_comm, _directory);
+}
+
+void RunOutput::create() {
+  // An aborted run must not leave the report of an earlier one.
+  removeFile(_comm, path("report.json"));
+  writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
+  _history = std::make_unique<HistoryWriter>(_comm, path("history.csv"), columns());
+  _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene);
+}
+
+std::string RunOutput::resume(const OutputRestart& data) {
+  if (!_writes)
+    return "";
+  lock();
+  const std::string exodus = path(_case_name) + ".exo";
+  const std::string history = path("history.csv");
+  const bool has_history = fileExists(_comm, history);
+  EarlierResults earlier(_comm, exodus, static_cast<int>(data.ranks),
+                         static_cast<int>(data.exodus_steps), data.exodus_time,
+                         resultsConfig(_config));
+  std::string problem = earlier.reason();
+  if (has_history && problem.empty())
+    problem = HistoryWriter::whyNotContinued(_comm, history, columns(), data.history_rows);
+  if (!problem.empty())
+    throw InputError("the results in " + _directory +
+                     " are not those that the checkpoint continues: " + problem +
+                     "; move them away, or name another folder with -o, to begin new files");
+  if (!has_history && !earlier.isFound()) {
+    create();
+    return "found no results of the earlier run in " + _directory +
+           ": history.csv and the Exodus file begin at the checkpoint";
+  }
+  if (!has_history || !earlier.isFound())
+    throw InputError("the results in " + _directory + " are not complete: there is no " +
+                     (has_history ? exodus : history));
+  removeFile(_comm, path("report.json"));
+  writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
+  _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene, earlier);
+  _history = std::make_unique<HistoryWriter>(_comm, history, columns(), data.history_rows);
+  _last_row = data.last_row;
+  _last_written = data.last_written;
+  _last_time = data.exodus_time;
+  _history_ticker.restore(data.history_tick);
+  _output_ticker.restore(data.output_tick);
+  return "";
+}
+
+void RunOutput::writeDue(Simulation& simulation) {
+  const double time = simulation.clock().time;
+  if (_writes && _history_ticker.due(time))
+    writeHistory(simulation);
+  if (_writes && _output_ticker.due(time))
+    writeResults(simulation);
+}
+
+void RunOutput::writeState(Simulation& simulation) {
+  if (!_writes)
+    return;
+  if (_last_row != simulation.clock().step)
+    writeHistory(simulation);
+  if (_last_written != simulation.clock().step)
+    writeResults(simulation);
+}
+
+void RunOutput::writeHistory(const Simulation& simulation) {
+  const Region region("miniapp::output");
+  std::vector<double> row = {static_cast<double>(simulation.clock().step), simulation.clock().time};
+  const auto values = globalValues(simulation);
+  row.insert(row.end(), values.begin(), values.end());
+  _history->write(row);
+  _last_row = simulation.clock().step;
+}
+
+void RunOutput::writeResults(Simulation& simulation) {
+  _results->writeStep(simulation);
+  _last_written = simulation.clock().step;
+  _last_time = simulation.clock().time;
+}
+
+void RunOutput::close() {
+  if (_results)
+    _results->close();
+}
+
+void RunOutput::sync() const {
+  if (!_results)
+    return;
+  rethrowOnAllRanks(_comm, [&] {
+    io::syncToDisk(_results->fileName());
+    if (rankOf(_comm) == 0)
+      io::syncToDisk(path("history.csv"));
+  });
+}
+
+OutputRestart RunOutput::restartData() const {
+  OutputRestart data;
+  data.ranks = sizeOf(_comm);
+  data.history_rows = _history ? _history->numRows() : 0;
+  data.exodus_steps = _results ? _results->numSteps() : 0;
+  data.exodus_time = _last_time;
+  data.last_row = _last_row;
+  data.last_written = _last_written;
+  data.history_tick = _history_ticker.last();
+  data.output_tick = _output_ticker.last();
+  return data;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,310 @@
+#include "miniapp/restart/checkpoints.hpp"
+
+#include "contact/base/hash.hpp"
+#include "contact/base/mpi.hpp"
+#include "miniapp/output/report.hpp"
+#include "miniapp/restart/deck_differences.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* schema = "brickwall-checkpoint-1";
+constexpr const char* manifest_name = "manifest.json";
+
+std::string hex(std::uint64_t value) {
+  return format("%016llx", static_cast<unsigned long long>(value));
+}
+
+std::uint64_t textChecksum(const std::string& text) {
+  Hash hash;
+  for (const char letter : text)
+    hash.take(static_cast<std::int64_t>(letter));
+  return hash.value();
+}
+
+// Of ids, positions and corners of all ranks; it does not depend on the partition. Collective.
+std::string meshChecksum(MPI_Comm comm, const Scene& scene) {
+  const io::MeshPart& part = scene.part;
+  std::uint64_t sum = 0;
+  for (std::size_t node = 0; node < part.node_ids.size(); ++node) {
+    if (!scene.node_is_owned[node])
+      continue;
+    Hash hash;
+    hash.take(part.node_ids[node]);
+    for (std::size_t d = 0; d < 3; ++d)
+      hash.take(part.coordinates[3 * node + d]);
+    sum += hash.value();
+  }
+  for (std::size_t elem = 0; elem < part.elem_ids.size(); ++elem) {
+    Hash hash;
+    hash.take(part.elem_ids[elem]);
+    hash.take(part.elem_block[elem]);
+    for (std::size_t c = 0; c < 8; ++c)
+      hash.take(part.node_ids[static_cast<std::size_t>(part.elem_nodes[8 * elem + c])]);
+    sum += hash.value();
+  }
+  return hex(static_cast<std::uint64_t>(allReduce(comm, static_cast<std::int64_t>(sum), MPI_SUM)));
+}
+
+std::string partName(std::int64_t ranks, std::int64_t rank) {
+  return format("part.%lld.%0*lld.nc", ranks, static_cast<int>(std::to_string(ranks).size()), rank);
+}
+
+std::string stepName(std::int64_t step) {
+  return format("step-%012lld", step);
+}
+
+std::string withChecksum(Json manifest) {
+  manifest["checksum"] = hex(textChecksum(manifest.dump()));
+  return jsonText(manifest);
+}
+
+void writeManifest(const std::string& path, const Json& manifest) {
+  std::ofstream file(path);
+  file << withChecksum(manifest) << std::flush;
+  if (!file)
+    throw OutputError(path + ": could not be written: " + std::strerror(errno));
+  file.close();
+  io::syncToDisk(path);
+}
+
+std::string readManifest(const std::string& path) {
+  std::ifstream file(path + "/" + manifest_name);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file || text.str().empty())
+    throw InputError(std::string("there is no ") + manifest_name + " that can be read");
+  return text.str();
+}
+
+// Throws InputError for a text that is damaged.
+Json parseManifest(const std::string& text) {
+  Json manifest = Json::parse(text, nullptr, false);
+  if (!manifest.is_object() || !manifest["checksum"].is_string())
+    throw InputError(std::string(manifest_name) + " is damaged");
+  const std::string checksum = manifest["checksum"];
+  manifest.erase("checksum");
+  if (hex(textChecksum(manifest.dump())) != checksum)
+    throw InputError(std::string(manifest_name) +
+                     " has another checksum than it states: it is damaged");
+  return manifest;
+}
+
+// The file of a rank, of which the manifest states length and checksum.
+void checkPart(const std::string& path, const Json& part) {
+  std::error_code error;
+  const auto bytes = fs::file_size(path, error);
+  if (error)
+    throw InputError(path + ": " + error.message());
+  if (bytes != part.at("bytes").get<std::uintmax_t>())
+    throw InputError(path + ": found " + std::to_string(bytes) + " bytes, expected " +
+                     part.at("bytes").dump() + ": it is truncated or damaged");
+  if (hex(io::fileChecksum(path)) != part.at("checksum").get<std::string>())
+    throw InputError(path + ": has another checksum than in the manifest: it is damaged");
+}
+
+void removeTree(const std::string& path) {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+} // namespace
+
+struct Checkpoints::Opened {
+  Json manifest;
+  std::vector<std::vector<io::Table>> tables; // of the files that this rank reads
+};
+
+Checkpoints::Checkpoints(MPI_Comm comm, const Config& config, const Scene& scene,
+                         const std::string& output_directory)
+    : _comm(comm), _config(config), _folder(output_directory + "/checkpoints") {
+  const Provenance build = describeRun(comm);
+  _version = build.version;
+  _commit = build.commit;
+  _mesh = meshChecksum(comm, scene);
+}
+
+std::string Checkpoints::write(const RunRestart& data, const Simulation& simulation) const {
+  const int ranks = sizeOf(_comm), rank = rankOf(_comm);
+  const std::string name = stepName(data.simulation.steps.clock.step);
+  const std::string path = _folder + "/" + name, temporary = path + ".tmp";
+  const std::string part = temporary + "/" + partName(ranks, rank);
+  std::uint64_t own[2] = {0, 0}; // bytes, checksum
+  try {
+    rethrowOnAllRanks(_comm, [&] {
+      if (rank != 0)
+        return;
+      removeTree(temporary);
+      std::error_code error;
+      fs::create_directories(temporary, error);
+      if (error)
+        throw OutputError(temporary + ": cannot be made: " + error.message());
+    });
+    rethrowOnAllRanks(_comm, [&] {
+      io::writeTables(part, tablesOf(data, simulation));
+      own[0] = fs::file_size(part);
+      own[1] = io::fileChecksum(part);
+    });
+    std::vector<std::uint64_t> parts(2 * static_cast<std::size_t>(ranks));
+    checkMpi(MPI_Gather(own, 2, MPI_UINT64_T, parts.data(), 2, MPI_UINT64_T, 0, _comm),
+             "MPI_Gather");
+    rethrowOnAllRanks(_comm, [&] {
+      if (rank != 0)
+        return;
+      Json manifest = {{"schema", schema},
+                       {"version", _version},
+                       {"commit", _commit},
+                       {"step", data.simulation.steps.clock.step},
+                       {"time", data.simulation.steps.clock.time},
+                       {"end", data.simulation.steps.end},
+                       {"mesh", _mesh},
+                       {"deck", _config.resolved_deck},
+                       {"warnings", data.warnings},
+                       {"parts", Json::array()}};
+      for (int r = 0; r < ranks; ++r)
+        manifest["parts"].push_back(
+            {{"file", partName(ranks, r)},
+             {"bytes", parts[2 * static_cast<std::size_t>(r)]},
+             {"checksum", hex(parts[2 * static_cast<std::size_t>(r) + 1])}});
+      writeManifest(temporary + "/" + manifest_name, manifest);
+      io::syncToDisk(temporary);
+      if (fs::exists(path)) { // of an earlier run to the same step
+        removeTree(path + ".old");
+        fs::rename(path, path + ".old");
+      }
+      fs::rename(temporary, path);
+      io::syncToDisk(_folder);
+    });
+  } catch (...) {
+    if (rank == 0)
+      removeTree(temporary);
+    throw;
+  }
+  if (rank == 0) {
+    // Others are older ones, later ones that a restart has passed over, and unfinished ones.
+    std::string before;
+    for (const std::string& other : all(_folder))
+      if (other < path)
+        before = other;
+    for (const auto& entry : fs::directory_iterator(_folder))
+      if (entry.path() != path && entry.path() != before)
+        removeTree(entry.path());
+  }
+  return path;
+}
+
+std::vector<std::string> Checkpoints::all(const std::string& folder) const {
+  std::vector<std::string> paths;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    if (name.compare(0, 5, "step-") == 0 && name.find('.') == std::string::npos)
+      paths.push_back(entry.path().string());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+std::string Checkpoints::pathOf(const std::string& which) const {
+  std::string path = which;
+  rethrowOnAllRanks(_comm, [&] {
+    if (rankOf(_comm) != 0)
+      return;
+    if (which == "latest") {
+      const auto paths = all(_folder);
+      if (paths.empty())
+        throw InputError("--restart latest: there is no checkpoint in " + _folder);
+      path = paths.back();
+    } else if (fs::path(path).filename() == manifest_name) {
+      path = fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".";
+    }
+  });
+  return broadcast(_comm, path);
+}
+
+void Checkpoints::checkManifest(const std::string& path, const Json& manifest) const {
+  const auto demand = [&](const char* key, const std::string& expected) {
+    const std::string found = manifest.value(key, std::string());
+    if (found != expected)
+      throw InputError(std::string("its ") + key + " is " + found + ", expected " + expected);
+  };
+  demand("schema", schema);
+  demand("version", _version);
+  const std::string difference =
+      deckDifference(manifest.at("deck").get<std::string>(), _config.resolved_deck);
+  if (!difference.empty())
+    throw InputError("it is of another deck: " + difference);
+  demand("mesh", _mesh);
+  if (!manifest.at("parts").is_array() || manifest["parts"].empty())
+    throw InputError(path + ": the manifest names no files");
+}
+
+Checkpoints::Opened Checkpoints::open(const std::string& path, bool reads_tables) const {
+  std::string text;
+  rethrowOnAllRanks(_comm, [&] {
+    if (rankOf(_comm) == 0)
+      text = readManifest(path);
+  });
+  Opened opened;
+  text = broadcast(_comm, text);
+  rethrowOnAllRanks(_comm, [&] {
+    opened.manifest = parseManifest(text);
+    checkManifest(path, opened.manifest);
+    const Json& parts = opened.manifest["parts"];
+    for (auto r = static_cast<std::size_t>(rankOf(_comm)); r < parts.size();
+         r += static_cast<std::size_t>(sizeOf(_comm))) {
+      const std::string file = path + "/" + parts[r].at("file").get<std::string>();
+      checkPart(file, parts[r]);
+      if (reads_tables)
+        opened.tables.push_back(io::readTables(file));
+    }
+  });
+  return opened;
+}
+
+RunRestart Checkpoints::read(const std::string& which, const Simulation& simulation) const {
+  const std::string path = pathOf(which);
+  try {
+    const Opened opened = open(path, true);
+    RunRestart data = fromTables(opened.tables, simulation);
+    data.warnings = opened.manifest["warnings"].get<std::vector<std::string>>();
+    if (rankOf(_comm) == 0 && opened.manifest.value("commit", std::string()) != _commit)
+      data.warnings.push_back(path + " was written by the commit " +
+                              opened.manifest.value("commit", std::string()) +
+                              " of this version: the last bits of results may differ");
+    return data;
+  } catch (const InputError& error) {
+    std::string message = "the checkpoint " + path + " cannot be used: " + error.what();
+    std::string before;
+    if (rankOf(_comm) == 0) {
+      const std::string folder = fs::path(path).parent_path().string();
+      for (const std::string& other : all(folder.empty() ? "." : folder))
+        if (fs::path(other).filename() < fs::path(path).filename())
+          before = other;
+    }
+    before = broadcast(_comm, before);
+    if (!before.empty())
+      try {
+        open(before, false);
+        message += "; the one before it can: --restart " + before;
+      } catch (const InputError&) {
+        message += "; nor can the one before it, " + before;
+      }
+    throw InputError(message);
+  }
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,45 @@
+// Checkpoints of a run: OUTPUT/checkpoints/step-N/ with one netCDF-4 file for each rank and
+// manifest.json. README.md describes them.
+#pragma once
+
+#include "miniapp/restart/run_restart.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+class Checkpoints {
+public:
+  // Of runs of `config` that write to `output_directory`. `config` and `scene` must outlive the
+  // object. Collective.
+  Checkpoints(MPI_Comm comm, const Config& config, const Scene& scene,
+              const std::string& output_directory);
+
+  // Writes a checkpoint beside the others, brings it to the disk and gives it its name; then removes
+  // all but this one and the one before it. Returns its path. Throws OutputError on all ranks; the
+  // others are then as they were. Collective.
+  std::string write(const RunRestart& data, const Simulation& simulation) const;
+
+  // Reads the checkpoint `which`: "latest", or the folder of one or its manifest. Throws InputError
+  // on all ranks with the reason why it cannot be used, and with the path of the one before it if
+  // that can be used. Collective.
+  RunRestart read(const std::string& which, const Simulation& simulation) const;
+
+private:
+  struct Opened; // manifest and tables
+  std::string pathOf(const std::string& which) const; // collective
+  Opened open(const std::string& path, bool reads_tables) const; // collective
+  void checkManifest(const std::string& path, const nlohmann::ordered_json& manifest) const;
+  std::vector<std::string> all(const std::string& folder) const; // on rank 0; oldest first
+
+  MPI_Comm _comm;
+  const Config& _config;
+  std::string _folder;
+  std::string _version, _commit;
+  std::string _mesh; // checksum
+};
+
+} // namespace brickwall::miniapp

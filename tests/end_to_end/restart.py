@@ -1,0 +1,99 @@
+#!/usr/bin/python3
+"""Compares a straight run with one that is interrupted and restarted on other numbers of ranks and
+threads: history.csv byte by byte, all variables of the joined Exodus file bit by bit, and the
+checksums of the final state and contact history.
+
+Usage: restart.py BRICKWALL MPIEXEC EPU DECK STEPS "LEG LEG ..." [program options]
+A leg is RANKSxTHREADS@STEPS (run to that step), RANKSxTHREADS@kill (SIGKILL after a checkpoint) or
+RANKSxTHREADS@end.
+"""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+
+import netCDF4
+import numpy
+
+brickwall, mpiexec, epu, deck, steps, legs = sys.argv[1:7]
+options = sys.argv[7:]
+name = os.path.splitext(os.path.basename(deck))[0]
+
+
+def start(folder, ranks, threads, more):
+    environment = dict(os.environ, OMP_NUM_THREADS=str(threads), OMPI_MCA_orte_execute_quiet="1")
+    command = [mpiexec, "-n", str(ranks), "--oversubscribe", brickwall, "run", deck, "-o", folder]
+    return subprocess.Popen(command + options + more, env=environment, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True, start_new_session=True)
+
+
+def run(folder, ranks, threads, more, expected=0):
+    process = start(folder, ranks, threads, more)
+    text = process.communicate(timeout=120)[0]
+    if process.returncode != expected:
+        sys.exit(f"{text}\n{ranks}x{threads} {more}: exit code {process.returncode}, expected {expected}")
+    return text
+
+
+def kill_ranks(launcher):
+    children = f"/proc/{launcher.pid}/task/{launcher.pid}/children"
+    for rank in open(children).read().split():
+        os.kill(int(rank), signal.SIGKILL)
+
+
+def join(folder, ranks):
+    if ranks > 1:
+        base = f"{name}.exo.{ranks}.{0:0{len(str(ranks))}d}"
+        subprocess.run([epu, "-auto", base], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+
+def difference(one, other):
+    """The first difference of two output folders, or None."""
+    histories = [open(f"{folder}/history.csv").read() for folder in (one, other)]
+    if histories[0] != histories[1]:
+        for a, b in zip(*(text.splitlines() for text in histories)):
+            if a != b:
+                header = histories[0].splitlines()[0].split(",")
+                columns = [h for h, x, y in zip(header, a.split(","), b.split(",")) if x != y]
+                return f"history.csv differs in step {a.split(',')[0]}: {columns}"
+        return f"history.csv has {[text.count(chr(10)) for text in histories]} lines"
+    reports = [json.load(open(f"{folder}/report.json"))["checksums"] for folder in (one, other)]
+    if reports[0] != reports[1]:
+        return f"checksums {reports}"
+    a, b = (netCDF4.Dataset(f"{folder}/{name}.exo") for folder in (one, other))
+    for variable in a.variables:
+        if variable.startswith(("vals_", "coord", "connect", "time")):
+            x, y = (numpy.ma.asarray(f[variable][:]).tobytes() for f in (a, b))
+            if a[variable].shape != b[variable].shape or x != y:
+                return f"{variable} differs: {a[variable].shape} {b[variable].shape}"
+    return None
+
+
+with tempfile.TemporaryDirectory() as work:
+    straight, pieces = f"{work}/straight", f"{work}/pieces"
+    run(straight, 1, 1, ["--steps", steps])
+    more = []
+    for leg in legs.split():
+        layout, end = leg.split("@")
+        ranks, threads = (int(n) for n in layout.split("x"))
+        if end == "kill":
+            process = start(pieces, ranks, threads, more + ["--steps", steps])
+            for line in process.stdout:
+                if line.startswith("checkpoint "):
+                    break
+            kill_ranks(process)
+            process.communicate()
+            assert process.returncode not in (0, 2), f"the run ended before it was killed: {legs}"
+        else:
+            run(pieces, ranks, threads, more + ["--steps", steps if end == "end" else end])
+        more = ["--restart", "latest"]
+    join(pieces, ranks)
+    found = difference(straight, pieces)
+    if found:
+        sys.exit(f"{legs}: {found}")
+    kept = os.listdir(f"{pieces}/checkpoints")
+    assert len(kept) <= 2 and not any("." in folder for folder in kept), kept
+    rows = open(f"{straight}/history.csv").read().count("\n") - 1
+    print(f"{legs}: identical, {rows} rows")
