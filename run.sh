@@ -31,6 +31,9 @@ Options:
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   override a value of the deck (may be repeated)
   --steps N               stop after N steps
+  --time-limit HH:MM:SS   end after this wall clock time, with output and a checkpoint
+  --restart latest|PATH   continue from a checkpoint in the output folder, or at PATH
+  --extend-to TIME        with --restart: run on to this time of the simulation
   --no-output             write no file
   --timing paper          separate waits from work in the phases of the search
   --kokkos-...            pass an option to Kokkos
@@ -47,7 +50,11 @@ Studies consist of many runs and write tables and plots to their folder (default
 verification/README.md describes them.
 
 Exit codes: 0 pass; 1 internal error; 2 faulty deck, mesh or command line; 3 the computation failed or
-a limit of the deck was exceeded; 4 an output could not be written.
+a limit of the deck was exceeded; 4 an output could not be written; 5 a signal or --time-limit ended the run
+early, and --restart latest continues it.
+
+Signals: SIGUSR1 writes a checkpoint; SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGUSR2 end the run after the step, with
+output and a checkpoint, and the rank files are joined; a second one ends it at once.
 
 Environment:
   BRICKWALL_CACHE     folder of the built dependencies (default ~/.cache/brickwall)
@@ -115,7 +122,7 @@ while [[ $# -gt 0 ]]; do
     --oversubscribe) oversubscribe=yes; shift ;;
     --no-output) writes=no; program_options+=("$1"); shift ;;
     --) shift; program_options+=("$@"); break ;;
-    --set | --steps | --timing) value_of "$@"; program_options+=("$1" "$2"); shift 2 ;;
+    --set | --steps | --timing | --time-limit | --restart | --extend-to) value_of "$@"; program_options+=("$1" "$2"); shift 2 ;;
     -*) program_options+=("$1"); shift ;;
     *.toml)
       [[ -z $deck ]] || die "expected one deck, found $deck and $1"
@@ -200,13 +207,13 @@ else
   [[ -n ${launcher[0]} ]] || launcher=(mpiexec)
 fi
 
-# Prints the program's output, and keeps its FOM and PASS or FAIL lines to print them last.
+# Prints the program's output, and keeps its FOM and PASS, FAIL or STOPPED lines to print them last.
 summary=()
 hold_summary() {
   local line
   while IFS= read -r line || [[ -n $line ]]; do
     case $line in
-      "FOM "* | PASS* | FAIL*) summary+=("$line") ;;
+      "FOM "* | PASS* | FAIL* | STOPPED*) summary+=("$line") ;;
       *) printf '%s\n' "$line" ;;
     esac
   done
@@ -214,9 +221,18 @@ hold_summary() {
 # The joined file, and the rank file that rank 0 of this run writes.
 joined=$output/$name.exo
 first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
-# An interrupted run may leave rank files of different lengths, which are not joined.
+# The first signal reaches all ranks as SIGUSR2, since a launcher that gets SIGTERM leaves them no time:
+# the run ends after its step. A second one, and the first one to another command, ends it at once.
+has_signal=no
+end_run() {
+  [[ $has_signal == no && $command == run ]] || interrupted "$1"
+  has_signal=yes
+  echo "run.sh: the run ends after this step; a second signal ends it at once" >&2
+  kill -USR2 "$!"
+}
+# A run that ends at once may leave rank files of different lengths, which are not joined.
 interrupted() {
-  trap - INT TERM
+  trap - INT TERM HUP USR2
   kill -TERM "$!" 2>/dev/null || true
   wait "$!" 2>/dev/null || true
   if [[ $ranks -gt 1 && $first -nt $started ]]; then
@@ -235,15 +251,18 @@ find_epu() {
 }
 started=$(mktemp) # older files belong to earlier runs
 trap 'rm -f "$started"' EXIT
-# A signal to this script ends the launcher too, and the launcher its ranks.
-trap 'interrupted 143' TERM
-trap 'interrupted 130' INT
-code=0
+trap 'end_run 143' TERM
+trap 'end_run 130' INT
+trap 'end_run 129' HUP
+trap 'end_run 140' USR2
+[[ $command != run ]] || trap 'kill -USR1 "$!"' USR1
+# In a session of its own, the launcher does not get the terminal's Ctrl-C too.
 hold_summary < <(
-  exec "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}
+  exec setsid "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}
 )
-wait "$!" || code=$?
-trap - INT TERM
+# A signal interrupts the wait.
+while code=0; wait "$!" || code=$?; kill -0 "$!" 2>/dev/null; do :; done
+trap - INT TERM HUP USR1 USR2
 # The launcher is quiet, so this is the only message about a crash.
 [[ $code -lt 128 ]] || echo "run.sh: signal $((code - 128)) ended $program" >&2
 

@@ -58,12 +58,41 @@ for options in "-n -o x" "-o -n 2" "-t --steps 5" "--set --no-picture" "--preset
 done
 [[ ! -e x ]] || fail "an option without its value leaves files"
 
-# A run that is killed prints the command that joins its rank files.
-"$run_sh" run "$inputs/one_brick.toml" --program "$program" -n 2 -t 1 -o killed --steps 100000000 --set time.end=1e3 >log 2>&1 &
-running=$!
-for _ in $(seq 100); do [[ -s killed/one_brick.exo.2.1 && -s killed/history.csv ]] && break; sleep 0.1; done
+# start_run FOLDER: starts a run without end in the background as $running.
+start_run() {
+  "$run_sh" run "$inputs/one_brick.toml" --program "$program" -n 2 -t 1 -o "$1" --steps 100000000 --set time.end=1e3 \
+    --no-picture >log 2>&1 &
+  running=$!
+  for _ in $(seq 100); do [[ -s $1/one_brick.exo.2.1 && $(wc -l <"$1/history.csv") -gt 2 ]] && break; sleep 0.1; done
+}
+# Each of these signals ends a run after its step, with its rank files joined and a checkpoint.
+for signal in TERM HUP USR2; do
+  start_run ended
+  code=0
+  kill -USR1 "$running"
+  sleep 0.3
+  kill "-$signal" "$running"
+  wait "$running" || code=$?
+  [[ $code -eq 5 ]] || fail "a run that gets SIG$signal ends with $code"
+  tail -n 1 log | grep -q '^STOPPED: ended by SIGUSR2 after step' || fail "the last line does not tell of the signal"
+  [[ $(find ended/checkpoints -name 'step-*' | wc -l) -eq 2 ]] || fail "SIGUSR1 or SIG$signal wrote no checkpoint"
+  [[ -s ended/one_brick.exo ]] || fail "the rank files are not joined after SIG$signal"
+  rm -rf ended
+done
+
+# A run that gets a second signal ends at once, and prints the command that joins its rank files. Its
+# first signal finds the ranks stopped.
+start_run killed
+ranks=$(pgrep -P "$(pgrep -P "$running" | head -n 1)" | tr '\n' ' ')
+# shellcheck disable=SC2086
+kill -STOP $ranks
 code=0
 kill -TERM "$running"
+sleep 0.3
+kill -TERM "$running"
+sleep 0.3
+# shellcheck disable=SC2086
+kill -CONT $ranks 2>/dev/null || true
 wait "$running" || code=$?
 [[ $code -eq 143 ]] || fail "a run that is killed ends with $code"
 grep -q 'run.sh: interrupted; the rank files are not joined' log || fail "a killed run prints nothing about its rank files"
