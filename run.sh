@@ -31,6 +31,7 @@ Options:
 Further options go to the program, among them:
   --set BLOCK.KEY=VALUE   override a value of the deck (may be repeated)
   --steps N               stop after N steps
+  -q, --quiet             print warnings and the last lines only
   --time-limit HH:MM:SS   end after this wall clock time, with output and a checkpoint
   --restart latest|PATH   continue from a checkpoint in the output folder, or at PATH
   --extend-to TIME        with --restart: run on to this time of the simulation
@@ -61,6 +62,7 @@ Environment:
   Kokkos_ROOT, Kokkos_DIR, CMAKE_PREFIX_PATH
                       existing dependencies; packages are not installed if they provide Kokkos, and
                       nothing is downloaded if they provide Zoltan and SEACAS too
+  NO_COLOR            if set, the live line on a terminal has no colour
   BRICKWALL_MPIEXEC   launcher with its options, to which "-n RANKS" is appended
                       (default: the mpiexec of the build)
 TEXT
@@ -249,6 +251,8 @@ find_epu() {
   [[ -x $epu ]] || epu=$(command -v epu || true)
   echo "$epu"
 }
+# A launcher stands between the program and the terminal.
+if [[ -t 2 && ${TERM:-dumb} != dumb ]]; then export BRICKWALL_LIVE=1; else unset BRICKWALL_LIVE; fi
 started=$(mktemp) # older files belong to earlier runs
 trap 'rm -f "$started"' EXIT
 trap 'end_run 143' TERM

@@ -105,7 +105,8 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   if (_config.skip_stationary) {
     _motion.update(space, surface);
     _stationary.update(space, surface, _motion, pairs.step_test);
-    _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged());
+    // Ghosts of other ranks may have moved.
+    _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
   }
   EnforcementSums sums;
   if (canSkipAll()) {

@@ -99,7 +99,7 @@ enum ContactEnergy : int {
 using ContactEnergySums = LimbSums<num_contact_energies>;
 
 // Counts of a rank in a step, reduced together with the step's sums.
-constexpr int num_host_counts = 5;
+constexpr int num_host_counts = 6;
 struct StepCounts {
   std::int64_t failures = 0; // for example of loads; any failure ends the run
   std::int64_t host[num_host_counts] = {}; // for the host program

@@ -111,6 +111,7 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
                  "which separate waiting from work")
       ->type_name("HOW")
       ->check(CLI::IsMember({"normal", "paper"}));
+  app.add_flag("-q,--quiet", options.quiet, "print warnings and the last lines only");
   app.add_flag("--keys", keys, "list all blocks and keys of a deck");
   app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
 

@@ -17,6 +17,7 @@ struct Options {
   std::string output_directory; // default out/<deck name>
   bool write_output = true; // false with --no-output: no file at all is written
   Timing timing = Timing::normal;
+  bool quiet = false; // no progress and no tables
   std::optional<double> time_limit; // s of wall clock since the start of the run
   std::string restart; // "latest" or the path of a checkpoint; "": a run from the start
   std::optional<double> extend_to; // time at which a restarted run ends, in place of its end

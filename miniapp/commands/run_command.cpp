@@ -4,6 +4,7 @@
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/commands/failure.hpp"
 #include "miniapp/commands/run_signals.hpp"
+#include "miniapp/output/progress.hpp"
 #include "miniapp/output/run_output.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/restart/checkpoints.hpp"
@@ -38,9 +39,11 @@ constexpr int stopped_code = 5;
 class Run {
 public:
   Run(MPI_Comm comm, const Config& config, const Options& options)
-      : _comm(comm), _config(config), _options(options), _recorder(comm, options.timing),
-        _scene(makeScene(exec_space(), comm, config)), _simulation(comm, config, _scene),
-        _limits(config.limits), _checkpoints(comm, config, _scene, options.output_directory),
+      : _comm(comm), _config(config), _options(options),
+        _progress(rankOf(comm) == 0 ? Progress::chooseStyle(options.quiet) : Progress::Style::none),
+        _recorder(comm, options.timing), _scene(makeScene(exec_space(), comm, config)),
+        _simulation(comm, config, _scene), _limits(config.limits),
+        _checkpoints(comm, config, _scene, options.output_directory),
         _output(comm, config, _scene, options.output_directory, options.caseName(),
                 options.write_output) {
     _setup_seconds = _clock.seconds();
@@ -70,6 +73,7 @@ public:
     }
     if (_breakdown.empty() && (_config.checkpoint.any() || !_stopped.empty() || _out_of_time))
       writeCheckpoint();
+    _progress.clear();
     _output.writeState(_simulation);
     _output.close();
     const RunReport report = makeReport();
@@ -78,7 +82,7 @@ public:
     if (rankOf(_comm) == 0) {
       if (!_breakdown.empty())
         printMessage(_breakdown);
-      printReport(std::cout, report);
+      printReport(std::cout, report, _options.quiet);
     }
     if (!_checkpoint_failure.empty())
       throw OutputError(_checkpoint_failure);
@@ -96,7 +100,7 @@ private:
       extendTo(*_options.extend_to);
     _limits.restore(data.reported_limits, data.warnings);
     _has_large_strain = data.has_large_strain;
-    print("restarted at step " + presentStep());
+    printUnlessQuiet("restarted at step " + presentStep());
     _is_complete = _simulation.isDone();
     if (_is_complete)
       return;
@@ -125,6 +129,7 @@ private:
       if (obeyRequests())
         return;
     }
+    _loop_begin = _clock.seconds();
     bool first = true;
     while (!_simulation.isDone()) {
       makeRequests();
@@ -192,7 +197,7 @@ private:
       _output.sync();
       RunRestart data{_simulation.restartData(), _output.restartData(), _limits.reported(),
                       _has_large_strain, _limits.warnings()};
-      print("checkpoint " + _checkpoints.write(data, _simulation));
+      printUnlessQuiet("checkpoint " + _checkpoints.write(data, _simulation));
     } catch (const OutputError& error) {
       _checkpoint_failure = error.what();
       print("warning: no checkpoint: " + _checkpoint_failure);
@@ -205,9 +210,14 @@ private:
                   clock.time);
   }
 
-  void print(const std::string& line) const {
+  void print(const std::string& line) {
+    _progress.clear();
     if (rankOf(_comm) == 0)
       std::cout << line << std::endl;
+  }
+  void printUnlessQuiet(const std::string& line) {
+    if (!_options.quiet)
+      print(line);
   }
 
   void checkLimits() {
@@ -249,16 +259,10 @@ private:
   }
 
   void printProgress() {
-    constexpr double seconds_between_lines = 5;
-    if (rankOf(_comm) != 0 || _clock.seconds() - _last_progress < seconds_between_lines)
-      return;
-    _last_progress = _clock.seconds();
     const auto& clock = _simulation.clock();
-    std::printf("step %lld of %lld  time %.4g  energy error %.2e  %.0f s\n",
-                static_cast<long long>(clock.step),
-                static_cast<long long>(_simulation.steps().plannedSteps()), clock.time,
-                _simulation.balance().energy_error, _last_progress);
-    std::fflush(stdout);
+    _progress.show({clock.step, _simulation.steps().plannedSteps(), _first_step, clock.time,
+                    _clock.seconds() - _loop_begin, _simulation.balance().energy_error,
+                    _simulation.balance().host_counts[active_contacts]});
   }
 
   RunReport makeReport() {
@@ -289,6 +293,7 @@ private:
   const Options& _options;
   RunSignals _signals;
   WallClock _clock;
+  Progress _progress;
   PhaseRecorder _recorder;
   Scene _scene;
   Simulation _simulation;
@@ -298,7 +303,7 @@ private:
   double _setup_seconds = 0; // without output
   std::int64_t _searches_before = 0; // in steps that are not timed
   std::int64_t _first_step = 0; // of a restarted run
-  double _last_progress = 0;
+  double _loop_begin = 0; // s
   double _last_checkpoint = 0; // s
   std::int64_t _last_checkpoint_step = -1;
   std::string _checkpoint_failure; // of the last one

@@ -107,11 +107,11 @@ std::string EarlierResults::open(int ranks) {
     try {
       _files.emplace_back(io::rankFileName(_base, ranks, r));
       problem = problemOf(_files.back());
+      if (!problem.empty())
+        problem = io::rankFileName(_base, ranks, r) + ": " + problem;
     } catch (const Error& error) {
       problem = error.what();
     }
-    if (!problem.empty())
-      problem = io::rankFileName(_base, ranks, r) + ": " + problem;
   }
   const int none = sizeOf(_comm);
   const int first = allReduce(_comm, problem.empty() ? none : rankOf(_comm), MPI_MIN);

@@ -323,7 +323,9 @@ void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report
   writeTextFile(comm, path, reportJson(report));
 }
 
-void printReport(std::ostream& out, const RunReport& r) {
+namespace {
+
+void printTables(std::ostream& out, const RunReport& r) {
   printHeading(out, r.case_name,
                format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s", r.elements,
                       r.nodes, r.faces, r.steps, r.end_time),
@@ -347,6 +349,13 @@ void printReport(std::ostream& out, const RunReport& r) {
     if (part.share > 0)
       out << format("skipped: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                     part.of.c_str());
+}
+
+} // namespace
+
+void printReport(std::ostream& out, const RunReport& r, bool quiet) {
+  if (!quiet)
+    printTables(out, r);
   for (std::size_t i = r.printed_warnings; i < r.warnings.size(); ++i)
     out << "warning: " << r.warnings[i] << '\n';
   out << format("FOM element_steps_per_second=%.6g face_searches_per_second=%.6g "

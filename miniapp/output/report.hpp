@@ -105,8 +105,8 @@ std::string reportJson(const RunReport& report);
 void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report);
 
 // Table of phases, FOM line, and last line PASS, FAIL or STOPPED with the reasons. For the standard output
-// of rank 0.
-void printReport(std::ostream& out, const RunReport& report);
+// of rank 0. If `quiet`, only warnings, FOM line and last line.
+void printReport(std::ostream& out, const RunReport& report, bool quiet = false);
 
 // Parts of both reports.
 

@@ -125,19 +125,20 @@ void removeTree(const std::string& path) {
 
 struct Checkpoints::Opened {
   Json manifest;
-  std::vector<std::vector<io::Table>> tables; // of the files that this rank reads
+  TableFiles tables; // of the files that this rank reads
 };
 
-Checkpoints::Checkpoints(MPI_Comm comm, const Config& config, const Scene& scene,
-                         const std::string& output_directory)
-    : _comm(comm), _config(config), _folder(output_directory + "/checkpoints") {
-  const Provenance build = describeRun(comm);
+void Checkpoints::prepare() {
+  if (!_mesh.empty())
+    return;
+  const Provenance build = describeRun(_comm);
   _version = build.version;
   _commit = build.commit;
-  _mesh = meshChecksum(comm, scene);
+  _mesh = meshChecksum(_comm, _scene);
 }
 
-std::string Checkpoints::write(const RunRestart& data, const Simulation& simulation) const {
+std::string Checkpoints::write(const RunRestart& data, const Simulation& simulation) {
+  prepare();
   const int ranks = sizeOf(_comm), rank = rankOf(_comm);
   const std::string name = stepName(data.simulation.steps.clock.step);
   const std::string path = _folder + "/" + name, temporary = path + ".tmp";
@@ -275,7 +276,8 @@ Checkpoints::Opened Checkpoints::open(const std::string& path, bool reads_tables
   return opened;
 }
 
-RunRestart Checkpoints::read(const std::string& which, const Simulation& simulation) const {
+RunRestart Checkpoints::read(const std::string& which, const Simulation& simulation) {
+  prepare();
   const std::string path = pathOf(which);
   try {
     const Opened opened = open(path, true);

@@ -14,22 +14,24 @@ namespace brickwall::miniapp {
 class Checkpoints {
 public:
   // Of runs of `config` that write to `output_directory`. `config` and `scene` must outlive the
-  // object. Collective.
+  // object.
   Checkpoints(MPI_Comm comm, const Config& config, const Scene& scene,
-              const std::string& output_directory);
+              const std::string& output_directory)
+      : _comm(comm), _config(config), _scene(scene), _folder(output_directory + "/checkpoints") {}
 
   // Writes a checkpoint beside the others, brings it to the disk and gives it its name; then removes
   // all but this one and the one before it. Returns its path. Throws OutputError on all ranks; the
   // others are then as they were. Collective.
-  std::string write(const RunRestart& data, const Simulation& simulation) const;
+  std::string write(const RunRestart& data, const Simulation& simulation);
 
   // Reads the checkpoint `which`: "latest", or the folder of one or its manifest. Throws InputError
   // on all ranks with the reason why it cannot be used, and with the path of the one before it if
   // that can be used. Collective.
-  RunRestart read(const std::string& which, const Simulation& simulation) const;
+  RunRestart read(const std::string& which, const Simulation& simulation);
 
 private:
   struct Opened; // manifest and tables
+  void prepare(); // at the first use; collective
   std::string pathOf(const std::string& which) const; // collective
   Opened open(const std::string& path, bool reads_tables) const; // collective
   void checkManifest(const std::string& path, const nlohmann::ordered_json& manifest) const;
@@ -37,6 +39,7 @@ private:
 
   MPI_Comm _comm;
   const Config& _config;
+  const Scene& _scene;
   std::string _folder;
   std::string _version, _commit;
   std::string _mesh; // checksum

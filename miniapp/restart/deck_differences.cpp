@@ -37,7 +37,8 @@ std::string deckDifference(const std::string& of_checkpoint, const std::string& 
     const std::string was = i < before.size() ? before[i] : "nothing more";
     const std::string is = i < now.size() ? now[i] : "nothing more";
     if (was != is)
-      return "it was written with " + was + ", and the deck has " + is;
+      return "it was written with " + was + ", and the deck has " + is +
+             (is.compare(0, 8, "time.end") == 0 ? "; --extend-to moves the end" : "");
   }
   return "";
 }

@@ -1,9 +1,8 @@
 // What a run carries from step to step, and its tables in restart files.
 #pragma once
 
-#include "io/checkpoint/table_file.hpp"
 #include "miniapp/output/run_output.hpp"
-#include "miniapp/simulation/simulation.hpp"
+#include "miniapp/restart/entity_tables.hpp"
 
 #include <mpi.h>
 
@@ -28,7 +27,6 @@ std::vector<io::Table> tablesOf(const RunRestart& data, const Simulation& simula
 // those that it has read and takes what its part of `simulation` needs; rank 0 has read the file of
 // rank 0. Warnings are not in the tables. Throws InputError on all ranks for tables of another mesh
 // or build. Collective.
-RunRestart fromTables(const std::vector<std::vector<io::Table>>& files,
-                      const Simulation& simulation);
+RunRestart fromTables(const TableFiles& files, const Simulation& simulation);
 
 } // namespace brickwall::miniapp

@@ -12,9 +12,10 @@ enum HostCount : int {
   deeper_than_boxes,
   // numbers of ranks that ask for these: see Requests
   stop_requests,
-  checkpoint_requests
+  checkpoint_requests,
+  active_contacts // contacts under load
 };
-static_assert(checkpoint_requests < mechanics::num_host_counts);
+static_assert(active_contacts < mechanics::num_host_counts);
 
 // What a rank, or all of them together, ask for in a step: a signal has arrived, or time is up.
 struct Requests {

@@ -230,6 +230,7 @@ void Simulation::bookEnergies() {
     _contact->countDeepContacts(_step.contact, counts);
     contact_energies = _contact->energies(_step.contact);
   }
+  counts.host[active_contacts] = _step.contact.active();
   counts.host[stop_requests] = _requests.stop;
   counts.host[checkpoint_requests] = _requests.checkpoint;
   _ledger.bookStep(_comm, clock().kickLength(), clock().dt, _step.internal, contact_energies,

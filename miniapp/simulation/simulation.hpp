@@ -48,9 +48,11 @@ struct SimulationRestart {
   mechanics::TimeSpan load_span, previous_load_span;
   mechanics::KindFlags forces_act = {};
   std::int64_t guarded_steps = 0, skipped_element_steps = 0; // of all ranks
+  // The tunnelling guard may repeat the last kick, which needs its forces.
+  bool keeps_forces = false;
   // of this rank's nodes
   std::vector<double> displacement, velocity; // [node][xyz]: u^n, v^{n+1/2}
-  // [node][column] in quanta: only if the tunnelling guard may repeat the last kick, otherwise empty
+  // [node][column] in quanta; empty unless keeps_forces
   std::vector<std::int64_t> forces;
   ContactRestart contact;
 };

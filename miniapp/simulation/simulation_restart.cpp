@@ -42,7 +42,8 @@ SimulationRestart Simulation::restartData() const {
   data.skipped_element_steps = allReduce(_comm, _skipped_element_steps, MPI_SUM);
   data.displacement = rowsOf<double>(_state.displacement);
   data.velocity = rowsOf<double>(_state.velocity);
-  if (_contact && balance().fast_nodes > 0)
+  data.keeps_forces = _contact && balance().fast_nodes > 0;
+  if (data.keeps_forces)
     data.forces = rowsOf<std::int64_t>(_forces.values);
   if (_contact)
     data.contact = _contact->restartData(_step.contact);
@@ -52,7 +53,7 @@ SimulationRestart Simulation::restartData() const {
 void Simulation::restore(const SimulationRestart& data) {
   setRows(_state.displacement, data.displacement);
   setRows(_state.velocity, data.velocity);
-  if (!data.forces.empty())
+  if (data.keeps_forces)
     setRows(_forces.values, data.forces);
   _forces.acts = data.forces_act;
   _steps.restore(data.steps);

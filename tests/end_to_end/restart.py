@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Compares a straight run with one that is interrupted and restarted on other numbers of ranks and
-threads: history.csv byte by byte, all variables of the joined Exodus file bit by bit, and the
-checksums of the final state and contact history.
+"""Compares a run with one that is interrupted and restarted on other numbers of ranks and threads:
+history.csv byte by byte, all variables of the joined Exodus file bit by bit, and the checksums of the
+final state and contact history.
 
-Usage: restart.py BRICKWALL MPIEXEC EPU DECK STEPS "LEG LEG ..." [program options]
-A leg is RANKSxTHREADS@STEPS (run to that step), RANKSxTHREADS@kill (SIGKILL after a checkpoint) or
-RANKSxTHREADS@end.
+Usage: restart.py BRICKWALL MPIEXEC EPU DECK "LEG ..." "LEG ..." [program options]
+The first list is the reference. Each leg after the first of a list restarts from the latest
+checkpoint. A leg is RANKSxTHREADS@END: END is the last step, `end` for that of the deck, or `kill`
+for SIGKILL to all ranks at the leg's first checkpoint; with END+TIME, the leg extends the run to TIME.
 """
 import json
 import os
@@ -17,7 +18,7 @@ import tempfile
 import netCDF4
 import numpy
 
-brickwall, mpiexec, epu, deck, steps, legs = sys.argv[1:7]
+brickwall, mpiexec, epu, deck, reference, legs = sys.argv[1:7]
 options = sys.argv[7:]
 name = os.path.splitext(os.path.basename(deck))[0]
 
@@ -71,15 +72,15 @@ def difference(one, other):
     return None
 
 
-with tempfile.TemporaryDirectory() as work:
-    straight, pieces = f"{work}/straight", f"{work}/pieces"
-    run(straight, 1, 1, ["--steps", steps])
+def run_legs(folder, legs):
     more = []
     for leg in legs.split():
         layout, end = leg.split("@")
         ranks, threads = (int(n) for n in layout.split("x"))
+        end, _, time = end.partition("+")
+        more += ["--extend-to", time] if time else []
         if end == "kill":
-            process = start(pieces, ranks, threads, more + ["--steps", steps])
+            process = start(folder, ranks, threads, more)
             for line in process.stdout:
                 if line.startswith("checkpoint "):
                     break
@@ -87,9 +88,15 @@ with tempfile.TemporaryDirectory() as work:
             process.communicate()
             assert process.returncode not in (0, 2), f"the run ended before it was killed: {legs}"
         else:
-            run(pieces, ranks, threads, more + ["--steps", steps if end == "end" else end])
+            run(folder, ranks, threads, more + (["--steps", end] if end != "end" else []))
         more = ["--restart", "latest"]
-    join(pieces, ranks)
+    join(folder, ranks)
+
+
+with tempfile.TemporaryDirectory() as work:
+    straight, pieces = f"{work}/straight", f"{work}/pieces"
+    run_legs(straight, reference)
+    run_legs(pieces, legs)
     found = difference(straight, pieces)
     if found:
         sys.exit(f"{legs}: {found}")

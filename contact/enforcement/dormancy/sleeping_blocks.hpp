@@ -44,8 +44,8 @@ public:
   SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes);
 
   // At the start of a step: wakes the blocks that must be tested. `motion` must include this step.
-  // `is_unchanged`: nothing has moved in this step and in the last one; rows may then have lost
-  // pairs, but not gained any.
+  // `is_unchanged`: nothing has moved in this step and in the last one, and there are no ghosts; rows
+  // may then have lost pairs, but not gained any.
   void wake(const exec_space& space, const CandidatePairs& pairs, const SurfaceMotion& motion,
             bool is_unchanged);
 

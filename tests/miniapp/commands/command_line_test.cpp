@@ -25,6 +25,19 @@ TEST(CommandLine, RunsTheDefaultDeckWithoutWords) {
   EXPECT_EQ(line.options->timing, Timing::normal);
 }
 
+TEST(CommandLine, TakesTheOptionsOfLongRuns) {
+  const CommandLine line =
+      parse({"run", "--time-limit", "100:01:30", "--restart", "latest", "--extend-to", "0.5"});
+  ASSERT_TRUE(line.options.has_value()) << line.text;
+  EXPECT_EQ(line.options->time_limit, 360090.0);
+  EXPECT_EQ(line.options->restart, "latest");
+  EXPECT_EQ(line.options->extend_to, 0.5);
+  EXPECT_EQ(parse({"--time-limit", "90"}).exit_code, 2);
+  EXPECT_EQ(parse({"--time-limit", "1:60:00"}).exit_code, 2);
+  EXPECT_EQ(parse({"--extend-to", "0.5"}).exit_code, 2);
+  EXPECT_EQ(parse({"check", "--restart", "latest"}).exit_code, 2);
+}
+
 TEST(CommandLine, TakesCommandDeckAndOptionsInAnyOrder) {
   const CommandLine line =
       parse({"--set", "time.end=1", "check", "--kokkos-threads=2", "decks/a.b.toml", "-o", "here",
