@@ -30,7 +30,8 @@ struct Interaction {
   int is_retained = 0; // 1: an edge contact that continues at fixed points (ContactTest::retain)
 
   // Of the current step only.
-  int is_new = 1; // activated in this step
+  bool is_new = true; // activated in this step
+  bool settles = false; // damped as a sliding contact that returned; of all steps, eq. (37)
   int node = -1; // surface node (or number of the edge) whose row this is
   int face_index = -1; // own face below num_faces, otherwise ghost face index - num_faces
   double first_damping = 0; // F_d before the corrections

@@ -27,6 +27,7 @@ struct FaceContact {
   bool has_ended; // its node is in front of the face again
   bool is_persistent; // it continues under load; all other contacts become active in this step
   bool is_compressive; // it has a force
+  bool settles; // see Interaction
 
   // Of contacts that are selected
   Vec3 motion; // of the pushing point in this step with respect to the face point, length
@@ -36,6 +37,11 @@ struct FaceContact {
   int node; // node (or number of the edge) whose row this is
 
   KOKKOS_INLINE_FUNCTION Vec3 unitNormal() const { return {normal[0], normal[1], normal[2]}; }
+  // Whether it slides faster than it approaches.
+  KOKKOS_INLINE_FUNCTION bool slides() const {
+    const double along = dot(unitNormal(), motion);
+    return dot(motion, motion) > 2 * along * along;
+  }
   // Whether the contact continues on another face, or at other points, than `last`.
   KOKKOS_INLINE_FUNCTION bool hasChangedFace(const Interaction& last) const {
     return face != previous_face || (last.is_retained && !is_retained);

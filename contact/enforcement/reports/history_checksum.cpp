@@ -27,6 +27,7 @@ struct HashInteraction {
     hash.take(pair.closing);
     hash.take(pair.normal);
     hash.take(pair.is_retained);
+    hash.take(static_cast<int>(pair.settles));
     hash.take(pair.point.share);
     hash.take(pair.first_force);
     for (const double weight : pair.weight)

@@ -36,6 +36,8 @@ struct EnforcementStep {
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;
   RowWorkspace workspace;
+  int number = 0; // of this step
+  View<int*> last_contact; // [node] number of the step after its last contact, or 0; with friction
   PairForces add; // accumulates the forces of the interactions written to `next`
 
   // The work of a fading force over a motion of its pair.
@@ -88,6 +90,17 @@ struct EnforcementStep {
                      energy_scale);
     }
     return on_spring;
+  }
+
+  // Whether a contact of this node returns: the node had none in the last step, but one shortly
+  // before. Without friction it does not matter.
+  KOKKOS_INLINE_FUNCTION bool returns(int node) const {
+    if (!(law.config.friction > 0))
+      return false;
+    int& last = last_contact(node);
+    if (previous.row_count(node) > 0)
+      last = number;
+    return last > 0 && last < number && number - last <= ContactLaw::settling_steps;
   }
 
   KOKKOS_INLINE_FUNCTION double inverseMassOf(const FaceContact& contact) const {

@@ -85,6 +85,8 @@ private:
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
+  int _num_steps = 0;
+  View<int*> _last_contact; // see EnforcementStep
   RowWorkspace _workspace; // empty until a row is crowded
   ContactForces _forces;
   ContactForces _proposals; // magnitudes
@@ -96,6 +98,8 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
                                    Select functor) {
   auto& step = functor.step;
   step.law.config = _config;
+  step.number = ++_num_steps;
+  step.last_contact = _last_contact;
   step.pairs = pairs;
   step.previous = _history;
   step.next_count = _next_count;

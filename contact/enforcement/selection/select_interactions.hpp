@@ -286,10 +286,14 @@ struct SelectInteractions {
     const int node = step.pairs.node(row);
     const int num_contacts = select.selectActiveFaces(row, node, persistent, contacts, sums);
     select.countLost(node, persistent, sums);
+    const bool returns = step.returns(node);
     double deepest = 0;
     for (int h = 0; h < num_contacts; ++h) {
       deepest = maxOf(deepest, contacts[h].depth);
       contacts[h].is_compressive = select.isCompressive(node, contacts[h]);
+      contacts[h].settles = contacts[h].is_persistent
+                                ? step.previous.interactions(contacts[h].previous).settles
+                                : returns && contacts[h].slides();
     }
     for (int h = 0; h < num_contacts; ++h)
       if (contacts[h].is_compressive && !contacts[h].is_persistent)

@@ -86,6 +86,7 @@ private:
     now.point = contact.point;
     now.face_index = contact.face;
     now.is_retained = contact.is_retained;
+    now.settles = contact.settles;
     now.normal = contact.unitNormal();
     for (int j = 0; j < 4; ++j)
       now.weight[j] = contact.weight[j];
@@ -148,7 +149,10 @@ private:
       const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
       state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
     }
-    law.setSpring(state, cap(state));
+    const double penalty = contact.settles ? law.settlingPenalty() : law.config.penalty;
+    const double softer = penalty / law.config.penalty;
+    state.activation_stiffness[0] *= softer;
+    law.setSpring(state, softer * cap(state));
     if (contact.is_persistent && state.last_fade_weight[0] < 1)
       limitStoredEnergy(contact, state);
     Interaction& now = step.next.interactions(index);
@@ -158,7 +162,10 @@ private:
     step.kinematics.fade(law.config, step.faces, contact, now, fading);
     state.fade_weight = now.fade_weight;
     state.first_force = now.first_force;
-    law.setDamping(state);
+    if (contact.settles)
+      law.setDamping(state, law.settlingDamping(), penalty);
+    else
+      law.setDamping(state);
     if (now.fade_weight < 1)
       fading.work = step.workOf(fading, contact.motion, now, contact.face);
     count(contact, now.depth, sums);

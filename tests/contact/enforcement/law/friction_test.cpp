@@ -115,6 +115,39 @@ TEST(Friction, RecordsItsWorkAndItsStoredEnergy) {
   EXPECT_LT(work, -1e-4); // dissipated by slip
 }
 
+// A contact that returns within 100 steps and slides faster than it approaches settles: softer by
+// s'/s and damped by 0.7, so that s'/4 + 0.7 sqrt(s') = s/4.
+TEST(Settling, DampsSlidingContactsThatReturnSoon) {
+  const double s = rough().penalty;
+  const double root = std::sqrt(4 * 0.7 * 0.7 + s) - 2 * 0.7;
+  EXPECT_NEAR(0.25 * root * root + 0.7 * root, 0.25 * s, 1e-15);
+  const auto returns = [&](const Vec3& motion, int steps_apart, const EnforcementConfig& c) {
+    auto run = pressedBlock(c);
+    int node = 0;
+    while (run->scene.node_body[node] == 0 || run->of(node).empty())
+      ++node;
+    const double stiffness = run->of(node)[0].stiffness;
+    EXPECT_FALSE(run->of(node)[0].settles);
+    run->moveAndStep(1, {0, 0, 0.05});
+    for (int i = 1; i < steps_apart; ++i)
+      run->moveAndStep(1, {0, 0, 0});
+    run->moveAndStep(1, motion);
+    const Interaction pair = run->of(node)[0];
+    const double penalty = pair.settles ? root * root : s, zeta = pair.settles ? 0.7 : c.damping;
+    EXPECT_NEAR(pair.stiffness / stiffness, penalty / s, 1e-14);
+    EXPECT_NEAR(pair.damping,
+                2 * zeta * pair.stiffness * dt / std::sqrt(penalty) * pair.closing / dt,
+                1e-14 * pair.first_force);
+    return pair.settles;
+  };
+  const Vec3 slide = {0.051, 0, -0.05}, drop = {0.049, 0, -0.05};
+  EXPECT_TRUE(returns(slide, 1, rough()));
+  EXPECT_TRUE(returns(slide, 100, rough()));
+  EXPECT_FALSE(returns(slide, 101, rough()));
+  EXPECT_FALSE(returns(drop, 1, rough()));
+  EXPECT_FALSE(returns(slide, 1, config())); // without friction
+}
+
 TEST(ContactDamping, NeverPullsAndOpposesTheMotion) {
   EnforcementConfig c = config();
   c.damping = 0.2;
