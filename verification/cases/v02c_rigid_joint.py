@@ -2,7 +2,8 @@
 theory the restitution is e = 1 (equal bars), 1/2 (lengths 1 and 2), 7/9 (impedances 1 and 2).
 Elements disperse the front of the wave, which changes e by O(h^(2/3)) whatever the contact is: also
 if both end nodes are one while they press (no compliance at all). Contact adds less than 1 % to the
-error of such a rigid joint on the same mesh and step."""
+error of such a rigid joint on the same mesh and step. While the bars press, the force oscillates with
+the frequency of the mode of the joint, eq. (39) of contact/theory.md."""
 import numpy as np
 from _bars import histories
 from v02b_unlike_bars import two_bars
@@ -41,6 +42,28 @@ def rigid_joint(n, length, modulus, dt):
     return mean[1] - mean[0]
 
 
+def mode_of_joint(penalty, courant):
+    """Frequency times the step of the mode at a joint of equal bars, eq. (39), by central differences."""
+    ratio = penalty / (2 * courant**2)
+    decay = np.sqrt(4 * ratio**2 + 1) - 2 * ratio  # 1/r - r = 4 ratio
+    return 2 * np.arcsin(0.5 * courant * np.sqrt(2 + decay + 1 / decay))
+
+
+def peak_of_spectrum(values):
+    """The frequency, in radians a sample, with the largest share of the values' oscillation."""
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)), 64 * len(values)))
+    return 2 * np.pi * np.argmax(spectrum) / (64 * len(values))
+
+
+def check_mode(lab, n=80):
+    run = lab.run(f"mode_n{n}", {"contact.penalty": DEFAULT_PENALTY, "time.end": 2.0, "output.interval": 1e-9},
+                  mesh=two_bars(1.0, n, 1.0, n))
+    bars = histories(run.results)
+    pressed = bars.force[1][(bars.times > 0.5) & (bars.times < 1.7)]
+    # The peak of a Hann window lies within a tenth of 2 pi/len(pressed).
+    lab.check(peak_of_spectrum(pressed), mode_of_joint(DEFAULT_PENALTY, n * bars.times[1]), 0.01, "mode_of_joint")
+
+
 def evaluate(lab):
     v = lab.deck["initial"]["velocity"][0]["velocity"][0]
     rows = []
@@ -58,6 +81,7 @@ def evaluate(lab):
             lab.check(right - left, exact, abs(rigid) + 0.01, f"{name}_n{n}" if rows else "")
             lab.check(history["energy_error"].max(), 0, 1e-10, f"energy_{name}_n{n}")
             rows.append([name, n, dt * n, right - left, exact, error, rigid, last, 2 + dt])
+    check_mode(lab)
     lab.table("Restitution e; its errors with the contact and with a rigid joint; last contact:",
               ["bars", "elements", "dt c/h", "e", "exact", "error", "rigid joint", "last contact", "exact + dt"], rows)
     largest = max(rows, key=lambda row: abs(row[5]))
