@@ -7,9 +7,11 @@
 namespace brickwall::mechanics {
 
 // Overwrites the matrix. Its diagonal then holds the eigenvalues in no particular order, accurate
-// to rounding of the norm.
+// to rounding of the norm, and the columns of `vectors`, if given, the unit eigenvectors.
 template <int N>
-KOKKOS_INLINE_FUNCTION void diagonalise(double (&a)[N][N]) {
+KOKKOS_INLINE_FUNCTION void diagonalise(double (&a)[N][N], double (*vectors)[N] = nullptr) {
+  for (int k = 0; vectors && k < N * N; ++k)
+    vectors[k / N][k % N] = k / N == k % N ? 1 : 0;
   for (int sweep = 0; sweep < 30; ++sweep) {
     double off = 0, diagonal = 0;
     for (int i = 0; i < N; ++i) {
@@ -36,6 +38,11 @@ KOKKOS_INLINE_FUNCTION void diagonalise(double (&a)[N][N]) {
           const double pk = a[p][k], qk = a[q][k];
           a[p][k] = c * pk - s * qk;
           a[q][k] = s * pk + c * qk;
+        }
+        for (int k = 0; vectors && k < N; ++k) {
+          const double kp = vectors[k][p], kq = vectors[k][q];
+          vectors[k][p] = c * kp - s * kq;
+          vectors[k][q] = s * kp + c * kq;
         }
       }
   }

@@ -8,7 +8,7 @@ namespace brickwall::mechanics {
 struct NodalState {
   View<double* [3]> displacement; // u^n [node][xyz], length; x = X + u
   View<double* [3]> velocity; // v^{n-1/2} before the kick, v^{n+1/2} after it, length/time
-  View<double*> mass; // lumped, summed over ranks
+  View<double*> mass; // summed over ranks
 };
 
 // Force kinds of the ledger; each is a group of 3 columns of NodalForces::values. The columns of

@@ -1,7 +1,7 @@
 #include "mechanics/stability/stable_time_step.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "mechanics/stability/recent_results.hpp"
+#include "mechanics/mesh/recent_results.hpp"
 #include "mechanics/stability/step_bounds.hpp"
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 struct Limits {
   double dt = HUGE_VAL;
   global_id elem = INT64_MAX;
-  double bare = HUGE_VAL; // dt without viscosity, at rest
+  double bare = HUGE_VAL; // dt without viscosity
   double viscous = 0; // c
   double growth = 0; // of omega^2
   double turn = 0; // theta
@@ -29,6 +29,18 @@ struct Limits {
     growth = maxOf(growth, b.growth);
     turn = maxOf(turn, b.turn);
     return *this;
+  }
+  // From `bare`, 2/omega of an element of lumped mass, and c and growth likewise, to the limits of
+  // the element with the share `mass` of it, under contact.
+  KOKKOS_INLINE_FUNCTION void settle(double mass, const StabilityTerms& load) {
+    viscous /= mass;
+    growth /= mass;
+    if (bare == HUGE_VAL)
+      return;
+    bare *= std::sqrt(mass);
+    dt = loadedStep(bare, viscous, load);
+    dt = dt == dt ? dt : 0.0;
+    bare = loadedStep(bare, 0, load);
   }
 };
 
@@ -72,7 +84,7 @@ struct LimitsAtRest {
   MeshViews mesh;
   StabilityTerms load;
 
-  // All that the limits of an element depend on, apart from its id.
+  // All that the limits of an element of lumped mass depend on.
   struct Input {
     double X[3][num_modes];
     std::int64_t block;
@@ -100,9 +112,7 @@ struct LimitsAtRest {
     if (load.viscosity.any())
       mine.viscous = viscousRate(load, material, shape.length,
                                  shape.gram(0, 0) + shape.gram(1, 1) + shape.gram(2, 2));
-    const double step = stepOf(omega_square, shape.parallelepiped);
-    mine.dt = loadedStep(step, mine.viscous, load);
-    mine.bare = loadedStep(step, 0, load);
+    mine.bare = stepOf(omega_square, shape.parallelepiped);
     return mine;
   }
 };
@@ -150,19 +160,15 @@ struct LimitsAtDeformation {
     const Material material = mesh.materials(mesh.elem_block(elem));
     Limits mine;
     if (!materialTangent(H, material, A)) {
-      mine.dt = 0;
+      mine.bare = 0;
       mine.growth = HUGE_VAL;
       return mine;
     }
     if (load.viscosity.any())
       mine.viscous =
           viscousRate(load, material, shape.length, deformedTrace(H, shape.gram, material.model));
-    if (sought == Sought::elements || sought == Sought::both) {
-      mine.dt =
-          loadedStep(stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped),
-                     mine.viscous, load);
-      mine.dt = mine.dt == mine.dt ? mine.dt : 0.0;
-    }
+    if (sought == Sought::elements || sought == Sought::both)
+      mine.bare = stepOf(omegaSquare(A, shape.gram, material.density), shape.parallelepiped);
     if (sought != Sought::elements) {
       double change[9][9];
       changeOfModuli(A, H, material, change);
@@ -191,6 +197,8 @@ struct AddLimits {
     for (std::int64_t e = part * items_per_memory; e < end; ++e) {
       const int elem = static_cast<int>(e);
       Limits mine = recent.find(limits_of.inputOf(elem), [&] { return limits_of.of(elem); });
+      mine.settle(limits_of.load.mass_shares.size() > 0 ? limits_of.load.mass_shares(elem) : 1.0,
+                  limits_of.load);
       mine.elem = limits_of.mesh.elem_ids(elem);
       limits += mine;
     }

@@ -19,6 +19,9 @@
 // the step of bodies whose surface nodes are lighter by the fraction a. Interior nodes keep their
 // mass, so bodies of several elements lose less of their step than by Weyl's inequality, which
 // treats every node as a surface node.
+// The elements' own masses, rho V/8 at each corner, sum to the lumped mass M_0. If the nodes of a
+// body have the share kappa of it at least (body_inertia.hpp), then kappa M_0 <= M, and omega^2, c
+// and growth of its elements are divided by kappa.
 #pragma once
 
 #include "mechanics/element/bulk_viscosity.hpp"
@@ -36,6 +39,7 @@ struct StabilityTerms {
   BulkViscosity viscosity;
   double rate = 0; // largest l |tr D|/c_d of compression of any element
   double contact = 0; // a of contactMassFraction
+  View<const double*> mass_shares = {}; // kappa [elem]; empty: 1
 };
 
 // Bounds of omega^2 at rest, 1/time^2; the default uses the element bound alone.

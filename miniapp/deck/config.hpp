@@ -45,6 +45,10 @@ enum class Formulation {
   one_point, // with physical stabilisation, mechanics/element/hex8_one_point.hpp
   full // 2x2x2 points
 };
+enum class NodalMass {
+  inertia, // that of each body is exact, mechanics/mesh/body_inertia.hpp
+  row_sum // an eighth of each element at each of its corners
+};
 
 // Variation in time of a load or of a prescribed velocity. Time t counts from `start`; 0 before it.
 using mechanics::PulseKind;
@@ -180,6 +184,7 @@ struct Config {
   std::optional<MeshConfig> mesh;
   std::vector<MaterialConfig> materials;
   Formulation formulation = Formulation::one_point;
+  NodalMass mass = NodalMass::inertia;
   std::vector<PressureConfig> pressures;
   Triple gravity = {0, 0, 0}; // length/time^2
   mechanics::BulkViscosity viscosity; // [viscosity]

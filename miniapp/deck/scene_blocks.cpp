@@ -50,6 +50,8 @@ void materialKeys(BlockKeys& keys, mechanics::Material& material) {
 void elementKeys(BlockKeys& keys, Config& config) {
   keys.add("formulation", config.formulation,
            "one-point hexahedron with physical stabilisation, or 2x2x2 integration points");
+  keys.add("mass", config.mass,
+           "nodal masses with the exact inertia of each body, or an eighth of each element");
 }
 
 WallConfig readWall(Deck& deck) {

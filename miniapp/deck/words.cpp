@@ -14,6 +14,9 @@ Words<mechanics::MaterialModel> wordsOf(mechanics::MaterialModel) {
 Words<Formulation> wordsOf(Formulation) {
   return {{"one_point", Formulation::one_point, "tlps"}, {"full", Formulation::full}};
 }
+Words<NodalMass> wordsOf(NodalMass) {
+  return {{"inertia", NodalMass::inertia}, {"row_sum", NodalMass::row_sum}};
+}
 Words<PulseKind> wordsOf(PulseKind) {
   return {{"step", PulseKind::step},
           {"half_sine", PulseKind::half_sine},

@@ -27,6 +27,7 @@ using Words = std::vector<Word<Enum>>;
 Words<io::WallEnds> wordsOf(io::WallEnds);
 Words<mechanics::MaterialModel> wordsOf(mechanics::MaterialModel);
 Words<Formulation> wordsOf(Formulation);
+Words<NodalMass> wordsOf(NodalMass);
 Words<PulseKind> wordsOf(PulseKind);
 Words<Distribution> wordsOf(Distribution);
 Words<contact::Scheme> wordsOf(contact::Scheme);

@@ -5,6 +5,7 @@
 #include "contact/base/vec3.hpp"
 #include "io/exodus/mesh_reader.hpp"
 #include "io/wall/wall_generator.hpp"
+#include "mechanics/mesh/body_inertia.hpp"
 #include "mechanics/mesh/lumped_mass.hpp"
 #include "miniapp/scene/conflicting_sets.hpp"
 #include "miniapp/scene/entity_names.hpp"
@@ -237,6 +238,11 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
   scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+  if (config.mass == NodalMass::inertia) {
+    const auto body_mass = mechanics::massWithInertia(space, comm, scene.mesh, scene.mass);
+    scene.mass = body_mass.mass;
+    scene.mass_shares = body_mass.least_shares;
+  }
   try {
     scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
     measureSkinEdges(space, comm, scene);

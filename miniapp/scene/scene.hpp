@@ -21,7 +21,8 @@ struct Scene {
   mechanics::HexMesh mesh;
   mechanics::SharedNodeSum shared;
   mechanics::Skin skin;
-  View<double*> mass; // lumped [node]
+  View<double*> mass; // [node]
+  View<double*> mass_shares; // [elem] least share of the row sum in the body; empty: 1
   std::vector<unsigned char> node_is_owned; // host copy [node]
   global_id num_faces = 0; // exterior faces of all ranks
   double shortest_edge = 0, longest_edge = 0; // of all skin faces of all ranks, length

@@ -29,6 +29,7 @@ void StepController::setLimits(mechanics::ElementKind kind) {
     StepLimit limit;
     limit.load.viscosity = _config.viscosity;
     limit.load.contact = contact_load;
+    limit.load.mass_shares = _scene.mass_shares;
     limit.share = share;
     limit.largest_share = contact_load > 0 ? 1 : 0.5 * (share + 1);
     limit.elements = mechanics::findElementsAtRest(_space, _comm, _scene.mesh, limit.load);

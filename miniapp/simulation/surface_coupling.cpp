@@ -85,6 +85,7 @@ void fillFaces(const exec_space& space, const Scene& scene, const View<const dou
   const auto elem_block = scene.mesh.elem_block;
   const auto materials = scene.mesh.materials;
   const auto X = scene.mesh.reference_coordinates;
+  const auto shares = scene.mass_shares;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::fillFaces", rangePolicy(space, scene.skin.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
@@ -99,7 +100,10 @@ void fillFaces(const exec_space& space, const Scene& scene, const View<const dou
           corners[corner] = rowOf(X, face_to_nodes(face, corner));
           values.corner_mass[corner] = node_mass(face_to_surface_nodes(face, corner));
         }
-        values.surface_mass = surfaceMass(corners, centre, materials(elem_block(elem)).density);
+        // With the least share of a body, the stiffness by area is below that by nodal masses on
+        // all faces alike, so a uniform pressure stays uniform.
+        values.surface_mass = (shares.size() > 0 ? shares(elem) : 1.0) *
+                              surfaceMass(corners, centre, materials(elem_block(elem)).density);
         body(face) = elem_body(elem);
       });
   space.fence();

@@ -26,7 +26,10 @@ def press(lab, lower, upper, settings=None):
 def evaluate(lab):
     pairs = [(3, 3), (3, 4), (4, 3)] if lab.quick else [(6, 6), (3, 4), (6, 8), (9, 12), (4, 3), (8, 6)]
     pressed = {pair: press(lab, *pair) for pair in pairs}
-    straight = press(lab, *pairs[0], {"material.lower.poissons_ratio": 0.0, "material.upper.poissons_ratio": 0.0})
+    # With nu = 0 and row sums, whose ratio to the stiffness is the same at all nodes of a layer, the
+    # motion is one-dimensional.
+    straight = press(lab, *pairs[0], {"material.lower.poissons_ratio": 0.0, "material.upper.poissons_ratio": 0.0,
+                                      "element.mass": "row_sum"})
     largest = {pair: np.abs(error).max() for pair, (_, error, _) in pressed.items()}
     root_mean_square = {pair: np.sqrt(np.mean(error**2)) for pair, (_, error, _) in pressed.items()}
     worst = max(largest[pair] for pair in pairs[1:])

@@ -1,8 +1,9 @@
 """V15: A wall that is its own mirror image stays so under a uniform pulse: u_x changes its sign
 under x -> L - x, u_y and u_z do not. Sums of floating-point numbers at mirrored places round
-differently (1e-16 m here), so the symmetry holds to rounding until a contact is so marginal that
-rounding decides it on one side only. From that step on, the contact status of mirrored nodes
-differs."""
+differently (1e-16 m here), so the symmetry holds until a contact is so marginal that rounding decides
+it on one side only. From that step on, the contact status of mirrored nodes differs. Until then nodes
+above a corner of four bent faces are in contact with one of them, chosen by number: a difference of
+second order in the strains (V9)."""
 import numpy as np
 
 NAME = "V15"
@@ -42,7 +43,7 @@ def evaluate(lab):
     same_contacts = [mirror.difference(results.nodal("contact_status", step)[:, None], 1) == 0 for step in steps]
     last_same = np.argmin(same_contacts) - 1 if not all(same_contacts) else len(gaps) - 1
     largest = np.abs(results.nodal("displacement", last_same)).max()
-    lab.check(gaps[:last_same + 1].max(), 0, 1e-10)
+    lab.check(gaps[:last_same + 1].max(), 0, 1e-8)
     lab.check(results.times[last_same], 1.25e-3, 0, "symmetric_until", error=max(0, 1.25e-3 - results.times[last_same]))
     lab.require(largest > 1e-3, "the_wall_has_moved")
     lab.note(f"The contacts of mirrored nodes are the same up to t = {results.times[last_same]:.3g} s of "

@@ -1,4 +1,5 @@
 """Meshes of hexahedra: boxes, their images under maps, and unions of several."""
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,22 +28,61 @@ class Mesh:
         return Mesh(image(self.nodes), self.hexes, self.blocks, self.node_sets, self.side_sets)
 
 
-def volumes(nodes, hexes):
-    """Volumes of hexahedra by 2x2x2 Gauss points, exact for trilinear ones."""
+def quadrature(nodes, hexes, points=2):
+    """(positions, volumes) [point][element] of a Gauss rule; 2 points an axis are exact for the
+    volume of trilinear hexahedra, 3 for second moments."""
     corner = 2.0 * HEX_CORNERS - 1
-    total = 0
-    for point in corner / np.sqrt(3):
-        factor = 1 + corner * point
-        gradient = np.stack([corner[:, i] * factor[:, (i + 1) % 3] * factor[:, (i + 2) % 3] / 8 for i in range(3)])
-        total = total + np.linalg.det(np.einsum("ic,ecj->eij", gradient, nodes[hexes]))
-    return total
+    places, weights = np.polynomial.legendre.leggauss(points)
+    positions, parts = [], []
+    for at in itertools.product(range(points), repeat=3):
+        factor = (1 + corner * places[list(at)]) / 2
+        gradient = np.stack([corner[:, i] * factor[:, (i + 1) % 3] * factor[:, (i + 2) % 3] / 2 for i in range(3)])
+        parts.append(np.linalg.det(np.einsum("ic,ecj->eij", gradient, nodes[hexes])) * weights[list(at)].prod())
+        positions.append(factor.prod(axis=1) @ nodes[hexes])
+    return np.array(positions), np.array(parts)
+
+
+def volumes(nodes, hexes):
+    return quadrature(nodes, hexes)[1].sum(axis=0)
+
+
+def monomials(x):
+    """1, x, y, z and xx, yy, zz, yz, zx, xy [point][monomial]."""
+    pairs = [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)]
+    return np.column_stack([np.ones(len(x)), x, *(x[:, i] * x[:, j] for i, j in pairs)])
+
+
+def lumped_masses(nodes, hexes, density=1.0):
+    """An eighth of each element's mass at each of its corners. `density` is one number or one per
+    element."""
+    masses = np.zeros(len(nodes))
+    np.add.at(masses, hexes, (density * volumes(nodes, hexes) / 8)[:, None])
+    return masses
 
 
 def nodal_masses(nodes, hexes, density=1.0):
-    """Lumped masses: an eighth of each element's mass at each of its corners. `density` is one
-    number or one per element."""
-    masses = np.zeros(len(nodes))
-    np.add.at(masses, hexes, (density * volumes(nodes, hexes) / 8)[:, None])
+    """The masses of `element.mass = "inertia"`, the default: those with the mass, centre and second
+    moments of each body, two elements or more through the thickness
+    (mechanics/theory.md, equation (37); in directions of one element the excess stays)."""
+    masses = lumped_masses(nodes, hexes, density)
+    positions, weights = quadrature(nodes, hexes, 3)
+    for body in bodies(len(nodes), hexes):
+        elements = np.isin(hexes[:, 0], body)
+        exact = (weights * density)[:, elements].reshape(-1), positions[:, elements].reshape(-1, 3)
+        total, centre = exact[0].sum(), exact[0] @ exact[1] / exact[0].sum()
+        second = np.einsum("n,ni,nj", exact[0], exact[1] - centre, exact[1] - centre) / total
+        frame = np.linalg.inv(np.linalg.cholesky(second)).T
+        share, y = masses[body] / total, (nodes[body] - centre) @ frame
+        q = monomials(y) * np.sqrt([1, 1, 1, 1, 1, 1, 1, 2, 2, 2])
+        residual = [1, 0, 0, 0, 1, 1, 1, 0, 0, 0] - share @ q
+        gram = (q * share[:, None] ** 2).T @ q
+        linear = np.linalg.solve(gram[:4, :4], np.column_stack([residual[:4], gram[:4, 4:]]))
+        needed, schur = residual[4:] - gram[4:, :4] @ linear[:, 0], gram[4:, 4:] - gram[4:, :4] @ linear[:, 1:]
+        variance, modes = np.linalg.eigh(schur)
+        coefficient = modes.T @ needed
+        kept = (variance > 1e-3 * gram[0, 0]) & (coefficient ** 2 * gram[0, 0] <= variance)
+        quadratic = modes[:, kept] @ (coefficient[kept] / variance[kept])
+        masses[body] *= 1 + share * (q[:, :4] @ (linear[:, 0] - linear[:, 1:] @ quadratic) + q[:, 4:] @ quadratic)
     return masses
 
 

@@ -2,7 +2,7 @@
 #include "mechanics/stability/stable_time_step.hpp"
 
 #include "mechanics/element/symmetric_eigenvalue.hpp"
-#include "mechanics/stability/recent_results.hpp"
+#include "mechanics/mesh/recent_results.hpp"
 #include "tests/mechanics/support/block_mesh.hpp"
 #include "tests/mechanics/support/element_force.hpp"
 

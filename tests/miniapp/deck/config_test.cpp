@@ -64,6 +64,7 @@ TEST(Config, NeedsOnlyAWallAMaterialAndAnEndTime) {
   const Config config = parseConfig(smallest, "a.toml");
   EXPECT_EQ(config.wall->ends, Ends::flush);
   EXPECT_EQ(config.formulation, Formulation::one_point);
+  EXPECT_EQ(config.mass, NodalMass::inertia);
   EXPECT_TRUE(config.contact.enabled);
   EXPECT_EQ(config.contact.self, SelfContact::automatic);
   EXPECT_EQ(config.contact.guard, GuardAction::cut);
@@ -124,7 +125,7 @@ TEST(Config, ReadsEveryKey) {
       "title = \"All\"\n[mesh]\nfile = \"sub/m.exo\"\n"
       "[material.a]\nmodel = \"svk\"\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = -0.5\n"
       "[material.b]\nmodel = \"linear\"\ndensity = 1\nyoungs_modulus = 2\npoissons_ratio = 0\n"
-      "[element]\nformulation = \"full\"\n"
+      "[element]\nformulation = \"full\"\nmass = \"row_sum\"\n"
       "[[load.pressure]]\nside_set = \"s\"\nshape = \"friedlander\"\npeak = 5\nduration = 2\n"
       "start = 0.5\ndecay = 3\ndistribution = \"gaussian\"\ncenter = [1, 2, 3]\nradius = 4\n"
       "wave_speed = 340\nfollower = false\n"
@@ -161,6 +162,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.materials[0].material.model, mechanics::MaterialModel::svk);
   EXPECT_EQ(config.materials[0].material.poisson, -0.5);
   EXPECT_EQ(config.formulation, Formulation::full);
+  EXPECT_EQ(config.mass, NodalMass::row_sum);
   const PressureConfig& load = config.pressures.at(0);
   EXPECT_EQ(load.pulse.shape, PulseKind::friedlander);
   EXPECT_EQ(*load.pulse.duration, 2);

@@ -1,4 +1,4 @@
-"""V21: A block slides on a rigid plane with the velocity v0. Friction mu stops it after the distance
+"""V23: A block slides on a rigid plane with the velocity v0. Friction mu stops it after the distance
 v0^2/(2 mu g), since the contact forces carry its weight in the mean. Friction excites the vibration
 of the sliding face; if contacts chatter, friction is not mu F_n where they begin. Sliding contacts
 that return settle (contact/theory.md, section 8), so that the distance is exact."""
@@ -6,9 +6,9 @@ import numpy as np
 from framework.figures import EXACT
 from framework.meshes import box, nodal_masses, together
 
-NAME = "V21"
+NAME = "V23"
 TITLE = "stopping block"
-DECK = "v21_stopping_block.toml"
+DECK = "v23_stopping_block.toml"
 
 
 def scene(n):
