@@ -4,6 +4,7 @@
 #include "contact/base/region.hpp"
 #include "contact/enforcement/edge_edge/edge_contact.hpp"
 #include "contact/enforcement/law/check_enforcement_input.hpp"
+#include "contact/enforcement/node_face/find_joint_areas.hpp"
 #include "contact/enforcement/node_face/node_face_separation.hpp"
 
 namespace brickwall::contact {
@@ -74,6 +75,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
       _num_nodes(surface.num_nodes), _num_faces(surface.num_faces), _config(config),
       _quantum(quantum), _energy_scale(energy_scale), _node_mass(node_mass),
       _node_faces(space, _comm, surface), _records(space, surface, _node_faces),
+      _has_sought_joints(config.scheme != Scheme::energy_neutral),
       _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
       _motion(space, "contact::Enforcement", surface), _stationary("contact::Enforcement", surface),
       _sleeping(space, "contact::Enforcement", surface.num_nodes) {
@@ -109,7 +111,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
   }
   EnforcementSums sums;
-  if (canSkipAll()) {
+  if (_has_sought_joints && canSkipAll()) {
     _set.selectNone(space, faces);
     if (!_stationary.isUnchanged())
       _records.invalidate(space);
@@ -121,6 +123,10 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     sums.edges = edges->select(space, steps.dt, _motion);
   const bool had_forces = _has_forces;
   agreeOnForces(sums, edges);
+  if (!_has_sought_joints) {
+    _joints = findJointAreas(space, _comm, kinematicsOf(faces), faces, pairs, *neutral);
+    _has_sought_joints = true;
+  }
   if (_has_forces || had_forces)
     findTouched(space, faces, edges);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
@@ -149,9 +155,7 @@ bool Enforcement::isOnAnyRank(bool here) const {
 
 std::string Enforcement::problemOf(const Surface& surface, const CandidatePairs& pairs,
                                    const NeutralInput* neutral) const {
-  if (_config.scheme == Scheme::energy_neutral &&
-      (neutral == nullptr || !neutral->accelerations || !neutral->sum_forces ||
-       !neutral->share_with_ghosts))
+  if (_config.scheme == Scheme::energy_neutral && (neutral == nullptr || !neutral->isComplete()))
     return "Enforcement::enforce: rank " + std::to_string(rankOf(_comm)) +
            " has no complete NeutralInput, which Scheme::energy_neutral needs; expected all of its "
            "functions, or Scheme::penalty";
@@ -195,17 +199,8 @@ bool Enforcement::canSkipAll() const {
          (_stationary.isUnchanged() || _sleeping.numAwake() == 0);
 }
 
-ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
-                                            const CandidatePairs& pairs, double dt) {
-  SelectInteractions<NodeFaceKinematics> select;
-  select.step.energy_scale = _energy_scale;
-  select.step.law.dt = dt;
-  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
-  select.step.faces = faces;
-  select.stationary = _stationary.flags();
-  select.sleep = _sleeping.state();
-  select.has_asleep = _sleeping.hasAsleep();
-  NodeFaceKinematics& kinematics = select.step.kinematics;
+NodeFaceKinematics Enforcement::kinematicsOf(const FaceAccess& faces) const {
+  NodeFaceKinematics kinematics;
   kinematics.lateral_tolerance = _config.lateral_tolerance;
   kinematics.edge_tolerance = _config.edge_tolerance;
   kinematics.opposed_cosine = _config.opposed_cosine;
@@ -216,8 +211,23 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   kinematics.num_faces = faces.surface.num_faces;
   kinematics.num_remote = _node_faces.numRemote();
   kinematics.node_mass = _node_mass;
+  kinematics.joints = _joints;
   kinematics.status = _status;
   kinematics.gap = _gap;
+  return kinematics;
+}
+
+ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
+                                            const CandidatePairs& pairs, double dt) {
+  SelectInteractions<NodeFaceKinematics> select;
+  select.step.energy_scale = _energy_scale;
+  select.step.law.dt = dt;
+  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  select.step.faces = faces;
+  select.stationary = _stationary.flags();
+  select.sleep = _sleeping.state();
+  select.has_asleep = _sleeping.hasAsleep();
+  const NodeFaceKinematics& kinematics = select.step.kinematics = kinematicsOf(faces);
   if (_has_status)
     clearStatus(space);
   const ContactSums sums = _set.select(space, pairs, select);

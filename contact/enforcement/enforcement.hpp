@@ -12,31 +12,19 @@
 #pragma once
 
 #include "contact/enforcement/node_face/face_records.hpp"
+#include "contact/enforcement/node_face/joint_areas.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
+#include "contact/enforcement/selection/neutral_input.hpp"
 #include "contact/enforcement/selection/touched_nodes.hpp"
 
 #include <mpi.h>
 
-#include <functional>
 #include <string>
 
 namespace brickwall::contact {
 
-// Input of the energy-neutral scheme from the host code.
-struct NeutralInput {
-  // Accelerations by all other forces at x^{n+1}, including gravity, 0 where the motion is
-  // prescribed [surface node][xyz]; only those of the listed nodes are read. Called once in steps
-  // with contact forces on any rank, and never in others.
-  std::function<View<const double* [3]>(const NodeList&)> accelerations;
-  // Collective. Turns partial sums into totals at every copy of a node: reverseSum, then the
-  // shared-node sum.
-  std::function<void(const ContactForces&)> sum_forces;
-  // Collective. ghost_values(ghost, 3 * corner + xyz) = the owner's values(its surface node, xyz).
-  std::function<void(const View<const double* [3]>& values, const View<double* [12]>& ghost_values)>
-      share_with_ghosts;
-};
-
 class EdgeContact;
+struct NodeFaceKinematics;
 
 // This rank's sums, separately for node-to-face and edge-to-edge contact.
 struct EnforcementSums {
@@ -60,8 +48,8 @@ public:
 
   // Computes the contact forces at coordinates_new. The motion of the step is coordinates_new -
   // coordinates_old, over the time `steps.dt`. Between calls only the coordinates of `surface` may
-  // change. Overlaps that exist at the first call become offsets and give no force. `neutral` is
-  // needed for Scheme::energy_neutral only. If `edges` is given, it must have found the candidates
+  // change. Overlaps that exist at the first call become offsets and give no force; then joints of
+  // flush bodies are found, with `neutral`, which is needed for Scheme::energy_neutral only. If `edges` is given, it must have found the candidates
   // of this step; its forces are included in forces(). Collective. Returns this rank's sums.
   // Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
@@ -103,6 +91,7 @@ private:
   void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
   void clearStatus(const exec_space& space);
   bool canSkipAll() const;
+  NodeFaceKinematics kinematicsOf(const FaceAccess& faces) const;
   ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
                                  const CandidatePairs& pairs, double dt);
   void correctEnergy(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
@@ -124,6 +113,8 @@ private:
   View<const double*> _node_mass;
   NodeFaces _node_faces;
   FaceRecords _records;
+  bool _has_sought_joints;
+  JointAreas _joints;
   InteractionSet _set;
   SurfaceMotion _motion;
   StationaryNodes _stationary;

@@ -323,6 +323,7 @@ struct EdgeEdgeKinematics {
                      (config.reference_step * config.reference_step * inverse_mass);
     return where(inverse_mass > Real(0.0), cap, Real(0.0));
   }
+  KOKKOS_FORCEINLINE_FUNCTION double capFactor(int, int) const { return 1; }
   KOKKOS_INLINE_FUNCTION double stiffnessAtActivation(const EnforcementConfig& config,
                                                       const FaceAccess&, const FaceContact& contact,
                                                       const FaceContact*, int) const {

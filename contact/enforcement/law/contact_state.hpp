@@ -19,6 +19,7 @@ struct ContactState {
   Value penetration; // P, length
   Value inverse_mass; // 1/m_red, 1/mass
   Value activation_stiffness; // k if the contact is new, force/length
+  Value cap_factor; // of the bound of k, eq. (12)
 
   // Of the contact history; without meaning unless the contact is persistent.
   Value is_persistent; // 1: the contact continues one of the last step; 0: it is new

@@ -44,6 +44,7 @@
 //                                 k, force/length, of one of the contacts of a node; eq. (11)
 //   stiffnessCap(config, inverse_mass)
 //                                 upper bound of k, force/length; eq. (12); also in SIMD lanes
+//   capFactor(node, face)         factor of this bound for the contact of a node with a face's body
 //   mayFade(contact)              false only if w is 1
 //   fadeWeightOf(faces, node, contact)
 //                                 w in [0, 1]; eq. (24)
@@ -111,6 +112,7 @@ struct KinematicsContract {
       is<decltype(k().stiffnessAtActivation(config(), faces(), contact(), &contact(), 1)), double>);
   static_assert(is<decltype(k().stiffnessCap(config(), 1.0)), double>);
   static_assert(is<decltype(k().stiffnessCap(config(), Lanes())), Lanes>);
+  static_assert(is<decltype(k().capFactor(0, 0)), double>);
   static_assert(is<decltype(k().mayFade(contact())), bool>);
   static_assert(is<decltype(k().fadeWeightOf(faces(), 0, contact())), double>);
   static_assert(is<decltype(k().fade(config(), faces(), contact(), pair(), fading())), void>);

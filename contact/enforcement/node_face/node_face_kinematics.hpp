@@ -4,6 +4,7 @@
 
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "contact/enforcement/law/kinematics.hpp"
+#include "contact/enforcement/node_face/joint_areas.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
 
@@ -30,6 +31,7 @@ struct NodeFaceKinematics {
   View<const FaceRecord*> records; // own, remote, ghost faces
   int num_faces, num_remote;
   View<const double*> node_mass;
+  JointAreas joints;
   View<int*> status;
   View<double*> gap;
 
@@ -222,11 +224,18 @@ struct NodeFaceKinematics {
   }
 
   // k = min(eps A_i, s m_red/dt_ref^2) at activation, eqs. (11) and (12), with A_i divided among
-  // the node's contacts of one normal direction; later at most the second bound.
+  // the node's contacts of one normal direction, or that of its joint; later at most the second
+  // bound.
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real stiffnessCap(const EnforcementConfig& config,
                                            const Real& inverse_mass) const {
     return config.penalty / (config.reference_step * config.reference_step) / inverse_mass;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double jointArea(int node, int face) const {
+    return joints.areaOf(node, records(recordOf(face)).body);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double capFactor(int node, int face) const {
+    return joints.isEmpty() || !(jointArea(node, face) > 0) ? 1.0 : JointAreas::cap_factor;
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtActivation(const EnforcementConfig& config,
                                                       const FaceAccess& faces,
@@ -240,10 +249,13 @@ struct NodeFaceKinematics {
     const Tributary part = tributary(contact.node, records(recordOf(contact.face)).plane.normal);
     const double face_mass = faces.attributes(contact.face).surface_mass;
     const double scale = config.penalty / (config.reference_step * config.reference_step);
-    // eps A_i / scale
-    const double by_area = part.area / sharing / (1.0 / part.surface_mass + 1.0 / face_mass);
-    return by_area * contact.inverse_mass < 1 ? scale * by_area
-                                              : stiffnessCap(config, contact.inverse_mass);
+    const double joint_area = jointArea(contact.node, contact.face);
+    const double area = joint_area > 0 ? joint_area : part.area / sharing;
+    const double by_area = area / (1.0 / part.surface_mass + 1.0 / face_mass); // eps A_i / scale
+    const double factor = capFactor(contact.node, contact.face);
+    return by_area * contact.inverse_mass < factor
+               ? scale * by_area
+               : factor * stiffnessCap(config, contact.inverse_mass);
   }
 
   KOKKOS_INLINE_FUNCTION double fadeWeightOf(const FaceAccess& faces, int,

@@ -63,6 +63,7 @@ private:
     state.penetration[lane] = contact.depth;
     state.inverse_mass[lane] = contact.inverse_mass;
     state.activation_stiffness[lane] = contact.activation_stiffness;
+    state.cap_factor[lane] = step.kinematics.capFactor(contact.node, contact.face);
     state.is_persistent[lane] = contact.is_persistent;
     state.contact_work[lane] = contact.contact_work;
     state.closing_at_last_point[lane] = contact.closing_at_last_point;
@@ -76,7 +77,8 @@ private:
   }
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real cap(const ContactState<Real>& state) const {
-    return step.kinematics.stiffnessCap(step.law.config, Real(state.inverse_mass));
+    return Real(state.cap_factor) *
+           step.kinematics.stiffnessCap(step.law.config, Real(state.inverse_mass));
   }
   KOKKOS_FORCEINLINE_FUNCTION void writeIdentity(const FaceContact& contact,
                                                  Interaction& now) const {

@@ -1,0 +1,26 @@
+// Input of the energy-neutral scheme from the host code.
+#pragma once
+
+#include "contact/enforcement/law/pair_forces.hpp"
+#include "contact/enforcement/selection/touched_nodes.hpp"
+
+#include <functional>
+
+namespace brickwall::contact {
+
+struct NeutralInput {
+  // Accelerations by all other forces at x^{n+1}, including gravity, 0 where the motion is
+  // prescribed [surface node][xyz]; only those of the listed nodes are read. Called once in steps
+  // with contact forces on any rank, and never in others.
+  std::function<View<const double* [3]>(const NodeList&)> accelerations;
+  // Collective. Turns partial sums into totals at every copy of a node: reverseSum, then the
+  // shared-node sum.
+  std::function<void(const ContactForces&)> sum_forces;
+  // Collective. ghost_values(ghost, 3 * corner + xyz) = the owner's values(its surface node, xyz).
+  std::function<void(const View<const double* [3]>& values, const View<double* [12]>& ghost_values)>
+      share_with_ghosts;
+
+  bool isComplete() const { return accelerations && sum_forces && share_with_ghosts; }
+};
+
+} // namespace brickwall::contact
