@@ -82,7 +82,7 @@ public:
   // What enforce() carries to the next step, for restart files; restore() takes the records of the
   // nodes that this rank owns, in any order, before the next enforce(). Not collective.
   ContactCarry carry(const exec_space& space, const Surface& surface) const {
-    return {recordsOf(space, surface.node_ids, history()), _previous_dt, _has_forces};
+    return {_set.records(space, surface.node_ids), _previous_dt, _has_forces};
   }
   void restore(const exec_space& space, const Surface& surface, const ContactCarry& carry);
 

@@ -123,6 +123,7 @@ struct FieldLayout {
     columns.push_back({name, true, 4});
   }
   void operator()(const char* name, const int&) const { columns.push_back({name, false, 1}); }
+  void operator()(const char* name, const bool&) const { columns.push_back({name, false, 1}); }
   void operator()(const char* name, const global_id&) const { columns.push_back({name, false, 1}); }
 };
 struct FieldToWords {
@@ -137,6 +138,7 @@ struct FieldToWords {
       words.push_back(io::wordOf(value));
   }
   void operator()(const char*, const int& value) const { words.push_back(value); }
+  void operator()(const char*, const bool& value) const { words.push_back(value); }
   void operator()(const char*, const global_id& value) const { words.push_back(value); }
 };
 struct FieldFromWords {
@@ -151,6 +153,7 @@ struct FieldFromWords {
       value = io::realOf(*next++);
   }
   void operator()(const char*, int& value) const { value = static_cast<int>(*next++); }
+  void operator()(const char*, bool& value) const { value = *next++ != 0; }
   void operator()(const char*, global_id& value) const { value = *next++; }
 };
 

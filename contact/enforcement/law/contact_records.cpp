@@ -1,6 +1,7 @@
 #include "contact/enforcement/law/contact_records.hpp"
 
 #include "contact/base/error.hpp"
+#include "contact/enforcement/law/contact_law.hpp"
 
 #include <algorithm>
 #include <string>
@@ -10,7 +11,7 @@ namespace brickwall::contact {
 
 std::vector<ContactRecord> recordsOf(const exec_space& space,
                                      const View<const global_id*>& node_ids,
-                                     const ContactHistory& history) {
+                                     const ContactHistory& history, const LastContacts& last) {
   space.fence();
   const auto ids = toHost(node_ids);
   const auto interactions = toHost(history.interactions);
@@ -26,30 +27,49 @@ std::vector<ContactRecord> recordsOf(const exec_space& space,
     if (record.pair.fade_weight < 1)
       record.fading = fading(i);
   }
+  const auto row_count = toHost(history.row_count), last_step = toHost(last.step);
+  for (std::size_t row = 0; row < last_step.extent(0); ++row) {
+    ContactRecord record;
+    record.node = ids(row);
+    record.steps_since = last.num_steps + 1 - last_step(row);
+    if (row_count(row) == 0 && last_step(row) > 0 &&
+        record.steps_since <= ContactLaw::settling_steps)
+      records.push_back(record);
+  }
   return records;
 }
 
 void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
                 const std::vector<ContactRecord>& records, bool has_friction,
-                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history) {
+                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
+                LastContacts& last) {
   const auto ids = toHost(node_ids);
   std::unordered_map<global_id, int> row_of;
   for (std::size_t i = 0; i < ids.extent(0); ++i)
     row_of.emplace(ids(i), static_cast<int>(i));
-  std::vector<ContactRecord> sorted = records;
-  for (ContactRecord& record : sorted) {
+  const auto last_step = Kokkos::create_mirror_view(last.step);
+  Kokkos::deep_copy(last_step, 0);
+  last.num_steps = ContactLaw::settling_steps;
+  std::vector<ContactRecord> sorted;
+  for (ContactRecord record : records) {
     const auto found = row_of.find(record.node);
     if (found == row_of.end())
       throw Error(ExitCode::internal, "setHistory: found a contact of node " +
                                           std::to_string(record.node) +
                                           ", which is not on the surface of this rank");
+    if (record.steps_since > 0) {
+      last_step(static_cast<std::size_t>(found->second)) = last.num_steps + 1 - record.steps_since;
+      continue;
+    }
     Interaction& pair = record.pair;
     pair.node = found->second;
     pair.face_index = -1;
     const double share = pair.point.share;
     pair.point = pointOf(pair.node);
     pair.point.share = share;
+    sorted.push_back(record);
   }
+  Kokkos::deep_copy(last.step, last_step);
   std::sort(sorted.begin(), sorted.end(), [](const ContactRecord& a, const ContactRecord& b) {
     return a.pair.node != b.pair.node ? a.pair.node < b.pair.node : a.pair.body < b.pair.body;
   });

@@ -12,16 +12,20 @@ namespace brickwall::contact {
 
 struct ContactRecord {
   global_id node = -1; // global id of the node (or edge) whose row this is
+  // 0, or the number of steps since the last contact of a row that has none; then the record has no
+  // interaction
+  int steps_since = 0;
   Interaction pair; // without local numbers
   FrictionSpring friction; // zero without friction
   FadingForce fading; // zero where fade_weight is 1
 };
 
 // Calls visit(name, value) for every value of a record that a restart needs; a value is a double, a
-// Vec3, an array of doubles, an int or a global_id. The only list of these values.
+// Vec3, an array of doubles, an int, a bool or a global_id. The only list of these values.
 template <class Record, class Visit>
 void visitFields(Record& record, const Visit& visit) {
   visit("node", record.node);
+  visit("steps_since", record.steps_since);
   auto& pair = record.pair;
   visit("body", pair.body);
   visit("face", pair.face);
@@ -39,6 +43,7 @@ void visitFields(Record& record, const Visit& visit) {
   visit("share", pair.point.share);
   visit("is_retained", pair.is_retained);
   visit("is_new", pair.is_new);
+  visit("settles", pair.settles);
   visit("first_damping", pair.first_damping);
   visit("inverse_mass", pair.inverse_mass);
   visit("friction_force", record.friction.force);
@@ -62,15 +67,23 @@ struct ContactCarry {
   bool has_forces = false; // on any rank in the last step
 };
 
-// The interactions of this rank. `node_ids` are those of the surface whose nodes the history names.
+// When the rows of a history last had contacts, which decides on settling (ContactLaw). With
+// friction only; otherwise without rows.
+struct LastContacts {
+  View<int*> step; // [row] number of the step after its last contact, or 0
+  int num_steps = 0; // done so far
+};
+
+// The contacts of this rank. `node_ids` are those of the surface whose nodes the history names.
 std::vector<ContactRecord> recordsOf(const exec_space& space,
                                      const View<const global_id*>& node_ids,
-                                     const ContactHistory& history);
+                                     const ContactHistory& history, const LastContacts& last);
 
-// Sets `history`, whose rows are nodes with these ids, to `records`. `pointOf` gives the pushing
-// point of a row. Throws Error for a node that is not in `node_ids`.
+// Sets `history` and `last`, whose rows are nodes with these ids, to `records`. `pointOf` gives the
+// pushing point of a row. Throws Error for a node that is not in `node_ids`.
 void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
                 const std::vector<ContactRecord>& records, bool has_friction,
-                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history);
+                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
+                LastContacts& last);
 
 } // namespace brickwall::contact

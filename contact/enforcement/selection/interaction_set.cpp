@@ -163,8 +163,9 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
-      _next_count(label + "::next_count"),
-      _last_contact(label + "::last_contact", config.friction > 0 ? surface.num_nodes : 0),
+      _next_count(label + "::next_count"), _last{View<int*>(label + "::last_contact",
+                                                            config.friction > 0 ? surface.num_nodes
+                                                                                : 0)},
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")} {
@@ -199,7 +200,7 @@ void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces
 }
 
 void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces) {
-  ++_num_steps;
+  ++_last.num_steps;
   Kokkos::deep_copy(space, _next.row_count, 0);
   _next.count = 0;
   zeroForces(space, faces);

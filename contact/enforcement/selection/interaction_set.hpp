@@ -65,11 +65,15 @@ public:
   bool hasForces() const { return !_are_nodes_zero; } // in the present step
   const ContactHistory& history() const { return _history; }
   const ContactHistory& next() const { return _next; } // of the present step, until advance()
-  // Replaces the history; see setHistory().
+  // The history for restart files; see contact_records.hpp.
+  std::vector<ContactRecord> records(const exec_space& space,
+                                     const View<const global_id*>& node_ids) const {
+    return recordsOf(space, node_ids, _history, _last);
+  }
   void restore(const exec_space& space, const View<const global_id*>& node_ids,
                const std::vector<ContactRecord>& records,
                const std::function<ContactPoint(int row)>& pointOf) {
-    setHistory(space, node_ids, records, _config.friction > 0, pointOf, _history);
+    setHistory(space, node_ids, records, _config.friction > 0, pointOf, _history, _last);
   }
 
 private:
@@ -85,8 +89,7 @@ private:
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
-  int _num_steps = 0;
-  View<int*> _last_contact; // see EnforcementStep
+  LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded
   ContactForces _forces;
   ContactForces _proposals; // magnitudes
@@ -98,8 +101,8 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
                                    Select functor) {
   auto& step = functor.step;
   step.law.config = _config;
-  step.number = ++_num_steps;
-  step.last_contact = _last_contact;
+  step.number = ++_last.num_steps;
+  step.last_contact = _last.step;
   step.pairs = pairs;
   step.previous = _history;
   step.next_count = _next_count;
