@@ -63,6 +63,7 @@ brickwall_install_component(
          mechanics/mesh/hex_mesh.hpp
          mechanics/mesh/host_mesh.hpp
          mechanics/mesh/nodal_state.hpp
+         mechanics/mesh/body_inertia.hpp
          mechanics/mesh/lumped_mass.hpp
          mechanics/mesh/shared_node_sum.hpp
          mechanics/mesh/skin.hpp

@@ -87,18 +87,20 @@ inline void solve(const double (&A)[num_linear][num_linear], double (&x)[num_lin
   }
 }
 
-// The least change with the mass and the centre of the body, and on top of it the least change with
-// its second moments, without moving the former; equations (38) and (39).
-inline Correction correctionOf(const NodeSums& sums) {
-  double residual[num_moments], products[num_products], gram[num_moments][num_moments];
-  int place[max_degree + 1][max_degree + 1][max_degree + 1];
-  for (int a = 0; a < num_moments; ++a)
-    residual[a] = (a == 0 || (a >= num_linear && a < num_linear + 3) ? 1 : 0) -
-                  sums.sum[a].value(nodeScale());
-  for (int n = 0; n < num_products; ++n)
-    products[n] = sums.sum[num_moments + n].value(nodeScale());
-  forEachProduct([&](int n, int i, int j, int k) { place[i][j][k] = n; });
-  for (int a = 0; a < num_moments; ++a)
+// Residuals of the ten moments and the matrix G of their products.
+struct MomentSystem {
+  double residual[num_moments], gram[num_moments][num_moments];
+  double linear_gram[num_linear][num_linear];
+};
+inline MomentSystem systemOf(const NodeSums& sums) {
+  MomentSystem system;
+  double products[max_degree + 1][max_degree + 1][max_degree + 1];
+  forEachProduct([&](int n, int i, int j, int k) {
+    products[i][j][k] = sums.sum[num_moments + n].value(nodeScale());
+  });
+  for (int a = 0; a < num_moments; ++a) {
+    const bool is_one = a == 0 || (a >= num_linear && a < num_linear + 3);
+    system.residual[a] = (is_one ? 1 : 0) - sums.sum[a].value(nodeScale());
     for (int b = 0; b < num_moments; ++b) {
       int power[3] = {0, 0, 0};
       for (const int c : {a, b})
@@ -108,51 +110,46 @@ inline Correction correctionOf(const NodeSums& sums) {
         } else if (c > 0) {
           ++power[c - 1];
         }
-      gram[a][b] = products[place[power[0]][power[1]][power[2]]];
+      system.gram[a][b] = products[power[0]][power[1]][power[2]];
+      if (a < num_linear && b < num_linear)
+        system.linear_gram[a][b] = system.gram[a][b];
     }
+  }
+  return system;
+}
 
-  double A[num_linear][num_linear];
-  for (int i = 0; i < num_linear; ++i)
-    for (int j = 0; j < num_linear; ++j)
-      A[i][j] = gram[i][j];
-  Correction correction;
-  double c[num_linear];
-  for (int i = 0; i < num_linear; ++i)
-    c[i] = residual[i];
-  solve(A, c);
-  for (int i = 0; i < num_linear; ++i)
-    correction.linear[i] = c[i];
-
-  // Quadratic monomials with their linear parts, free of mass and first moments. Off-diagonal ones
-  // count twice in a matrix, so that rotations of y act on the six as rotations.
+// Adds the least change with the body's second moments that leaves mass and centre alone.
+inline void addQuadratic(const MomentSystem& system, Correction& correction) {
+  // Quadratic monomials without their linear parts. Mixed ones count twice in a matrix, so that
+  // rotations of y act on the six as rotations.
   double part[num_quadratic][num_linear], S[num_quadratic][num_quadratic], r[num_quadratic];
   const auto weight = [](int a) { return a < 3 ? 1.0 : std::sqrt(2.0); };
   for (int a = 0; a < num_quadratic; ++a) {
+    const double(&row)[num_moments] = system.gram[num_linear + a];
     for (int i = 0; i < num_linear; ++i)
-      part[a][i] = gram[i][num_linear + a];
-    solve(A, part[a]);
-  }
-  for (int a = 0; a < num_quadratic; ++a) {
-    r[a] = residual[num_linear + a];
+      part[a][i] = row[i];
+    solve(system.linear_gram, part[a]);
+    r[a] = system.residual[num_linear + a];
     for (int i = 0; i < num_linear; ++i)
-      r[a] -= part[a][i] * residual[i];
+      r[a] -= part[a][i] * system.residual[i];
     r[a] *= weight(a);
     for (int b = 0; b < num_quadratic; ++b) {
-      S[a][b] = gram[num_linear + a][num_linear + b];
+      S[a][b] = row[num_linear + b];
       for (int i = 0; i < num_linear; ++i)
-        S[a][b] -= part[a][i] * gram[i][num_linear + b];
+        S[a][b] -= part[a][i] * system.gram[i][num_linear + b];
       S[a][b] *= weight(a) * weight(b);
     }
   }
   double modes[num_quadratic][num_quadratic];
   diagonalise(S, modes);
+  const double squares = system.gram[0][0]; // sum of mu^2
   constexpr double least_variance = 1e-3;
   for (int mode = 0; mode < num_quadratic; ++mode) {
     double needed = 0;
     for (int a = 0; a < num_quadratic; ++a)
       needed += modes[a][mode] * r[a];
     const double variance = S[mode][mode];
-    if (!(variance > least_variance * gram[0][0] && needed * needed * gram[0][0] <= variance))
+    if (!(variance > least_variance * squares && needed * needed * squares <= variance))
       continue;
     for (int a = 0; a < num_quadratic; ++a) {
       const double share = weight(a) * modes[a][mode] * needed / variance;
@@ -161,6 +158,20 @@ inline Correction correctionOf(const NodeSums& sums) {
         correction.quadratic[i] -= share * part[a][i];
     }
   }
+}
+
+// The least change with the mass and the centre of the body, and on top of it that with its second
+// moments; equations (38) and (39).
+inline Correction correctionOf(const NodeSums& sums) {
+  const MomentSystem system = systemOf(sums);
+  Correction correction;
+  double c[num_linear];
+  for (int i = 0; i < num_linear; ++i)
+    c[i] = system.residual[i];
+  solve(system.linear_gram, c);
+  for (int i = 0; i < num_linear; ++i)
+    correction.linear[i] = c[i];
+  addQuadratic(system, correction);
   return correction;
 }
 

@@ -66,7 +66,9 @@ def evaluate(lab):
             energy = energy_change(history)
             rows.append([name, energy[-1], np.abs(energy).max(), int(history["contacts"].max()), history["max_penetration"].max(),
                          int(history["lost_contacts"][-1])])
-        lab.check(max(row[2] for row in rows), 0, 5e-3, "" if penalty == 0.9 else "stiff_contact")
+        # The threshold of impacts at any time (V17); a penalty of 1.5 leaves 4 % of the nodes' masses to
+        # the step, and is looked at with a little reserve.
+        lab.check(max(row[2] for row in rows), 0, *((5e-3,) if penalty == 0.9 else (6e-3, "stiff_contact")))
         lab.check(max(row[5] for row in rows), 0, 0, f"contacts_lost_{penalty}")
         lab.table(f"By scene, penalty {penalty}:", ["scene", "energy, final", "energy, largest", "most contacts", "deepest / face",
                                                     "contacts lost"], rows)
