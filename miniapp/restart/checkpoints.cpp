@@ -200,7 +200,8 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
     for (const std::string& other : all(_folder))
       if (other < path)
         before = other;
-    for (const auto& entry : fs::directory_iterator(_folder))
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(_folder, none))
       if (entry.path() != path && entry.path() != before)
         removeTree(entry.path());
   }

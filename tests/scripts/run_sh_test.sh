@@ -67,6 +67,7 @@ start_run() {
 }
 # Each of these signals ends a run after its step, with its rank files joined and a checkpoint.
 for signal in TERM HUP USR2; do
+  rm -rf ended
   start_run ended
   code=0
   kill -USR1 "$running"
@@ -77,8 +78,12 @@ for signal in TERM HUP USR2; do
   tail -n 1 log | grep -q '^STOPPED: ended by SIGUSR2 after step' || fail "the last line does not tell of the signal"
   [[ $(find ended/checkpoints -name 'step-*' | wc -l) -eq 2 ]] || fail "SIGUSR1 or SIG$signal wrote no checkpoint"
   [[ -s ended/one_brick.exo ]] || fail "the rank files are not joined after SIG$signal"
-  rm -rf ended
 done
+# Such a run continues on another number of ranks.
+expect 5 run "$inputs/one_brick.toml" -t 1 -o ended --restart latest --time-limit 00:00:01 --steps 100000000 --set time.end=1e3 --no-picture
+grep -q '^restarted at step' log || fail "the run was not restarted"
+[[ -s ended/one_brick.exo && ! -e ended/one_brick.exo.2.0 ]] || fail "the restarted run does not replace the rank files"
+[[ $(cut -d, -f1 ended/history.csv | sort | uniq -d | wc -l) -eq 0 ]] || fail "rows are twice in history.csv"
 
 # A run that gets a second signal ends at once, and prints the command that joins its rank files. Its
 # first signal finds the ranks stopped.

@@ -181,8 +181,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   const CandidatePairs& pairs = _search.pairs();
   if (_config.skip_stationary) {
     _stationary.update(space, _edges, motion, pairs.step_test);
-    _sleeping.wake(space, pairs, motion,
-                   _stationary.isUnchanged() && _search.ghosts().count == 0);
+    _sleeping.wake(space, pairs, motion, _stationary.isUnchanged() && _search.ghosts().count == 0);
   }
   if (canSkipAll()) {
     _set.selectNone(space, access());
