@@ -268,7 +268,10 @@ hold_summary < <(
 while code=0; wait "$!" || code=$?; kill -0 "$!" 2>/dev/null; do :; done
 trap - INT TERM HUP USR1 USR2
 # The launcher is quiet, so this is the only message about a crash.
-[[ $code -lt 128 ]] || echo "run.sh: signal $((code - 128)) ended $program" >&2
+if [[ $code -ge 128 ]]; then
+  echo "run.sh: signal $((code - 128)) ended $program" >&2
+  [[ ! -d $output/checkpoints ]] || echo "run.sh: --restart latest continues the run from its last checkpoint" >&2
+fi
 
 # Removes rank files of earlier runs with another number of ranks, and joins those of this run.
 join_rank_files() {
