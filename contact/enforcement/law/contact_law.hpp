@@ -10,8 +10,9 @@
 namespace brickwall::contact {
 
 struct ContactLaw {
-  // With friction, a sliding contact that returns to its node within so many steps settles: it has
-  // at least this damping ratio; eq. (37).
+  // With at least this friction, a sliding contact that returns to its node within so many steps
+  // settles: it has at least this damping ratio; eq. (37).
+  static constexpr double settling_friction = 1e-6;
   static constexpr int settling_steps = 100;
   static constexpr double settling_damping = 0.7;
 
