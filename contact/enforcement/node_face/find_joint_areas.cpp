@@ -14,7 +14,7 @@ namespace {
 
 // A node and a face are flush if their planes are parallel by this cosine, and if the gap or
 // penetration is within this share of the face's size.
-constexpr double flush_cosine = 0.999, flush_gap = 0.02;
+constexpr double flush_cosine = 0.999, flush_gap = 1e-4;
 // Areas are not changed if nodal forces err by less than `needless`; they are improved until all
 // err by less than `sufficient`, or for `max_rounds`.
 constexpr double needless = 1e-6, sufficient = 1e-3;
