@@ -147,6 +147,8 @@ void Enforcement::restore(const exec_space& space, const Surface& surface,
   _set.restore(space, surface.node_ids, carry.records, atNode);
   _previous_dt = carry.previous_dt;
   _has_forces = carry.has_forces;
+  _joints = jointAreasOf(space, surface.node_ids, carry.joints);
+  _has_sought_joints = true;
 }
 
 bool Enforcement::isOnAnyRank(bool here) const {

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "contact/enforcement/node_face/face_records.hpp"
-#include "contact/enforcement/node_face/joint_areas.hpp"
+#include "contact/enforcement/node_face/joint_records.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
 #include "contact/enforcement/selection/neutral_input.hpp"
 #include "contact/enforcement/selection/touched_nodes.hpp"
@@ -82,7 +82,8 @@ public:
   // What enforce() carries to the next step, for restart files; restore() takes the records of the
   // nodes that this rank owns, in any order, before the next enforce(). Not collective.
   ContactCarry carry(const exec_space& space, const Surface& surface) const {
-    return {_set.records(space, surface.node_ids), _previous_dt, _has_forces};
+    return {_set.records(space, surface.node_ids), _previous_dt, _has_forces,
+            recordsOf(space, surface.node_ids, _joints)};
   }
   void restore(const exec_space& space, const Surface& surface, const ContactCarry& carry);
 

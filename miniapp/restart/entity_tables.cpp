@@ -77,6 +77,7 @@ TableLayout nodeLayout(const Simulation& simulation, bool has_forces) {
   return layout;
 }
 
+const TableLayout joint_layout{"joint_contacts", {{"body", false, 1}, {"area", true, 1}}};
 const TableLayout box_layout{"swept_boxes", {{"box", true, 6}}};
 
 io::RowsById nodeRows(const SimulationRestart& data, const Simulation& simulation) {
@@ -208,6 +209,9 @@ void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& cont
                  ContactRestart& data) {
   data.nodes =
       recordsOf(takeRows(comm, contactLayout(node_contacts), files, surfaceNodes(contact, true)));
+  const io::RowsById joints = takeRows(comm, joint_layout, files, surfaceNodes(contact, true));
+  for (std::size_t i = 0; i < joints.ids.size(); ++i)
+    data.joints.push_back({joints.ids[i], joints.row(i)[0], io::realOf(joints.row(i)[1])});
   const contact::EdgeContact* edges = contact.edges();
   // Ids of corners in the list are those of nodes, which no edge has.
   const auto edge_ids =
@@ -238,6 +242,12 @@ std::vector<io::Table> entityTables(const SimulationRestart& data, const Simulat
     return tables;
   tables.push_back(toTable(contactLayout(node_contacts), contactRows(data.contact.nodes)));
   tables.push_back(toTable(contactLayout(edge_contacts), contactRows(data.contact.edges)));
+  io::RowsById joints{{}, joint_layout.width(), {}};
+  for (const contact::JointRecord& record : data.contact.joints) {
+    joints.ids.push_back(record.node);
+    joints.words.insert(joints.words.end(), {record.body, io::wordOf(record.area)});
+  }
+  tables.push_back(toTable(joint_layout, joints));
   io::RowsById boxes{surfaceNodes(*contact, false), box_layout.width(), {}};
   for (const double value : data.contact.swept_boxes)
     boxes.words.push_back(io::wordOf(value));

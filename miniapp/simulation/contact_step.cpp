@@ -188,6 +188,7 @@ ContactRestart ContactStep::restartData(const contact::EnforcementSums& sums) co
   data.previous_dt = nodes.previous_dt;
   data.has_forces = nodes.has_forces;
   data.nodes = std::move(nodes.records);
+  data.joints = std::move(nodes.joints);
   if (_edges) {
     contact::ContactCarry edges = _edges->carry(_space);
     data.edges_have_forces = edges.has_forces;
@@ -215,10 +216,11 @@ void ContactStep::restore(const ContactRestart& data, const View<const double* [
   _missed_pairs = data.missed_pairs;
   _ledger.restore(takes_sums ? data.ledger : std::array<LimbSum, 3>());
   _coupling.resetCoordinates(_space, displacement);
-  _enforcement->restore(_space, surface(), {data.nodes, data.previous_dt, data.has_forces});
+  _enforcement->restore(_space, surface(),
+                        {data.nodes, data.previous_dt, data.has_forces, data.joints});
   if (_edges) {
     _edges->setReferenceStep(data.reference_step);
-    _edges->restore(_space, {data.edges, data.previous_dt, data.edges_have_forces});
+    _edges->restore(_space, {data.edges, data.previous_dt, data.edges_have_forces, {}});
   }
   restoreLists(data);
 }

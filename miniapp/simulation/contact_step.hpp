@@ -82,6 +82,7 @@ struct ContactRestart {
   std::array<LimbSum, 3> ledger; // ContactLedger::totals()
   // of this rank's part
   std::vector<contact::ContactRecord> nodes, edges;
+  std::vector<contact::JointRecord> joints;
   // [surface node][low xyz, high xyz] of the last search, length; empty if no lists are kept
   std::vector<double> swept_boxes;
 };

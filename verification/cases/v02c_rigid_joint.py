@@ -3,7 +3,7 @@ theory the restitution is e = 1 (equal bars), 1/2 (lengths 1 and 2), 7/9 (impeda
 Elements disperse the front of the wave, which changes e by O(h^(2/3)) whatever the contact is: also
 if both end nodes are one while they press (no compliance at all). Contact adds less than 1 % to the
 error of such a rigid joint on the same mesh and step. While the bars press, the force oscillates with
-the frequency of the mode of the joint, eq. (39) of contact/theory.md."""
+the frequency of the mode of the joint, eq. (43) of contact/theory.md."""
 import numpy as np
 from _bars import histories
 from v02b_unlike_bars import two_bars
@@ -43,7 +43,7 @@ def rigid_joint(n, length, modulus, dt):
 
 
 def mode_of_joint(penalty, courant):
-    """Frequency times the step of the mode at a joint of equal bars, eq. (39), by central differences."""
+    """Frequency times the step of the mode at a joint of equal bars, eq. (43), by central differences."""
     ratio = penalty / (2 * courant**2)
     decay = np.sqrt(4 * ratio**2 + 1) - 2 * ratio  # 1/r - r = 4 ratio
     return 2 * np.arcsin(0.5 * courant * np.sqrt(2 + decay + 1 / decay))

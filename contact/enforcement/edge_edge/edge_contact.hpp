@@ -74,7 +74,7 @@ public:
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
   // As those of Enforcement.
   ContactCarry carry(const exec_space& space) const {
-    return {_set.records(space, _edges.node_ids), _previous_dt, _has_forces_anywhere};
+    return {_set.records(space, _edges.node_ids), _previous_dt, _has_forces_anywhere, {}};
   }
   void restore(const exec_space& space, const ContactCarry& carry);
 

@@ -31,7 +31,7 @@ struct Interaction {
 
   // Of the current step only.
   bool is_new = true; // activated in this step
-  bool settles = false; // damped as a sliding contact that returned; of all steps, eq. (37)
+  bool settles = false; // damped as a sliding contact that returned; of all steps, eq. (41)
   int node = -1; // surface node (or number of the edge) whose row this is
   int face_index = -1; // own face below num_faces, otherwise ghost face index - num_faces
   double first_damping = 0; // F_d before the corrections

@@ -11,7 +11,7 @@ namespace brickwall::contact {
 
 struct ContactLaw {
   // With at least this friction, a sliding contact that returns to its node within so many steps
-  // settles: it has at least this damping ratio; eq. (37).
+  // settles: it has at least this damping ratio; eq. (41).
   static constexpr double settling_friction = 1e-6;
   static constexpr int settling_steps = 100;
   static constexpr double settling_damping = 0.7;
@@ -87,7 +87,7 @@ struct ContactLaw {
     state.first_damping = where(Real(state.depth) > Real(0.0), damping, Real(0.0));
   }
 
-  // zeta' and s' of a contact that settles; eq. (37).
+  // zeta' and s' of a contact that settles; eq. (41).
   KOKKOS_INLINE_FUNCTION double settlingDamping() const {
     return maxOf(config.damping, settling_damping);
   }

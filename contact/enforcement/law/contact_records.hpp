@@ -60,11 +60,18 @@ void visitFields(Record& record, const Visit& visit) {
   visit("fading_work_to_end", record.fading.work_to_end);
 }
 
+// The area of a contact in a flush joint (JointAreas).
+struct JointRecord {
+  global_id node = -1, body = -1; // of the node, and of the opposing body
+  double area = 0; // length^2
+};
+
 // What the enforcement of contact carries from step to step besides the coordinates.
 struct ContactCarry {
   std::vector<ContactRecord> records; // of this rank's nodes (or edges)
   double previous_dt = 0; // of the last step, time
   bool has_forces = false; // on any rank in the last step
+  std::vector<JointRecord> joints; // of this rank's nodes
 };
 
 // When the rows of a history last had contacts, which decides on settling (ContactLaw). With
