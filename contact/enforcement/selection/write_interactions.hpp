@@ -63,7 +63,7 @@ private:
     state.penetration[lane] = contact.depth;
     state.inverse_mass[lane] = contact.inverse_mass;
     state.activation_stiffness[lane] = contact.activation_stiffness;
-    state.cap_factor[lane] = step.kinematics.capFactor(contact.node, contact.face);
+    state.cap_factor[lane] = 1;
     state.is_persistent[lane] = contact.is_persistent;
     state.contact_work[lane] = contact.contact_work;
     state.closing_at_last_point[lane] = contact.closing_at_last_point;
@@ -74,6 +74,8 @@ private:
     const Interaction& last = lastOf(contact);
     state.recall(lane, last);
     state.has_changed_face[lane] = contact.hasChangedFace(last);
+    if (last.stiffness > step.kinematics.stiffnessCap(step.law.config, contact.inverse_mass))
+      state.cap_factor[lane] = step.kinematics.capFactor(contact.node, contact.face);
   }
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real cap(const ContactState<Real>& state) const {
