@@ -100,6 +100,7 @@ struct SetDoubles {
       value = next++;
   }
   void operator()(const char*, int&) const {}
+  void operator()(const char*, bool&) const {}
   void operator()(const char*, global_id&) const {}
 };
 struct TakeDoubles {
@@ -113,6 +114,7 @@ struct TakeDoubles {
     all.insert(all.end(), values, values + 4);
   }
   void operator()(const char*, const int& value) const { all.push_back(value); }
+  void operator()(const char*, const bool& value) const { all.push_back(value); }
   void operator()(const char*, const global_id& value) const {
     all.push_back(static_cast<double>(value));
   }
@@ -141,14 +143,20 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
     records[i].pair.body = bodies[i];
     records[i].pair.is_retained = i % 2;
     records[i].pair.fade_weight = 0.5;
+    records[i].pair.settles = i % 2 == 0;
   }
+  contact::ContactRecord of_ended; // a contact that ended seven steps ago
+  of_ended.node = 10;
+  of_ended.steps_since = 7;
+  records.push_back(of_ended);
   contact::ContactHistory history;
   history.interactions = View<contact::Interaction*>("interactions", 0);
   history.friction = View<contact::FrictionSpring*>("friction", 0);
   history.fading = View<contact::FadingForce*>("fading", 0);
   history.row_begin = View<int*>("row_begin", 3);
   history.row_count = View<int*>("row_count", 3);
-  setHistory(space, ids, records, true, atRow, history);
+  contact::LastContacts last{View<int*>("last_contact", 3)};
+  setHistory(space, ids, records, true, atRow, history, last);
   const auto begin = toHost(history.row_begin), count = toHost(history.row_count);
   EXPECT_EQ(history.count, 4);
   EXPECT_EQ(count(0), 2);
@@ -161,7 +169,7 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
     EXPECT_EQ(pairs(begin(row)).point.node[0], row);
     EXPECT_EQ(pairs(begin(row)).point.node[1], row + 1);
   }
-  const auto again = recordsOf(space, ids, history);
+  const auto again = recordsOf(space, ids, history, last);
   ASSERT_EQ(again.size(), records.size());
   for (const auto& record : records) {
     bool is_found = false;
@@ -170,7 +178,7 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
     EXPECT_TRUE(is_found) << "node " << record.node << ", body " << record.pair.body;
   }
   records[0].node = 41;
-  EXPECT_THROW(setHistory(space, ids, records, true, atRow, history), Error);
+  EXPECT_THROW(setHistory(space, ids, records, true, atRow, history, last), Error);
 }
 
 } // namespace
