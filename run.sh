@@ -230,7 +230,7 @@ end_run() {
   [[ $has_signal == no && $command == run ]] || interrupted "$1"
   has_signal=yes
   echo "run.sh: the run ends after this step; a second signal ends it at once" >&2
-  kill -USR2 "$!"
+  kill -USR2 "${!:-}" 2>/dev/null || true
 }
 # A run that ends at once may leave rank files of different lengths, which are not joined.
 interrupted() {
@@ -259,7 +259,7 @@ trap 'end_run 143' TERM
 trap 'end_run 130' INT
 trap 'end_run 129' HUP
 trap 'end_run 140' USR2
-[[ $command != run ]] || trap 'kill -USR1 "$!"' USR1
+[[ $command != run ]] || trap 'kill -USR1 "${!:-}" 2>/dev/null || true' USR1
 # In a session of its own, the launcher does not get the terminal's Ctrl-C too.
 hold_summary < <(
   exec setsid "${launcher[@]}" -n "$ranks" "$program" "$command" "$deck" -o "$output" ${program_options[@]+"${program_options[@]}"}

@@ -49,9 +49,9 @@ public:
   // Computes the contact forces at coordinates_new. The motion of the step is coordinates_new -
   // coordinates_old, over the time `steps.dt`. Between calls only the coordinates of `surface` may
   // change. Overlaps that exist at the first call become offsets and give no force; then joints of
-  // flush bodies are found, with `neutral`, which is needed for Scheme::energy_neutral only. If `edges` is given, it must have found the candidates
-  // of this step; its forces are included in forces(). Collective. Returns this rank's sums.
-  // Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
+  // flush bodies are found, with `neutral`, which is needed for Scheme::energy_neutral only. If
+  // `edges` is given, it must have found the candidates of this step; its forces are included in
+  // forces(). Collective. Returns this rank's sums. Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);

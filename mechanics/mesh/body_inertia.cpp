@@ -257,8 +257,8 @@ struct CorrectMasses {
       const auto change =
           correction.partsAt(frame.toBody(rowOf(X, node)), frame.inverse_mass * lumped(node));
       double share = 1 + change.linear + correction.taken * change.quadratic;
-      if (!(share >= least_mass_share)) // or no mass at all, by underflow
-        share = least_mass_share;
+      if (!(share >= least_mass_share)) // a NaN keeps the lumped mass
+        share = share == share ? least_mass_share : 1;
       mass(node) = share * lumped(node);
       sum += Least{share};
     }

@@ -1,5 +1,5 @@
-// Stable time step of central differences; theory.md, equations (30) to (34). The element bound is
-// dt = 2/omega with omega^2 = (8/rho) lambda_max of the elasticity tensor on the mean gradient. It
+// Stable time step of central differences; theory.md, equations (30) to (34) and (40). The element
+// bound is dt = 2/omega with omega^2 = (8/rho) lambda_max of the elasticity tensor on the mean gradient. It
 // is exact on parallelepipeds; other elements take a factor 0.98. It holds for both kinds of
 // element, because the hourglass modes of full integration are softer than these.
 // If the largest omega^2 of the assembled bodies at rest is known (largest_frequency.hpp), longer

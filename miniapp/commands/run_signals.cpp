@@ -1,13 +1,16 @@
 #include "miniapp/commands/run_signals.hpp"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 
 namespace brickwall::miniapp {
 
 namespace {
 
-volatile std::sig_atomic_t stop_signal = 0, wants_checkpoint = 0;
+// The handler may run on any thread.
+std::atomic<int> stop_signal{0}, wants_checkpoint{0};
+static_assert(std::atomic<int>::is_always_lock_free, "signal handlers may use it");
 
 void onStop(int signal) {
   stop_signal = signal;
@@ -31,7 +34,8 @@ std::array<struct sigaction, handled.size()> former;
 } // namespace
 
 RunSignals::RunSignals() {
-  stop_signal = wants_checkpoint = 0;
+  stop_signal = 0;
+  wants_checkpoint = 0;
   for (std::size_t i = 0; i < handled.size(); ++i) {
     struct sigaction action = {};
     action.sa_handler = handled[i].handler;
@@ -46,17 +50,15 @@ RunSignals::~RunSignals() {
 }
 
 std::string RunSignals::stop() const {
+  const int signal = stop_signal;
   for (const Handled& of : handled)
-    if (of.signal == stop_signal)
+    if (of.signal == signal)
       return of.name;
   return "";
 }
 
 bool RunSignals::takeCheckpoint() {
-  const bool wants = wants_checkpoint != 0;
-  if (wants)
-    wants_checkpoint = 0;
-  return wants;
+  return wants_checkpoint.exchange(0) != 0;
 }
 
 } // namespace brickwall::miniapp

@@ -125,6 +125,8 @@ std::string EarlierResults::problemOf(const io::ResultsReader& file) const {
   if (file.numSteps() < _steps)
     return "found " + std::to_string(file.numSteps()) + " steps, expected at least " +
            std::to_string(_steps) + ", which were written before the checkpoint";
+  if (_steps == 0) // a restart in a new folder began the file, and has written no step since
+    return "";
   const double time = file.time(_steps); // a float in a file of single precision
   if (time != _time && time != static_cast<double>(static_cast<float>(_time)))
     return "step " + std::to_string(_steps) + " is of another time than in the checkpoint";

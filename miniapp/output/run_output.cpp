@@ -70,6 +70,8 @@ std::string RunOutput::resume(const OutputRestart& data) {
     throw InputError("the results in " + _directory +
                      " are not those that the checkpoint continues: " + problem +
                      "; move them away, or name another folder with -o, to begin new files");
+  _history_ticker.restore(data.history_tick);
+  _output_ticker.restore(data.output_tick);
   if (!has_history && !earlier.isFound()) {
     create();
     return "found no results of the earlier run in " + _directory +
@@ -85,8 +87,6 @@ std::string RunOutput::resume(const OutputRestart& data) {
   _last_row = data.last_row;
   _last_written = data.last_written;
   _last_time = data.exodus_time;
-  _history_ticker.restore(data.history_tick);
-  _output_ticker.restore(data.output_tick);
   return "";
 }
 
@@ -132,8 +132,10 @@ void RunOutput::sync() const {
     return;
   rethrowOnAllRanks(_comm, [&] {
     io::syncToDisk(_results->fileName());
-    if (rankOf(_comm) == 0)
+    if (rankOf(_comm) == 0) {
       io::syncToDisk(path("history.csv"));
+      io::syncToDisk(_directory);
+    }
   });
 }
 

@@ -57,7 +57,6 @@ public:
   // Waits until all that is written is on the disk. Collective. Throws OutputError on all ranks.
   void sync() const;
 
-  bool writes() const { return _writes; }
   std::string path(const std::string& file) const { return _directory + "/" + file; }
   OutputRestart restartData() const;
 

@@ -182,17 +182,22 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
              {"checksum", hex(parts[2 * static_cast<std::size_t>(r) + 1])}});
       writeManifest(temporary + "/" + manifest_name, manifest);
       io::syncToDisk(temporary);
-      if (fs::exists(path)) { // of an earlier run to the same step
-        removeTree(path + ".old");
-        fs::rename(path, path + ".old");
+      const std::string old = path + ".old";
+      removeTree(old);
+      std::error_code none, error;
+      fs::rename(path, old, none); // of an earlier run to the same step
+      fs::rename(temporary, path, error);
+      if (error) {
+        fs::rename(old, path, none);
+        throw OutputError(path + ": cannot be named: " + error.message());
       }
-      fs::rename(temporary, path);
       io::syncToDisk(_folder);
+      io::syncToDisk(fs::path(_folder).parent_path().string()); // the name of _folder
     });
-  } catch (...) {
+  } catch (const Error& error) { // of the file system too
     if (rank == 0)
       removeTree(temporary);
-    throw;
+    throw OutputError(error.what());
   }
   if (rank == 0) {
     // Others are older ones, later ones that a restart has passed over, and unfinished ones.
@@ -200,10 +205,17 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
     for (const std::string& other : all(_folder))
       if (other < path)
         before = other;
+    std::vector<fs::path> outdated; // only what write() makes
     std::error_code none;
-    for (const auto& entry : fs::directory_iterator(_folder, none))
-      if (entry.path() != path && entry.path() != before)
-        removeTree(entry.path());
+    for (fs::directory_iterator at(_folder, none), end; !none && at != end; at.increment(none)) {
+      const fs::path& entry = at->path();
+      const std::string suffix = entry.extension().string();
+      if (entry.filename().string().compare(0, 5, "step-") == 0 && entry != path &&
+          entry != before && (suffix.empty() || suffix == ".tmp" || suffix == ".old"))
+        outdated.push_back(entry);
+    }
+    for (const fs::path& entry : outdated)
+      removeTree(entry.string());
   }
   return path;
 }

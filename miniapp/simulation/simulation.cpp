@@ -113,7 +113,7 @@ void Simulation::auditCandidates() {
 }
 
 void Simulation::adaptTimeStep() {
-  if (clock().isAtStart() || isDone() || !_steps.checksStability(clock().step))
+  if (clock().isAtStart() || _steps.isAtEnd() || !_steps.checksStability(clock().step))
     return;
   _steps.shortenIfUnstable(_state.displacement);
 }
@@ -133,7 +133,7 @@ void Simulation::computeInternalForces() {
 
 // Quadratic viscosity damps more, and needs a shorter step, the faster elements are compressed.
 void Simulation::limitStepForCompression() {
-  if (!(_config.viscosity.quadratic > 0) || isDone())
+  if (!(_config.viscosity.quadratic > 0) || _steps.isAtEnd())
     return;
   const double rate = allReduce(_comm, _step.internal.compression_rate, MPI_MAX);
   if (!_steps.allowForCompression(rate))

@@ -88,7 +88,8 @@ public:
     return minOf(_steps_to_end, _config.time.steps.value_or(_steps_to_end));
   }
   bool isDone() const { return _clock.step >= plannedSteps(); }
-  double end() const { return _end; }
+  // Whether time.end is reached; a run that ends before, by time.steps, may be continued.
+  bool isAtEnd() const { return _clock.step >= _steps_to_end; }
   const StepGain& gain() const { return _gain; }
   const std::vector<StepCut>& cuts() const { return _cuts; }
   bool checksStability(std::int64_t step) const { return step % _config.time.check_interval == 0; }

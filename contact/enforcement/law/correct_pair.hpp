@@ -75,7 +75,7 @@ struct CorrectPair {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION static bool isChange(double change, double of) {
-    return std::fabs(change) > least_change * std::fabs(of);
+    return !(std::fabs(change) <= least_change * std::fabs(of)); // also if it is NaN
   }
   KOKKOS_INLINE_FUNCTION bool isProposal() const { return responses.nodes.data() == nullptr; }
 

@@ -9,9 +9,11 @@ namespace brickwall::contact {
 
 struct JointAreas {
   static constexpr double max_share = 2; // largest area over the tributary area
+  // Factor of k, eq. (11), so that the contacts of a joint are stable together also after a slip.
+  static constexpr double stiffness_share = 0.62;
   // Factor of the bound (12). The contacts of a joint are stable together, so that exact areas need
-  // 2; the rest is for the error of the areas.
-  static constexpr double cap_factor = 2.01;
+  // 2 in place of 1; the rest is for the error of the areas.
+  static constexpr double cap_factor = 2.01 * stiffness_share;
 
   View<const int*> row_begin, row_count; // [surface node]; empty if there are no joints
   View<const global_id*> bodies; // opposing body [contact of a joint]

@@ -250,7 +250,8 @@ struct NodeFaceKinematics {
     const double face_mass = faces.attributes(contact.face).surface_mass;
     const double scale = config.penalty / (config.reference_step * config.reference_step);
     const double joint_area = jointArea(contact.node, contact.face);
-    const double area = joint_area > 0 ? joint_area : part.area / sharing;
+    const double area =
+        joint_area > 0 ? JointAreas::stiffness_share * joint_area : part.area / sharing;
     const double by_area = area / (1.0 / part.surface_mass + 1.0 / face_mass); // eps A_i / scale
     const double factor = capFactor(contact.node, contact.face);
     return by_area * contact.inverse_mass < factor

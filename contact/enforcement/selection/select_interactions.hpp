@@ -10,6 +10,8 @@
 #include "contact/enforcement/selection/select_active_faces.hpp"
 #include "contact/enforcement/selection/write_interactions.hpp"
 
+#include <type_traits>
+
 namespace brickwall::contact {
 
 // An array whose elements have no values until they are assigned.

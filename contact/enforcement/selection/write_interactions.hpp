@@ -55,6 +55,11 @@ private:
            !(contact.is_persistent && lastOf(contact).fade_weight < 1);
   }
 
+  // s'/s of a contact that settles, eq. (41); otherwise 1.
+  KOKKOS_FORCEINLINE_FUNCTION double softnessOf(const FaceContact& contact) const {
+    return contact.settles ? step.law.settlingPenalty() / step.law.config.penalty : 1;
+  }
+
   template <class Real>
   KOKKOS_FORCEINLINE_FUNCTION void gather(int lane, const FaceContact& contact,
                                           ContactState<Real>& state) const {
@@ -74,7 +79,8 @@ private:
     const Interaction& last = lastOf(contact);
     state.recall(lane, last);
     state.has_changed_face[lane] = contact.hasChangedFace(last);
-    if (last.stiffness > step.kinematics.stiffnessCap(step.law.config, contact.inverse_mass))
+    if (last.stiffness >
+        softnessOf(contact) * step.kinematics.stiffnessCap(step.law.config, contact.inverse_mass))
       state.cap_factor[lane] = step.kinematics.capFactor(contact.node, contact.face);
   }
   template <class Real>
@@ -153,8 +159,7 @@ private:
       const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
       state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
     }
-    const double penalty = contact.settles ? law.settlingPenalty() : law.config.penalty;
-    const double softer = penalty / law.config.penalty;
+    const double softer = softnessOf(contact);
     state.activation_stiffness[0] *= softer;
     law.setSpring(state, softer * cap(state));
     if (contact.is_persistent && state.last_fade_weight[0] < 1)
@@ -167,7 +172,7 @@ private:
     state.fade_weight = now.fade_weight;
     state.first_force = now.first_force;
     if (contact.settles)
-      law.setDamping(state, law.settlingDamping(), penalty);
+      law.setDamping(state, law.settlingDamping(), law.settlingPenalty());
     else
       law.setDamping(state);
     if (now.fade_weight < 1)

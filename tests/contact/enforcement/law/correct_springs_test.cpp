@@ -273,6 +273,7 @@ TEST(CorrectPair, MakesNoChangeBelowItsLeastShareOfTheUncorrectedForce) {
   EXPECT_FALSE(changesBy(0.9 * CorrectPair::least_change));
   EXPECT_TRUE(changesBy(1.1 * CorrectPair::least_change));
   EXPECT_TRUE(changesBy(-1.1 * CorrectPair::least_change));
+  EXPECT_TRUE(changesBy(std::nan("")));
 }
 
 TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
