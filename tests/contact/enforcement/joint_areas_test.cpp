@@ -157,7 +157,8 @@ double largestError(const JointRun& joint, const Vec3& up, double inverse_mass,
   const Scene& scene = joint.run.scene;
   const auto force = unitForces(joint, up);
   const auto exact = integrals(scene, up, isInJoint);
-  const double per_area = 2 * config().penalty / (dt * dt) / inverse_mass; // both passes
+  const double per_area =
+      2 * JointAreas::stiffness_share * config().penalty / (dt * dt) / inverse_mass; // both passes
   double largest = 0;
   int num_nodes = 0;
   for (std::size_t i = 0; i < force.size(); ++i)
@@ -253,7 +254,8 @@ TEST(JointAreas, TheContactsOfAJointAreAsStableTogetherAsThoseOfMatchingMeshes) 
       for (std::size_t i = 0; i < v.size(); ++i)
         v[i] = next[i] / largest;
     }
-    EXPECT_LT(largest, 2 * config().penalty * (1 + sufficient)) << upper;
+    EXPECT_LT(largest, 2 * JointAreas::stiffness_share * config().penalty * (1 + sufficient))
+        << upper;
     EXPECT_GT(largest, config().penalty) << upper;
   }
 }
