@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 
 namespace brickwall::miniapp {
@@ -17,7 +18,7 @@ bool isSet(const char* variable) {
 
 // h:mm:ss, or m:ss below an hour.
 std::string clockText(double seconds) {
-  const auto whole = static_cast<std::int64_t>(seconds + 0.5);
+  const auto whole = static_cast<std::int64_t>(std::llround(seconds));
   return whole >= 3600 ? format("%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60)
                        : format("%lld:%02lld", whole / 60, whole % 60);
 }

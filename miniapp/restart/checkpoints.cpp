@@ -123,7 +123,7 @@ void removeTree(const std::string& path) {
 
 } // namespace
 
-struct Checkpoints::Opened {
+struct Checkpoints::Opened { // NOLINT(bugprone-exception-escape): moves of Json
   Json manifest;
   TableFiles tables; // of the files that this rank reads
 };
@@ -141,7 +141,8 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
   prepare();
   const int ranks = sizeOf(_comm), rank = rankOf(_comm);
   const std::string name = stepName(data.simulation.steps.clock.step);
-  const std::string path = _folder + "/" + name, temporary = path + ".tmp";
+  std::string path = _folder + "/" + name;
+  const std::string temporary = path + ".tmp";
   const std::string part = temporary + "/" + partName(ranks, rank);
   std::uint64_t own[2] = {0, 0}; // bytes, checksum
   try {

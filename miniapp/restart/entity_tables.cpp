@@ -194,7 +194,7 @@ std::vector<global_id> listOf(const ViewType& ids, std::size_t count) {
 // Ids of the surface nodes of this rank, all or only those that it owns.
 std::vector<global_id> surfaceNodes(const ContactStep& contact, bool only_owned) {
   const contact::Surface surface = contact.surface();
-  const auto all = listOf(surface.node_ids, static_cast<std::size_t>(surface.num_nodes));
+  auto all = listOf(surface.node_ids, static_cast<std::size_t>(surface.num_nodes));
   if (!only_owned)
     return all;
   const auto is_owned = toHost(surface.node_is_owned);
