@@ -130,6 +130,13 @@ def checkpoints(folder):
     return [f"{folder}/checkpoints/{entry}" for entry in found if "." not in entry]
 
 
+def check_survives(folder):
+    """What was written is right, and a run that has a checkpoint continues."""
+    check_written(folder)
+    if checkpoints(folder):
+        check_continues(folder)
+
+
 def wait_and_find_ranks(process):
     """Waits a random time of the run, of which the part before the first checkpoint is small."""
     end = time.monotonic() + random.uniform(0.2, 1.3) * duration
@@ -143,9 +150,7 @@ def kill_all(folder):
     for rank in wait_and_find_ranks(process):
         send(rank, signal.SIGKILL)
     finish(process)
-    check_written(folder)
-    if checkpoints(folder):
-        check_continues(folder)
+    check_survives(folder)
 
 
 def lose_a_rank(folder):
@@ -156,9 +161,7 @@ def lose_a_rank(folder):
         finish(process, PATIENCE)
     else:
         finish(process)
-    check_written(folder)
-    if checkpoints(folder):
-        check_continues(folder)
+    check_survives(folder)
 
 
 def end_by_signal(folder):
@@ -174,9 +177,7 @@ def end_by_signal(folder):
     # Before its handlers stand, the program dies by the signal as any other does.
     if process.returncode == 5:
         demand(checkpoints(folder), "a run that was ended has no checkpoint")
-    check_written(folder)
-    if checkpoints(folder):
-        check_continues(folder)
+    check_survives(folder)
 
 
 def finished_run(folder):
@@ -259,9 +260,7 @@ def small_disk(folder):
         shutil.copytree(disk, folder)
     finally:
         subprocess.run(["umount", disk], check=True)
-    check_written(folder)
-    if checkpoints(folder):
-        check_continues(folder)
+    check_survives(folder)
 
 
 def read_only_folder(folder):
