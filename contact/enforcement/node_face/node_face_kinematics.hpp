@@ -235,7 +235,7 @@ struct NodeFaceKinematics {
     return joints.areaOf(node, records(recordOf(face)).body);
   }
   KOKKOS_FORCEINLINE_FUNCTION double capFactor(int node, int face) const {
-    return joints.isEmpty() || !(jointArea(node, face) > 0) ? 1.0 : JointAreas::cap_factor;
+    return jointArea(node, face) > 0 ? JointAreas::cap_factor : 1.0;
   }
   KOKKOS_INLINE_FUNCTION double stiffnessAtActivation(const EnforcementConfig& config,
                                                       const FaceAccess& faces,
@@ -253,7 +253,7 @@ struct NodeFaceKinematics {
     const double area =
         joint_area > 0 ? JointAreas::stiffness_share * joint_area : part.area / sharing;
     const double by_area = area / (1.0 / part.surface_mass + 1.0 / face_mass); // eps A_i / scale
-    const double factor = capFactor(contact.node, contact.face);
+    const double factor = joint_area > 0 ? JointAreas::cap_factor : 1.0;
     return by_area * contact.inverse_mass < factor
                ? scale * by_area
                : factor * stiffnessCap(config, contact.inverse_mass);
