@@ -287,11 +287,11 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     const NodeVectors accelerations{_accelerations, _ghost_accelerations};
     const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
-    std::int64_t num_changes = _set.proposeChanges(space, faces, steps, accelerations, has_changed);
+    _set.proposeChanges(space, faces, steps, accelerations, has_changed);
     if (edges != nullptr)
-      num_changes += edges->proposeChanges(space, steps, _accelerations, has_changed);
-    if (!isOnAnyRank(num_changes > 0))
-      return;
+      edges->proposeChanges(space, steps, _accelerations, has_changed);
+    if (!mayHaveProposals(space, edges))
+      break;
     const ContactForces proposals = _set.proposals();
     if (edges != nullptr)
       edges->collectProposals(space, proposals.nodes);
@@ -299,10 +299,21 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     respond(space, _touched.list(), proposals.nodes, _quantum, _node_mass, _responses);
     neutral->share_with_ghosts(_responses, _ghost_responses);
     const NodeVectors responses{_responses, _ghost_responses};
-    sums.nodes.invalid += _set.correctForces(space, faces, steps, accelerations, responses);
+    _set.correctForces(space, faces, steps, accelerations, responses);
     if (edges != nullptr)
-      sums.edges.invalid += edges->correctForces(space, steps, _responses);
+      edges->correctForces(space, steps, _responses);
   }
+  sums.nodes.invalid += _set.takeInvalid(space);
+  if (edges != nullptr)
+    sums.edges.invalid += edges->takeInvalid(space);
+}
+
+// Rounds without proposals change nothing. One rank with a device makes them all the same: to ask
+// would be to wait for the device.
+bool Enforcement::mayHaveProposals(const exec_space& space, EdgeContact* edges) const {
+  if (!host_accessible && sizeOf(_comm) == 1)
+    return true;
+  return isOnAnyRank(_set.hasProposals(space) || (edges != nullptr && edges->hasProposals(space)));
 }
 
 } // namespace brickwall::contact

@@ -100,6 +100,7 @@ private:
 
   // Collective.
   bool isOnAnyRank(bool here) const;
+  bool mayHaveProposals(const exec_space& space, EdgeContact* edges) const;
   void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
                      const std::string& problem = {});
   std::string problemOf(const Surface& surface, const CandidatePairs& pairs,

@@ -232,26 +232,26 @@ void EdgeContact::addToNodes(const exec_space& space, const ContactForces& value
     addCorners(space, _touched.list(), _corner_to_node, values.nodes, nodes);
 }
 
-std::int64_t EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
-                                         const View<double* [3]>& node_accelerations,
-                                         const View<const unsigned char*>& node_has_changed) {
+void EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
+                                 const View<double* [3]>& node_accelerations,
+                                 const View<const unsigned char*>& node_has_changed) {
   if (canSkipCorrection())
-    return 0;
+    return;
   toCorners(space, node_accelerations, _accelerations, _ghost_accelerations);
   const bool has_change_flags = node_has_changed.extent(0) > 0;
   if (has_change_flags)
     gatherFlags(space, _touched.list(), _corner_to_node, node_has_changed, _has_changed);
-  return _set.proposeChanges(space, access(), steps, {_accelerations, _ghost_accelerations},
-                             has_change_flags ? _has_changed : View<unsigned char*>());
+  _set.proposeChanges(space, access(), steps, {_accelerations, _ghost_accelerations},
+                      has_change_flags ? _has_changed : View<unsigned char*>());
 }
 
-std::int64_t EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
-                                        const View<double* [3]>& node_responses) {
+void EdgeContact::correctForces(const exec_space& space, const StepLengths& steps,
+                                const View<double* [3]>& node_responses) {
   if (canSkipCorrection())
-    return 0;
+    return;
   toCorners(space, node_responses, _responses, _ghost_responses);
-  return _set.correctForces(space, access(), steps, {_accelerations, _ghost_accelerations},
-                            {_responses, _ghost_responses});
+  _set.correctForces(space, access(), steps, {_accelerations, _ghost_accelerations},
+                     {_responses, _ghost_responses});
 }
 
 void EdgeContact::toCorners(const exec_space& space, const View<double* [3]>& of_nodes,

@@ -35,17 +35,24 @@ public:
   // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
   // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
-  // and correctForces() are collective; `has_changed` [surface node]: see InteractionSet.
+  // and correctForces() are collective; `has_changed` [surface node], hasProposals() and
+  // takeInvalid(): see InteractionSet.
   // addTouched() adds the surface nodes that contacts of this rank act on.
   ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  std::int64_t proposeChanges(const exec_space& space, const StepLengths& steps,
-                              const View<double* [3]>& node_accelerations,
-                              const View<const unsigned char*>& has_changed);
+  void proposeChanges(const exec_space& space, const StepLengths& steps,
+                      const View<double* [3]>& node_accelerations,
+                      const View<const unsigned char*>& has_changed);
+  bool hasProposals(const exec_space& space) const {
+    return !canSkipCorrection() && _set.hasProposals(space);
+  }
   void collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes);
-  std::int64_t correctForces(const exec_space& space, const StepLengths& steps,
-                             const View<double* [3]>& node_responses);
+  void correctForces(const exec_space& space, const StepLengths& steps,
+                     const View<double* [3]>& node_responses);
+  std::int64_t takeInvalid(const exec_space& space) {
+    return canSkipCorrection() ? 0 : _set.takeInvalid(space);
+  }
   void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
     of_surface.add(space, _edges, _set.next(), _corner_to_node);
   }

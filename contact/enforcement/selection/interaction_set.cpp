@@ -67,15 +67,16 @@ KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess
   return any != 0;
 }
 
-// Result of a pass of corrections over the interactions of this rank.
+// Counts of a part of a pass.
 struct Corrections {
   std::int64_t changed = 0;
   std::int64_t invalid = 0; // forces that do not fit the fixed point
 
-  KOKKOS_INLINE_FUNCTION Corrections& operator+=(const Corrections& b) {
-    changed += b.changed;
-    invalid += b.invalid;
-    return *this;
+  KOKKOS_INLINE_FUNCTION void note(CorrectionNotes& notes, std::int64_t pass) const {
+    if (changed > 0 && notes.last_proposing != pass)
+      Kokkos::atomic_fetch_max(&notes.last_proposing, pass);
+    if (invalid > 0)
+      Kokkos::atomic_add(&notes.invalid, invalid);
   }
 };
 
@@ -110,17 +111,17 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
 }
 
 // A pass over all interactions. The first lists those that `has_changed` asks for, or all if it is
-// empty, and flags which are to change; the second takes these.
-Corrections correctAll(const exec_space& space, const ContactHistory& pairs, const PairForces& add,
-                       const CorrectPair& correct, const View<const unsigned char*>& has_changed,
-                       const View<unsigned char*>& is_corrected) {
-  Corrections sums;
+// empty, and flags which are to change; the second takes these. `pass` is the number of the first.
+void correctAll(const exec_space& space, const ContactHistory& pairs, const PairForces& add,
+                const CorrectPair& correct, const View<const unsigned char*>& has_changed,
+                const View<unsigned char*>& is_corrected, std::int64_t pass,
+                const View<CorrectionNotes>& notes) {
   const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
   const bool lists_changed = correct.isProposal() && !lists_all;
-  Kokkos::parallel_reduce(
+  Kokkos::parallel_for(
       correct.isProposal() ? "contact::proposeChanges" : "contact::correctForces",
-      rangePolicy(space, numParts(pairs.count)),
-      KOKKOS_LAMBDA(const std::int64_t part, Corrections& corrections) {
+      rangePolicy(space, numParts(pairs.count)), KOKKOS_LAMBDA(const std::int64_t part) {
+        Corrections corrections;
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
         std::int64_t listed[pairs_at_once];
@@ -150,9 +151,8 @@ Corrections correctAll(const exec_space& space, const ContactHistory& pairs, con
           correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
         for (int w = 0; w < num_left; ++w)
           correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
-      },
-      PlusReducer<Corrections>(sums));
-  return sums;
+        corrections.note(notes(), pass);
+      });
 }
 
 } // namespace
@@ -163,9 +163,9 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
-      _next_count(label + "::next_count"), _last{View<int*>(label + "::last_contact",
-                                                            config.friction > 0 ? surface.num_nodes
-                                                                                : 0)},
+      _next_count(label + "::next_count"),
+      _notes(label + "::notes"), _last{View<int*>(label + "::last_contact",
+                                                  config.friction > 0 ? surface.num_nodes : 0)},
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")} {
@@ -207,29 +207,43 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
   _are_nodes_zero = true;
 }
 
-std::int64_t InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
-                                            const StepLengths& steps,
-                                            const NodeVectors& accelerations,
-                                            const View<const unsigned char*>& has_changed) {
+void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
+                                    const StepLengths& steps, const NodeVectors& accelerations,
+                                    const View<const unsigned char*>& has_changed) {
   growTo(space, _is_corrected, static_cast<std::int64_t>(_next.interactions.extent(0)));
   growTo(space, _proposals.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
   PairForces add = pairForces(space, faces);
   add.target = _proposals;
-  return correctAll(space, _next, add,
-                    {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
-                    has_changed, _is_corrected)
-      .changed;
+  correctAll(space, _next, add,
+             {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction}, has_changed,
+             _is_corrected, ++_num_proposing, _notes);
 }
 
-std::int64_t InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
-                                           const StepLengths& steps,
-                                           const NodeVectors& accelerations,
-                                           const NodeVectors& responses) {
-  return correctAll(space, _next, pairForces(space, faces),
-                    {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
-                    {}, _is_corrected)
-      .invalid;
+void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
+                                   const StepLengths& steps, const NodeVectors& accelerations,
+                                   const NodeVectors& responses) {
+  correctAll(space, _next, pairForces(space, faces),
+             {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction}, {},
+             _is_corrected, _num_proposing, _notes);
+}
+
+CorrectionNotes InteractionSet::noted(const exec_space& space) const {
+  CorrectionNotes notes;
+  Kokkos::deep_copy(space, Kokkos::View<CorrectionNotes, Kokkos::HostSpace>(&notes), _notes);
+  space.fence();
+  return notes;
+}
+
+bool InteractionSet::hasProposals(const exec_space& space) const {
+  return noted(space).last_proposing == _num_proposing;
+}
+
+std::int64_t InteractionSet::takeInvalid(const exec_space& space) {
+  const CorrectionNotes notes = noted(space);
+  if (notes.invalid > 0)
+    Kokkos::deep_copy(space, _notes, CorrectionNotes{notes.last_proposing, 0});
+  return notes.invalid;
 }
 
 PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess& faces) const {

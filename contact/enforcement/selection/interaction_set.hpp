@@ -21,6 +21,12 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
+// What the passes of corrections note, in device memory.
+struct CorrectionNotes {
+  std::int64_t last_proposing = 0; // number of the last first pass that proposed a change
+  std::int64_t invalid = 0; // forces that do not fit the fixed point
+};
+
 class InteractionSet {
 public:
   InteractionSet() = default;
@@ -42,17 +48,21 @@ public:
 
   // The two passes of a round of the energy-neutral correction (correct_pair.hpp), from the
   // accelerations by the present forces. The first adds the magnitudes of the proposed changes to
-  // proposals(), which must be zero, and returns how many contacts are to change. The second
-  // changes these, updates forces() and returns how many of them no longer fit the fixed point.
+  // proposals(), which must be zero. The second makes these changes and updates forces(). Neither
+  // waits for the device.
   // `has_changed` [surface node], in rounds after the first: accelerations that have changed since
   // the last round. A pair is skipped if neither these nor the last round changed it.
-  std::int64_t proposeChanges(const exec_space& space, const FaceAccess& faces,
-                              const StepLengths& steps, const NodeVectors& accelerations,
-                              const View<const unsigned char*>& has_changed);
-  std::int64_t correctForces(const exec_space& space, const FaceAccess& faces,
-                             const StepLengths& steps, const NodeVectors& accelerations,
-                             const NodeVectors& responses);
+  void proposeChanges(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
+                      const NodeVectors& accelerations,
+                      const View<const unsigned char*>& has_changed);
+  void correctForces(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
+                     const NodeVectors& accelerations, const NodeVectors& responses);
   const ContactForces& proposals() const { return _proposals; }
+  // Whether the last proposeChanges() proposed any. Waits for the device.
+  bool hasProposals(const exec_space& space) const;
+  // The number of forces that no longer fit the fixed point since the last call. Waits for the
+  // device.
+  std::int64_t takeInvalid(const exec_space& space);
 
   // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
   // later; active contacts are never stiffened.
@@ -79,6 +89,7 @@ public:
 private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
+  CorrectionNotes noted(const exec_space& space) const;
   // Memory for the interactions and the crowded rows of a step with these sums.
   bool hasRoomFor(const ContactSums& sums) const;
   void growFor(const exec_space& space, const ContactSums& sums);
@@ -87,6 +98,8 @@ private:
   Quantum _quantum;
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
+  View<CorrectionNotes> _notes;
+  std::int64_t _num_proposing = 0; // first passes so far
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
   LastContacts _last;
