@@ -33,6 +33,13 @@ struct Box {
     return (lower[0] <= b.upper[0]) & (b.lower[0] <= upper[0]) & (lower[1] <= b.upper[1]) &
            (b.lower[1] <= upper[1]) & (lower[2] <= b.upper[2]) & (b.lower[2] <= upper[2]);
   }
+  // An empty box is contained in all others.
+  KOKKOS_INLINE_FUNCTION bool contains(const Box& b) const {
+    bool inside = true;
+    for (int d = 0; d < 3; ++d)
+      inside &= lower[d] <= b.lower[d] && b.upper[d] <= upper[d];
+    return inside || b.empty();
+  }
   KOKKOS_INLINE_FUNCTION bool empty() const { return !(lower[0] <= upper[0]); }
   KOKKOS_INLINE_FUNCTION Vec3 centroid() const {
     return {0.5 * lower[0] + 0.5 * upper[0], 0.5 * lower[1] + 0.5 * upper[1],

@@ -111,6 +111,8 @@ public:
   SearchStatistics statistics() const { return _global.statistics(); } // of the last search
   std::int64_t updates() const { return _updates; } // since the start
   std::int64_t searches() const { return _searches; } // number of updates that searched
+  // The number of searches that exchanged the rank boxes of all ranks, since the construction.
+  std::int64_t rankBoxExchanges() const { return _global.numRankBoxExchanges(); }
   double margin() const { return _margin; }
 
 private:

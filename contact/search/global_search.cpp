@@ -24,13 +24,29 @@ GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
   checkSearchConfig(_comm, "GlobalSearch", config);
 }
 
-// The one reduction of a call with nothing new.
-void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface) {
-  const Region region("contact::GlobalSearch::checkInput");
+// The input is checked where it is new, and the rank boxes are exchanged where they do not hold. The
+// one reduction of a call in which nothing is new.
+void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& surface) {
+  OwnRankBoxes own;
   const bool is_same = _check.isSame(space, surface, true);
-  const int is_known = _has_agreed && is_same;
-  if (sizeOf(_comm) > 1 ? allReduce(_comm, is_known, MPI_MIN) == 1 : is_known)
-    return;
+  const bool is_known = _has_agreed && is_same;
+  if (is_known)
+    own = _phases->constructBoxes(space, surface, _config);
+  int holds[2] = {is_known,
+                  is_known && _phases->keepsRankBoxes() && _rank_boxes.hold(surface, own)};
+  if (sizeOf(_comm) > 1)
+    allReduce(_comm, holds, 2, MPI_MIN);
+  if (holds[0] == 0)
+    checkInput(space, surface, is_same);
+  if (!is_known)
+    own = _phases->constructBoxes(space, surface, _config);
+  if (holds[1] == 0)
+    exchangeRankBoxes(_comm, surface, own, _phases->keepsRankBoxes(), _rank_boxes);
+  _num_rank_box_exchanges += holds[1] == 0;
+}
+
+void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same) {
+  const Region region("contact::GlobalSearch::checkInput");
   checkSearchConfig(_comm, "GlobalSearch", _config);
   _has_agreed = true;
   _check.update(space, _comm, "GlobalSearch", surface, is_same);
@@ -40,9 +56,7 @@ void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface
 
 const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
   const Region region("contact::findGhosts");
-  checkInput(space, surface);
-  const OwnRankBoxes own = _phases->constructBoxes(space, surface, _config);
-  exchangeRankBoxes(_comm, surface, own, _rank_boxes);
+  updateRankBoxes(space, surface);
   _phases->findPartnersAndCandidates(space, surface, _rank_boxes);
   _phases->exchangeNodeBoxes(space, _comm, surface, _config);
   _phases->searchLocalFacesAgainstRemoteNodes(space, surface, _config);

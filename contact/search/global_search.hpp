@@ -68,6 +68,7 @@ public:
   // How often the surface was put in order since the start; 0 for methods that keep the order of
   // the host.
   std::int64_t numOrderings() const { return _phases->numOrderings(); }
+  std::int64_t numRankBoxExchanges() const { return _num_rank_box_exchanges; } // since the start
   const SearchConfig& config() const { return _config; }
   // From the next findGhosts() on, which throws as the constructor does; all else of the
   // configuration stays.
@@ -90,7 +91,8 @@ public:
 private:
   friend class LocalSearch;
 
-  void checkInput(const exec_space& space, const SweptBoxes& surface);
+  void updateRankBoxes(const exec_space& space, const SweptBoxes& surface);
+  void checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same);
 
   Communicator _comm;
   SearchConfig _config;
@@ -98,6 +100,7 @@ private:
   SurfaceCheck _check;
   std::unique_ptr<SearchPhases> _phases; // never null
   RankBoxes _rank_boxes; // phase 2
+  std::int64_t _num_rank_box_exchanges = 0;
   FaceMigration _migration; // phase 6
 };
 

@@ -116,6 +116,25 @@ nlohmann::ordered_json balanceJson(const RunReport& r) {
   return json;
 }
 
+double imbalance(const RankCount& count) {
+  return ratio(static_cast<double>(count.max), count.mean());
+}
+
+// The largest value of all ranks over their mean. Times include waiting for other ranks.
+nlohmann::ordered_json imbalanceJson(const RunReport& r) {
+  auto json = nlohmann::ordered_json::object();
+  for (const RankCount& count : r.counts_over_ranks)
+    json[count.what] = {
+        {"max", count.max}, {"mean", count.mean()}, {"max_over_mean", imbalance(count)}};
+  for (const PhaseTime& phase : r.phases)
+    for (const char* name : {"search", "step::contact enforcement", "step::internal force"})
+      if (phaseName(phase.name) == name)
+        json[name] = {{"max", phase.max},
+                      {"mean", phase.mean},
+                      {"max_over_mean", ratio(phase.max, phase.mean)}};
+  return json;
+}
+
 double stepsPerSearch(const ContactCounts& counts) {
   return ratio(static_cast<double>(counts.updates), static_cast<double>(counts.searches));
 }
@@ -286,6 +305,7 @@ std::string reportJson(const RunReport& r) {
                     {"margin", r.search.margin},
                     {"searches", r.contact.searches},
                     {"steps_per_search", stepsPerSearch(r.contact)},
+                    {"rank_box_exchanges", r.contact.rank_box_exchanges},
                     {"seconds_per_step", r.search.seconds_per_step},
                     {"ghost_faces", r.contact.ghost_faces},
                     {"candidate_pairs", r.contact.candidate_pairs},
@@ -295,6 +315,7 @@ std::string reportJson(const RunReport& r) {
     json["search"]["audit"] = r.search.audit;
     json["search"]["missed_pairs"] = r.contact.missed_pairs;
   }
+  json["imbalance"] = imbalanceJson(r);
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = balanceJson(r);
@@ -340,6 +361,13 @@ void printTables(std::ostream& out, const RunReport& r) {
                 "ghost faces, %lld candidate pairs, %lld active contacts\n",
                 r.contact.searches, stepsPerSearch(r.contact), r.search.seconds_per_step,
                 r.contact.ghost_faces, r.contact.candidate_pairs, r.contact.active);
+  if (r.provenance.ranks > 1) {
+    out << "imbalance (largest over mean of the ranks):";
+    for (const RankCount& count : r.counts_over_ranks)
+      out << format("%s %s %.3g", &count == &r.counts_over_ranks.front() ? "" : ",", count.what,
+                    imbalance(count));
+    out << "\n";
+  }
   if (r.search.audit > 0)
     out << format("audit: %lld pairs missed, all pairs tested every %lld steps\n",
                   r.contact.missed_pairs, r.search.audit);

@@ -79,6 +79,7 @@ struct RunReport {
   mechanics::EnergyBalance balance;
   bool has_contact = false;
   ContactCounts contact;
+  std::vector<RankCount> counts_over_ranks; // of the last step
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings;
   std::size_t printed_warnings = 0; // the first of them, which were printed during the run

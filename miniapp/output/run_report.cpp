@@ -42,6 +42,7 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search_timers = recorder.searchTimers();
   report.has_contact = config.contact.enabled;
   report.contact = contactCounts(simulation);
+  report.counts_over_ranks = countsOverRanks(simulation);
   report.search = {nameOf(config.search.method), config.search.margin,
                    config.contact.enabled ? config.search.audit : 0, dropsSameBody(config),
                    recorder.medianPerStep("contact::search")};

@@ -91,6 +91,7 @@ ContactCounts contactCounts(const Simulation& simulation) {
   allReduce(simulation.comm(), sums, 4, MPI_SUM);
   counts.searches = search.searches();
   counts.updates = search.updates();
+  counts.rank_box_exchanges = search.rankBoxExchanges();
   counts.ghost_faces = sums[0];
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
@@ -98,6 +99,23 @@ ContactCounts contactCounts(const Simulation& simulation) {
   counts.missed_pairs = contact->missedPairs();
   counts.largest_penetration = allReduce(simulation.comm(), contact->penetration(), MPI_MAX);
   counts.max_penetration = allReduce(simulation.comm(), maxPenetration(step), MPI_MAX);
+  return counts;
+}
+
+std::vector<RankCount> countsOverRanks(const Simulation& simulation) {
+  std::vector<RankCount> counts;
+  const auto add = [&](const char* what, std::int64_t count) {
+    counts.push_back({what, allReduce(simulation.comm(), count, MPI_MAX),
+                      allReduce(simulation.comm(), count, MPI_SUM), sizeOf(simulation.comm())});
+  };
+  const Scene& scene = simulation.scene();
+  add("elements", scene.part.numElems());
+  add("faces", scene.skin.num_faces);
+  if (const ContactStep* contact = simulation.contact()) {
+    add("ghost_faces", contact->search().ghosts().count);
+    add("candidate_pairs", contact->search().pairs().count);
+    add("active_contacts", simulation.lastStep().contact.active());
+  }
   return counts;
 }
 

@@ -14,6 +14,7 @@ struct ContactCounts {
   std::int64_t searches = 0; // since the start
   std::int64_t updates =
       0; // since the start: searches and steps that kept the lists of the last one
+  std::int64_t rank_box_exchanges = 0; // since the start or the restart
   std::int64_t ghost_faces = 0;
   std::int64_t candidate_pairs = 0;
   std::int64_t active = 0;
@@ -23,6 +24,17 @@ struct ContactCounts {
   double largest_penetration = 0; // since the start
 };
 ContactCounts contactCounts(const Simulation& simulation); // collective
+
+// A count of the last step over the ranks.
+struct RankCount {
+  const char* what; // e.g. "faces"
+  std::int64_t max = 0, sum = 0;
+  int ranks = 1;
+
+  double mean() const { return static_cast<double>(sum) / ranks; }
+};
+// Elements and faces, and with contact ghost faces, candidate pairs and active contacts. Collective.
+std::vector<RankCount> countsOverRanks(const Simulation& simulation);
 
 std::int64_t numSearches(const Simulation& simulation); // since the start
 

@@ -131,13 +131,8 @@ void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
   const Region region("contact::findPartnersAndCandidates");
-  {
-    const Region timer("contact::search::partners");
-    findPartners(clusters.rankBoxes().node_box, rank_boxes.face_boxes, rank_boxes.rank,
-                 candidates.nodes_to_send.ranks);
-    findPartners(clusters.rankBoxes().face_box, rank_boxes.node_boxes, rank_boxes.rank,
-                 candidates.blocks_to_test.ranks);
-  }
+  candidates.nodes_to_send.ranks = rank_boxes.near_nodes;
+  candidates.blocks_to_test.ranks = rank_boxes.near_faces;
   const Region timer("contact::search::searches_0_and_1");
   findNodesToSend(space, clusters, rank_boxes, candidates);
   findBlocksToTest(space, clusters, rank_boxes, candidates);

@@ -29,6 +29,7 @@ public:
   const PartnerLists& facesToSend() const override { return _ghost_search.faces_to_send; }
   SearchStatistics countWork() const override;
   bool announcesSizes() const override { return false; }
+  bool keepsRankBoxes() const override { return true; }
   void forget() override { _clusters.orderAgain(); }
   std::int64_t numOrderings() const override { return _clusters.numOrderings(); }
 

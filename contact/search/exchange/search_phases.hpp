@@ -23,7 +23,7 @@ public:
                                       const SearchConfig& config) = 0;
   // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces
   // that may be ghosted (L_gfs). Rank r is in Q_snd of q if and only if q is in Q_rcv of r, since
-  // both read the same rank boxes. Not collective.
+  // both compare the same rank boxes. Not collective.
   virtual void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                          const RankBoxes& rank_boxes) = 0;
   // Phase 4: the node boxes of the partners (L_gnr). Collective among partners.
@@ -44,6 +44,7 @@ public:
   virtual const PartnerLists& facesToSend() const = 0; // L_ges, ranks Q_rcv
   virtual SearchStatistics countWork() const = 0; // of phases 3 and 5
   virtual bool announcesSizes() const = 0; // in a message before that of phase 6
+  virtual bool keepsRankBoxes() const { return false; } // otherwise phase 2 is that of the paper
 
   // Something of the surface besides its coordinates has changed in place.
   virtual void forget() {}

@@ -49,11 +49,8 @@ OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const SweptBox
 void PaperSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                             const RankBoxes& rank_boxes) {
   const Region region("contact::findPartnersAndCandidates");
-  {
-    const Region timer("contact::search::partners");
-    findPartners(_boxes.node_box, rank_boxes.face_boxes, rank_boxes.rank, _nodes_to_send.ranks);
-    findPartners(_boxes.face_box, rank_boxes.node_boxes, rank_boxes.rank, _faces_to_test.ranks);
-  }
+  _nodes_to_send.ranks = rank_boxes.near_nodes;
+  _faces_to_test.ranks = rank_boxes.near_faces;
   const Region timer("contact::search::searches_0_and_1");
   listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.face_boxes, _node_search,
                  _nodes_to_send);

@@ -120,9 +120,32 @@ TEST(GhostSearchTest, SendersAndReceiversAgreeOnPartners) {
       const auto phases = makeSearchPhases(method);
       RankBoxes rank_boxes;
       exchangeRankBoxes(comm, local.surface, phases->constructBoxes(space, local.surface, config),
-                        rank_boxes);
+                        phases->keepsRankBoxes(), rank_boxes);
       phases->findPartnersAndCandidates(space, local.surface, rank_boxes);
       expectPartnersAgree(phases->nodesToSend(), phases->facesToTest(), c);
+    }
+  }
+}
+
+void shift(SurfaceCase& c, double by) {
+  for (CaseNode& node : c.nodes) {
+    node.x_old = node.x_new;
+    node.x_new[0] += by;
+  }
+}
+
+// A face is at least 0.5 long, so that the margin of a rank's boxes is at least 0.005.
+TEST(GhostSearchTest, RankBoxesAreSentAnewOnlyWhenASurfaceLeavesOne) {
+  for (const SearchMethod method : all_methods) {
+    SurfaceCase c = makeCase(0, sizeOf(comm));
+    GlobalSearch search(comm, configOf(c, method));
+    const bool keeps = makeSearchPhases(method)->keepsRankBoxes();
+    for (const double by : {0.0, 0.004, -0.004, 100.0, 0.004}) {
+      shift(c, by);
+      const std::int64_t before = search.numRankBoxExchanges();
+      ASSERT_TRUE(checkGhosts(c, search, localSurface(c, rankOf(comm)))) << nameOf(method);
+      const bool sends = !keeps || before == 0 || by == 100;
+      EXPECT_EQ(search.numRankBoxExchanges() - before, sends) << nameOf(method) << ", " << by;
     }
   }
 }

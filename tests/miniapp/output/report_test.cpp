@@ -32,6 +32,7 @@ RunReport sampleReport() {
   report.search_seconds = 0.5;
   report.counted_searches = 10;
   report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
+  report.counts_over_ranks = {{"faces", 12, 40, 4}, {"ghost_faces", 0, 0, 4}};
   report.search.method = "paper";
   report.checksums = {255, 0x8000000000000001ull, 3};
   report.time_step = {
@@ -80,6 +81,21 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   EXPECT_GT(json["memory"]["max_rank_bytes"], 1000000);
   EXPECT_EQ(json["ranks"], sizeOf(MPI_COMM_WORLD));
   EXPECT_EQ(json["pass"], true);
+}
+
+TEST(Report, StatesTheImbalanceOfTheRanks) {
+  RunReport report = sampleReport();
+  report.provenance.ranks = 4;
+  const auto json = nlohmann::json::parse(reportJson(report))["imbalance"];
+  EXPECT_EQ(json["faces"]["max"], 12);
+  EXPECT_EQ(json["faces"]["mean"], 10.0);
+  EXPECT_EQ(json["faces"]["max_over_mean"], 1.2);
+  EXPECT_EQ(json["ghost_faces"]["max_over_mean"], 0.0); // there are none
+  EXPECT_EQ(json["search"]["max_over_mean"], 2.5); // of the phase
+  std::ostringstream printed;
+  printReport(printed, report);
+  EXPECT_CONTAINS(printed.str(),
+                  "imbalance (largest over mean of the ranks): faces 1.2, ghost_faces 0\n");
 }
 
 TEST(Report, NamesTheDeviceAndItsMemoryOnlyWhereThereIsOne) {
