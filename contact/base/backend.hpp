@@ -35,7 +35,12 @@ using staging_space = Kokkos::HostSpace;
 template <class T>
 using View = Kokkos::View<T, memory_space>;
 
-using range_policy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>>;
+// Functors travel as kernel arguments also if they are large: each launch that copies its functor to
+// the constant memory of a device waits for the launch before.
+using launch_by_argument = Kokkos::Experimental::WorkItemProperty::HintLightWeight_t;
+
+using range_policy =
+    Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>, launch_by_argument>;
 
 // True where device and host share memory, so that staging copies vanish.
 constexpr bool host_accessible =
@@ -63,7 +68,7 @@ inline range_policy rangePolicy(const exec_space& space, std::int64_t n) {
 
 // The same for iterations of unequal work: threads take `chunk` of them at a time.
 using dynamic_policy = Kokkos::RangePolicy<exec_space, Kokkos::Schedule<Kokkos::Dynamic>,
-                                           Kokkos::IndexType<std::int64_t>>;
+                                           Kokkos::IndexType<std::int64_t>, launch_by_argument>;
 inline dynamic_policy dynamicPolicy(const exec_space& space, std::int64_t n, int chunk) {
   return dynamic_policy(space, 0, n, Kokkos::ChunkSize(chunk));
 }

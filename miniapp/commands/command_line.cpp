@@ -112,6 +112,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
       ->type_name("HOW")
       ->check(CLI::IsMember({"normal", "paper"}));
   app.add_flag("-q,--quiet", options.quiet, "print warnings and the last lines only");
+  app.add_flag("--checksums", options.checksums,
+               "print checksums of each part of each step, to compare runs bit by bit");
   app.add_flag("--keys", keys, "list all blocks and keys of a deck");
   app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
 
@@ -144,9 +146,9 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
       (options.command == Command::mesh || options.command == Command::search))
     return fault("--steps: 'brickwall mesh' makes no steps, and the number of searches of "
                  "'brickwall search' is search.repetitions");
-  if (options.command != Command::run &&
-      (!time_limit.empty() || !options.restart.empty() || extend_option->count() > 0))
-    return fault("--time-limit, --restart and --extend-to belong to 'brickwall run'");
+  if (options.command != Command::run && (!time_limit.empty() || !options.restart.empty() ||
+                                          extend_option->count() > 0 || options.checksums))
+    return fault("--time-limit, --restart, --extend-to and --checksums belong to 'brickwall run'");
   if (!time_limit.empty() && !(options.time_limit = secondsOf(time_limit)))
     return fault("--time-limit: found \"" + time_limit +
                  "\", expected hours, minutes and seconds, such as 01:30:00");

@@ -18,6 +18,7 @@ struct Options {
   bool write_output = true; // false with --no-output: no file at all is written
   Timing timing = Timing::normal;
   bool quiet = false; // no progress and no tables
+  bool checksums = false; // print those of each part of each step
   std::optional<double> time_limit; // s of wall clock since the start of the run
   std::string restart; // "latest" or the path of a checkpoint; "": a run from the start
   std::optional<double> extend_to; // time at which a restarted run ends, in place of its end

@@ -64,6 +64,8 @@ public:
       return 0;
     }
     _recorder.watch("contact::search", _simulation.steps().plannedSteps());
+    if (_options.checksums)
+      _simulation.observe([this](StepPart part) { addChecksum(part); });
     try {
       loop();
     } catch (const PhysicsError& error) {
@@ -210,6 +212,16 @@ private:
                   clock.time);
   }
 
+  // Prints a line at the end of the step.
+  void addChecksum(StepPart part) {
+    const auto sum = static_cast<unsigned long long>(checksumOf(_simulation, part));
+    _checksums += format(" %s=%016llx", nameOf(part), sum);
+    if (part != StepPart::energies)
+      return;
+    print(format("checksums step=%lld", _simulation.clock().step) + _checksums);
+    _checksums.clear();
+  }
+
   void print(const std::string& line) {
     _progress.clear();
     if (rankOf(_comm) == 0)
@@ -307,6 +319,7 @@ private:
   double _last_checkpoint = 0; // s
   std::int64_t _last_checkpoint_step = -1;
   std::string _checkpoint_failure; // of the last one
+  std::string _checksums; // of the present step, as text
   std::string _stop_signal; // of this rank
   bool _is_time_up = false; // on rank 0
   std::string _stopped; // why the run ends early

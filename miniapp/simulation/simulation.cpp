@@ -14,16 +14,27 @@ void Simulation::runVerbs(bool moves) {
     moveNodes();
   findContactCandidates();
   guardAgainstTunnelling();
+  finish(StepPart::displacement);
+  finish(StepPart::pairs);
   auditCandidates();
   adaptTimeStep();
   computeInternalForces();
   limitStepForCompression();
   addLoads(nextLoadSpan());
   sumSharedNodes();
+  finish(StepPart::forces);
   enforceContact();
+  finish(StepPart::contacts);
   setContactPower();
   kickVelocities(clock().kickLength());
+  finish(StepPart::velocity);
   bookEnergies();
+  finish(StepPart::energies);
+}
+
+void Simulation::finish(StepPart part) const {
+  if (_observer)
+    _observer(part);
 }
 
 void Simulation::moveNodes() {

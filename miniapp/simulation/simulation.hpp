@@ -10,6 +10,7 @@
 #include "mechanics/step/resting_bodies.hpp"
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/simulation/contact_step.hpp"
+#include "miniapp/simulation/step_checksums.hpp"
 #include "miniapp/simulation/step_controller.hpp"
 
 #include <mpi.h>
@@ -69,6 +70,8 @@ public:
   // previous step. Collective.
   void step() { runVerbs(true); }
   bool isDone() const { return _steps.isDone(); }
+  // To be called after each part of a step.
+  void observe(const StepObserver& observer) { _observer = observer; }
 
   // What this rank asks of all ranks from the next step on, and what any rank has asked for in the
   // last step: they agree in its one reduction of energies.
@@ -95,6 +98,9 @@ public:
   const mechanics::NodalState& state() const { return _state; }
   // Forces of the last step at all nodes; computes those that the step did not store.
   const mechanics::NodalForces& forces();
+  // Those that the step stored: without free bricks, and before the part that computes them those
+  // of the last step.
+  const mechanics::NodalForces& storedForces() const { return _forces; }
   Quantum forceQuantum() const { return _forces.quantum; }
   const mechanics::BoundaryConditions& boundary() const { return _boundary; }
   const mechanics::InternalForce& internalForce() const { return *_internal_force; }
@@ -124,6 +130,7 @@ private:
   void bookEnergies();
 
   // Parts of verbs.
+  void finish(StepPart part) const;
   void saveStateForGuard();
   void shortenDrift(double longest);
   void stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift);
@@ -156,6 +163,7 @@ private:
   mechanics::EnergyLedger _ledger;
 
   StepState _step;
+  StepObserver _observer; // or empty
   Requests _requests; // of this rank
   StateBeforeDrift _before_drift;
   std::int64_t _guarded_steps = 0;

@@ -98,10 +98,10 @@ private:
   Quantum _quantum;
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
-  View<CorrectionNotes> _notes;
-  std::int64_t _num_proposing = 0; // first passes so far
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t> _next_count;
+  View<CorrectionNotes> _notes;
+  std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded
   ContactForces _forces;
