@@ -5,20 +5,26 @@
 
 namespace brickwall {
 
+// A functor: nvcc may mix up the lambdas that an inline function has in several source files.
+struct ScanCounts {
+  View<std::int64_t*> counts;
+  std::int64_t n;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, std::int64_t& sum,
+                                         const bool final) const {
+    const std::int64_t count = i < n ? counts(i) : 0;
+    if (final)
+      counts(i) = sum;
+    sum += count;
+  }
+};
+
 // Turns counts[0, n) into exclusive offsets in place, with offsets[n] the total, which is returned.
 // `counts` has n + 1 entries or more. Fences (the total is read by the host).
 inline std::int64_t scanCounts(const exec_space& space, const std::string& label,
                                const View<std::int64_t*>& counts, std::int64_t n) {
   std::int64_t total = 0;
-  Kokkos::parallel_scan(
-      label, rangePolicy(space, n + 1),
-      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum, const bool final) {
-        const std::int64_t count = i < n ? counts(i) : 0;
-        if (final)
-          counts(i) = sum;
-        sum += count;
-      },
-      total);
+  Kokkos::parallel_scan(label, rangePolicy(space, n + 1), ScanCounts{counts, n}, total);
   return total;
 }
 

@@ -169,33 +169,50 @@ struct AddReceived {
   }
 };
 
+// Functors: nvcc may mix up the lambdas that a template has in several source files.
+template <class SourceView>
+struct PackRow {
+  SourceView source;
+  View<int*> rows;
+  View<std::int64_t*> packed;
+  std::int64_t width;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+    for (std::int64_t w = 0; w < width; ++w)
+      packed(i * width + w) = toWord(source(rows(i), w));
+  }
+};
+template <class Place, class TargetView>
+struct UnpackRow {
+  View<std::int64_t*> packed;
+  View<int*> rows;
+  TargetView target;
+  std::int64_t width;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+    for (std::int64_t w = 0; w < width; ++w) {
+      typename TargetView::non_const_value_type value;
+      fromWord(packed(i * width + w), value);
+      Place::place(target(rows(i), w), value);
+    }
+  }
+};
+
 // packed(i * width + w) = source(rows(i), w) for i in [0, num_rows).
 template <class SourceView>
 void packRows(const exec_space& space, const SourceView& source, const View<int*>& rows,
               std::int64_t num_rows, const View<std::int64_t*>& packed) {
   const auto width = static_cast<std::int64_t>(source.extent(1));
-  Kokkos::parallel_for(
-      "base::ExchangePlan::pack", rangePolicy(space, num_rows),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (std::int64_t w = 0; w < width; ++w)
-          packed(i * width + w) = toWord(source(rows(i), w));
-      });
+  Kokkos::parallel_for("base::ExchangePlan::pack", rangePolicy(space, num_rows),
+                       PackRow<SourceView>{source, rows, packed, width});
 }
 // Places packed(i * width + w) at target(rows(i), w) for i in [0, num_rows).
 template <class Place, class TargetView>
 void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, const View<int*>& rows,
                 std::int64_t num_rows, const TargetView& target) {
-  using value_type = typename TargetView::non_const_value_type;
   const auto width = static_cast<std::int64_t>(target.extent(1));
-  Kokkos::parallel_for(
-      "base::ExchangePlan::unpack", rangePolicy(space, num_rows),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (std::int64_t w = 0; w < width; ++w) {
-          value_type value;
-          fromWord(packed(i * width + w), value);
-          Place::place(target(rows(i), w), value);
-        }
-      });
+  Kokkos::parallel_for("base::ExchangePlan::unpack", rangePolicy(space, num_rows),
+                       UnpackRow<Place, TargetView>{packed, rows, target, width});
 }
 
 // Rows of local arrays that go to and come from each partner. Row lists of partner p are

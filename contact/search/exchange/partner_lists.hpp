@@ -53,14 +53,23 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
   space.fence();
 }
 
+// A functor: nvcc may mix up the lambdas that an inline function has in several source files.
+struct TakePositions {
+  View<const std::int64_t*> positions;
+  View<std::int64_t*> starts;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t partner) const {
+    starts(partner) = positions(starts(partner));
+  }
+};
+
 // Sets kept.offsets where only some entries of a list were kept. `starts` [partner + 1] are the
 // offsets of all entries, positions(entry) is the number of entries kept before this one. Fences.
 inline void offsetsOfKept(const exec_space& space, const View<const std::int64_t*>& positions,
                           const View<std::int64_t*>& starts, PartnerLists& kept) {
   const auto num_partners = static_cast<std::int64_t>(kept.ranks.size());
-  Kokkos::parallel_for(
-      "contact::offsetsOfKept", rangePolicy(space, num_partners + 1),
-      KOKKOS_LAMBDA(const std::int64_t partner) { starts(partner) = positions(starts(partner)); });
+  Kokkos::parallel_for("contact::offsetsOfKept", rangePolicy(space, num_partners + 1),
+                       TakePositions{positions, starts});
   const Region copies("contact::search::host_device_copies");
   copyToHost(space, starts, num_partners + 1, kept.offsets);
 }
