@@ -293,10 +293,8 @@ join_rank_files() {
   echo "joined   $joined"
 }
 draw() {
-  local python=/usr/bin/python3 text
-  if ! "$python" -c 'import netCDF4, matplotlib' 2>/dev/null; then
-    echo "run.sh: no picture: $python needs the modules netCDF4 and matplotlib"
-  elif text=$("$python" "$root/miniapp/render_wall.py" "$joined" --output "$output/$name.png" 2>&1); then
+  local text
+  if text=$("$root/miniapp/plot/brickwall-plot" "$joined" --output "$output/$name.png" 2>&1); then
     echo "picture  $output/$name.png"
   else
     echo "run.sh: no picture: $(tail -n 1 <<<"$text")"

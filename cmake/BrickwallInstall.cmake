@@ -85,6 +85,14 @@ brickwall_install_component(
          io/mesh/partition.hpp
          io/wall/wall_generator.hpp)
 install(TARGETS brickwall RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(PROGRAMS miniapp/plot/brickwall-plot DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(
+  DIRECTORY miniapp/plot/brickwall_plot
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/brickwall
+  COMPONENT program
+  FILES_MATCHING
+  PATTERN "*.py"
+  PATTERN __pycache__ EXCLUDE)
 
 configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/BrickwallConfig.cmake.in ${PROJECT_BINARY_DIR}/BrickwallConfig.cmake

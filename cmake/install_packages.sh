@@ -16,8 +16,8 @@ packages=(
   # libraries
   libopenmpi-dev openmpi-bin libnetcdf-dev libhdf5-dev zlib1g-dev
   libtoml11-dev libcli11-dev nlohmann-json3-dev libgtest-dev
-  # the picture of the wall
-  python3 python3-netcdf4 python3-matplotlib
+  # pictures and plots
+  python3 python3-netcdf4 python3-matplotlib python3-pil
 )
 check_only=no
 for option in "$@"; do

@@ -2,10 +2,10 @@
 import netCDF4
 import numpy as np
 
-# A hex8 in the order of Exodus, counted from 0: offsets of the corners from the first one, and the
-# corners of the sides, whose normals point outward by the right-hand rule.
+from brickwall_plot.exodus import HEX_SIDES, ExodusResults
+
+# Offsets of the corners of a hex8 from the first one, in the order of Exodus, counted from 0.
 HEX_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
-HEX_SIDES = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]])
 NAME_LENGTH = 33  # with the terminating zero
 
 
@@ -63,34 +63,14 @@ def _write_sets(file, kind, word, sets):
             file.createVariable(f"{column}_{kind}{number}", "i4", (dimension,))[:] = values
 
 
-class Results:
+class Results(ExodusResults):
     """Mesh and fields of a results file of one rank, or of a joined one. Steps count from 0; -1 is
     the last."""
 
     def __init__(self, path):
-        self.file = netCDF4.Dataset(path)
-        self.file.set_auto_mask(False)
+        super().__init__(path)
+        self.file = self.files[0]
         self.variables = self.file.variables
-        if "coord" in self.variables:
-            self.nodes = np.array(self.variables["coord"][:]).T
-        else:
-            self.nodes = np.stack([self.variables["coord" + axis][:] for axis in "xyz"], axis=1)
-        self.times = np.array(self.variables["time_whole"][:])
-        self.hexes_of_block = [np.array(self.variables[f"connect{block}"][:], dtype=np.int64) - 1
-                               for block in range(1, len(self.file.dimensions["num_el_blk"]) + 1)]
-        self.hexes = np.concatenate(self.hexes_of_block)
-        self.names = {kind: self._names(f"name_{kind}_var") for kind in ("nod", "elem", "glo")}
-
-    def nodal(self, name, step=-1):
-        """[node] for the name of a scalar, [node][xyz] for that of a vector."""
-        if name + "_x" in self.names["nod"]:
-            return np.stack([self.nodal(f"{name}_{axis}", step) for axis in "xyz"], axis=1)
-        return np.array(self.variables[f"vals_nod_var{self.names['nod'].index(name) + 1}"][step])
-
-    def element(self, name, step=-1):
-        variable = self.names["elem"].index(name) + 1
-        return np.concatenate([np.array(self.variables[f"vals_elem_var{variable}eb{block}"][step])
-                               for block in range(1, len(self.hexes_of_block) + 1)])
 
     def stress(self, step=-1):
         """Cauchy stress [element][3][3]."""
@@ -106,8 +86,3 @@ class Results:
     def nodes_of_block(self, block):
         """The nodes of a block, ascending; blocks count from 0."""
         return np.unique(self.hexes_of_block[block])
-
-    def _names(self, variable):
-        if variable not in self.variables:
-            return []
-        return [b"".join(row).split(b"\0")[0].decode().strip() for row in self.variables[variable][:]]

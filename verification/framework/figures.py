@@ -1,21 +1,12 @@
 """The style of all plots. No pyplot, whose state is global: cases run concurrently."""
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from brickwall_plot import style
+from brickwall_plot.style import COLOURS
 
-COLOURS = ("#35124a", "#d1603d", "#ea9152", "#a8324a", "#6d1c55", "#8a8a8a")
 EXACT = {"color": "#8a8a8a", "linewidth": 1.2, "linestyle": "--"}  # style of exact solutions
 
 
 def new_figure(panels, width):
-    figure = Figure(figsize=(width * (1 if panels == 1 else 1.5), 0.62 * width))
-    FigureCanvasAgg(figure)
-    all_axes = [figure.add_subplot(1, panels, i + 1) for i in range(panels)]
-    for axes in all_axes:
-        axes.set_prop_cycle(color=COLOURS)
-        axes.grid(True, color="#dddddd")
-        axes.set_axisbelow(True)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+    figure, all_axes = style.new_figure(1, panels, (width * (1 if panels == 1 else 1.5), 0.62 * width))
     return figure, all_axes[0] if panels == 1 else all_axes
 
 
@@ -25,8 +16,7 @@ def save(figure, path):
             axes.legend(frameon=False, fontsize=8)
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Without the version of matplotlib, equal plots are equal files.
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    style.save(figure, path)
 
 
 def draw_slope(axes, sizes, errors, order):
