@@ -26,6 +26,8 @@ def open_netcdf(path):
         raise PlotError(f"{path}: the file is truncated: it ends within its header") from None
     except OSError as error:
         raise PlotError(f"{path}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, RuntimeError) as error:
+        raise PlotError(f"{path}: the header is damaged: {error}") from None
     file.set_auto_mask(False)
     return file
 

@@ -164,6 +164,15 @@ class FaultyInput(unittest.TestCase):
         (work / "other.exo").write_text("no netCDF\n")
         self.expect("other.exo: ", work / "other.exo")
 
+    def test_of_damaged_bytes_never_ends_otherwise(self):
+        data, random = Path(self.file).read_bytes(), np.random.default_rng(11)
+        for _ in range(60):
+            damaged = bytearray(data)
+            damaged[random.integers(4, len(data))] = random.integers(256)
+            (work / "damaged.exo").write_bytes(damaged)
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                self.assertIn(main([str(work / "damaged.exo"), "--list"]), (0, 2))
+
     def test_of_missing_rank_files_names_them(self):
         for name in ("part.exo.3.0", "part.exo.3.2"):
             shutil.copy(self.file, work / name)
