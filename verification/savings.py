@@ -17,9 +17,11 @@ sys.path.insert(0, str(ROOT))
 from framework.needed import need
 
 need("netCDF4")
-from framework import machine, report
+from brickwall_study import machine
+from brickwall_study.options import positive
+from framework import report
 from framework.bits import different_bits, history_text
-from framework.options import add_run_options, positive, study_parser
+from framework.options import add_run_options, study_parser
 from framework.program import Program, ProgramError
 
 INPUTS = ROOT.parent / "inputs"

@@ -22,10 +22,12 @@ sys.path.insert(0, str(ROOT))
 from framework.needed import need
 
 need("matplotlib", "netCDF4")
-from framework import machine, report
+from brickwall_study import machine
+from brickwall_study.options import positive
+from framework import report
 from framework.checks import Outcome
 from framework.lab import Lab
-from framework.options import add_run_options, positive, study_parser
+from framework.options import add_run_options, study_parser
 from framework.program import Program
 
 # Folder and title of each study.

@@ -30,8 +30,9 @@ for row in rows:
         check(0 < low <= middle <= high, f"{part} of {who}: {low} {middle} {high}")
         check(float(row[f"{part}_imbalance"]) >= 1, f"imbalance of {part} of {who}")
         check(float(row[f"{part}_cpu_mean_ms"]) > 0, f"CPU time of {part} of {who}")
-    check(float(row["global_search_min_ms"]) + float(row["local_search_min_ms"]) <= float(row["search_max_ms"]),
-          f"parts and whole of {who}")
+    if row["ranks"] == "1":  # of several ranks, another one may be the slowest in each part
+        check(float(row["global_search_min_ms"]) + float(row["local_search_min_ms"]) <= float(row["search_max_ms"]),
+              f"parts and whole of {who}")
     check(float(row["first_search_ms"]) > 0, f"first search of {who}")
     check(float(row["memory_inputs_sum_MB"]) > 1, f"memory of the inputs of {who}")
     check(float(row["memory_peak_sum_MB"]) >= float(row["memory_inputs_sum_MB"]), f"peak memory of {who}")

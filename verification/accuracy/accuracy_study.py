@@ -25,9 +25,10 @@ import charts
 import congruent
 import study_report
 from exact_scenes import Cantilever, SmoothWave, SpinningBlock, TwoBars
-from framework import machine
+from brickwall_study import machine
+from brickwall_study.options import positive
 from framework.checks import Check
-from framework.options import add_run_options, positive, study_parser
+from framework.options import add_run_options, study_parser
 from framework.program import Program
 from measure import Bench
 from walls import PushedWall, StruckWall, audit, predictability

@@ -6,9 +6,9 @@ import statistics
 
 import netCDF4
 import numpy as np
+from brickwall_study.process import execute
 from framework.exodus import Results
 from framework.meshes import bodies
-from framework.process import execute
 from framework.program import ProgramError
 from walls import StruckWall, mesh_name
 

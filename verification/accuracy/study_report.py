@@ -2,7 +2,8 @@
 import answers
 import numpy as np
 from front import by_setting
-from framework.report import cell, headline, table
+from brickwall_study.tables import cell
+from framework.report import headline, table
 from scene import DEFAULT
 
 

@@ -2,7 +2,7 @@
 and the time up to which the wall is predictable."""
 import numpy as np
 from bricks import at_times, bodies_of, means_of_bodies
-from framework import machine
+from brickwall_study import machine
 from scene import COMBINED, DEFAULT, FEW, FULL, HERE, NO_EDGES, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene, counts_of
 
 DENSITY, HEIGHT, PEAK = 2000.0, 0.1, 4.0e6  # of decks/wall.toml

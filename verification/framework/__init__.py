@@ -3,5 +3,7 @@ plots and reports."""
 import sys
 from pathlib import Path
 
-# The reader of Exodus files and the style of plots are those of brickwall-plot.
-sys.path.append(str(Path(__file__).resolve().parents[2] / "miniapp" / "plot"))
+# The reader of Exodus files and the style of plots are those of brickwall-plot; machine, child
+# processes, run folders and Markdown tables are those of `brickwall study`.
+for part in ("plot", "study"):
+    sys.path.append(str(Path(__file__).resolve().parents[2] / "miniapp" / part))

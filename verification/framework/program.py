@@ -6,9 +6,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from brickwall_study.launch import spell
+from brickwall_study.process import execute
 
 from .exodus import Results, write_mesh
-from .process import execute
 
 
 class ProgramError(RuntimeError):
@@ -71,16 +72,3 @@ class Program:
         if expect is not None and code != expect:
             raise ProgramError(f"{folder.name}: {message or 'the run passed'}, expected exit code {expect} ({folder}/log.txt)")
         return Run(folder, deck.stem, code, message)
-
-
-def spell(value):
-    """A value in TOML. Numbers keep all their bits."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return value
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value))
-    return "[" + ",".join(spell(item) for item in value) + "]"

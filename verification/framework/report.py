@@ -1,14 +1,6 @@
 """The report of a study: one table of all cases, then a section for each case with its tables,
 plots and notes."""
-
-
-def table(header, rows):
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(lines + ["| " + " | ".join(cell(value) for value in row) + " |" for row in rows]) + "\n"
-
-
-def cell(value):
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+from brickwall_study.tables import markdown as table
 
 
 def headline(study):

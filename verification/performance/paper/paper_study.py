@@ -11,9 +11,11 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # of framework
+from framework.options import study_parser  # framework first: it sets the path of brickwall_study
+
 import study_tables as tables
-from framework import machine
-from framework.options import positive, positive_list, study_parser
+from brickwall_study import machine
+from brickwall_study.options import positive, positive_list
 from paper_plan import METHODS, PAPER_SIZES, PaperPlan, default_layouts
 from search_runs import Result, Runner
 

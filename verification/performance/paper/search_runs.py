@@ -4,14 +4,12 @@ A run leaves search.json (the program's report), log.txt and run.json in a folde
 run.json names the program and the options, so that a later call of the study reuses the finished
 runs that have not changed.
 """
-import hashlib
 import json
 import subprocess
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from framework.process import execute
+from brickwall_study.run_store import digest, finished, perform
 
 INPUTS = Path(__file__).resolve().parents[3] / "inputs"
 # The walls W(n) of the paper's sizes have their own decks; any other wall is one of these with
@@ -75,7 +73,7 @@ class Runner:
 
     def __init__(self, run_sh, program, folder, limit):
         self.run_sh, self.program, self.folder, self.limit = str(run_sh), str(program), Path(folder), limit
-        self.fingerprint = hashlib.sha256(Path(program).read_bytes()).hexdigest()
+        self.fingerprint = digest(program)
 
     def knows_method(self, method):
         """(True, "") or (False, the last line that the program prints)."""
@@ -87,37 +85,16 @@ class Runner:
 
     def run(self, case):
         place = self.folder / case.name()
-        record = {"program": self.fingerprint, "options": case.options()}
-        earlier = self._finished(place, record)
-        if earlier:
-            return Result(case, "ok", report=earlier["report"], seconds=earlier["seconds"], reused=True)
-        place.mkdir(parents=True, exist_ok=True)
-        for name in ("run.json", "search.json"):
-            (place / name).unlink(missing_ok=True)
-        begin = time.monotonic()
-        state, message = self._execute(case, place)
-        seconds = time.monotonic() - begin
-        report = None
+        key = {"program": self.fingerprint, "options": case.options()}
+        record = finished(place, key)
+        reused = record is not None
+        if not reused:
+            command = [self.run_sh, *case.options(), "--program", self.program, "-o", str(place)]
+            record = perform(place, key, command, self.limit)
+        state, message, report = record["state"], record["message"], None
         if state == "ok":
             try:
                 report = json.loads((place / "search.json").read_text())
             except (OSError, ValueError) as error:
                 state, message = "failed", f"no search.json: {error}"
-        record.update(state=state, message=message, seconds=seconds)
-        (place / "run.json").write_text(json.dumps(record, indent=2) + "\n")
-        return Result(case, state, message, report, seconds)
-
-    @staticmethod
-    def _finished(place, record):
-        try:
-            earlier = json.loads((place / "run.json").read_text())
-            if earlier["state"] != "ok" or any(earlier[key] != value for key, value in record.items()):
-                return None
-            return {"report": json.loads((place / "search.json").read_text()), "seconds": earlier["seconds"]}
-        except (OSError, ValueError, KeyError):
-            return None
-
-    def _execute(self, case, place):
-        command = [self.run_sh, *case.options(), "--program", self.program, "-o", str(place)]
-        state, message, _ = execute(command, place / "log.txt", self.limit)
-        return state, message
+        return Result(case, state, message, report, record["wall_seconds"], reused)

@@ -3,6 +3,8 @@ tables of study.md."""
 import csv
 import json
 
+from brickwall_study.tables import markdown as markdown_table
+
 TIMERS = ("initialization", "allocation", "host-device copies", "node boxes", "face boxes", "rank-box exchange",
           "partners", "searches 0 and 1", "node-box exchange", "search 2", "waiting", "migration", "other")
 PARTS = ("search", "global_search", "local_search")
@@ -84,13 +86,6 @@ def write_json(path, study, results):
     with open(path, "w") as file:
         json.dump({**study, "runs": runs}, file, indent=1)
         file.write("\n")
-
-
-def markdown_table(header, rows):
-    def line(cells):
-        return "| " + " | ".join(str(cell) for cell in cells) + " |"
-
-    return "\n".join([line(header), "|" + "---|" * len(header), *map(line, rows)]) + "\n"
 
 
 def number(value):

@@ -24,8 +24,10 @@ sys.path.insert(0, str(ROOT / "verification"))
 from framework.needed import need
 
 need("numpy", "netCDF4")  # framework.program imports them
-from framework import machine, report
-from framework.options import add_run_options, positive, study_parser
+from brickwall_study import machine
+from brickwall_study.options import positive
+from framework import report
+from framework.options import add_run_options, study_parser
 from framework.program import Program, ProgramError
 
 

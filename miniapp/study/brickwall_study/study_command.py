@@ -1,0 +1,142 @@
+"""`brickwall study`: many runs from one file."""
+import argparse
+import fcntl
+import json
+import random
+import signal
+import sys
+from pathlib import Path
+
+from . import machine, page
+from .comparison import compare_runs
+from .errors import INTERRUPTED, PASSED, RUNS_FAILED, OutputError, run_main, write_text
+from .options import positive_list
+from .run_store import now
+from .study_file import read_study
+from .study_output import csv_text, json_text
+from .study_runs import Runner, plan
+from .tables import number
+
+DESCRIPTION = """Makes the runs of a study file, repeated and in random order, and writes study.csv, study.json, report.md and report.html to its
+folder. The same command continues a study that was interrupted: finished runs of the same program, deck and settings are not made again."""
+EXIT_CODES = "Exit code: 0 success, 2 faulty study file or command line, 3 a run failed, 4 a file cannot be written, 5 interrupted."
+
+
+def main(words=None):
+    parser = argparse.ArgumentParser(prog="brickwall study", description=DESCRIPTION, epilog=EXIT_CODES)
+    parser.add_argument("file", metavar="FILE.toml", help="the study")
+    parser.add_argument("-o", "--output", type=Path, help="folder (default out/study_FILE)")
+    parser.add_argument("-n", "--ranks", type=positive_list, help="MPI ranks, in place of those of the file")
+    parser.add_argument("-t", "--threads", type=positive_list, help="threads of each rank, in place of those of the file")
+    parser.add_argument("--program", type=Path, default=Path(sys.argv[0]).absolute().parent / "brickwall",
+                        help="program, where the file names none (default: brickwall in the folder of this program)")
+    parser.add_argument("--list", action="store_true", help="print the runs in their order, make none")
+    arguments = parser.parse_args(words)
+    return run_main("brickwall study", lambda: run_study(arguments))
+
+
+def run_study(arguments):
+    cores = machine.physical_cores()
+    study = read_study(arguments.file, arguments.program, cores, arguments.ranks, arguments.threads)
+    folder = (arguments.output or Path(f"out/study_{study.path.stem}")).absolute()
+    for reason in study.left_out:
+        print(f"left out {reason}")
+    seed = seed_of(study, folder)
+    steps = plan(study, seed)
+    if arguments.list:
+        for order, (repetition, case) in enumerate(steps, 1):
+            print(f"{order:5} {case.id}, {'warm-up' if repetition < 1 else f'run {repetition}'}")
+        return PASSED
+    lock = lock_of(folder)
+    place, begin, runner, runs, state = machine.describe(), now(), Runner(study, folder, cores), [], "complete"
+
+    def write(state):
+        write_text(folder / "study.csv", csv_text(runs))
+        write_text(folder / "study.json", json_text(study, state, seed, place, runner.programs, runs, (begin, now())))
+
+    signal.signal(signal.SIGTERM, interrupt)
+    write("incomplete")
+    try:
+        for order, (repetition, case) in enumerate(steps, 1):
+            runs.append(runner.make(order, repetition, case))
+            print(line_of(runs[-1], len(steps)), flush=True)
+            if not runs[-1].reused:
+                write("incomplete")
+    except KeyboardInterrupt:
+        state = "interrupted"
+    write(state)
+    write_report(study, folder, runs, seed, place)
+    lock.close()
+    return finish(study, state, runs, len(steps))
+
+
+def seed_of(study, folder):
+    """That of the file, of an earlier call in this folder, or a new one."""
+    if study.seed is not None:
+        return study.seed
+    try:
+        return int(json.loads((folder / "study.json").read_text())["seed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return random.SystemRandom().randrange(2**32)
+
+
+def lock_of(folder):
+    """An open file; two studies never write to one folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = open(folder / ".lock", "w")
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return file
+    except BlockingIOError:
+        raise OutputError(f"{folder}: another study is writing there") from None
+    except OSError as error:
+        raise OutputError(f"{folder}: {error.strerror}") from None
+
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
+def line_of(done, total):
+    result = done.record["state"] if done.record["state"] != "ok" else "warm-up" if not done.is_counted else (
+        f"{number(1e3 * done.run.whole)} ms a {done.run.unit}")
+    if done.record["state"] != "ok":
+        result += f": {done.record['message']}"
+    return f"{done.order:4}/{total} {done.case.id:50} {result}" + (" (finished before)" if done.reused else "")
+
+
+def write_report(study, folder, runs, seed, place):
+    measured = [done.run for case in study.cases for done in runs if done.case is case and done.run]
+    if not measured:
+        return
+    document = compare_runs(measured, study.title)
+    document.lead.append(
+        f"{place['physical_cores']} cores, {place['system']}; {study.repetitions} repetitions and {study.warmup} warm-up runs of {len(study.cases)} "
+        f"cases, in turns of random order with seed {seed}; load average at the start {place['load_average']:.2f}. "
+        "All runs: study.csv, study.json.")
+    faults = [f"{done.case.id}, run {done.repetition}: {done.record['state']}: {done.record['message']}" for done in runs if done.record["state"] != "ok"]
+    for heading, lines in (("Left out", study.left_out), ("Failed", faults)):
+        if lines:
+            document.sections.append((heading, lines))
+    write_text(folder / "report.md", page.markdown(document))
+    write_text(folder / "report.html", page.html(document))
+    for name in ("study.csv", "study.json", "report.md", "report.html"):
+        print(f"wrote    {folder / name}")
+
+
+def finish(study, state, runs, total):
+    """Prints the line of the largest throughput and the verdict."""
+    best = {}
+    for done in runs:
+        if done.run:
+            best.setdefault(done.case.id, []).append(done.run.throughput)
+    best = max(((sorted(values)[len(values) // 2], case) for case, values in best.items()), default=None)
+    if best:
+        what = "element_steps_per_second" if any(done.run and done.run.kind == "run" for done in runs if done.case.id == best[1]) else "face_searches_per_second"
+        print(f"FOM {what}={best[0]:.6g} case={best[1]}")
+    failed = sum(done.record["state"] != "ok" for done in runs)
+    if state == "interrupted":
+        print(f"STOPPED: {len(runs)} of {total} runs are finished; the same command continues")
+        return INTERRUPTED
+    print(f"FAIL: {failed} of {total} runs failed" if failed else "PASS")
+    return RUNS_FAILED if failed else PASSED
