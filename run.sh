@@ -7,7 +7,7 @@ usage() {
   cat <<'TEXT'
 Usage:
   ./run.sh [run|check|mesh|search] [DECK] [-n RANKS] [-t THREADS] [-o DIR] [options]
-  ./run.sh --study NAME [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
+  ./run.sh --study NAME|FILE.toml [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
 
 Commands:
   run       runs the deck (default); joins the Exodus results to one file, draws a picture,
@@ -48,7 +48,8 @@ Studies consist of many runs and write tables and plots to their folder (default
   same-bits     the default wall on many ranks and threads, with and without kept lists
   savings       skipped work restored part by part: the same bits, and the time that skipping saves
   step          the time of a coupled step, part by part, over scenes, walls, ranks and threads
-verification/README.md describes them.
+  FILE.toml     the runs of a study file, such as verification/performance/studies/*.toml
+verification/README.md describes them, miniapp/study/README.md study files.
 
 Exit codes: 0 pass; 1 internal error; 2 faulty deck, mesh or command line; 3 the computation failed or
 a limit of the deck was exceeded; 4 an output could not be written; 5 a signal or --time-limit ended the run
@@ -96,7 +97,8 @@ choose_study() {
     same-bits) driver=("$root/verification/same_bits.py") ;;
     savings) driver=("$root/verification/savings.py") ;;
     step) driver=("$root/verification/performance/step/step_study.py") ;;
-    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step" ;;
+    *.toml) driver=("$root/miniapp/study/brickwall-study" "$1") ;;
+    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step, or a file FILE.toml" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
@@ -158,7 +160,8 @@ else
   build=$(cd "$(dirname "$program")/.." && pwd)
 fi
 if [[ -n $study ]]; then
-  study_options=(--run-sh "$root/run.sh" --program "$(realpath "$program")")
+  study_options=(--program "$(realpath "$program")")
+  [[ $study == *.toml ]] || study_options+=(--run-sh "$root/run.sh")
   [[ -z $ranks ]] || study_options+=(-n "$ranks")
   [[ -z $threads ]] || study_options+=(-t "$threads")
   [[ -z $output ]] || study_options+=(-o "$output")

@@ -85,9 +85,10 @@ brickwall_install_component(
          io/mesh/partition.hpp
          io/wall/wall_generator.hpp)
 install(TARGETS brickwall RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-install(PROGRAMS miniapp/plot/brickwall-plot DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(PROGRAMS miniapp/plot/brickwall-plot miniapp/study/brickwall-report miniapp/study/brickwall-study
+        DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(
-  DIRECTORY miniapp/plot/brickwall_plot
+  DIRECTORY miniapp/plot/brickwall_plot miniapp/study/brickwall_study
   DESTINATION ${CMAKE_INSTALL_DATADIR}/brickwall
   COMPONENT program
   FILES_MATCHING

@@ -4,6 +4,7 @@
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/commands/commands.hpp"
+#include "miniapp/commands/companion.hpp"
 #include "miniapp/commands/failure.hpp"
 
 #include <cstdio>
@@ -80,6 +81,8 @@ int withOutputFlushed(int code) {
 // An exception leaves main only if MPI itself fails outside the commands: std::terminate names it.
 // NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
+  if (const int code = startCompanion(argc, argv))
+    return code;
   const CommandLine line = parseCommandLine(argc, argv);
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);

@@ -19,7 +19,9 @@ constexpr const char* description =
     "  run     simulate the deck: Exodus output, history, report, table of phases, PASS or FAIL\n"
     "  check   validate the deck and describe its scene; writes nothing\n"
     "  mesh    write the Exodus mesh of the deck\n"
-    "  search  time the global and local search alone on the surface of the wall\n\n"
+    "  search  time the global and local search alone on the surface of the wall\n"
+    "  report  compare finished runs (brickwall report -h)\n"
+    "  study   make many runs from one file, repeated and in random order (brickwall study -h)\n\n"
     "Exit code: 0 PASS, 1 internal error, 2 bad deck or command line, 3 the computation failed or\n"
     "a limit of the deck is broken, 4 an output could not be written, 5 a signal or --time-limit\n"
     "ended the run early: --restart latest continues it.";

@@ -113,6 +113,11 @@ fi
 expect 2 --study papers
 grep -q 'unknown study "papers"; known studies: paper, verification, stability, accuracy, same-bits' log || fail "an unknown study is not refused by name"
 expect 2 --study
+expect 2 --study no_such_study.toml
+grep -q 'brickwall study: error: no_such_study.toml: No such file' log || fail "a missing study file is not refused by name"
+printf 'repetitions = 1\nwarmup = 0\n[[case]]\ndeck = "%s/one_brick.toml"\nset = { time.steps = 20 }\n' "$inputs" >tiny.toml
+expect 0 --study tiny.toml
+[[ -s out/study_tiny/study.csv && -s out/study_tiny/report.html ]] || fail "a study file gives no results"
 expect 2 --study paper "$inputs/one_brick.toml"
 expect 2 --study paper --sizes none -o study
 expect 0 --study paper -h

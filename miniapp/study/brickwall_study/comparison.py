@@ -1,7 +1,7 @@
 """The comparison of runs as a document: tables and charts, which page.py and tables.py put into a form."""
 from dataclasses import dataclass, field
 
-from .configurations import LEAST_REPETITIONS, SURE, compare, family_of, problems_of
+from .configurations import LEAST_REPETITIONS, OF_SIZE, SURE, compare, family_of, labels_of, place_of, problems_of
 from .svg import Bars, Lines
 from .tables import WORDS, Table, change, number, percent
 
@@ -153,8 +153,7 @@ def scaling_charts(problem):
             by_rank.setdefault("threads" if configuration.first.ranks == base.first.ranks else "ranks", []).append(configuration)
         for what, some in by_rank.items():
             some = sorted(([base] if base not in some else []) + some, key=lambda c: c.first.workers)
-            points = [(c.first.workers, *(base.whole.median / time for time in
-                                          (c.whole.median, max(c.whole.values), min(c.whole.values)))) for c in some]
+            points = [(c.first.workers, *speed_ups(base, c)) for c in some]
             workers.update(point[0] for point in points)
             rest = base.label.split(", ", 1)[1:]
             if len(some) > 1:
@@ -164,6 +163,12 @@ def scaling_charts(problem):
     ideal = [(count, count / least) for count in ticks]
     unit = "ranks" if problem.first.device != "none" else "ranks x threads"
     return [Lines("Speed-up", unit, "speed-up", lines, ideal, ticks=ticks)]
+
+
+def speed_ups(base, configuration):
+    """By the median, the slowest and the fastest repetition."""
+    whole = configuration.whole
+    return [base.whole.median / time for time in (whole.median, max(whole.values), min(whole.values))]
 
 
 def imbalance(problem):
@@ -208,62 +213,71 @@ def bits(problem, configuration):
 
 
 def families(problems):
-    """Configurations of different sizes that are otherwise alike: [[(problem, configuration), ...], ...]."""
+    """[[configuration, ...], ...]: those of different sizes that are otherwise alike."""
     found = {}
     for problem in problems:
         for configuration in problem.configurations:
-            found.setdefault(family_of(configuration.first), []).append((problem, configuration))
-    return [family for family in found.values() if len({problem.first.size for problem, _ in family}) > 1]
+            found.setdefault(family_of(configuration.first), []).append(configuration)
+    return [family for family in found.values() if len({c.first.size for c in family}) > 1]
 
 
 def throughput(problems):
-    """Work per second over the size of the problem, for each layout."""
+    """Work per second over the size of the problem, a line for each layout, program and machine."""
     blocks = []
     for family in families(problems):
-        by_layout = {}
-        for problem, configuration in family:
-            by_layout.setdefault(configuration.first.layout, []).append(configuration)
-        by_layout = {layout: sorted(group, key=lambda c: c.first.size) for layout, group in by_layout.items()}
-        curves = {layout: group for layout, group in by_layout.items() if len({c.first.size for c in group}) > 1}
+        curves = {}
+        for configuration, label in zip(family, labels_of([c.first for c in family], OF_SIZE)):
+            curves.setdefault(label, []).append(configuration)
+        curves = {label: sorted(group, key=lambda c: c.first.size) for label, group in curves.items() if len({c.first.size for c in group}) > 1}
         if not curves:
             continue
-        first = family[0][1].first
-        what, unit = ("elements", "element steps/s") if first.kind == "run" else ("faces", "face searches/s")
+        first = family[0].first
+        what, rate = ("elements", "element steps/s") if first.kind == "run" else ("faces", "face searches/s")
         rows, series = [], []
-        for layout, group in curves.items():
-            samples = [(c, c.sample(lambda run: run.throughput)) for c in group]
-            series.append((layout, [(c.first.size, s.median, min(s.values), max(s.values)) for c, s in samples]))
-            rows += [[f"{c.first.name}, {layout}", number(c.first.size), str(len(c.runs)), number(1e3 * c.whole.median), number(s.median)]
-                     for c, s in samples]
-        name = f"{first.build['execution_space']}, {first.device if first.device != 'none' else first.cpu}, commit {first.build['commit']}"
-        blocks += [Table(f"Throughput: {name}", ["case, ranks x threads", what, "runs", f"ms a {first.unit}", unit], rows),
-                   Lines(f"Throughput over size: {name}", what, unit, series)]
+        for label, group in curves.items():
+            samples = [c.sample(lambda run: run.throughput) for c in group]
+            series.append((label, [(c.first.size, s.median, min(s.values), max(s.values)) for c, s in zip(group, samples)]))
+            rows += [[f"{c.first.name}, {label}", number(c.first.size), memory(c), str(len(c.runs)), number(1e3 * c.whole.median), number(s.median)]
+                     for c, s in zip(group, samples)]
+        names = ", ".join(dict.fromkeys(c.first.name for c in family))
+        blocks += [Table(f"Throughput: {names}", ["case, ranks x threads", what, "memory of a rank or GPU, MB", "runs", f"ms a {first.unit}", rate], rows),
+                   Lines(f"Throughput over size: {names}", what, rate, series)]
     return blocks
+
+
+def memory(configuration):
+    """That of the largest rank; on a GPU what all processes use, with its share."""
+    run = configuration.first
+    return number(1e-6 * run.memory) + (f" ({percent(run.memory_share)})" if run.memory_share is not None else "")
 
 
 def weak_scaling(problems):
-    """Runs with the same size for each rank x thread, within 10 %."""
+    """Runs of one program and machine with the same size for each rank x thread, within 10 %."""
     blocks = []
     for family in families(problems):
-        groups = []
-        for _, configuration in sorted(family, key=lambda one: (one[1].first.workers, one[1].first.size)):
-            load = configuration.first.size / configuration.first.workers
-            group = next((group for group in groups if abs(load / group[0] - 1) <= ALIKE), None)
+        groups = []  # configurations of one load, by rising ranks x threads
+        for configuration in sorted(family, key=lambda c: (c.first.workers, c.first.size)):
+            group = next((group for group in groups if is_of_load(configuration.first, group[0].first)), None)
             if group is None:
-                groups.append(group := (load, []))
-            if configuration.first.workers not in [c.first.workers for c in group[1]]:
-                group[1].append(configuration)
-        for _, group in groups:
-            if len({c.first.size for c in group}) < 2:
-                continue
-            base = group[0]
-            what, unit = ("elements", "step") if base.first.kind == "run" else ("faces", "search")
-            rows = [[c.first.layout, number(c.first.size), number(round(c.first.size / c.first.workers)), str(len(c.runs)),
-                     number(1e3 * c.whole.median), percent(base.whole.median / c.whole.median, 3)] for c in group]
-            points = [(c.first.workers, *(base.whole.median / time for time in
-                                          (c.whole.median, max(c.whole.values), min(c.whole.values)))) for c in group]
-            ticks = [point[0] for point in points]
-            blocks += [Table(f"Weak scaling: {base.first.name}", ["ranks x threads", what, "for each", "runs", f"ms a {unit}", "efficiency"], rows),
-                       Lines(f"Weak scaling: {base.first.name}", "ranks x threads", "efficiency", [("measured", points)],
-                             [(ticks[0], 1.0), (ticks[-1], 1.0)], logarithmic=False, ticks=ticks)]
+                groups.append([configuration])
+            elif configuration.first.workers > group[-1].first.workers:
+                group.append(configuration)
+        blocks += [block for group in groups if len(group) > 1 for block in weak_scaling_of(group)]
     return blocks
+
+
+def is_of_load(run, first):
+    return (run.build, place_of(run)) == (first.build, place_of(first)) and abs(
+        run.size / run.workers / (first.size / first.workers) - 1) <= ALIKE
+
+
+def weak_scaling_of(group):
+    base = group[0]
+    what = "elements" if base.first.kind == "run" else "faces"
+    rows = [[c.first.layout, number(c.first.size), number(round(c.first.size / c.first.workers)), str(len(c.runs)),
+             number(1e3 * c.whole.median), percent(base.whole.median / c.whole.median, 3)] for c in group]
+    points = [(c.first.workers, *speed_ups(base, c)) for c in group]
+    ticks = [point[0] for point in points]
+    return [Table(f"Weak scaling: {base.first.name}", ["ranks x threads", what, "for each", "runs", f"ms a {base.first.unit}", "efficiency"], rows),
+            Lines(f"Weak scaling: {base.first.name}", "ranks x threads", "efficiency", [("measured", points)],
+                  [(ticks[0], 1.0), (ticks[-1], 1.0)], logarithmic=False, ticks=ticks)]

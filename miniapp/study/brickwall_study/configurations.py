@@ -5,6 +5,8 @@ from dataclasses import dataclass
 LEAST_REPETITIONS = 3  # for a statement on noise
 NORMAL = 1.4826  # the standard deviation of normal noise over its median absolute deviation
 SURE = 3  # standard deviations
+BUILD_LABELS = ("execution_space", "commit", "version", "compiler", "kokkos", "mpi", "flags")  # in the order of preference
+OF_SIZE = ("wall.", "mesh.")  # settings that give the size of a problem
 
 
 @dataclass(frozen=True)
@@ -105,23 +107,21 @@ def series_of(run):
     return hashable(run.settings), tuple(run.build.values()), place_of(run)
 
 
-def labels_of(runs):
-    """"ranks x threads" of each run, and all else in which they differ."""
-    keys = dict.fromkeys(key for run in runs for key in run.settings)
-    # The steps follow from other settings, such as the length of a step; they are among the counts.
+def labels_of(runs, without=()):
+    """"ranks x threads" of each run, and all else in which they differ, except for settings that begin with `without`."""
+    keys = dict.fromkeys(key for run in runs for key in run.settings if not key.startswith(tuple(without)))
     differing = [key for key in keys if len({repr(run.settings.get(key)) for run in runs}) > 1]
-    builds = [name for name in ("commit", "version", "compiler", "kokkos", "mpi", "execution_space", "flags")
-              if len({run.build[name] for run in runs}) > 1]
+    builds = [name for name in BUILD_LABELS if len({run.build[name] for run in runs}) > 1]
     # One name of the build is enough if it tells all of them apart.
     number = len({tuple(run.build.values()) for run in runs})
     builds = next(([name] for name in builds if len({run.build[name] for run in runs}) == number), builds)
-    words = []
+    labels = []
     for run in runs:
-        word = [run.layout] + [f"{key.split('.')[-1]} {spell(run.settings.get(key, 'none'))}" for key in differing]
-        word += [f"{name.replace('_', ' ')} {run.build[name]}" if name != "execution_space" else run.build[name] for name in builds]
-        word += [run.device if run.device != "none" else run.cpu] if len(set(map(place_of, runs))) > 1 else []
-        words.append(", ".join(word))
-    return words
+        words = [run.layout] + [f"{key.split('.')[-1]} {spell(run.settings.get(key, 'none'))}" for key in differing]
+        words += [run.build[name] if name == "execution_space" else f"{name} {run.build[name]}" for name in builds]
+        words += [run.device if run.device != "none" else run.cpu] if len(set(map(place_of, runs))) > 1 else []
+        labels.append(", ".join(words))
+    return labels
 
 
 def spell(value):
@@ -129,6 +129,5 @@ def spell(value):
 
 
 def family_of(run):
-    """Equal for runs of any size that are otherwise alike: without the settings of the wall and the mesh."""
-    settings = {key: value for key, value in run.settings.items() if not key.startswith(("wall.", "mesh."))}
-    return run.kind, hashable(settings), tuple(run.build.values()), place_of(run)
+    """Equal for runs of any size, program and machine that are otherwise alike: the settings without wall and mesh."""
+    return run.kind, hashable({key: value for key, value in run.settings.items() if not key.startswith(OF_SIZE)})

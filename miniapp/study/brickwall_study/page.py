@@ -1,4 +1,5 @@
 """A document as one HTML file: no scripts, and nothing is loaded from elsewhere."""
+import textwrap
 from html import escape
 
 from . import svg, tables
@@ -6,18 +7,19 @@ from .tables import Table
 
 STYLE = """
 :root { color-scheme: light; }
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #222; max-width: 1180px; margin: 2rem auto; padding: 0 1.2rem; }
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #222; max-width: 1320px; margin: 2rem auto; padding: 0 1.2rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0.3rem; } h2 { font-size: 1.2rem; margin: 2.4rem 0 0.4rem; border-bottom: 2px solid #35124a; }
 p { margin: 0.4rem 0; max-width: 62rem; } nav { margin: 0.8rem 0; } nav a { margin-right: 1.2rem; }
 a { color: #35124a; } .lead { color: #555; }
 .scroll { overflow-x: auto; margin: 0.9rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 13.5px; }
-caption { text-align: left; font-weight: 600; padding-bottom: 0.25rem; }
+caption { text-align: left; white-space: nowrap; font-weight: 600; padding-bottom: 0.25rem; }
 th, td { padding: 0.16rem 0.6rem; text-align: right; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; position: sticky; left: 0; background: #fff; }
 thead th { border-bottom: 1px solid #999; font-weight: 600; } tbody tr:nth-child(even) td { background: #f5f4f7; }
 .group { text-align: center; border-bottom: 1px solid #ccc; } .edge { border-left: 1px solid #ccc; }
 td.more { color: #a32020; font-weight: 600; } td.less { color: #1d6b2f; font-weight: 600; }
+.whole td { font-weight: 600; border-top: 1px solid #ccc; }
 .part { padding-left: 1.6rem; }
 .charts { display: flex; flex-wrap: wrap; gap: 1.4rem; } figure { margin: 0.6rem 0; flex: 1 1 480px; max-width: 660px; }
 figcaption { font-weight: 600; font-size: 13.5px; } svg { width: 100%; height: auto; font: 12px "DejaVu Sans", sans-serif; }
@@ -64,7 +66,7 @@ def table_html(table):
     head += "<tr>" + "".join(f"<th{attribute([('edge', c in begins)])}>{escape(word)}</th>" for c, word in enumerate(table.header)) + "</tr>"
     body = ""
     for r, row in enumerate(table.rows):
-        body += "<tr>"
+        body += f"<tr{attribute([('whole', row[0].startswith('whole '))])}>"
         for c, value in enumerate(row):
             is_part = c == 0 and value.startswith("-") and len(value) > 1
             classes = attribute([("edge", c in begins), ("part", is_part), (table.marks.get((r, c), ""), (r, c) in table.marks)])
@@ -90,9 +92,12 @@ def markdown(document):
 
 
 def plain(document, width):
-    parts = [document.title, *document.lead, ""]
+    def filled(words):
+        return textwrap.fill(words, width)
+
+    parts = [document.title, *map(filled, document.lead), ""]
     for heading, blocks in document.sections:
         parts += [heading, "-" * len(heading)]
-        parts += [tables.table_text(block, width) if isinstance(block, Table) else f"{block}\n"
+        parts += [tables.table_text(block, width) if isinstance(block, Table) else f"{filled(block)}\n"
                   for block in blocks if isinstance(block, (Table, str))]
     return "\n".join(parts)

@@ -24,7 +24,7 @@ def main(words=None):
 
 
 def report(arguments):
-    paths = dict.fromkeys(path for place in arguments.places for path in find_runs(place))
+    paths = dict.fromkeys(path.resolve() for place in arguments.places for path in find_runs(place))
     document = compare_runs([read_run(path) for path in paths])
     if arguments.html:
         write_text(arguments.html, page.html(document))

@@ -46,6 +46,8 @@ class Run:
     counts: dict
     throughput: float  # element steps or face searches per second
     setup: float
+    memory: float  # bytes: of the GPU that is fullest, by all processes, or of the largest rank
+    memory_share: float  # of a GPU's memory; otherwise None
     energy_error: float
     checksum: str
     settings: dict  # "block.key" -> value
@@ -90,6 +92,16 @@ class Fields:
                                             bool: "true or false"}[one] for one in types[:1]))
         return value
 
+    def optional(self, name, default, *types):
+        """A field that reports of earlier versions lack."""
+        return self.get(name, *types) if name in self.values else default
+
+    def count(self, name):
+        """A number from 1."""
+        if self.get(name, int) < 1:
+            raise InputError(f'{self.path}: the field "{self.prefix}{name}" is 0')
+        return self.values[name]
+
     def number(self, name):
         return self.get(name, float, int)
 
@@ -111,11 +123,11 @@ def read_run(path):
         raise InputError(f"{path}: no JSON, or a truncated file: {error}") from None
     fields = Fields(path, data)
     schema = data.get("schema")
-    if schema not in SCHEMAS:
+    if not isinstance(schema, str) or schema not in SCHEMAS:
         raise InputError(f'{path}: no report of Brickwall: the schema is {json.dumps(schema)}, expected {" or ".join(SCHEMAS)}')
     common = {"path": path, "kind": SCHEMAS[schema], "name": name_in_study(path) or fields.get("case", str), "build": {name: fields.get(name, str) for name in BUILD},
               **{name: fields.get(name, str) for name in ("case", "title", "cpu", "device", "host")},
-              "ranks": fields.get("ranks", int), "threads": fields.get("threads_per_rank", int)}
+              "ranks": fields.count("ranks"), "threads": fields.count("threads_per_rank")}
     run = (read_simulation if common["kind"] == "run" else read_search)(fields, common)
     if run.steps < 1 or run.whole <= 0:
         raise InputError(f"{path}: no {run.unit} was timed (the first step of a run is not counted)")
@@ -125,7 +137,7 @@ def read_run(path):
 def name_in_study(path):
     """The name of the case in the study that made this run; see run_store.py."""
     try:
-        return json.loads((path.parent / "run.json").read_text())["name"]
+        return str(json.loads((path.parent / "run.json").read_text())["name"])
     except (OSError, ValueError, KeyError, TypeError):
         return ""
 
@@ -141,14 +153,14 @@ def read_simulation(fields, common):
     found["other"] = max(0.0, phases["step"].number("mean") / counted - parts)
     imbalance, missing = imbalance_of_phases(fields.path, phases)
     search, balance = fields.object("search"), fields.object("balance")
-    pass_, stopped = fields.get("pass", bool), fields.values.get("stopped", "")
+    pass_, stopped = fields.get("pass", bool), fields.optional("stopped", "", str)
     return Run(
-        **common, sizes={name: fields.get(name, int) for name in ("elements", "nodes", "faces")}, steps=steps,
+        **common, sizes={name: fields.count(name) for name in ("elements", "nodes", "faces")}, steps=steps,
         whole=fields.number("loop_seconds") / counted, phases=found, imbalance=imbalance, missing=missing,
         counts={"steps": fields.get("steps", int), "searches": search.get("searches", int), "ghost faces": search.get("ghost_faces", int),
                 "pairs": search.get("candidate_pairs", int), "contacts": search.get("active_contacts", int)},
-        throughput=fields.object("fom").number("element_steps_per_second"), setup=fields.values.get("setup_seconds"),
-        energy_error=balance.number("energy_error"), checksum=fields.values.get("checksums", {}).get("nodes", ""),
+        throughput=fields.object("fom").number("element_steps_per_second"), setup=fields.optional("setup_seconds", None, float, int),
+        **memory_of(fields, fields.object("memory")), energy_error=balance.number("energy_error"), checksum=fields.optional("checksums", {}, dict).get("nodes", ""),
         settings=settings_of_deck(fields, search), ended="" if pass_ else stopped or "; ".join(fields.get("failures", list)) or "failed")
 
 
@@ -160,12 +172,22 @@ def read_search(fields, common):
               "pairs": times["pairs"].number("median")}
     counts = fields.object("counts")
     return Run(
-        **common, sizes={name: fields.get(name, int) for name in ("nodes", "faces")}, steps=fields.get("searches", int),
+        **common, sizes={name: fields.count(name) for name in ("nodes", "faces")}, steps=fields.get("searches", int),
         whole=times["search"].number("median"), phases=phases,
         imbalance={name: part.number("imbalance") for name, part in times.items()},
         counts={"searches": fields.get("searches", int), "ghost faces": counts.get("ghost_faces", int), "pairs": counts.get("candidate_pairs", int)},
         throughput=fields.object("fom").number("face_searches_per_second"), setup=None, energy_error=None, checksum="",
+        **memory_of(fields, fields.object("memory").object("peak")),
         settings={f"search.{name}": fields.get(name, str, bool, int, float) for name in SEARCH_SETTINGS}, ended="")
+
+
+def memory_of(fields, memory):
+    """The memory that a larger problem would exhaust: of the GPU, otherwise that in `memory`."""
+    gpu = fields.optional("device_memory", None, dict)
+    if gpu is None:
+        return {"memory": memory.number("max_rank_bytes"), "memory_share": None}
+    gpu = fields.object("device_memory")
+    return {"memory": gpu.number("bytes_in_use"), "memory_share": gpu.number("bytes_in_use") / gpu.count("bytes")}
 
 
 def imbalance_of_phases(path, phases):

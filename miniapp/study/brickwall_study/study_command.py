@@ -5,6 +5,7 @@ import json
 import random
 import signal
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 from . import machine, page
@@ -47,7 +48,13 @@ def run_study(arguments):
         for order, (repetition, case) in enumerate(steps, 1):
             print(f"{order:5} {case.id}, {'warm-up' if repetition < 1 else f'run {repetition}'}")
         return PASSED
-    lock = lock_of(folder)
+    with locked(folder):
+        state, runs = make_runs(study, folder, cores, seed, steps)
+    return finish(state, runs, len(steps))
+
+
+def make_runs(study, folder, cores, seed, steps):
+    """Makes the runs and writes all files; ("complete" or "interrupted", [Done, ...])."""
     place, begin, runner, runs, state = machine.describe(), now(), Runner(study, folder, cores), [], "complete"
 
     def write(state):
@@ -66,8 +73,7 @@ def run_study(arguments):
         state = "interrupted"
     write(state)
     write_report(study, folder, runs, seed, place)
-    lock.close()
-    return finish(study, state, runs, len(steps))
+    return state, runs
 
 
 def seed_of(study, folder):
@@ -80,17 +86,20 @@ def seed_of(study, folder):
         return random.SystemRandom().randrange(2**32)
 
 
-def lock_of(folder):
-    """An open file; two studies never write to one folder."""
+@contextmanager
+def locked(folder):
+    """Two studies never write to one folder."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         file = open(folder / ".lock", "w")
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return file
-    except BlockingIOError:
-        raise OutputError(f"{folder}: another study is writing there") from None
     except OSError as error:
         raise OutputError(f"{folder}: {error.strerror}") from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise OutputError(f"{folder}: another study is writing there") from None
+        yield
 
 
 def interrupt(*_):
@@ -124,7 +133,7 @@ def write_report(study, folder, runs, seed, place):
         print(f"wrote    {folder / name}")
 
 
-def finish(study, state, runs, total):
+def finish(state, runs, total):
     """Prints the line of the largest throughput and the verdict."""
     best = {}
     for done in runs:

@@ -142,12 +142,7 @@ def grow(where, deck, settings, key, factor):
                 value = value[word]
         except (ValueError, KeyError, TypeError):
             raise InputError(f"{where}: grow: {deck} has no {key}; give it in [set]") from None
-    try:
-        if index:
-            value = list(value)
-            value[int(index)] *= factor
-        else:
-            value *= factor
-    except (TypeError, IndexError):
-        raise InputError(f"{where}: grow: {key} is {value!r}, which has no number at [{index}]") from None
-    settings[key] = value
+    number = value[int(index)] if index and isinstance(value, list) and int(index) < len(value) else None if index else value
+    if not isinstance(number, (int, float)) or isinstance(number, bool):
+        raise InputError(f"{where}: grow: {key} is {value!r}, which has no number" + f" at [{index}]" * bool(index))
+    settings[key] = [*value[:int(index)], number * factor, *value[int(index) + 1:]] if index else number * factor

@@ -1,0 +1,19 @@
+#!/bin/bash
+# Stands for the program: brickwall COMMAND DECK -o FOLDER ... writes the kept report. $FAKE/calls gets a line for each call.
+# $FAKE/stop_at N ends the study that started it by SIGTERM in the Nth call; FAKE=... --set bad.key fails.
+here=$(dirname "$(realpath "$0")")
+command=$1 folder=$4
+echo "$*" >>"$FAKE/calls"
+if [[ "$(wc -l <"$FAKE/calls")" == "$(cat "$FAKE/stop_at" 2>/dev/null)" ]]; then
+  kill -TERM "$PPID"
+  sleep 60
+fi
+case "$*" in
+  *fake.fail=true*) echo "brickwall: error: it broke" >&2; exit 3 ;;
+  *fake.hang=true*) sleep 60 ;;
+  *fake.torn=true*) head -c 300 "$here/report.json" >"$folder/report.json"; exit 0 ;;
+esac
+file=report.json
+[[ $command == run ]] || file=search.json
+cp "$here/$file" "$folder/$file"
+touch "$folder/deck.exo"
