@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bricks
 import numpy as np
+from brickwall_study.run_store import digest
 from framework.program import ProgramError
 
 # The keys that the study changes, one or several at a time. Each run sets all of them, so that a
@@ -64,7 +65,7 @@ class Bench:
 
     def __init__(self, program, folder, repetitions):
         self.program, self.folder, self.repetitions = program, Path(folder), repetitions
-        self.fingerprint = hashlib.sha256(Path(program.binary).read_bytes()).hexdigest()
+        self.fingerprint = digest(program.binary)
         self.defaults = program_defaults(program.binary)
         self.versions = {}
         self.failures = []

@@ -121,8 +121,7 @@ def write_report(study, folder, runs, seed, place):
     document = compare_runs(measured, study.title)
     document.lead.append(
         f"{place['physical_cores']} cores, {place['system']}; {study.repetitions} repetitions and {study.warmup} warm-up runs of {len(study.cases)} "
-        f"cases, in turns of random order with seed {seed}; load average at the start {place['load_average']:.2f}. "
-        "All runs: study.csv, study.json.")
+        f"cases, in turns of random order with seed {seed}; {loads(runs)}. All runs: study.csv, study.json.")
     faults = [f"{done.case.id}, run {done.repetition}: {done.record['state']}: {done.record['message']}" for done in runs if done.record["state"] != "ok"]
     for heading, lines in (("Left out", study.left_out), ("Failed", faults)):
         if lines:
@@ -131,6 +130,12 @@ def write_report(study, folder, runs, seed, place):
     write_text(folder / "report.html", page.html(document))
     for name in ("study.csv", "study.json", "report.md", "report.html"):
         print(f"wrote    {folder / name}")
+
+
+def loads(runs):
+    """A busy machine is no place for timings."""
+    found = [done.record["load_average"] for done in runs]
+    return f"load average before the runs {min(found):g} to {max(found):g}"
 
 
 def finish(state, runs, total):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .errors import InputError
 from .launch import spell
+from .problem_size import enlarged, factor_of_share
 
 COMMANDS = ("run", "search")
 # Key -> (type, check, description of what is expected). Keys of a case override those of the file.
@@ -16,6 +17,8 @@ COUNTS = (list, lambda value: value and all(type(n) is int and n >= 1 for n in v
 TABLE = (dict, lambda value: True, "a table")
 COMMON = {"command": (str, lambda value: value in COMMANDS, " or ".join(COMMANDS)), "ranks": COUNTS, "threads": COUNTS,
           "set": TABLE, "sweep": TABLE, "grow": (str, lambda value: re.fullmatch(r"[\w.]+(\[\d+\])?", value), "a key such as wall.bricks[0]"),
+          "memory": (list, lambda value: value and all(type(share) is float and 0 < share < 1 for share in value), "a list of shares between 0 and 1"),
+          "gpu_memory": ((int, float), lambda value: value > 0, "bytes above 0"),
           "options": (list, lambda value: all(isinstance(word, str) for word in value), "a list of texts")}
 FILE = {**COMMON, "title": (str, lambda value: True, "a text"), "repetitions": COUNT,
         "warmup": (int, lambda value: value >= 0, "an integer from 0"), "seed": (int, lambda value: value >= 0, "an integer from 0"),
@@ -80,8 +83,10 @@ def read_study(path, program, cores, ranks=None, threads=None):
         deck = (path.parent / entry["deck"]).resolve()
         if not deck.is_file():
             raise InputError(f"{where}: there is no deck {deck}")
-        merged = {key: entry.get(key, data.get(key)) for key in ("command", "grow", "options")}
+        merged = {key: entry.get(key, data.get(key)) for key in ("command", "grow", "memory", "gpu_memory", "options")}
         merged.update({key: flat({**data.get(key, {}), **entry.get(key, {})}) for key in ("set", "sweep")})
+        if merged["memory"] and not merged["grow"]:
+            raise InputError(f'{where}: memory needs the key "grow"')
         for key, values in merged["sweep"].items():
             if not isinstance(values, list) or not values:
                 raise InputError(f"{where}: sweep: {key} is {values}, expected a list of values")
@@ -111,38 +116,27 @@ def flat(table, prefix=""):
 
 
 def add_cases(study, where, name, deck, merged, layout, cores):
-    """Adds the cases of all programs and swept values on one layout."""
+    """Adds the cases of all programs, swept values and sizes on one layout."""
     ranks, threads = layout
     if cores and ranks * threads > cores:
         study.left_out.append(f"{name}, {ranks} x {threads}: more than the {cores} cores; oversubscribe = true runs it")
         return
     keys = list(merged["sweep"])
-    for program in study.programs:
-        for values in itertools.product(*merged["sweep"].values()):
+    for program, path in study.programs.items():
+        for *values, share in itertools.product(*merged["sweep"].values(), merged["memory"] or [None]):
             settings = {**merged["set"], **dict(zip(keys, values))}
-            words = [name] + [f"{key.split('.')[-1]}={spell(value)}" for key, value in zip(keys, values)] + [f"{ranks}x{threads}"]
-            if merged["grow"]:
-                grow(where, deck, settings, merged["grow"], ranks * threads)
-            if (merged["command"] or "run") == "run":
-                settings = {"output.interval": 0.0, **settings}
-            identity = re.sub(r"[^\w=.,()-]+", "_", "_".join(words + [program] * bool(program)))
+            words = [name] + [f"{key.split('.')[-1]}={spell(value)}" for key, value in zip(keys, values)]
+            words += [*([f"memory={share:g}"] if share else []), f"{ranks}x{threads}", *([program] if program else [])]
+            identity = re.sub(r"[^\w=.,()-]+", "_", "_".join(words))
             if any(case.id == identity for case in study.cases):
                 raise InputError(f"{where}: there are two cases {identity}; give them different names")
+            if merged["grow"]:
+                gpus = merged["gpu_memory"] and merged["gpu_memory"] * ranks
+                factor = ranks * threads if share is None else factor_of_share(where, path, deck, settings, merged["grow"], share, gpus)
+                if factor < 1:
+                    study.left_out.append(f"{identity}: the smallest size needs more than this share of the memory")
+                    continue
+                settings = enlarged(where, deck, settings, merged["grow"], factor)
+            if (merged["command"] or "run") == "run":
+                settings = {"output.interval": 0.0, **settings}
             study.cases.append(Case(identity, name, merged["command"] or "run", deck, program, ranks, threads, settings, tuple(merged["options"] or ())))
-
-
-def grow(where, deck, settings, key, factor):
-    """Multiplies a number of the deck, or of the settings, by the ranks x threads: for weak scaling."""
-    key, _, index = key.rstrip("]").partition("[")
-    value = settings.get(key)
-    if value is None:
-        try:
-            value = tomllib.loads(deck.read_text())
-            for word in key.split("."):
-                value = value[word]
-        except (ValueError, KeyError, TypeError):
-            raise InputError(f"{where}: grow: {deck} has no {key}; give it in [set]") from None
-    number = value[int(index)] if index and isinstance(value, list) and int(index) < len(value) else None if index else value
-    if not isinstance(number, (int, float)) or isinstance(number, bool):
-        raise InputError(f"{where}: grow: {key} is {value!r}, which has no number" + f" at [{index}]" * bool(index))
-    settings[key] = [*value[:int(index)], number * factor, *value[int(index) + 1:]] if index else number * factor

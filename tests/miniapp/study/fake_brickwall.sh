@@ -9,6 +9,10 @@ if [[ "$(wc -l <"$FAKE/calls")" == "$(cat "$FAKE/stop_at" 2>/dev/null)" ]]; then
   sleep 60
 fi
 case "$*" in
+  check*) # 100 MB and 50 MB for each brick along, 20 MB of these 50 on the device
+    bricks=$(sed "s/.*wall.bricks=.//; s/,.*//" <<<"$*")
+    echo "  memory            $((100 + 50 * bricks)) MB per rank on 1 rank(s), of which $((20 * bricks)) MB on the device"
+    exit 0 ;;
   *fake.fail=true*) echo "brickwall: error: it broke" >&2; exit 3 ;;
   *fake.hang=true*) sleep 60 ;;
   *fake.torn=true*) head -c 300 "$here/report.json" >"$folder/report.json"; exit 0 ;;

@@ -161,6 +161,17 @@ deck = "deck.toml"
         self.assertEqual({case["case"]: case["settings"]["wall.bricks"][0] for case in self.json()["cases"]},
                          {"deck_1x1": 3, "deck_1x2": 6, "deck_2x1": 6, "deck_2x2": 12})
 
+    def test_sizes_by_share_of_the_memory_are_the_largest_that_fit(self):
+        text = 'repetitions = 1\nwarmup = 0\n[[case]]\ndeck = "deck.toml"\ngrow = "wall.bricks[0]"\n'
+        # The deck has 3 bricks along: 250 MB, and 150 MB more for each further 3.
+        with mock.patch("brickwall_study.machine.memory_bytes", return_value=10e9):
+            left_out = self.study(text + "memory = [0.01, 0.025, 0.1, 0.5]\n")
+        self.assertEqual([case["settings"]["wall.bricks"] for case in self.json()["cases"]], [[3, 1, 2], [18, 1, 2], [3 * 32, 1, 2]])
+        self.assertIn("left out deck_memory=0.01_1x1: the smallest size needs more", left_out)
+        # 60 MB on the device for each 3 bricks.
+        self.study(text + "memory = [0.5]\ngpu_memory = 1.21e9\n")
+        self.assertEqual(self.json()["cases"][0]["settings"]["wall.bricks"], [30, 1, 2])
+
     def test_layouts_beyond_the_cores_are_left_out_with_the_reason(self):
         text = self.study('repetitions = 1\nranks = [1, 4096]\n[[case]]\ndeck = "deck.toml"\n')
         self.assertIn("left out deck, 4096 x 1: more than the", text)
@@ -208,7 +219,8 @@ class Failures(StudyTest):
                 ('[[case]]\ndeck = "none.toml"\n', "there is no deck"), ('programs = { a = "none" }\n' + case, "there is no program"),
                 ("sweep = { time.steps = 3 }\n" + case, "expected a list of values"), (case + case, "there are two cases deck_1x1"),
                 (case + 'grow = "wall.none"\n', "has no wall.none"), (case + 'grow = "wall.bricks[9]"\n', "no number at [9]"),
-                (case + 'grow = "title[0]"\n', "no number"), ("ranks = [4096]\n" + case, "no case is left"), ("a = [\n", "study.toml: ")):
+                (case + 'grow = "title[0]"\n', "no number"), (case + "memory = [0.1]\n", 'memory needs the key "grow"'),
+                (case + 'grow = "wall.bricks[0]"\nmemory = [2]\n', "a list of shares"), ("ranks = [4096]\n" + case, "no case is left"), ("a = [\n", "study.toml: ")):
             (self.folder / "study.toml").write_text(text)
             with self.subTest(text=text):
                 self.assertIn(words, self.fault(main, self.folder / "study.toml", "--program", FAKE, "-o", self.out))
