@@ -102,10 +102,13 @@ def phases(problem):
             row += [number(sample.median * steps), number(1e3 * sample.median), percent(sample.median / configuration.whole.median)]
             if configuration is problem.base:
                 continue
-            verdict = compare(base, sample) if base else "unknown"
+            if not base or base.median == 0:
+                row.append("-")
+                continue
+            verdict = compare(base, sample)
             if verdict in ("more", "less"):
                 table.marks[len(table.rows), len(row)] = verdict
-            row.append(change(sample.median / base.median) if base and base.median > 0 else "-")
+            row.append(change(sample.median / base.median))
         table.rows.append(row)
     table.note = f"Phases below {100 * SMALL:g} % of the {unit} are left out." + (" Marked changes are beyond noise." if table.marks else "")
     return table
@@ -174,7 +177,8 @@ def speed_ups(base, configuration):
 def imbalance(problem):
     names = list(dict.fromkeys(name for c in problem.configurations for run in c.runs for name in run.imbalance))
     missing = [text for c in problem.configurations for run in c.runs for text in run.missing]
-    notes = [f"The imbalance is incomplete: {missing[0]}" + (f", and {len(missing) - 1} more" if missing[1:] else "") + "."] if missing else []
+    more = f", and {len(missing) - 1} more" if missing[1:] else ""
+    notes = [f"The imbalance is incomplete: {missing[0]}{more}."] if missing else []
     if not names or all(c.first.ranks == 1 for c in problem.configurations):
         return notes
     rows = []
@@ -228,7 +232,8 @@ def throughput(problems):
         curves = {}
         for configuration, label in zip(family, labels_of([c.first for c in family], OF_SIZE)):
             curves.setdefault(label, []).append(configuration)
-        curves = {label: sorted(group, key=lambda c: c.first.size) for label, group in curves.items() if len({c.first.size for c in group}) > 1}
+        curves = {label: sorted(group, key=lambda c: c.first.size) for label, group in curves.items()
+                  if len({c.first.size for c in group}) > 1}
         if not curves:
             continue
         first = family[0].first
@@ -237,10 +242,11 @@ def throughput(problems):
         for label, group in curves.items():
             samples = [c.sample(lambda run: run.throughput) for c in group]
             series.append((label, [(c.first.size, s.median, min(s.values), max(s.values)) for c, s in zip(group, samples)]))
-            rows += [[f"{c.first.name}, {label}", number(c.first.size), memory(c), str(len(c.runs)), number(1e3 * c.whole.median), number(s.median)]
-                     for c, s in zip(group, samples)]
+            rows += [[f"{c.first.name}, {label}", number(c.first.size), memory(c), str(len(c.runs)), number(1e3 * c.whole.median),
+                      number(s.median)] for c, s in zip(group, samples)]
         names = ", ".join(dict.fromkeys(c.first.name for c in family))
-        blocks += [Table(f"Throughput: {names}", ["case, ranks x threads", what, "memory of a rank or GPU, MB", "runs", f"ms a {first.unit}", rate], rows),
+        header = ["case, ranks x threads", what, "memory of a rank or GPU, MB", "runs", f"ms a {first.unit}", rate]
+        blocks += [Table(f"Throughput: {names}", header, rows),
                    Lines(f"Throughput over size: {names}", what, rate, series)]
     return blocks
 
@@ -278,6 +284,7 @@ def weak_scaling_of(group):
              number(1e3 * c.whole.median), percent(base.whole.median / c.whole.median, 3)] for c in group]
     points = [(c.first.workers, *speed_ups(base, c)) for c in group]
     ticks = [point[0] for point in points]
-    return [Table(f"Weak scaling: {base.first.name}", ["ranks x threads", what, "for each", "runs", f"ms a {base.first.unit}", "efficiency"], rows),
-            Lines(f"Weak scaling: {base.first.name}", "ranks x threads", "efficiency", [("measured", points)],
+    header = ["ranks x threads", what, "for each", "runs", f"ms a {base.first.unit}", "efficiency"]
+    return [Table(f"Weak scaling: {base.first.name}", header, rows),
+            Lines("Efficiency of weak scaling", "ranks x threads", "efficiency", [("measured", points)],
                   [(ticks[0], 1.0), (ticks[-1], 1.0)], logarithmic=False, ticks=ticks)]

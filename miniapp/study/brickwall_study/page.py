@@ -62,8 +62,10 @@ def table_html(table):
         column += columns
     head = ""
     if table.groups:
-        head = "<tr><th></th>" + "".join(f'<th class="group edge" colspan="{columns}">{escape(name)}</th>' for name, columns in table.groups) + "</tr>"
-    head += "<tr>" + "".join(f"<th{attribute([('edge', c in begins)])}>{escape(word)}</th>" for c, word in enumerate(table.header)) + "</tr>"
+        names = "".join(f'<th class="group edge" colspan="{columns}">{escape(name)}</th>' for name, columns in table.groups)
+        head = f"<tr><th></th>{names}</tr>"
+    words = "".join(f"<th{attribute([('edge', c in begins)])}>{escape(word)}</th>" for c, word in enumerate(table.header))
+    head += f"<tr>{words}</tr>"
     body = ""
     for r, row in enumerate(table.rows):
         body += f"<tr{attribute([('whole', row[0].startswith('whole '))])}>"

@@ -29,7 +29,8 @@ def enlarged(where, deck, settings, key, factor):
 def factor_of_share(where, program, deck, settings, key, share, gpu_bytes):
     """The largest factor with which the problem takes at most this share of the machine's memory, or, if `gpu_bytes` is
     given, of that; 0 if there is none. `brickwall check` estimates the memory, which grows linearly."""
-    one, two = (memory_needed(where, program, deck, enlarged(where, deck, settings, key, factor), gpu_bytes is not None) for factor in (1, 2))
+    one, two = (memory_needed(where, program, deck, enlarged(where, deck, settings, key, factor), gpu_bytes is not None)
+                for factor in (1, 2))
     if two <= one:
         raise InputError(f"{where}: memory: {key} does not change the memory that brickwall check estimates")
     room = share * (gpu_bytes or machine.memory_bytes("MemTotal"))
@@ -43,5 +44,6 @@ def memory_needed(where, program, deck, settings, on_device):
                           env={**os.environ, **launch.environment(1, 1, 1)})
     found = re.search(r"memory +([\d.]+) MB per rank on 1 rank\(s\), of which ([\d.]+) MB on the device", done.stdout)
     if done.returncode != 0 or not found:
-        raise InputError(f"{where}: brickwall check gives no estimate of the memory: {(done.stderr.strip() or 'exit code ' + str(done.returncode)).splitlines()[-1]}")
+        reason = done.stderr.strip() or f"exit code {done.returncode}"
+        raise InputError(f"{where}: brickwall check gives no estimate of the memory: {reason.splitlines()[-1]}")
     return 1e6 * float(found[2 if on_device else 1])

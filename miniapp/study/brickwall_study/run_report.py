@@ -125,7 +125,8 @@ def read_run(path):
     schema = data.get("schema")
     if not isinstance(schema, str) or schema not in SCHEMAS:
         raise InputError(f'{path}: no report of Brickwall: the schema is {json.dumps(schema)}, expected {" or ".join(SCHEMAS)}')
-    common = {"path": path, "kind": SCHEMAS[schema], "name": name_in_study(path) or fields.get("case", str), "build": {name: fields.get(name, str) for name in BUILD},
+    common = {"path": path, "kind": SCHEMAS[schema], "name": name_in_study(path) or fields.get("case", str),
+              "build": {name: fields.get(name, str) for name in BUILD},
               **{name: fields.get(name, str) for name in ("case", "title", "cpu", "device", "host")},
               "ranks": fields.count("ranks"), "threads": fields.count("threads_per_rank")}
     run = (read_simulation if common["kind"] == "run" else read_search)(fields, common)
@@ -160,7 +161,8 @@ def read_simulation(fields, common):
         counts={"steps": fields.get("steps", int), "searches": search.get("searches", int), "ghost faces": search.get("ghost_faces", int),
                 "pairs": search.get("candidate_pairs", int), "contacts": search.get("active_contacts", int)},
         throughput=fields.object("fom").number("element_steps_per_second"), setup=fields.optional("setup_seconds", None, float, int),
-        **memory_of(fields, fields.object("memory")), energy_error=balance.number("energy_error"), checksum=fields.optional("checksums", {}, dict).get("nodes", ""),
+        **memory_of(fields, fields.object("memory")), energy_error=balance.number("energy_error"),
+        checksum=fields.optional("checksums", {}, dict).get("nodes", ""),
         settings=settings_of_deck(fields, search), ended="" if pass_ else stopped or "; ".join(fields.get("failures", list)) or "failed")
 
 
@@ -175,7 +177,8 @@ def read_search(fields, common):
         **common, sizes={name: fields.count(name) for name in ("nodes", "faces")}, steps=fields.get("searches", int),
         whole=times["search"].number("median"), phases=phases,
         imbalance={name: part.number("imbalance") for name, part in times.items()},
-        counts={"searches": fields.get("searches", int), "ghost faces": counts.get("ghost_faces", int), "pairs": counts.get("candidate_pairs", int)},
+        counts={"searches": fields.get("searches", int), "ghost faces": counts.get("ghost_faces", int),
+                "pairs": counts.get("candidate_pairs", int)},
         throughput=fields.object("fom").number("face_searches_per_second"), setup=None, energy_error=None, checksum="",
         **memory_of(fields, fields.object("memory").object("peak")),
         settings={f"search.{name}": fields.get(name, str, bool, int, float) for name in SEARCH_SETTINGS}, ended="")

@@ -17,7 +17,8 @@ COUNTS = (list, lambda value: value and all(type(n) is int and n >= 1 for n in v
 TABLE = (dict, lambda value: True, "a table")
 COMMON = {"command": (str, lambda value: value in COMMANDS, " or ".join(COMMANDS)), "ranks": COUNTS, "threads": COUNTS,
           "set": TABLE, "sweep": TABLE, "grow": (str, lambda value: re.fullmatch(r"[\w.]+(\[\d+\])?", value), "a key such as wall.bricks[0]"),
-          "memory": (list, lambda value: value and all(type(share) is float and 0 < share < 1 for share in value), "a list of shares between 0 and 1"),
+          "memory": (list, lambda value: value and all(type(share) is float and 0 < share < 1 for share in value),
+                     "a list of shares between 0 and 1"),
           "gpu_memory": ((int, float), lambda value: value > 0, "bytes above 0"),
           "options": (list, lambda value: all(isinstance(word, str) for word in value), "a list of texts")}
 FILE = {**COMMON, "title": (str, lambda value: True, "a text"), "repetitions": COUNT,
@@ -90,7 +91,8 @@ def read_study(path, program, cores, ranks=None, threads=None):
         for key, values in merged["sweep"].items():
             if not isinstance(values, list) or not values:
                 raise InputError(f"{where}: sweep: {key} is {values}, expected a list of values")
-        layouts = itertools.product(ranks or entry.get("ranks") or data.get("ranks", [1]), threads or entry.get("threads") or data.get("threads", [1]))
+        layouts = itertools.product(ranks or entry.get("ranks") or data.get("ranks", [1]),
+                                    threads or entry.get("threads") or data.get("threads", [1]))
         for layout in layouts:
             add_cases(study, where, entry.get("name", deck.stem), deck, merged, layout, cores if not data.get("oversubscribe") else None)
     if not study.cases:
@@ -139,4 +141,5 @@ def add_cases(study, where, name, deck, merged, layout, cores):
                 settings = enlarged(where, deck, settings, merged["grow"], factor)
             if (merged["command"] or "run") == "run":
                 settings = {"output.interval": 0.0, **settings}
-            study.cases.append(Case(identity, name, merged["command"] or "run", deck, program, ranks, threads, settings, tuple(merged["options"] or ())))
+            study.cases.append(Case(identity, name, merged["command"] or "run", deck, program, ranks, threads, settings,
+                                    tuple(merged["options"] or ())))

@@ -56,6 +56,7 @@ def json_row(done):
     """As in study.csv, with the phases in one object, and without what the case states."""
     row = row_of(done)
     phases = {key[6:]: value for key, value in row.items() if key.startswith("phase:")}
-    kept = [key for key in row if not key.startswith(("phase:", "set:")) and key not in ("name", "command", "deck", "program", "ranks", "threads")]
+    of_case = ("name", "command", "deck", "program", "ranks", "threads")
+    kept = [key for key in row if not key.startswith(("phase:", "set:")) and key not in of_case]
     return {**{key: row[key] for key in kept}, "counted": done.is_counted, "reused": done.reused, "exit_code": done.record["exit_code"],
             **({"phases": phases} if phases else {})}

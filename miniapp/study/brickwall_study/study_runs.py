@@ -55,8 +55,10 @@ class Runner:
         record = finished(place, key)
         done = Done(order, case, repetition, record, record is not None)
         if record is None:
-            command = [*launch.launcher(program), "-n", str(case.ranks), str(program), case.command, str(case.deck), "-o", str(place), *words[1:]]
-            done.record = perform(place, key, command, self.study.limit, variables, {"case": case.id, "name": case.name, "repetition": repetition})
+            command = [*launch.launcher(program), "-n", str(case.ranks), str(program), case.command, str(case.deck), "-o", str(place),
+                       *words[1:]]
+            about = {"case": case.id, "name": case.name, "repetition": repetition}
+            done.record = perform(place, key, command, self.study.limit, variables, about)
             # Fields are not needed, and reports of warm-up runs would be found by `brickwall report`.
             for name in ("*.exo*", "history.csv") if done.is_counted else ("*.exo*", "history.csv", *FILES):
                 for path in place.glob(name):

@@ -84,6 +84,7 @@ def table_text(table, width):
             lines.append(" " * (2 + widths[0]) + "".join(
                 "  " + name.rjust(sum(widths[c] + 2 for c in columns) - 2) for name, columns in shown))
         for row in [table.header, *cells]:
-            lines.append(("  " + row[0].ljust(widths[0]) + "".join("  " + row[c].rjust(widths[c]) for _, columns in shown for c in columns)).rstrip())
+            words = [row[0].ljust(widths[0])] + [row[c].rjust(widths[c]) for _, columns in shown for c in columns]
+            lines.append(("  " + "  ".join(words)).rstrip())
         lines.append("")
     return "\n".join(lines[:-1] + ([f"  {table.note}"] if table.note else [])) + "\n"

@@ -84,7 +84,8 @@ class Order(StudyTest):
     def test_the_order_and_a_seed_that_the_file_does_not_give_are_recorded(self):
         self.study(TWO_CASES)
         data, rows = self.json(), self.csv()
-        self.assertEqual([(run["case"], f"run {run['repetition']}" if run["counted"] else "warm-up") for run in data["runs"]], self.order(data["seed"]))
+        found = [(run["case"], f"run {run['repetition']}" if run["counted"] else "warm-up") for run in data["runs"]]
+        self.assertEqual(found, self.order(data["seed"]))
         self.assertEqual([row["case"] for row in rows], [run["case"] for run in data["runs"] if run["counted"]])
         self.assertEqual([int(row["order"]) for row in rows], list(range(5, 17)))
         folders = {Path(call.split(" -o ")[1].split()[0]).parent.name for call in self.calls()[:4]}
@@ -220,7 +221,8 @@ class Failures(StudyTest):
                 ("sweep = { time.steps = 3 }\n" + case, "expected a list of values"), (case + case, "there are two cases deck_1x1"),
                 (case + 'grow = "wall.none"\n', "has no wall.none"), (case + 'grow = "wall.bricks[9]"\n', "no number at [9]"),
                 (case + 'grow = "title[0]"\n', "no number"), (case + "memory = [0.1]\n", 'memory needs the key "grow"'),
-                (case + 'grow = "wall.bricks[0]"\nmemory = [2]\n', "a list of shares"), ("ranks = [4096]\n" + case, "no case is left"), ("a = [\n", "study.toml: ")):
+                (case + 'grow = "wall.bricks[0]"\nmemory = [2]\n', "a list of shares"),
+                ("ranks = [4096]\n" + case, "no case is left"), ("a = [\n", "study.toml: ")):
             (self.folder / "study.toml").write_text(text)
             with self.subTest(text=text):
                 self.assertIn(words, self.fault(main, self.folder / "study.toml", "--program", FAKE, "-o", self.out))
