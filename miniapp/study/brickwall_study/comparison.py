@@ -1,14 +1,15 @@
 """The comparison of runs as a document: tables and charts, which page.py and tables.py put into a form."""
 from dataclasses import dataclass, field
 
-from .configurations import LEAST_REPETITIONS, OF_SIZE, SURE, compare, family_of, labels_of, place_of, problems_of
+from .configurations import ENOUGH_FOR_RANKS, LEAST_REPETITIONS, OF_SIZE, SURE, compare, family_of, labels_of, place_of, problems_of
 from .svg import Bars, Lines
 from .tables import WORDS, Table, change, number, percent
 
 SMALL = 1e-3  # share of a step below which a phase is left out
 ALIKE = 0.1  # runs of a weak scaling have the same size for each rank x thread within this
 NOISE = (f"Times are medians over the repetitions. Noise is {SURE} standard deviations, estimated by the median absolute deviation x "
-         f"1.4826; a change is beyond noise if the medians differ by more than {SURE} sqrt(s1^2 + s2^2). With fewer than "
+         f"1.4826; a change is beyond noise if the medians differ by more than {SURE} sqrt(s1^2 + s2^2), or if all of at least "
+         f"{ENOUGH_FOR_RANKS} repetitions are slower than all of at least {ENOUGH_FOR_RANKS} others. With fewer than "
          f"{LEAST_REPETITIONS} repetitions nothing is said about noise.")
 
 
