@@ -37,7 +37,7 @@ def compare_runs(runs, title="Comparison of runs"):
         "Speed-up is the time of the first configuration of the problem over this one. Efficiency is the speed-up over the first "
         "configuration that differs in ranks and threads only, divided by the ratio of ranks x threads (of ranks on a GPU). Shares "
         "and times of phases are means over the ranks; parts marked with a hyphen belong to the phase above. Imbalance is "
-        "the time of the slowest rank over the mean; unless a search was run with --timing paper, it includes waits for "
+        "the largest rank over the mean; unless a search was run with --timing paper, its times include waits for "
         "other ranks, which hide a part of it."]))
     return document
 
@@ -186,7 +186,7 @@ def imbalance(problem):
     for configuration in problem.configurations:
         samples = [configuration.sample(lambda run: run.imbalance.get(name)) for name in names]
         rows.append([configuration.label] + [number(sample and sample.median) for sample in samples])
-    return [Table("Imbalance: time of the slowest rank over the mean", ["ranks x threads", *names], rows), *notes]
+    return [Table("Imbalance: largest rank over the mean, of times and counts", ["ranks x threads", *names], rows), *notes]
 
 
 def counts(problem):

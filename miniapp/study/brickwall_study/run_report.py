@@ -153,6 +153,7 @@ def read_simulation(fields, common):
     parts = sum(value for name, value in found.items() if not name.startswith("-"))
     found["other"] = max(0.0, phases["step"].number("mean") / counted - parts)
     imbalance, missing = imbalance_of_phases(fields.path, phases)
+    imbalance.update(imbalance_of_counts(fields))
     search, balance = fields.object("search"), fields.object("balance")
     pass_, stopped = fields.get("pass", bool), fields.optional("stopped", "", str)
     return Run(
@@ -205,6 +206,15 @@ def imbalance_of_phases(path, phases):
         elif phases[region].number("mean") > 0:
             found[name] = phases[region].number("max") / phases[region].number("mean")
     return found, missing
+
+
+def imbalance_of_counts(fields):
+    """The same of the counts that a report states; those before `imbalance` was added state none."""
+    if "imbalance" not in fields.values:
+        return {}
+    counts = fields.object("imbalance")
+    return {name.replace("_", " "): counts.object(name).number("max_over_mean")
+            for name in ("faces", "ghost_faces", "candidate_pairs", "active_contacts") if name in counts.values}
 
 
 def settings_of_deck(fields, search):

@@ -83,6 +83,13 @@ class Tables(FolderTest):
         self.write_run("a", ranks=2, change=spread)
         self.assertEqual(rows_of(self.report(), IMBALANCE), {"": ["search", "pairs", "enforcement"], "2 x 1": ["1.00", "1.00", "1.25"]})
 
+    def test_imbalance_of_counts_is_that_of_the_report(self):
+        def count(report):
+            report["imbalance"] = {"faces": {"max": 12, "mean": 10.0, "max_over_mean": 1.2}}
+
+        self.write_run("a", ranks=2, change=count)
+        self.assertEqual(rows_of(self.report(), IMBALANCE)["2 x 1"][-1], "1.20")
+
     def test_a_field_that_imbalance_needs_and_a_report_lacks_is_named(self):
         def without(report):
             del next(phase for phase in report["phases"] if phase["name"] == "search")["max"]
