@@ -1,5 +1,6 @@
-// Comparison of boxes lane by lane in SIMD registers: the only file that depends on the instruction
-// set. Without AVX-512 or AVX2, and on devices, plain loops give the same bits.
+// Comparison of boxes lane by lane in SIMD registers, and the lanes of threads of a team: the only
+// file that depends on the instruction set. Without AVX-512 or AVX2, and on devices, plain loops
+// give the same bits.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -229,6 +230,80 @@ KOKKOS_INLINE_FUNCTION int lowestBit(unsigned bits) {
   while (!(bits >> bit & 1u))
     ++bit;
   return bit;
+#endif
+}
+
+// Number of bits that are set.
+KOKKOS_INLINE_FUNCTION int countBits(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __popc(bits);
+#elif defined(__GNUC__)
+  return __builtin_popcount(bits);
+#else
+  int count = 0;
+  for (; bits != 0; bits &= bits - 1)
+    ++count;
+  return count;
+#endif
+}
+
+// Lanes of a thread of a team policy of this vector length. On a device they run together, on a host
+// one after another.
+constexpr int vector_lanes = 32;
+
+// A variable of each lane; registers on a device.
+template <class T>
+struct OfLanes {
+  static constexpr int lanes_here =
+      std::is_same<memory_space, Kokkos::HostSpace>::value ? vector_lanes : 1;
+  T values[lanes_here];
+  KOKKOS_FORCEINLINE_FUNCTION T& operator[](int lane) { return values[lane % lanes_here]; }
+};
+
+// Calls body(lane) in all lanes. What it writes is visible to all lanes afterwards.
+template <class Member, class Body>
+KOKKOS_FORCEINLINE_FUNCTION void forLanes(const Member& team, const Body& body) {
+#if defined(__CUDA_ARCH__)
+  (void)team;
+  body(static_cast<int>(threadIdx.x));
+  __syncwarp();
+#else
+  Kokkos::parallel_for(Kokkos::ThreadVectorRange(team, vector_lanes), body);
+#endif
+}
+
+// Bit l: test(l).
+template <class Member, class Test>
+KOKKOS_FORCEINLINE_FUNCTION unsigned lanesWhere(const Member& team, const Test& test) {
+#if defined(__CUDA_ARCH__)
+  (void)team;
+  return __ballot_sync(0xffffffffu, test(static_cast<int>(threadIdx.x)));
+#else
+  unsigned lanes = 0;
+  Kokkos::parallel_reduce(
+      Kokkos::ThreadVectorRange(team, vector_lanes),
+      [&](const int lane, unsigned& all) { all |= static_cast<unsigned>(test(lane)) << lane; },
+      Kokkos::BOr<unsigned>(lanes));
+  return lanes;
+#endif
+}
+
+// The least value(lane).
+template <class Member, class Value>
+KOKKOS_FORCEINLINE_FUNCTION float leastOfLanes(const Member& team, const Value& value) {
+#if defined(__CUDA_ARCH__)
+  (void)team;
+  float least = value(static_cast<int>(threadIdx.x));
+  for (int other = vector_lanes / 2; other > 0; other /= 2)
+    least = minOf(least, __shfl_xor_sync(0xffffffffu, least, other));
+  return least;
+#else
+  float least = 0;
+  Kokkos::parallel_reduce(
+      Kokkos::ThreadVectorRange(team, vector_lanes),
+      [&](const int lane, float& all) { all = minOf(all, value(lane)); },
+      Kokkos::Min<float>(least));
+  return least;
 #endif
 }
 

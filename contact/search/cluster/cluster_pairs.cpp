@@ -3,7 +3,7 @@
 #include "contact/base/count_scan_fill.hpp"
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
-#include "contact/search/cluster/cluster_rows.hpp"
+#include "contact/search/cluster/group_rows.hpp"
 #include "contact/surface/construct_boxes.hpp"
 
 namespace brickwall::contact {
@@ -67,6 +67,34 @@ void setCapacity(const exec_space& space, int num_clusters, const View<std::int6
       });
 }
 
+PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
+  PairCounts counts;
+  Kokkos::parallel_reduce(
+      "contact::ClusterPairs::find",
+      dynamicPolicy(space, (find.num_clusters + group_size - 1) / group_size, 8), find,
+      PlusReducer<PairCounts>(counts));
+  space.fence();
+  return counts;
+}
+
+// The search of a step, with rows of some clusters possibly too long for their capacity.
+template <bool by_groups>
+PairCounts searchAll(const exec_space& space, FindRows find) {
+  if constexpr (by_groups) {
+    PairCounts counts = searchByGroups(
+        space, FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
+                                find.capacity, find.block_begin, find.row_begin, find.faces,
+                                find.changed, find.num_clusters});
+    if (counts.skipped > 0) {
+      find.repeat = true;
+      counts += searchByClusters(space, find);
+    }
+    return counts;
+  } else {
+    return searchByClusters(space, find);
+  }
+}
+
 } // namespace
 
 // Lays out rows for a new order: every cluster has the same capacity.
@@ -128,31 +156,27 @@ void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
   if (_ordering != clusters.numOrderings())
     startAnew(space, clusters, pairs);
   refitGhosts(space, ghosts, order.origin, config.face_tolerance, _ghost_forest);
-  const PairTest test{surface,
-                      ghosts,
-                      order,
-                      DeviceRules(surface, ghosts, config.drop_same_body),
-                      config.node_tolerance,
-                      config.face_tolerance,
-                      config.drop_same_body};
-  const auto search = [&](bool repeat) {
-    PairCounts counts;
-    Kokkos::parallel_reduce(
-        "contact::ClusterPairs::find",
-        dynamicPolicy(space, (order.num_clusters + group_size - 1) / group_size, 8),
-        FindRows{test, clusters.nodeBounds(), clusters.clusterBounds(), clusters.faceTree(),
-                 _ghost_forest.tree(0), _capacity, pairs.block_begin, pairs.row_begin, pairs.faces,
-                 pairs.changed, order.num_clusters, repeat},
-        PlusReducer<PairCounts>(counts));
-    space.fence();
-    return counts;
+  const auto rows = [&](bool repeat) {
+    return FindRows{{surface, ghosts, order, DeviceRules(surface, ghosts, config.drop_same_body),
+                     config.node_tolerance, config.face_tolerance, config.drop_same_body},
+                    clusters.nodeBounds(),
+                    clusters.clusterBounds(),
+                    clusters.faceTree(),
+                    _ghost_forest.tree(0),
+                    _capacity,
+                    pairs.block_begin,
+                    pairs.row_begin,
+                    pairs.faces,
+                    pairs.changed,
+                    order.num_clusters,
+                    repeat};
   };
   ++pairs.version;
-  const PairCounts counts = search(false);
+  const PairCounts counts = searchAll<cluster_size == 1>(space, rows(false));
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     growCapacity(space, order.num_clusters, pairs);
-    search(true);
+    searchByClusters(space, rows(true));
   }
   pairs.count = counts.pairs;
   pairs.num_rows = surface.num_nodes;

@@ -11,11 +11,13 @@ struct PairCounts {
   std::int64_t pairs = 0;
   std::int64_t overflowed = 0; // clusters whose rows exceeded their capacity
   std::int64_t largest = 0; // most pairs of one cluster, among those with long rows or ghosts
+  std::int64_t skipped = 0; // rows that FindRowsOfGroups leaves to FindRows
 
   KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
     pairs += b.pairs;
     overflowed += b.overflowed;
     largest = maxOf(largest, b.largest);
+    skipped += b.skipped;
     return *this;
   }
 };

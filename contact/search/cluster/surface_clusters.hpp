@@ -3,7 +3,7 @@
 // step (phase 1 of the paper).
 #pragma once
 
-#include "contact/search/cluster/cluster_order.hpp"
+#include "contact/search/cluster/surface_refit.hpp"
 #include "contact/surface/construct_boxes.hpp"
 
 namespace brickwall::contact {
@@ -23,28 +23,16 @@ public:
   // [node position][6] FloatBounds sides of every node box, whether the node is owned or not. The
   // View has two floats more.
   const View<float*>& nodeBounds() const { return _same_bounds ? _corner_bounds : _node_bounds; }
-  // [cluster][6], owned nodes only
-  const View<float*>& clusterBounds() const { return _cluster_bounds; }
+  // [cluster][6], owned nodes only; clusters of one node have the bounds of their nodes
+  const View<float*>& clusterBounds() const {
+    return cluster_size > 1 ? _cluster_bounds : nodeBounds();
+  }
   const BoxTree& faceTree() const { return _forest.tree(0); } // items are faces, by position
 
   // The boxes contain Bbar_n and Bbar_f, tolerances included; they are larger by the rounding to
   // floats.
   const OwnRankBoxes& rankBoxes() const { return _rank_boxes; }
   std::int64_t numOrderings() const { return _num_orderings; }
-
-  // The reduction over the nodes in every step. Public for the kernels only.
-  struct Sums {
-    FloatBounds owned_nodes; // with node_tolerance
-    std::int64_t num_invalid = 0;
-    global_id first_invalid = INT64_MAX;
-
-    KOKKOS_INLINE_FUNCTION Sums& operator+=(const Sums& b) {
-      owned_nodes.include(b.owned_nodes);
-      num_invalid += b.num_invalid;
-      first_invalid = minOf(first_invalid, b.first_invalid);
-      return *this;
-    }
-  };
 
 private:
   bool isNew(const SweptBoxes& surface) const;
@@ -61,6 +49,7 @@ private:
   View<float*> _corner_bounds{"contact::SurfaceClusters::corner_bounds", 0};
   View<float*> _node_bounds{"contact::SurfaceClusters::node_bounds", 0};
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
+  RefitScratch _scratch;
   OwnRankBoxes _rank_boxes;
   // Summed extents of the blocks of faces, length; one block contributes at most _max_extent.
   double _extent = 0, _extent_when_ordered = 0, _max_extent = 0;

@@ -23,14 +23,6 @@ BoxTree shapeOf(std::int64_t n) {
   return tree;
 }
 
-// Computes the box of lane `lane` of block `i` of an upper level.
-KOKKOS_INLINE_FUNCTION void refitLane(const BoxTree& tree, int level, std::int64_t i, int lane) {
-  const std::int64_t child = i * block_size + lane;
-  storeLane(tree.block(level, i), lane,
-            child < tree.numBlocks(level - 1) ? unionOfBlock(tree.block(level - 1, child))
-                                              : FloatBounds());
-}
-
 } // namespace
 
 void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& num_items) {

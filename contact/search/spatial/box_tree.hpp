@@ -47,6 +47,14 @@ KOKKOS_INLINE_FUNCTION void storeLane(float* block, int lane, const FloatBounds&
     block[s * block_size + lane] = box.side[s];
 }
 
+// Computes the box of lane `lane` of block `i` of an upper level.
+KOKKOS_INLINE_FUNCTION void refitLane(const BoxTree& tree, int level, std::int64_t i, int lane) {
+  const std::int64_t child = i * block_size + lane;
+  storeLane(tree.block(level, i), lane,
+            child < tree.numBlocks(level - 1) ? unionOfBlock(tree.block(level - 1, child))
+                                              : FloatBounds());
+}
+
 // One or several trees in one allocation, such as one for each sender of node boxes.
 class BoxForest {
 public:

@@ -1,0 +1,284 @@
+// The kernel of the cluster search on devices: 32 nodes that follow each other in the kept order (a
+// group) descend the tree of faces together and are tested against the same faces, each in a lane
+// of its own.
+#pragma once
+
+#include "contact/search/cluster/cluster_rows.hpp"
+
+namespace brickwall::contact {
+
+// Finds the rows of groups. Rows are in blocks of one. A group near too many blocks of faces, or a
+// node near too many faces, is left to FindRows: such rows are marked needs_retry and counted.
+struct FindRowsOfGroups {
+  static constexpr int max_blocks = 96; // of a level that a group keeps
+  static constexpr int max_row = 24; // faces of a row
+  static constexpr int blocks_at_once = vector_lanes / block_size;
+  static constexpr int team_size = host_accessible ? 1 : 4;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>>;
+  using Member = Policy::member_type;
+
+  PairTest test;
+  View<const float*> node_bounds;
+  BoxTree face_tree, ghost_tree;
+  View<const int*> capacity; // [node position] entries of `faces`
+  View<const std::int64_t*> row_place; // [node position] into `faces`
+  View<int*> row_begin; // [node position][begin, end] relative to row_place
+  View<int*> faces;
+  View<unsigned char*> changed; // [node position] 0: the row is the same as in the last search
+  int num_nodes;
+
+  // A face near a group.
+  struct alignas(16) NearFace {
+    FloatBounds box;
+    unsigned own; // the nodes of the group that are its corners
+    int face;
+  };
+  struct alignas(16) Scratch {
+    NearFace near[vector_lanes];
+    int blocks[2][max_blocks];
+    int row[max_row][vector_lanes];
+  };
+  // The nodes of a group, one in each lane.
+  struct Nodes {
+    std::int64_t first = 0; // position
+    FloatBounds all; // reach of their union
+    OfLanes<FloatBounds> reach; // of nodes that are not searched: nothing
+    OfLanes<int> count; // faces of the row
+  };
+  struct LaneCounts {
+    int pairs = 0, overflowed = 0, skipped = 0;
+  };
+
+  KOKKOS_INLINE_FUNCTION int numGroups() const {
+    return (num_nodes + vector_lanes - 1) / vector_lanes;
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const Member& team, PairCounts& sums) const {
+    Scratch& scratch = *static_cast<Scratch*>(
+        team.thread_scratch(0).get_shmem_aligned(sizeof(Scratch), alignof(Scratch)));
+    OfLanes<LaneCounts> counts;
+    forLanes(team, [&](const int lane) { counts[lane] = LaneCounts(); });
+    const int stride = team.league_size() * team.team_size();
+    for (int group = team.league_rank() * team.team_size() + team.team_rank(); group < numGroups();
+         group += stride)
+      findRows(team, group, scratch, counts);
+    PairCounts all;
+    const auto add = [&](int LaneCounts::*member, std::int64_t& total) {
+      Kokkos::parallel_reduce(
+          Kokkos::ThreadVectorRange(team, vector_lanes),
+          [&](const int lane, std::int64_t& sum) { sum += counts[lane].*member; }, total);
+    };
+    add(&LaneCounts::pairs, all.pairs);
+    add(&LaneCounts::overflowed, all.overflowed);
+    add(&LaneCounts::skipped, all.skipped);
+    Kokkos::single(Kokkos::PerThread(team), [&] { sums += all; });
+  }
+
+  KOKKOS_INLINE_FUNCTION void findRows(const Member& team, int group, Scratch& scratch,
+                                       OfLanes<LaneCounts>& counts) const {
+    Nodes nodes;
+    nodes.first = std::int64_t(group) * vector_lanes;
+    forLanes(team, [&](const int lane) {
+      const std::int64_t position = nodes.first + lane;
+      const bool is_searched = isSearched(position);
+      for (int s = 0; s < 6; ++s)
+        nodes.reach[lane].side[s] =
+            is_searched ? -node_bounds(position * 6 + (s + 3) % 6) : -HUGE_VALF;
+      nodes.count[lane] = 0;
+    });
+    for (int s = 0; s < 6; ++s)
+      nodes.all.side[s] =
+          -leastOfLanes(team, [&](const int lane) { return -nodes.reach[lane].side[s]; });
+    const bool fits = searchTree<false>(team, face_tree, nodes, scratch) &&
+                      searchTree<true>(team, ghost_tree, nodes, scratch);
+    forLanes(team, [&](const int lane) {
+      writeRow(nodes.first + lane, fits ? nodes.count[lane] : max_row + 1, &scratch.row[0][lane],
+               counts[lane]);
+    });
+  }
+
+  KOKKOS_INLINE_FUNCTION bool isSearched(std::int64_t position) const {
+    return position < num_nodes && (test.order.owned(position / cluster_size) >>
+                                        static_cast<int>(position % cluster_size) &
+                                    1u) != 0;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static bool within(const FloatBounds& box, const FloatBounds& reach) {
+    bool inside = true;
+    for (int s = 0; s < 6; ++s)
+      inside &= box.side[s] <= reach.side[s];
+    return inside;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static int bitsBelow(unsigned bits, int lane) {
+    return countBits(bits & ((1u << lane) - 1));
+  }
+
+  // Level by level. Returns false if a level has too many blocks near the group.
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION bool searchTree(const Member& team, const BoxTree& tree, Nodes& nodes,
+                                         Scratch& scratch) const {
+    if (tree.num_levels == 0)
+      return true;
+    forLanes(team, [&](const int lane) {
+      if (lane == 0)
+        scratch.blocks[0][0] = 0;
+    });
+    int count = 1, from = 0;
+    for (int level = tree.num_levels - 1; level > 0; --level) {
+      count = listChildren(team, tree, level, nodes.all, scratch.blocks[from], count,
+                           scratch.blocks[1 - from]);
+      if (count > max_blocks)
+        return false;
+      from = 1 - from;
+    }
+    for (int first = 0; first < count; first += blocks_at_once)
+      testFaces<of_ghosts>(team, tree, scratch.blocks[from], first, count, nodes, scratch);
+    return true;
+  }
+
+  // Lists the boxes of these blocks that overlap the union, ascending. Returns their number.
+  KOKKOS_INLINE_FUNCTION static int listChildren(const Member& team, const BoxTree& tree, int level,
+                                                 const FloatBounds& all, const int* blocks,
+                                                 int count, int* children) {
+    int found = 0;
+    for (int first = 0; first < count; first += blocks_at_once) {
+      const unsigned near = lanesWhere(team, [&](const int lane) {
+        const int i = first + lane / block_size;
+        return i < count &&
+               within(boundsOfLane(tree.block(level, blocks[i]), lane % block_size), all);
+      });
+      forLanes(team, [&](const int lane) {
+        const int to = found + bitsBelow(near, lane);
+        if ((near >> lane & 1u) != 0 && to < max_blocks)
+          children[to] = blocks[first + lane / block_size] * block_size + lane % block_size;
+      });
+      found += countBits(near);
+    }
+    return found;
+  }
+
+  // Tests the nodes against the faces of up to blocks_at_once blocks.
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION void testFaces(const Member& team, const BoxTree& tree, const int* blocks,
+                                        int first, int count, Nodes& nodes,
+                                        Scratch& scratch) const {
+    OfLanes<FloatBounds> box;
+    const unsigned near = lanesWhere(team, [&](const int lane) {
+      const int i = first + lane / block_size;
+      if (i >= count)
+        return false;
+      box[lane] = boundsOfLane(tree.block(0, blocks[i]), lane % block_size);
+      return within(box[lane], nodes.all);
+    });
+    if (near == 0)
+      return;
+    forLanes(team, [&](const int lane) {
+      if ((near >> lane & 1u) == 0)
+        return;
+      const std::int64_t block = blocks[first + lane / block_size];
+      const int item = static_cast<int>(block) * block_size + lane % block_size;
+      NearFace& face = scratch.near[bitsBelow(near, lane)];
+      face.box = box[lane];
+      face.own = 0;
+      if constexpr (of_ghosts) {
+        face.face = test.surface.num_faces + item;
+      } else {
+        const int* const corner = &test.order.corners(block * 4 * block_size + lane % block_size);
+        for (int k = 0; k < 4; ++k) {
+          const auto at = static_cast<unsigned>(corner[k * block_size] - nodes.first);
+          face.own |= at < 32u ? 1u << at : 0u;
+        }
+        face.face = test.order.face_order(item);
+      }
+    });
+    const int num_near = countBits(near);
+    forLanes(team, [&](const int lane) {
+      const FloatBounds reach = nodes.reach[lane];
+      const unsigned self = 1u << lane;
+      unsigned hits = 0;
+      for (int i = 0; i < num_near; ++i) {
+        const NearFace& face = scratch.near[i];
+        const bool is_hit = within(face.box, reach) & ((face.own & self) == 0);
+        hits |= static_cast<unsigned>(is_hit) << i;
+      }
+      for (; hits != 0; hits &= hits - 1) {
+        const NearFace& face = scratch.near[lowestBit(hits)];
+        if (isCandidate<of_ghosts>(nodes.first + lane, reach, face))
+          insert(face.face, &scratch.row[0][lane], nodes.count[lane]);
+      }
+    });
+  }
+
+  // Applies the rules and resolves ties in floats.
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION bool isCandidate(std::int64_t position, const FloatBounds& reach,
+                                          const NearFace& face) const {
+    if ((test.drop_same_body || of_ghosts) &&
+        !test.rules.allow(test.order.node_order(position), face.face))
+      return false;
+    bool is_sure = true;
+    for (int s = 0; s < 6; ++s)
+      is_sure &= face.box.side[s] < reach.side[s];
+    return is_sure || test.overlap(test.order.node_order(position), face.face);
+  }
+  // Inserts a face in order; `row` has the stride vector_lanes. The count may exceed max_row.
+  KOKKOS_INLINE_FUNCTION void insert(int face, int* row, int& count) const {
+    int to = count++;
+    if (to >= max_row)
+      return;
+    for (; to > 0 && test.before(face, row[(to - 1) * vector_lanes]); --to)
+      row[to * vector_lanes] = row[(to - 1) * vector_lanes];
+    row[to * vector_lanes] = face;
+  }
+
+  KOKKOS_INLINE_FUNCTION void writeRow(std::int64_t position, int count, const int* row,
+                                       LaneCounts& counts) const {
+    if (position >= num_nodes)
+      return;
+    int* const begin = &row_begin(position * 2);
+    if (!isSearched(position)) {
+      begin[0] = begin[1] = changed(position) = 0;
+      return;
+    }
+    if (count > max_row) {
+      begin[0] = needs_retry;
+      ++counts.skipped;
+      return;
+    }
+    bool is_new = begin[1] != count;
+    begin[0] = 0;
+    begin[1] = count;
+    counts.pairs += count;
+    changed(position) = 1;
+    if (count > capacity(position)) {
+      ++counts.overflowed;
+      return;
+    }
+    int* const to = faces.data() + row_place(position);
+    for (int i = 0; i < count; ++i)
+      if (is_new || to[i] != row[i * vector_lanes]) {
+        to[i] = row[i * vector_lanes];
+        is_new = true;
+      }
+    changed(position) = is_new;
+  }
+};
+
+// Searches all nodes with FindRowsOfGroups. Fences.
+template <class Find>
+PairCounts searchByGroups(const exec_space& space, const Find& find) {
+  constexpr int team_size = Find::team_size;
+  const int fitting = // by registers, threads of `vector_lanes` lanes
+      host_accessible ? concurrency(space) : concurrency(space) / (2 * vector_lanes);
+  const int num_teams = (minOf(fitting, find.numGroups()) + team_size - 1) / team_size;
+  using Scratch = typename Find::Scratch;
+  typename Find::Policy policy(space, num_teams, team_size, vector_lanes);
+  policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),
+                          Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
+  PairCounts counts;
+  Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find,
+                          PlusReducer<PairCounts>(counts));
+  space.fence();
+  return counts;
+}
+
+} // namespace brickwall::contact
