@@ -290,21 +290,31 @@ KOKKOS_FORCEINLINE_FUNCTION unsigned lanesWhere(const Member& team, const Test& 
 
 // The least value(lane).
 template <class Member, class Value>
-KOKKOS_FORCEINLINE_FUNCTION float leastOfLanes(const Member& team, const Value& value) {
+KOKKOS_FORCEINLINE_FUNCTION auto leastOfLanes(const Member& team, const Value& value) {
 #if defined(__CUDA_ARCH__)
   (void)team;
-  float least = value(static_cast<int>(threadIdx.x));
+  auto least = value(static_cast<int>(threadIdx.x));
   for (int other = vector_lanes / 2; other > 0; other /= 2)
     least = minOf(least, __shfl_xor_sync(0xffffffffu, least, other));
-  return least;
 #else
-  float least = 0;
+  using Number = decltype(value(0));
+  Number least{};
   Kokkos::parallel_reduce(
       Kokkos::ThreadVectorRange(team, vector_lanes),
-      [&](const int lane, float& all) { all = minOf(all, value(lane)); },
-      Kokkos::Min<float>(least));
-  return least;
+      [&](const int lane, Number& all) { all = minOf(all, value(lane)); },
+      Kokkos::Min<Number>(least));
 #endif
+  return least;
+}
+
+// The sum of value(lane).
+template <class Member, class Value>
+KOKKOS_FORCEINLINE_FUNCTION std::int64_t sumOfLanes(const Member& team, const Value& value) {
+  std::int64_t total = 0;
+  Kokkos::parallel_reduce(
+      Kokkos::ThreadVectorRange(team, vector_lanes),
+      [&](const int lane, std::int64_t& sum) { sum += value(lane); }, total);
+  return total;
 }
 
 } // namespace brickwall

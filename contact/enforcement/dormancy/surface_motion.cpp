@@ -1,5 +1,6 @@
 #include "contact/enforcement/dormancy/surface_motion.hpp"
 
+#include "contact/base/lanes.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 // Relative to the largest coordinate. Gaps are computed from unit vectors whose rounding is up to
 // 1/sine times that of coordinates, and the sines used are at least 0.05.
 constexpr double rounding_share = 1024 * DBL_EPSILON;
-constexpr int piece_length = simd_width > 1 ? 256 : 16;
+constexpr int piece_length = fills_lanes ? 256 : 4 * vector_lanes;
 
 // A sum that is not above (side -1) or not below (side 1) the exact one.
 KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
@@ -24,56 +25,125 @@ KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
 }
 
 // Flags the nodes that have not moved since `last` nor in this step, updates `last` for the others,
-// and includes their motions in the boxes `step` [body][low xyz, high xyz]. Returns the number of
-// nodes that moved.
-std::int64_t measureMotion(const exec_space& space, const Surface& surface,
-                           const View<int*>& piece_begin, const View<int*>& piece_body,
-                           const View<double* [3]>& last, const View<unsigned char*>& stationary,
-                           const View<double* [6]>& step) {
-  const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
-  std::int64_t num_moving = 0;
-  Kokkos::parallel_reduce(
-      "contact::SurfaceMotion::measureMotion",
-      rangePolicy(space, static_cast<std::int64_t>(piece_body.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t piece, std::int64_t& moving) {
-        double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-        const int end = piece_begin(piece + 1);
-        for (int node = piece_begin(piece); node < end; ++node) {
-          bool is_stationary = true;
-          for (int d = 0; d < 3; ++d) {
-            const double x = x_new(node, d), before = last(node, d), by = x - before;
-            is_stationary &= sameBits(x, before);
-            low[d] = minOf(low[d], by);
-            high[d] = maxOf(high[d], by);
-          }
-          if (is_stationary)
-            for (int d = 0; d < 3; ++d)
-              is_stationary &= sameBits(x_new(node, d), x_old(node, d));
-          else
-            for (int d = 0; d < 3; ++d)
-              last(node, d) = x_new(node, d);
-          stationary(node) = is_stationary;
-          moving += !is_stationary;
-        }
-        const int body = piece_body(piece);
-        for (int d = 0; d < 3; ++d) {
-          Kokkos::atomic_fetch_min(&step(body, d), low[d]);
-          Kokkos::atomic_fetch_max(&step(body, 3 + d), high[d]);
-        }
-      },
-      num_moving);
-  return num_moving;
+// and includes their motions in the boxes `step` [body][low xyz, high xyz]; the first number of its
+// last row counts the nodes that move. On a device a thread takes a piece of a body with its lanes.
+struct MeasureMotion {
+  static constexpr int team_size = host_accessible ? 1 : 8;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>>;
+  using Member = Policy::member_type;
+
+  View<const double*[3]> x_old, x_new;
+  View<const int*> piece_begin, piece_body;
+  View<double* [3]> last;
+  View<unsigned char*> stationary;
+  View<double* [6]> step;
+
+  struct Motion {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    double minus_high[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int num_moving = 0;
+  };
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t piece) const {
+    Motion motion;
+    const int end = piece_begin(piece + 1);
+    for (int node = piece_begin(piece); node < end; ++node)
+      include(node, motion);
+    add(piece, motion);
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
+    const std::int64_t piece =
+        std::int64_t(team.league_rank()) * team.team_size() + team.team_rank();
+    if (piece >= static_cast<std::int64_t>(piece_body.extent(0)))
+      return;
+    OfLanes<Motion> of_lane;
+    const int begin = piece_begin(piece), end = piece_begin(piece + 1);
+    forLanes(team, [&](const int lane) {
+      of_lane[lane] = Motion();
+      for (int node = begin + lane; node < end; node += vector_lanes)
+        include(node, of_lane[lane]);
+    });
+    Motion motion;
+    for (int d = 0; d < 3; ++d) {
+      motion.low[d] = leastOfLanes(team, [&](const int lane) { return of_lane[lane].low[d]; });
+      motion.minus_high[d] =
+          leastOfLanes(team, [&](const int lane) { return of_lane[lane].minus_high[d]; });
+    }
+    motion.num_moving = static_cast<int>(
+        sumOfLanes(team, [&](const int lane) { return of_lane[lane].num_moving; }));
+    Kokkos::single(Kokkos::PerThread(team), [&] { add(piece, motion); });
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION void include(int node, Motion& motion) const {
+    bool is_stationary = true;
+    for (int d = 0; d < 3; ++d) {
+      const double x = x_new(node, d), before = last(node, d), by = x - before;
+      is_stationary &= sameBits(x, before);
+      motion.low[d] = minOf(motion.low[d], by);
+      motion.minus_high[d] = minOf(motion.minus_high[d], -by);
+    }
+    if (is_stationary)
+      for (int d = 0; d < 3; ++d)
+        is_stationary &= sameBits(x_new(node, d), x_old(node, d));
+    else
+      for (int d = 0; d < 3; ++d)
+        last(node, d) = x_new(node, d);
+    stationary(node) = is_stationary;
+    motion.num_moving += !is_stationary;
+  }
+  KOKKOS_INLINE_FUNCTION void add(std::int64_t piece, const Motion& motion) const {
+    const int body = piece_body(piece);
+    for (int d = 0; d < 3; ++d) {
+      Kokkos::atomic_fetch_min(&step(body, d), motion.low[d]);
+      Kokkos::atomic_fetch_max(&step(body, 3 + d), -motion.minus_high[d]);
+    }
+    if (motion.num_moving > 0)
+      Kokkos::atomic_add(&step(step.extent(0) - 1, 0), static_cast<double>(motion.num_moving));
+  }
+};
+
+template <bool by_lanes, class Measure>
+void measureMotion(const exec_space& space, const Measure& measure) {
+  const auto num_pieces = static_cast<std::int64_t>(measure.piece_body.extent(0));
+  if (num_pieces == 0)
+    return;
+  if constexpr (by_lanes) {
+    const auto teams = (num_pieces + Measure::team_size - 1) / Measure::team_size;
+    Kokkos::parallel_for(
+        "contact::SurfaceMotion::measureMotion",
+        typename Measure::Policy(space, static_cast<int>(teams), Measure::team_size, vector_lanes),
+        measure);
+  } else {
+    Kokkos::parallel_for("contact::SurfaceMotion::measureMotion", rangePolicy(space, num_pieces),
+                         measure);
+  }
 }
 
-// Adds the boxes `step` to `sums` if `is_added`, and empties them. Returns the largest component of
-// the sums.
-double addMotions(const exec_space& space, bool is_added, const View<double* [6]>& step,
-                  const View<double* [6]>& sums) {
-  double largest_sum = 0;
+struct AddedMotions {
+  double largest = 0; // component of the sums
+  std::int64_t num_moving = 0;
+
+  KOKKOS_INLINE_FUNCTION AddedMotions& operator+=(const AddedMotions& b) {
+    largest = maxOf(largest, b.largest);
+    num_moving += b.num_moving;
+    return *this;
+  }
+};
+
+// Adds the boxes `step` to `sums` if `is_added`, and empties `step`.
+AddedMotions addMotions(const exec_space& space, bool is_added, const View<double* [6]>& step,
+                        const View<double* [6]>& sums) {
+  AddedMotions added;
+  const auto num_bodies = static_cast<std::int64_t>(sums.extent(0));
   Kokkos::parallel_reduce(
-      "contact::SurfaceMotion::addMotions",
-      rangePolicy(space, static_cast<std::int64_t>(step.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t body, double& largest) {
+      "contact::SurfaceMotion::addMotions", rangePolicy(space, num_bodies + 1),
+      KOKKOS_LAMBDA(const std::int64_t body, AddedMotions& all) {
+        if (body == num_bodies) {
+          all.num_moving += static_cast<std::int64_t>(step(body, 0));
+          step(body, 0) = 0;
+          return;
+        }
         for (int d = 0; d < 3; ++d) {
           if (is_added) {
             sums(body, d) = addBound(sums(body, d), step(body, d), -1);
@@ -81,11 +151,13 @@ double addMotions(const exec_space& space, bool is_added, const View<double* [6]
           }
           step(body, d) = HUGE_VAL;
           step(body, 3 + d) = -HUGE_VAL;
-          largest = maxOf(largest, maxOf(std::fabs(sums(body, d)), std::fabs(sums(body, 3 + d))));
+          const double of_sums = maxOf(std::fabs(sums(body, d)), std::fabs(sums(body, 3 + d)));
+          all.largest = maxOf(all.largest, of_sums);
         }
       },
-      Kokkos::Max<double>(largest_sum));
-  return maxOf(largest_sum, 0.0);
+      PlusReducer<AddedMotions>(added));
+  space.fence();
+  return added;
 }
 
 // Largest coordinate in magnitude.
@@ -127,7 +199,7 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
   begin.push_back(surface.num_nodes);
   _piece_begin = toDevice(space, label + "::piece_begin", begin);
   _piece_body = toDevice(space, label + "::piece_body", of_body);
-  _step = View<double* [6]>(label + "::motion_of_step", bodies.size());
+  _step = View<double* [6]>(label + "::motion_of_step", bodies.size() + 1);
   _sums = View<double* [6]>(label + "::motion_of_bodies", bodies.size());
   _bodies.bodies = toDevice(space, label + "::bodies", bodies);
   _bodies.sums = _sums;
@@ -138,8 +210,9 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
 }
 
 void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
-  _num_moving =
-      measureMotion(space, surface, _piece_begin, _piece_body, _last, _stationary_flags, _step);
+  measureMotion<!fills_lanes>(space, MeasureMotion{surface.coordinates_old, surface.coordinates_new,
+                                                   _piece_begin, _piece_body, _last,
+                                                   _stationary_flags, _step});
   accumulateMotion(space);
   if (!_has_last) {
     _extent = measureExtent(space, surface);
@@ -149,7 +222,9 @@ void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
 }
 
 void SurfaceMotion::accumulateMotion(const exec_space& space) {
-  _rounding = rounding_share * (_extent + addMotions(space, _has_last, _step, _sums));
+  const AddedMotions added = addMotions(space, _has_last, _step, _sums);
+  _num_moving = added.num_moving;
+  _rounding = rounding_share * (_extent + added.largest);
 }
 
 } // namespace brickwall::contact

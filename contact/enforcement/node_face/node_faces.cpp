@@ -191,19 +191,82 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const SweptBoxes& surface, int face) {
   return quad;
 }
 
+// Fills the records of own faces. On devices teams write whole runs of records, since one thread
+// for each record would write a few bytes of many cache lines at once.
+struct MakeRecords {
+  static constexpr int num_threads = 128, team_size = host_accessible ? 1 : num_threads;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size>>;
+  using Member = Policy::member_type;
+
+  SweptBoxes surface;
+  RecordSelection selection;
+  View<FaceRecord*> records;
+
+  struct alignas(16) Chunk {
+    unsigned char bytes[16];
+  };
+  static constexpr int chunks = sizeof(FaceRecord) / sizeof(Chunk);
+  static_assert(sizeof(FaceRecord) % sizeof(Chunk) == 0, "records consist of chunks");
+  struct alignas(16) Padded { // so that threads write to different banks
+    FaceRecord record;
+    Chunk unused;
+  };
+  struct Scratch {
+    Padded made[num_threads];
+    bool is_made[num_threads];
+  };
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t face) const {
+    if (selection.select(face))
+      records(face) = recordOf(static_cast<int>(face));
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
+    Scratch& scratch = *static_cast<Scratch*>(
+        team.team_scratch(0).get_shmem_aligned(sizeof(Scratch), alignof(Scratch)));
+    const int first = team.league_rank() * num_threads;
+    const int count = minOf(num_threads, surface.num_faces - first);
+    Kokkos::parallel_for(Kokkos::TeamThreadRange(team, count), [&](const int i) {
+      scratch.is_made[i] = selection.select(first + i);
+      if (scratch.is_made[i])
+        scratch.made[i].record = recordOf(first + i);
+    });
+    team.team_barrier();
+    auto* const to = reinterpret_cast<Chunk*>(&records(first));
+    Kokkos::parallel_for(Kokkos::TeamThreadRange(team, count * chunks), [&](const int i) {
+      if (scratch.is_made[i / chunks])
+        to[i] = reinterpret_cast<const Chunk*>(&scratch.made[i / chunks])[i % chunks];
+    });
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION FaceRecord recordOf(int face) const {
+    return {meanPlane(ownQuad(surface, face)), surface.face_body(face), surface.face_ids(face)};
+  }
+};
+
+template <bool by_teams, class Make>
+void makeRecords(const exec_space& space, const Make& make) {
+  const int num_faces = make.surface.num_faces;
+  if (num_faces == 0)
+    return;
+  if constexpr (by_teams) {
+    using Scratch = typename Make::Scratch;
+    typename Make::Policy policy(space, (num_faces + Make::num_threads - 1) / Make::num_threads,
+                                 Make::team_size);
+    policy.set_scratch_size(0,
+                            Kokkos::PerTeam(static_cast<int>(sizeof(Scratch) + alignof(Scratch))));
+    Kokkos::parallel_for("contact::NodeFaces::ownRecords", policy, make);
+  } else {
+    Kokkos::parallel_for("contact::NodeFaces::ownRecords", rangePolicy(space, num_faces), make);
+  }
+}
+
 } // namespace
 
 void NodeFaces::updateRecords(const exec_space& space, const SweptBoxes& surface,
                               const RecordSelection& selection, const View<FaceRecord*>& records) {
   const SweptBoxes s = surface;
-  Kokkos::parallel_for(
-      "contact::NodeFaces::ownRecords", rangePolicy(space, _num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face) {
-        if (!selection.select(face))
-          return;
-        records(face) = {meanPlane(ownQuad(s, static_cast<int>(face))), s.face_body(face),
-                         s.face_ids(face)};
-      });
+  makeRecords<!fills_lanes>(space, MakeRecords{s, selection, records});
   const auto border_faces = _border_faces;
   const auto border_areas = _border_areas;
   Kokkos::parallel_for(

@@ -35,13 +35,13 @@ struct FindRowsOfGroups {
   };
   struct alignas(16) Scratch {
     NearFace near[vector_lanes];
+    FloatBounds all; // reach of the union of the nodes
     int blocks[2][max_blocks];
     int row[max_row][vector_lanes];
   };
   // The nodes of a group, one in each lane.
   struct Nodes {
-    std::int64_t first = 0; // position
-    FloatBounds all; // reach of their union
+    int first = 0; // position
     OfLanes<FloatBounds> reach; // of nodes that are not searched: nothing
     OfLanes<int> count; // faces of the row
   };
@@ -63,32 +63,29 @@ struct FindRowsOfGroups {
          group += stride)
       findRows(team, group, scratch, counts);
     PairCounts all;
-    const auto add = [&](int LaneCounts::*member, std::int64_t& total) {
-      Kokkos::parallel_reduce(
-          Kokkos::ThreadVectorRange(team, vector_lanes),
-          [&](const int lane, std::int64_t& sum) { sum += counts[lane].*member; }, total);
-    };
-    add(&LaneCounts::pairs, all.pairs);
-    add(&LaneCounts::overflowed, all.overflowed);
-    add(&LaneCounts::skipped, all.skipped);
+    all.pairs = sumOfLanes(team, [&](const int lane) { return counts[lane].pairs; });
+    all.overflowed = sumOfLanes(team, [&](const int lane) { return counts[lane].overflowed; });
+    all.skipped = sumOfLanes(team, [&](const int lane) { return counts[lane].skipped; });
     Kokkos::single(Kokkos::PerThread(team), [&] { sums += all; });
   }
 
   KOKKOS_INLINE_FUNCTION void findRows(const Member& team, int group, Scratch& scratch,
                                        OfLanes<LaneCounts>& counts) const {
     Nodes nodes;
-    nodes.first = std::int64_t(group) * vector_lanes;
+    nodes.first = group * vector_lanes;
     forLanes(team, [&](const int lane) {
-      const std::int64_t position = nodes.first + lane;
+      const int position = nodes.first + lane;
       const bool is_searched = isSearched(position);
       for (int s = 0; s < 6; ++s)
         nodes.reach[lane].side[s] =
-            is_searched ? -node_bounds(position * 6 + (s + 3) % 6) : -HUGE_VALF;
+            is_searched ? -node_bounds(std::int64_t(position) * 6 + (s + 3) % 6) : -HUGE_VALF;
       nodes.count[lane] = 0;
     });
-    for (int s = 0; s < 6; ++s)
-      nodes.all.side[s] =
-          -leastOfLanes(team, [&](const int lane) { return -nodes.reach[lane].side[s]; });
+    for (int s = 0; s < 6; ++s) {
+      const float least =
+          leastOfLanes(team, [&](const int lane) { return -nodes.reach[lane].side[s]; });
+      Kokkos::single(Kokkos::PerThread(team), [&] { scratch.all.side[s] = -least; });
+    }
     const bool fits = searchTree<false>(team, face_tree, nodes, scratch) &&
                       searchTree<true>(team, ghost_tree, nodes, scratch);
     forLanes(team, [&](const int lane) {
@@ -97,10 +94,9 @@ struct FindRowsOfGroups {
     });
   }
 
-  KOKKOS_INLINE_FUNCTION bool isSearched(std::int64_t position) const {
-    return position < num_nodes && (test.order.owned(position / cluster_size) >>
-                                        static_cast<int>(position % cluster_size) &
-                                    1u) != 0;
+  KOKKOS_INLINE_FUNCTION bool isSearched(int position) const {
+    return position < num_nodes &&
+           (test.order.owned(position / cluster_size) >> position % cluster_size & 1u) != 0;
   }
   KOKKOS_FORCEINLINE_FUNCTION static bool within(const FloatBounds& box, const FloatBounds& reach) {
     bool inside = true;
@@ -124,7 +120,7 @@ struct FindRowsOfGroups {
     });
     int count = 1, from = 0;
     for (int level = tree.num_levels - 1; level > 0; --level) {
-      count = listChildren(team, tree, level, nodes.all, scratch.blocks[from], count,
+      count = listChildren(team, tree, level, scratch.all, scratch.blocks[from], count,
                            scratch.blocks[1 - from]);
       if (count > max_blocks)
         return false;
@@ -167,7 +163,7 @@ struct FindRowsOfGroups {
       if (i >= count)
         return false;
       box[lane] = boundsOfLane(tree.block(0, blocks[i]), lane % block_size);
-      return within(box[lane], nodes.all);
+      return within(box[lane], scratch.all);
     });
     if (near == 0)
       return;
@@ -210,7 +206,7 @@ struct FindRowsOfGroups {
 
   // Applies the rules and resolves ties in floats.
   template <bool of_ghosts>
-  KOKKOS_INLINE_FUNCTION bool isCandidate(std::int64_t position, const FloatBounds& reach,
+  KOKKOS_INLINE_FUNCTION bool isCandidate(int position, const FloatBounds& reach,
                                           const NearFace& face) const {
     if ((test.drop_same_body || of_ghosts) &&
         !test.rules.allow(test.order.node_order(position), face.face))
@@ -230,11 +226,11 @@ struct FindRowsOfGroups {
     row[to * vector_lanes] = face;
   }
 
-  KOKKOS_INLINE_FUNCTION void writeRow(std::int64_t position, int count, const int* row,
+  KOKKOS_INLINE_FUNCTION void writeRow(int position, int count, const int* row,
                                        LaneCounts& counts) const {
     if (position >= num_nodes)
       return;
-    int* const begin = &row_begin(position * 2);
+    int* const begin = &row_begin(std::int64_t(position) * 2);
     if (!isSearched(position)) {
       begin[0] = begin[1] = changed(position) = 0;
       return;

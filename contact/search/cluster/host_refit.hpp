@@ -10,8 +10,7 @@ namespace brickwall::contact {
 // gathered in the kept order.
 struct RefitCluster : RefitInput {
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster,
-                                         RefitSums& all) const {
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t cluster, RefitSums& all) const {
     const std::int64_t first = cluster * cluster_size;
     prefetchNodes(first + 4 * cluster_size); // the host's rows are scattered
     const double from[4] = {origin.x, origin.y, origin.z, 0};
@@ -65,8 +64,7 @@ struct RefitCluster : RefitInput {
       row[s] = bounds.side[s];
   }
   // Counts a node that is not finite, which has no box.
-  KOKKOS_INLINE_FUNCTION void skip(int node, FloatBounds& bounds,
-                                   RefitSums& all) const {
+  KOKKOS_INLINE_FUNCTION void skip(int node, FloatBounds& bounds, RefitSums& all) const {
     bounds = FloatBounds();
     ++all.num_invalid;
     all.first_invalid = minOf(all.first_invalid, ids(node));
@@ -74,14 +72,15 @@ struct RefitCluster : RefitInput {
 };
 
 // Computes the boxes of one block of faces, and their union as an item of the next level. The box
-// of a face is the union of those of its corners, since rounding is monotone. Returns the sum of
-// the extents of the block.
+// of a face is the union of those of its corners, since rounding is monotone. Adds the sum of the
+// extents of the block, at most `most`.
 struct RefitBlock {
   BoxTree tree;
   View<const int*> corners;
   View<const float*> corner_bounds;
+  double most;
 
-  KOKKOS_INLINE_FUNCTION double operator()(std::int64_t block) const {
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t block, double& sum) const {
     const int* const corner = &corners(block * 4 * block_size);
     float* const boxes = tree.block(0, block);
     float all[8];
@@ -118,7 +117,18 @@ struct RefitBlock {
     double extent = 0;
     for (int d = 0; d < 3; ++d)
       extent -= double(all[d]) + double(all[3 + d]);
-    return extent > 0 ? extent : 0;
+    sum += minOf(extent > 0 ? extent : 0.0, most);
+  }
+};
+
+// Empties a lane of the last block of level 1 if there is no block below it.
+struct EmptyLane {
+  BoxTree tree;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t lane) const {
+    const std::int64_t parent = tree.numBlocks(1) - 1;
+    if (parent * block_size + lane >= tree.numBlocks(0))
+      storeLane(tree.block(1, parent), static_cast<int>(lane), FloatBounds());
   }
 };
 
@@ -134,24 +144,16 @@ struct HostRefit {
   template <class Input>
   static void refitFaces(const exec_space& space, const Input& input, double most, RefitScratch&,
                          RefitSums& sums) {
-    const BoxTree tree = input.tree;
+    const BoxTree& tree = input.tree;
     sums.extent = 0;
     if (tree.num_levels == 0)
       return;
-    const std::int64_t num_blocks = tree.numBlocks(0);
-    if (tree.num_levels > 1) // lanes after the last block
-      Kokkos::parallel_for(
-          "contact::SurfaceClusters::empty_lanes", rangePolicy(space, block_size),
-          KOKKOS_LAMBDA(const std::int64_t lane) {
-            const std::int64_t parent = tree.numBlocks(1) - 1;
-            if (parent * block_size + lane >= num_blocks)
-              storeLane(tree.block(1, parent), static_cast<int>(lane), FloatBounds());
-          });
-    const RefitBlock refit{tree, input.corners, input.corner_bounds};
+    if (tree.num_levels > 1)
+      Kokkos::parallel_for("contact::SurfaceClusters::empty_lanes", rangePolicy(space, block_size),
+                           EmptyLane{tree});
     Kokkos::parallel_reduce(
-        "contact::SurfaceClusters::faces", rangePolicy(space, num_blocks),
-        KOKKOS_LAMBDA(const std::int64_t block, double& sum) { sum += minOf(refit(block), most); },
-        sums.extent);
+        "contact::SurfaceClusters::faces", rangePolicy(space, tree.numBlocks(0)),
+        RefitBlock{tree, input.corners, input.corner_bounds, most}, sums.extent);
     space.fence();
   }
   static void refitUpperLevels(const exec_space& space, BoxForest& forest, RefitSums& sums) {

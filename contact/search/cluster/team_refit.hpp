@@ -33,7 +33,8 @@ struct RefitNodes {
                     of_lane[lane]);
       });
       forLanes(team, [&](const int lane) {
-        for (int i = lane; i < 6 * vector_lanes && 6 * first + i < 6 * std::int64_t(input.num_nodes);
+        for (int i = lane;
+             i < 6 * vector_lanes && 6 * first + i < 6 * std::int64_t(input.num_nodes);
              i += vector_lanes) {
           input.corner_bounds(6 * first + i) = rows.corner_rows[i];
           if (!input.same_bounds)
@@ -45,14 +46,9 @@ struct RefitNodes {
     for (int s = 0; s < 6; ++s)
       all.owned_nodes.side[s] =
           leastOfLanes(team, [&](const int lane) { return of_lane[lane].owned_nodes.side[s]; });
-    Kokkos::parallel_reduce(
-        Kokkos::ThreadVectorRange(team, vector_lanes),
-        [&](const int lane, std::int64_t& sum) { sum += of_lane[lane].num_invalid; },
-        all.num_invalid);
-    Kokkos::parallel_reduce(
-        Kokkos::ThreadVectorRange(team, vector_lanes),
-        [&](const int lane, global_id& id) { id = minOf(id, of_lane[lane].first_invalid); },
-        Kokkos::Min<global_id>(all.first_invalid));
+    all.num_invalid = sumOfLanes(team, [&](const int lane) { return of_lane[lane].num_invalid; });
+    all.first_invalid =
+        leastOfLanes(team, [&](const int lane) { return of_lane[lane].first_invalid; });
     Kokkos::single(Kokkos::PerThread(team), [&] { sums(thread) = all; });
   }
 
@@ -121,9 +117,9 @@ struct RefitTile {
         Kokkos::TeamThreadRange(team, block_size * block_floats), [&](const int i) {
           const int side = i % block_floats / block_size;
           const int block = i / block_floats * block_size + i % block_size;
-          scratch.parents[i] =
-              block < num_blocks ? leastOfSide(scratch.boxes + block * block_floats, side)
-                                 : HUGE_VALF;
+          scratch.parents[i] = block < num_blocks
+                                   ? leastOfSide(scratch.boxes + block * block_floats, side)
+                                   : HUGE_VALF;
         });
     team.team_barrier();
     if (tree.num_levels > 1)
@@ -169,8 +165,8 @@ private:
         &corners(position / block_size * 4 * block_size + position % block_size);
     float hole = -HUGE_VALF; // infinite for a node that is not finite
     for (int k = 0; k < 4; ++k) {
-      const auto* const from = reinterpret_cast<const Pair*>(
-          &corner_bounds(std::int64_t(corner[k * block_size]) * 6));
+      const auto* const from =
+          reinterpret_cast<const Pair*>(&corner_bounds(std::int64_t(corner[k * block_size]) * 6));
       FloatBounds of_corner;
       for (int s = 0; s < 6; s += 2) {
         const Pair two = from[s / 2];
@@ -233,9 +229,8 @@ struct RefitTop {
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
     for (int level = 4; level < tree.num_levels; ++level) {
       Kokkos::parallel_for(
-          Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size), [&](const int i) {
-            refitLane(tree, level, i / block_size, i % block_size);
-          });
+          Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size),
+          [&](const int i) { refitLane(tree, level, i / block_size, i % block_size); });
       team.team_barrier();
     }
     auto* const parts = static_cast<RefitSums*>(

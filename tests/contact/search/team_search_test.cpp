@@ -1,0 +1,156 @@
+// The kernels of the cluster search for devices, run here: boxes and rows have the bits of those of
+// hosts.
+#include "contact/search/cluster/cluster_pairs.hpp"
+#include "contact/search/cluster/group_rows.hpp"
+#include "contact/search/cluster/team_refit.hpp"
+#include "tests/contact/search/search_checks.hpp"
+
+#include <gtest/gtest.h>
+
+namespace brickwall::contact::test {
+namespace {
+
+SurfaceCase makeWall(std::uint64_t seed, int elements) {
+  SurfaceCase c;
+  Random random(seed);
+  c.kind = "wall";
+  c.seed = seed;
+  addWall(c, random, elements);
+  moveNodes(c, random, seed % 2 == 0 ? 0.02 / elements : 0, 0.01 / elements); // or with ties
+  c.node_tolerance = 0.1 / elements;
+  c.face_tolerance = (seed % 3 == 0 ? 0.1 : 0.15) / elements;
+  c.drop_same_body = seed % 4 == 1;
+  distribute(c, random, 1);
+  return c;
+}
+
+bool sameBits(const float* a, const float* b, std::int64_t count) {
+  return memcmp(a, b, static_cast<std::size_t>(count) * sizeof(float)) == 0;
+}
+
+TEST(TeamSearch, BoxesHaveTheBitsOfThoseOfHosts) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
+  const exec_space space;
+  int most_levels = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const int elements = seed <= 8 ? static_cast<int>(seed % 4) + 1 : 16;
+    SurfaceCase c = makeWall(seed, elements);
+    if (seed % 3 == 1)
+      c.nodes[7].x_new[1] = NAN;
+    const SearchConfig config = configOf(c, SearchMethod::cluster);
+    const LocalSurface local = localSurface(c, 0);
+    const Surface& surface = local.surface;
+    SurfaceClusters clusters;
+    clusters.update(space, surface, config);
+    const ClusterOrder& order = clusters.order();
+    const BoxTree& expected = clusters.faceTree();
+    BoxForest forest;
+    forest.shape(space, std::int64_t(surface.num_faces));
+    const std::int64_t num_floats = 6 * std::int64_t(surface.num_nodes);
+    const View<float*> corners("corners", num_floats), nodes("nodes", num_floats);
+    const RefitInput input{surface.coordinates_old,
+                           surface.coordinates_new,
+                           surface.node_ids,
+                           order.node_order,
+                           order.owned,
+                           order.corners,
+                           corners,
+                           nodes,
+                           View<float*>(),
+                           forest.tree(0),
+                           order.origin,
+                           config.node_tolerance,
+                           config.face_tolerance,
+                           surface.num_nodes,
+                           false};
+    RefitScratch scratch;
+    RefitSums sums;
+    TeamRefit::refitNodes(space, input, scratch, sums);
+    TeamRefit::refitFaces(space, input, HUGE_VAL, scratch, sums);
+    const bool is_same = config.node_tolerance == config.face_tolerance;
+    ASSERT_TRUE(
+        sameBits((is_same ? corners : nodes).data(), clusters.nodeBounds().data(), num_floats))
+        << c.name();
+    const BoxTree& found = forest.tree(0);
+    ASSERT_EQ(found.num_levels, expected.num_levels);
+    ASSERT_TRUE(sameBits(found.blocks, expected.blocks,
+                         found.level_begin[max_levels] * std::int64_t(block_floats)))
+        << c.name();
+    const FloatBounds top = unionOfBlock(expected.block(expected.num_levels - 1, 0));
+    EXPECT_TRUE(sameBits(sums.faces.side, top.side, 6));
+    EXPECT_EQ(sums.num_invalid, clusters.rankBoxes().num_invalid);
+    EXPECT_EQ(sums.first_invalid, clusters.rankBoxes().first_invalid);
+    EXPECT_EQ(sums.num_invalid, seed % 3 == 1);
+    EXPECT_TRUE(sums.extent > 0 && std::isfinite(sums.extent));
+    most_levels = maxOf(most_levels, found.num_levels);
+  }
+  EXPECT_GT(most_levels, 4); // levels above those of a tile
+}
+
+TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
+  const exec_space space;
+  std::int64_t num_pairs = 0, num_skipped = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const SurfaceCase c = makeWall(seed, seed <= 10 ? static_cast<int>(seed % 5) + 1 : 16);
+    const SearchConfig config = configOf(c, SearchMethod::cluster);
+    const LocalSurface local = localSurface(c, 0);
+    const Surface& surface = local.surface;
+    const GhostFaces ghosts;
+    SurfaceClusters clusters;
+    clusters.update(space, surface, config);
+    CandidatePairs pairs;
+    ClusterPairs search;
+    search.find(space, surface, ghosts, clusters, config, pairs);
+
+    constexpr int room = FindRowsOfGroups::max_row;
+    const auto n = static_cast<std::size_t>(surface.num_nodes);
+    const View<int*> capacity("capacity", n), begin("begin", 2 * n), faces("faces", room * n);
+    const View<std::int64_t*> place("place", n);
+    const View<unsigned char*> changed("changed", n);
+    Kokkos::deep_copy(capacity, room);
+    Kokkos::parallel_for(
+        "test::place", rangePolicy(space, surface.num_nodes),
+        KOKKOS_LAMBDA(const std::int64_t i) { place(i) = i * room; });
+    const FindRowsOfGroups find{
+        {surface, ghosts, clusters.order(), DeviceRules(surface, ghosts, config.drop_same_body),
+         config.node_tolerance, config.face_tolerance, config.drop_same_body},
+        clusters.nodeBounds(),
+        clusters.faceTree(),
+        BoxTree(),
+        capacity,
+        place,
+        begin,
+        faces,
+        changed,
+        surface.num_nodes};
+    for (int step = 0; step < 2; ++step) {
+      const PairCounts counts = searchByGroups(space, find);
+      EXPECT_EQ(counts.overflowed, 0);
+      const HostRows expected(pairs);
+      const auto rows = toHost(begin), found = toHost(faces);
+      const auto marks = toHost(changed);
+      std::int64_t pairs_found = 0, skipped = 0;
+      for (int row = 0; row < surface.num_nodes; ++row) {
+        if (rows(2 * row) == needs_retry) {
+          ++skipped;
+          continue;
+        }
+        const std::vector<int> of_row(found.data() + row * room,
+                                      found.data() + row * room + rows(2 * row + 1));
+        ASSERT_EQ(of_row, expected.faces(row)) << c.name() << ", row " << row;
+        ASSERT_EQ(marks(row), step == 0 && !of_row.empty());
+        pairs_found += rows(2 * row + 1);
+      }
+      EXPECT_EQ(counts.pairs, pairs_found);
+      EXPECT_EQ(counts.skipped, skipped);
+      num_pairs += pairs_found;
+      num_skipped += skipped;
+    }
+  }
+  EXPECT_GT(num_pairs, 10000);
+  EXPECT_GT(num_skipped, 0); // groups near too many faces
+}
+
+} // namespace
+} // namespace brickwall::contact::test
