@@ -28,6 +28,30 @@ inline std::int64_t scanCounts(const exec_space& space, const std::string& label
   return total;
 }
 
+template <class T, class Emit>
+struct CountEmitted {
+  Emit emit;
+  View<std::int64_t*> counts;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+    std::int64_t count = 0;
+    emit(i, [&](const T&) { ++count; });
+    counts(i) = count;
+  }
+};
+template <class T, class Emit>
+struct StoreEmitted {
+  Emit emit;
+  View<const std::int64_t*> offsets;
+  View<T*> values;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+    std::int64_t next = offsets(i);
+    if (offsets(i + 1) > next)
+      emit(i, [&](const T& value) { values(next++) = value; });
+  }
+};
+
 // Calls emit(i, sink) for each i in [0, n) twice: in the first call sink(value) only counts, in the
 // second, which is omitted for i that emitted nothing, it stores. On return offsets[0, n] are the
 // exclusive offsets and values[offsets(i), offsets(i+1)) the values emitted by i, in order. Both
@@ -36,22 +60,12 @@ template <class T, class Emit>
 std::int64_t countScanFill(const exec_space& space, const std::string& label, std::int64_t n,
                            const Emit& emit, View<std::int64_t*>& offsets, View<T*>& values) {
   growTo(space, offsets, n + 1);
-  const auto counts = offsets;
-  Kokkos::parallel_for(
-      label + "::count", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
-        std::int64_t count = 0;
-        emit(i, [&](const T&) { ++count; });
-        counts(i) = count;
-      });
-  const std::int64_t total = scanCounts(space, label + "::scan", counts, n);
+  Kokkos::parallel_for(label + "::count", rangePolicy(space, n),
+                       CountEmitted<T, Emit>{emit, offsets});
+  const std::int64_t total = scanCounts(space, label + "::scan", offsets, n);
   growTo(space, values, total);
-  const auto filled = values;
-  Kokkos::parallel_for(
-      label + "::fill", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
-        std::int64_t next = counts(i);
-        if (counts(i + 1) > next)
-          emit(i, [&](const T& value) { filled(next++) = value; });
-      });
+  Kokkos::parallel_for(label + "::fill", rangePolicy(space, n),
+                       StoreEmitted<T, Emit>{emit, offsets, values});
   return total;
 }
 

@@ -31,14 +31,21 @@ KOKKOS_FORCEINLINE_FUNCTION auto& attributesAt(const Words& words, std::int64_t 
   return *reinterpret_cast<Struct*>(&words(face, 0));
 }
 
+template <class T>
+struct SetInitialAttributes {
+  AttributeWords words;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t face) const {
+    attributesAt<T>(words, face) = T();
+  }
+};
+
 // Attributes of type T for `count` faces, with T's initial values.
 template <class T>
 AttributeWords allocateAttributes(const exec_space& space, const std::string& label,
                                   std::int64_t count) {
   auto words = allocate<AttributeWords>(space, label, count, words_of<T>);
-  Kokkos::parallel_for(
-      "contact::allocateAttributes", rangePolicy(space, count),
-      KOKKOS_LAMBDA(const std::int64_t face) { attributesAt<T>(words, face) = T(); });
+  Kokkos::parallel_for("contact::allocateAttributes", rangePolicy(space, count),
+                       SetInitialAttributes<T>{words});
   return words;
 }
 

@@ -116,16 +116,12 @@ nlohmann::ordered_json balanceJson(const RunReport& r) {
   return json;
 }
 
-double imbalance(const RankCount& count) {
-  return ratio(static_cast<double>(count.max), count.mean());
-}
-
 // The largest value of all ranks over their mean. Times include waiting for other ranks.
 nlohmann::ordered_json imbalanceJson(const RunReport& r) {
   auto json = nlohmann::ordered_json::object();
   for (const RankCount& count : r.counts_over_ranks)
     json[count.what] = {
-        {"max", count.max}, {"mean", count.mean()}, {"max_over_mean", imbalance(count)}};
+        {"max", count.max}, {"mean", count.mean()}, {"max_over_mean", count.maxOverMean()}};
   for (const PhaseTime& phase : r.phases)
     for (const char* name : {"search", "step::contact enforcement", "step::internal force"})
       if (phaseName(phase.name) == name)
@@ -365,7 +361,7 @@ void printTables(std::ostream& out, const RunReport& r) {
     out << "imbalance (largest over mean of the ranks):";
     for (const RankCount& count : r.counts_over_ranks)
       out << format("%s %s %.3g", &count == &r.counts_over_ranks.front() ? "" : ",", count.what,
-                    imbalance(count));
+                    count.maxOverMean());
     out << "\n";
   }
   if (r.search.audit > 0)

@@ -32,6 +32,7 @@ struct RankCount {
   int ranks = 1;
 
   double mean() const { return static_cast<double>(sum) / ranks; }
+  double maxOverMean() const { return sum > 0 ? static_cast<double>(max) / mean() : 0; }
 };
 // Elements and faces, and with contact ghost faces, candidate pairs and active contacts. Collective.
 std::vector<RankCount> countsOverRanks(const Simulation& simulation);

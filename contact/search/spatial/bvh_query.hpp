@@ -61,21 +61,28 @@ KOKKOS_FORCEINLINE_FUNCTION void traverse(const View<const TreeNode*>& nodes,
 // axis suffice.
 constexpr int query_order_bits = 33;
 
+template <class BoxOf>
+struct SetQueryCode {
+  MortonGrid grid;
+  BoxOf box_of;
+  View<std::uint64_t*> codes;
+  View<int*> values;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t query) const {
+    codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid()) >>
+                   (morton_bits - query_order_bits);
+    values(query) = static_cast<int>(query);
+  }
+};
+
 // Morton order of the boxes box_of(query), query < num_queries.
 template <class BoxOf>
 void sortQueries(const exec_space& space, const BoxOf& box_of, int num_queries, const Box& all,
                  QueryOrder& order) {
-  const MortonGrid grid(all);
   order.sorted.grow(space, num_queries);
-  const auto codes = order.sorted.keys;
-  const auto values = order.sorted.values;
   Kokkos::parallel_for(
       "contact::sortQueries::codes", rangePolicy(space, num_queries),
-      KOKKOS_LAMBDA(const std::int64_t query) {
-        codes(query) = mortonCode(grid, box_of(static_cast<int>(query)).centroid()) >>
-                       (morton_bits - query_order_bits);
-        values(query) = static_cast<int>(query);
-      });
+      SetQueryCode<BoxOf>{MortonGrid(all), box_of, order.sorted.keys, order.sorted.values});
   sortByKey(space, num_queries, query_order_bits, order.sorted);
 }
 
@@ -83,6 +90,46 @@ void sortQueries(const exec_space& space, const BoxOf& box_of, int num_queries, 
 inline bool worthSorting(std::int64_t num_queries, std::int64_t num_items) {
   return minOf(num_queries, num_items) * 8 >= maxOf(num_queries, num_items);
 }
+
+// The row of one query; a row that does not fit the buffer is counted only.
+template <class BoxOf, class Accept>
+struct QueryRow {
+  BoxOf box_of;
+  Accept accept;
+  View<const TreeNode*> nodes;
+  int num_items;
+  View<const int*> order; // or empty
+  View<std::int64_t*> begin, count, total;
+  View<int*> items;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t q) const {
+    const int query = order.extent(0) > 0 ? order(q) : static_cast<int>(q);
+    const FloatQuery box(box_of(query));
+    const auto accepts = accept(query);
+    int found[local_results + 1]; // the last entry takes the results beyond local_results
+    std::int64_t num_found = 0;
+    const auto keep = [&](const int item) {
+      found[minOf(num_found, std::int64_t(local_results))] = item;
+      num_found += accepts(item) ? 1 : 0;
+    };
+    if (num_items > 0)
+      traverse(nodes, box, keep);
+    std::int64_t next = num_found > 0 ? Kokkos::atomic_fetch_add(&total(0), num_found) : 0;
+    begin(query) = next;
+    count(query) = num_found;
+    if (next + num_found > static_cast<std::int64_t>(items.extent(0)))
+      return;
+    if (num_found <= local_results) {
+      for (std::int64_t i = 0; i < num_found; ++i)
+        items(next + i) = found[i];
+      return;
+    }
+    traverse(nodes, box, [&](const int item) { // found again, directly into the buffer
+      if (accepts(item))
+        items(next++) = item;
+    });
+  }
+};
 
 // Finds for each query < num_queries the items that accept(query)(item) accepts, among the leaves
 // that box_of(query) may overlap in floats; accept() makes the exact test. Queries run in `order`
@@ -95,53 +142,19 @@ std::int64_t queryTree(const exec_space& space, const std::string& label, const 
   growTo(space, results.count, num_queries);
   if (results.items.extent(0) == 0)
     growTo(space, results.items, 8 * static_cast<std::int64_t>(num_queries));
-  const auto begin = results.begin, count = results.count, total = results.total;
-  const View<const TreeNode*> nodes = tree.nodes;
-  const int num_items = tree.num_items;
-  View<const int*> query_order;
-  if (order)
-    query_order = order->sorted.values;
-  const bool ordered = order != nullptr;
+  const View<const int*> query_order = order ? order->sorted.values : View<int*>();
   for (results.num_passes = 1;; ++results.num_passes) {
-    Kokkos::deep_copy(space, total, std::int64_t(0));
-    const auto buffer = results.items;
-    const auto capacity = static_cast<std::int64_t>(buffer.extent(0));
-    Kokkos::parallel_for(
-        label, rangePolicy(space, num_queries), KOKKOS_LAMBDA(const std::int64_t q) {
-          const int query = ordered ? query_order(q) : static_cast<int>(q);
-          const FloatQuery box(box_of(query));
-          const auto accepts = accept(query);
-          int found[local_results + 1]; // the last entry takes the results beyond local_results
-          std::int64_t num_found = 0;
-          const auto keep = [&](const int item) {
-            found[minOf(num_found, std::int64_t(local_results))] = item;
-            num_found += accepts(item) ? 1 : 0;
-          };
-          if (num_items > 0)
-            traverse(nodes, box, keep);
-          const std::int64_t first =
-              num_found > 0 ? Kokkos::atomic_fetch_add(&total(0), num_found) : 0;
-          begin(query) = first;
-          count(query) = num_found;
-          if (first + num_found > capacity)
-            return; // counted only; the search is repeated
-          if (num_found <= local_results) {
-            for (std::int64_t i = 0; i < num_found; ++i)
-              buffer(first + i) = found[i];
-            return;
-          }
-          std::int64_t next = first; // a long row: found again, directly into the buffer
-          traverse(nodes, box, [&](const int item) {
-            if (accepts(item))
-              buffer(next++) = item;
-          });
-        });
+    Kokkos::deep_copy(space, results.total, std::int64_t(0));
+    Kokkos::parallel_for(label, rangePolicy(space, num_queries),
+                         QueryRow<BoxOf, Accept>{box_of, accept, tree.nodes, tree.num_items,
+                                                 query_order, results.begin, results.count,
+                                                 results.total, results.items});
     Kokkos::deep_copy(space,
                       Kokkos::View<std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
                           &results.num_rows, 1),
-                      total);
+                      results.total);
     space.fence();
-    if (results.num_rows <= capacity)
+    if (results.num_rows <= static_cast<std::int64_t>(results.items.extent(0)))
       return results.num_rows;
     growTo(space, results.items, results.num_rows);
   }
