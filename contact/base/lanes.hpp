@@ -219,6 +219,29 @@ KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[8]) {
 #endif
 }
 
+// Reserves `count` >= 0 consecutive places of a list whose length is *counter, which other threads
+// extend at the same time, and returns the first. Threads of a warp that call it together share one
+// atomic operation.
+KOKKOS_INLINE_FUNCTION std::int64_t reservePlaces(std::int64_t* counter, int count) {
+#if defined(__CUDA_ARCH__)
+  const unsigned together = __activemask();
+  unsigned lower_lanes;
+  asm("mov.u32 %0, %%lanemask_lt;" : "=r"(lower_lanes));
+  int before = 0, all = 0;
+  for (int bit = 0; __any_sync(together, count >> bit); ++bit) {
+    const unsigned has = __ballot_sync(together, count >> bit & 1);
+    before += __popc(has & lower_lanes) << bit;
+    all += __popc(has) << bit;
+  }
+  std::int64_t first = 0;
+  if ((together & lower_lanes) == 0)
+    first = Kokkos::atomic_fetch_add(counter, std::int64_t(all));
+  return __shfl_sync(together, first, __ffs(static_cast<int>(together)) - 1) + before;
+#else
+  return Kokkos::atomic_fetch_add(counter, std::int64_t(count));
+#endif
+}
+
 // Number of the lowest bit that is set; bits != 0.
 KOKKOS_INLINE_FUNCTION int lowestBit(unsigned bits) {
 #if defined(__CUDA_ARCH__)

@@ -9,11 +9,11 @@ namespace brickwall {
 
 // Reduces a functor over [begin, end) by teams whose threads add many items to sums of their own
 // and join these once. With a range policy, Kokkos keeps a value for each thread of a device in
-// shared memory, in which few large ones fit.
-template <class Value, class Functor>
+// shared memory, in which few large ones fit. Each multiprocessor holds `teams_at_once` teams.
+template <class Value, class Functor, int teams_at_once>
 struct SumByTeams {
   static constexpr int team_size = 256;
-  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 1>>;
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>>;
 
   Functor functor;
   std::int64_t begin, end;
@@ -30,8 +30,9 @@ struct SumByTeams {
 };
 
 // The sum of what functor(i, Value&) adds for i of [begin, end). Value is as for PlusReducer, and
-// its sums do not depend on the order. Fences.
-template <class Value, class Functor>
+// its sums do not depend on the order. Fences. `teams_at_once`: on a device, teams of 256 threads
+// that a multiprocessor runs at once, each of which has 256/teams_at_once registers a thread.
+template <class Value, int teams_at_once = 1, class Functor>
 Value sumOver(const std::string& label, const exec_space& space, std::int64_t begin,
               std::int64_t end, const Functor& functor) {
   Value sum;
@@ -39,9 +40,9 @@ Value sumOver(const std::string& label, const exec_space& space, std::int64_t be
     Kokkos::parallel_reduce(label, range_policy(space, begin, end), functor,
                             PlusReducer<Value>(sum));
   } else {
-    using Teams = SumByTeams<Value, Functor>;
+    using Teams = SumByTeams<Value, Functor, teams_at_once>;
     const std::int64_t fitting = // by registers
-        maxOf(1, concurrency(space) / (8 * Teams::team_size));
+        maxOf(1, teams_at_once * (concurrency(space) / (8 * Teams::team_size)));
     const std::int64_t needed = (end - begin + Teams::team_size - 1) / Teams::team_size;
     Kokkos::parallel_reduce(
         label,

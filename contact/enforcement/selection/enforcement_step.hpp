@@ -4,6 +4,7 @@
 // `Kinematics` provides the geometry; its contract is in kinematics.hpp.
 #pragma once
 
+#include "contact/base/lanes.hpp"
 #include "contact/enforcement/law/contact_law.hpp"
 #include "contact/enforcement/law/contact_sums.hpp"
 #include "contact/enforcement/law/face_contact.hpp"
@@ -111,12 +112,16 @@ struct EnforcementStep {
     return inverse_mass;
   }
 
-  KOKKOS_INLINE_FUNCTION std::int64_t reserveSlots(std::int64_t count) const {
+  // Slots of `next`; those beyond its extent are not there.
+  KOKKOS_INLINE_FUNCTION std::int64_t reserveSlots(int count) const {
     if (!add.is_alone)
-      return Kokkos::atomic_fetch_add(next_count.data(), count);
+      return reservePlaces(next_count.data(), count);
     const std::int64_t first = next_count();
     next_count() = first + count;
     return first;
+  }
+  KOKKOS_INLINE_FUNCTION bool hasSlots(std::int64_t first, int count) const {
+    return first + count <= static_cast<std::int64_t>(next.interactions.extent(0));
   }
 };
 

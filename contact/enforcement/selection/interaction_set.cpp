@@ -168,7 +168,11 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                                                   config.friction > 0 ? surface.num_nodes : 0)},
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
-                 View<std::int64_t>(label + "::workspace::num_reserved")} {
+                 View<std::int64_t>(label + "::workspace::num_reserved")},
+      _rows_with_history{View<int*>(label + "::rows_with_history", 0),
+                         View<std::int64_t>(label + "::num_rows_with_history")},
+      _other_rows{View<int*>(label + "::other_rows", 0),
+                  View<std::int64_t>(label + "::num_other_rows")} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
   const bool is_corrected = config.scheme == Scheme::energy_neutral;

@@ -6,7 +6,7 @@
 #include "contact/enforcement/law/contact_records.hpp"
 #include "contact/enforcement/law/correct_pair.hpp"
 #include "contact/enforcement/law/enforcement_config.hpp"
-#include "contact/enforcement/selection/enforcement_step.hpp"
+#include "contact/enforcement/selection/row_lists.hpp"
 
 #include <string>
 #include <utility>
@@ -26,6 +26,10 @@ struct CorrectionNotes {
   std::int64_t last_proposing = 0; // number of the last first pass that proposed a change
   std::int64_t invalid = 0; // forces that do not fit the fixed point
 };
+
+// Below this many contacts in the history, a kernel for persistent contacts costs more than it
+// saves; on processors without lanes, which test the code paths of devices, it runs always.
+constexpr std::int64_t least_history = host_accessible ? 1 : 4096;
 
 class InteractionSet {
 public:
@@ -87,6 +91,13 @@ public:
   }
 
 private:
+  // The contacts of all rows from functor.first_row on.
+  template <class Select>
+  ContactSums selectRows(const exec_space& space, const Select& functor);
+  // The same by lists of rows (row_lists.hpp).
+  template <class Kinematics>
+  ContactSums selectListedRows(const exec_space& space,
+                               const SelectInteractions<Kinematics>& functor);
   void zeroForces(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   CorrectionNotes noted(const exec_space& space) const;
@@ -104,6 +115,7 @@ private:
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded
+  RowList _rows_with_history, _other_rows; // empty unless selectListedRows() is used
   ContactForces _forces;
   ContactForces _proposals; // magnitudes
   bool _are_nodes_zero = true; // of _forces
@@ -128,16 +140,57 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
     step.workspace = _workspace;
     step.add = pairForces(space, step.faces);
     Kokkos::deep_copy(space, _next.row_count, 0);
-    const std::int64_t begin = functor.first_row / Select::rows_at_once;
-    const std::int64_t end = (pairs.num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
-    const ContactSums sums =
-        sumOver<ContactSums>("contact::selectInteractions", space, begin, end, functor);
+    const ContactSums sums = selectRows(space, functor);
     _next.count = sums.interactions;
     _are_nodes_zero = sums.interactions == 0;
     if (hasRoomFor(sums))
       return sums;
     growFor(space, sums); // the contact history is unchanged, so the step can be repeated
   }
+}
+
+template <class Select>
+ContactSums InteractionSet::selectRows(const exec_space& space, const Select& functor) {
+  if constexpr (!fills_lanes) {
+    return selectListedRows(space, functor);
+  } else {
+    const std::int64_t num_rows = functor.step.pairs.num_rows;
+    const std::int64_t begin = functor.first_row / Select::rows_at_once;
+    const std::int64_t end = (num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
+    return sumOver<ContactSums>("contact::selectInteractions", space, begin, end, functor);
+  }
+}
+
+template <class Kinematics>
+ContactSums InteractionSet::selectListedRows(const exec_space& space,
+                                             const SelectInteractions<Kinematics>& functor) {
+  const std::int64_t num_rows = functor.step.pairs.num_rows;
+  const bool lists_history =
+      Kinematics::projects_persistent_contacts && functor.step.previous.count >= least_history;
+  for (RowList* list : {&_rows_with_history, &_other_rows}) {
+    growTo(space, list->rows, num_rows);
+    Kokkos::deep_copy(space, list->count, std::int64_t(0));
+  }
+  Kokkos::parallel_for(
+      "contact::selectInteractions::list", range_policy(space, functor.first_row, num_rows),
+      ListRows<Kinematics>{functor, _rows_with_history, _other_rows, lists_history});
+  ContactSums sums;
+  if constexpr (Kinematics::projects_persistent_contacts)
+    if (lists_history) {
+      const char* label = "contact::selectInteractions::persist";
+      const std::int64_t end = functor.step.previous.count; // rows with history are not more
+      if (functor.step.law.config.friction > 0)
+        sums = sumOver<ContactSums, 2>(
+            label, space, 0, end,
+            PersistRows<Kinematics, true>{functor, _rows_with_history, _other_rows});
+      else
+        sums = sumOver<ContactSums, 2>(
+            label, space, 0, end,
+            PersistRows<Kinematics, false>{functor, _rows_with_history, _other_rows});
+    }
+  sums += sumOver<ContactSums>("contact::selectInteractions", space, 0, num_rows,
+                               SelectListedRows<Kinematics>{functor, _other_rows});
+  return sums;
 }
 
 } // namespace brickwall::contact

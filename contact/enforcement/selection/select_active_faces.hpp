@@ -44,12 +44,15 @@ struct SelectActiveFaces {
         ++pair;
       FaceContact& contact = contacts[num_contacts];
       recallContact(body, history, contact, sums);
-      const bool is_tested = (body != own_body || step.law.config.self_contact) &&
-                             step.kinematics.pushes(own_body, body);
-      if (is_tested && selectFaceOfBody(node, begin, pair, contact))
+      if (isTested(own_body, body) && selectFaceOfBody(node, begin, pair, contact))
         ++num_contacts;
     }
     return num_contacts;
+  }
+
+  KOKKOS_INLINE_FUNCTION bool isTested(global_id own_body, global_id body) const {
+    return (body != own_body || step.law.config.self_contact) &&
+           step.kinematics.pushes(own_body, body);
   }
 
   // Selects the face of a body, from its candidates [begin, end): the last one while it stays in
@@ -61,24 +64,28 @@ struct SelectActiveFaces {
     const bool is_loaded =
         contact.previous >= 0 && step.previous.interactions(contact.previous).depth > 0;
     const bool has_face = is_loaded && contact.previous_face >= 0;
-    if (has_face && step.kinematics.testPersistent(step.faces, *contact.persistent, contact)) {
-      // Where faces meet, the position of the node decides between them, not the order of contact:
-      // the face that covers it better takes over.
-      if (step.kinematics.isBeyondInnerEdge(step.faces, contact))
-        findNearest(node, begin, end, ContactTest::activate, true, contact, leastWeight(contact));
+    const bool persists =
+        has_face && step.kinematics.testPersistent(step.faces, *contact.persistent, contact);
+    if (persists && !step.kinematics.isBeyondInnerEdge(step.faces, contact))
       return true;
+    // Where faces meet, the position of the node decides between them, not the order of contact:
+    // the face that covers it better takes over.
+    const double covered = persists ? leastWeight(contact) : -HUGE_VAL;
+    if (!persists) {
+      contact.persistent = nullptr;
+      // A node that has left through the face has ended its contact and returned its energy.
+      // Another contact with the body then starts anew.
+      contact.has_ended =
+          has_face && step.kinematics.isInFront(step.faces, node, contact.previous_face);
     }
-    contact.persistent = nullptr;
-    // A node that has left through the face has ended its contact and returned its energy. Another
-    // contact with the body then starts anew.
-    contact.has_ended =
-        has_face && step.kinematics.isInFront(step.faces, node, contact.previous_face);
-    if (findNearest(node, begin, end, ContactTest::activate, is_loaded, contact))
-      return true;
-    if (!is_loaded || contact.has_ended)
-      return false;
-    return findNearest(node, begin, end, ContactTest::transfer, is_loaded, contact) ||
-           (has_face && isTouching(node, contact.previous_face, ContactTest::retain, contact));
+    for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
+      if (findNearest(node, begin, end, kind, is_loaded, contact, covered) || persists)
+        return true;
+      if (!is_loaded || contact.has_ended)
+        return false;
+      if (kind == ContactTest::transfer)
+        return has_face && isTouching(node, contact.previous_face, ContactTest::retain, contact);
+    }
   }
 
   // Completes the data of a contact. Returns whether it has a force, as far as is known yet: one
@@ -105,7 +112,7 @@ struct SelectActiveFaces {
   // except a previous face that the node has left.
   KOKKOS_INLINE_FUNCTION bool findNearest(int node, std::int64_t begin, std::int64_t end,
                                           ContactTest test_kind, bool excludes_previous,
-                                          FaceContact& contact, double covered = -HUGE_VAL) const {
+                                          FaceContact& contact, double covered) const {
     bool found = false;
     FaceContact nearest, other;
     for (std::int64_t p = begin; p < end; ++p) {
@@ -155,6 +162,10 @@ struct SelectActiveFaces {
       return;
     contact.persistent = history.persistent++;
     contact.previous_face = contact.persistent->face;
+    recordWork(contact, sums);
+  }
+  // Records the work of the last forces of a persistent contact.
+  KOKKOS_INLINE_FUNCTION void recordWork(FaceContact& contact, ContactSums& sums) const {
     contact.closing_at_last_point =
         -dot(step.previous.interactions(contact.previous).normal, contact.persistent->last_motion);
     contact.contact_work =

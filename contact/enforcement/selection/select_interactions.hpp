@@ -84,6 +84,30 @@ struct SelectInteractions {
     }
     selectBatches(awake_rows, num_awake_rows, sums);
   }
+  // The tests by which operator() rejects rows, for one row.
+  KOKKOS_INLINE_FUNCTION bool mayHaveContact(std::int64_t row) const {
+    if (has_asleep && sleep.sleeps(row / rows_of_block))
+      return false;
+    if (isEmpty(row) || stationary.isKnownApart(step.pairs, row))
+      return false;
+    if constexpr (Kinematics::tests_rows_at_once) {
+      return keepRowsThatMayActivate(&row, 1) > 0;
+    } else {
+      const int node = step.pairs.node(row);
+      std::int64_t penetrating;
+      return keepRowsThatMayPenetrate(&row, 1, &penetrating) > 0 &&
+             (step.previous.row_count(node) > 0 || rowMayActivate(row, node, penetrating));
+    }
+  }
+  // Selects the contacts of a row for which mayHaveContact() is true.
+  KOKKOS_INLINE_FUNCTION void selectRow(std::int64_t row, ContactSums& sums) const {
+    Batch batch;
+    const int count = step.previous.row_count(step.pairs.node(row)), crowd = crowdOf(row, count);
+    if (crowd > 0 && !useWorkspace(batch, crowd, sums))
+      return;
+    addRow(row, count, batch);
+    selectBatch(batch, sums);
+  }
   KOKKOS_INLINE_FUNCTION void selectBatches(std::int64_t* awake_rows, int num_awake_rows,
                                             ContactSums& sums) const {
     Batch batch;
@@ -102,14 +126,18 @@ struct SelectInteractions {
         selectBatch(batch, sums);
       if (crowd > 0 && !useWorkspace(batch, crowd, sums))
         continue;
-      batch.rows[batch.num_rows] = row;
-      batch.first[batch.num_rows++] = batch.num_persistent;
-      if (count > 0) {
-        stationary.known_apart(node) = 0;
-        findPersistent(row, node, count, batch);
-      }
+      addRow(row, count, batch);
     }
     selectBatch(batch, sums);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void addRow(std::int64_t row, int count, Batch& batch) const {
+    batch.rows[batch.num_rows] = row;
+    batch.first[batch.num_rows++] = batch.num_persistent;
+    if (count > 0) {
+      const int node = step.pairs.node(row);
+      stationary.known_apart(node) = 0;
+      findPersistent(row, node, count, batch);
+    }
   }
   // Whether the row has neither a candidate nor a contact in the history.
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty(std::int64_t row) const {
@@ -265,7 +293,8 @@ struct SelectInteractions {
     FaceContact* contacts =
         batch.crowded != nullptr ? batch.crowded : static_cast<FaceContact*>(local);
     int num_selected = 0;
-    for (int r = 0; r < batch.num_rows; ++r) {
+    const int num_rows = minOf(batch.num_rows, rows_at_once);
+    for (int r = 0; r < num_rows; ++r) {
       if (num_selected > max_selected) {
         write.writeAll(contacts, num_selected, sums);
         num_selected = 0;

@@ -22,10 +22,8 @@ struct WriteInteractions {
     if (count == 0)
       return;
     const std::int64_t begin = step.reserveSlots(count);
-    const bool has_room =
-        begin + count <= static_cast<std::int64_t>(step.next.interactions.extent(0));
     sums.interactions += count;
-    if (!has_room) // the step is repeated with more memory
+    if (!step.hasSlots(begin, count)) // the step is repeated with more memory
       return;
     for (int i = 0; i < count; ++i)
       step.next.prefetch(begin + i);
@@ -45,16 +43,73 @@ struct WriteInteractions {
     }
   }
 
-private:
-  KOKKOS_FORCEINLINE_FUNCTION const Interaction& lastOf(const FaceContact& contact) const {
-    return step.previous.interactions(contact.previous);
-  }
   // Whether the contact has only a spring and damping along the normal.
   KOKKOS_FORCEINLINE_FUNCTION bool isPlain(const FaceContact& contact) const {
     return !(step.law.config.friction > 0) && !step.kinematics.mayFade(contact) &&
            !(contact.is_persistent && lastOf(contact).fade_weight < 1);
   }
+  // Writes a plain contact at `index`.
+  KOKKOS_INLINE_FUNCTION void writePlain(const FaceContact& contact, std::int64_t index,
+                                         ContactSums& sums) const {
+    const int only = 0;
+    writeLanes(&contact, &only, 1, index, sums);
+  }
+  // Writes any contact at `index`.
+  KOKKOS_INLINE_FUNCTION void writeOne(const FaceContact& contact, std::int64_t index,
+                                       ContactSums& sums) const {
+    const ContactLaw& law = step.law;
+    ContactState<double> state;
+    gather(0, contact, state);
+    if (state.has_changed_face[0] != 0) {
+      const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
+      state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
+    }
+    const double softer = softnessOf(contact);
+    state.activation_stiffness[0] *= softer;
+    law.setSpring(state, softer * cap(state));
+    if (contact.is_persistent && state.last_fade_weight[0] < 1)
+      limitStoredEnergy(contact, state);
+    Interaction& now = step.next.interactions(index);
+    writeIdentity(contact, now);
+    state.write(0, now);
+    FadingForce fading;
+    step.kinematics.fade(law.config, step.faces, contact, now, fading);
+    state.fade_weight = now.fade_weight;
+    state.first_force = now.first_force;
+    if (contact.settles)
+      law.setDamping(state, law.settlingDamping(), law.settlingPenalty());
+    else
+      law.setDamping(state);
+    if (now.fade_weight < 1)
+      fading.work = step.workOf(fading, contact.motion, now, contact.face);
+    count(contact, now.depth, sums);
+    if (contact.is_persistent) {
+      state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
+      law.followEnergy(state);
+      sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
+    }
+    state.write(0, now);
+    FrictionSpring friction;
+    if (law.config.friction > 0) {
+      applyFriction(now, contact, friction, sums);
+      step.next.friction(index) = friction;
+    }
+    if (now.fade_weight < 1)
+      step.next.fading(index) = fading;
+    if (now.first_force == 0)
+      return;
+    PairQuanta<double> quanta;
+    step.add.round(now, friction, fading, quanta);
+    if (quanta.fits)
+      step.add.add(now, quanta, 1);
+    else
+      ++sums.invalid;
+  }
 
+private:
+  KOKKOS_FORCEINLINE_FUNCTION const Interaction& lastOf(const FaceContact& contact) const {
+    return step.previous.interactions(contact.previous);
+  }
   // s'/s of a contact that settles, eq. (41); otherwise 1.
   KOKKOS_FORCEINLINE_FUNCTION double softnessOf(const FaceContact& contact) const {
     return contact.settles ? step.law.settlingPenalty() / step.law.config.penalty : 1;
@@ -148,57 +203,6 @@ private:
       else
         ++sums.invalid;
     }
-  }
-
-  KOKKOS_INLINE_FUNCTION void writeOne(const FaceContact& contact, std::int64_t index,
-                                       ContactSums& sums) const {
-    const ContactLaw& law = step.law;
-    ContactState<double> state;
-    gather(0, contact, state);
-    if (state.has_changed_face[0] != 0) {
-      const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
-      state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
-    }
-    const double softer = softnessOf(contact);
-    state.activation_stiffness[0] *= softer;
-    law.setSpring(state, softer * cap(state));
-    if (contact.is_persistent && state.last_fade_weight[0] < 1)
-      limitStoredEnergy(contact, state);
-    Interaction& now = step.next.interactions(index);
-    writeIdentity(contact, now);
-    state.write(0, now);
-    FadingForce fading;
-    step.kinematics.fade(law.config, step.faces, contact, now, fading);
-    state.fade_weight = now.fade_weight;
-    state.first_force = now.first_force;
-    if (contact.settles)
-      law.setDamping(state, law.settlingDamping(), law.settlingPenalty());
-    else
-      law.setDamping(state);
-    if (now.fade_weight < 1)
-      fading.work = step.workOf(fading, contact.motion, now, contact.face);
-    count(contact, now.depth, sums);
-    if (contact.is_persistent) {
-      state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
-      law.followEnergy(state);
-      sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
-    }
-    state.write(0, now);
-    FrictionSpring friction;
-    if (law.config.friction > 0) {
-      applyFriction(now, contact, friction, sums);
-      step.next.friction(index) = friction;
-    }
-    if (now.fade_weight < 1)
-      step.next.fading(index) = fading;
-    if (now.first_force == 0)
-      return;
-    PairQuanta<double> quanta;
-    step.add.round(now, friction, fading, quanta);
-    if (quanta.fits)
-      step.add.add(now, quanta, 1);
-    else
-      ++sums.invalid;
   }
 
   // A contact that was about to end beyond an edge has returned its energy. If it loads again, it

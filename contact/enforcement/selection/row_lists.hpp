@@ -1,0 +1,176 @@
+// The rows of candidates that may have a contact, in lists, so that the threads of a device that
+// work together have equal work. Kernel part of InteractionSet::select() where threads have no SIMD
+// lanes to fill.
+#pragma once
+
+#include "contact/enforcement/selection/select_interactions.hpp"
+
+namespace brickwall::contact {
+
+// Rows in arbitrary order.
+struct RowList {
+  View<int*> rows; // [place]
+  View<std::int64_t> count;
+
+  KOKKOS_INLINE_FUNCTION void add(std::int64_t row) const {
+    rows(reservePlaces(count.data(), 1)) = static_cast<int>(row);
+  }
+};
+
+// Lists the rows that may have a contact. Kernel functor, for one row.
+template <class Kinematics>
+struct ListRows {
+  SelectInteractions<Kinematics> select;
+  RowList with_history, others;
+  bool lists_history = false; // otherwise all rows are among `others`
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row) const {
+    if (!select.mayHaveContact(row))
+      return;
+    if (lists_history && select.step.previous.row_count(select.step.pairs.node(row)) > 0)
+      with_history.add(row);
+    else
+      others.add(row);
+  }
+};
+
+// Writes the contacts of the listed rows whose contacts all persist on their faces, with a force,
+// and which cannot get others: most rows of bodies that are pressed together. The other rows are
+// appended to `others`. Without friction only plain contacts persist here (write_interactions.hpp).
+// Kernel functor, for one place of the list.
+template <class Kinematics, bool has_friction>
+struct PersistRows {
+  static constexpr int max_contacts = 4; // of a row
+
+  SelectInteractions<Kinematics> select;
+  RowList list, others;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
+    if (place >= list.count())
+      return;
+    const std::int64_t row = list.rows(place);
+    if (!persist(row, sums))
+      others.add(row);
+  }
+
+private:
+  // Returns false, without effect, if the row is not such a row.
+  KOKKOS_INLINE_FUNCTION bool persist(std::int64_t row, ContactSums& sums) const {
+    const auto& step = select.step;
+    const SelectActiveFaces<Kinematics> rules{step};
+    const WriteInteractions<Kinematics> write{step};
+    const int node = step.pairs.node(row), count = step.previous.row_count(node);
+    const int first = step.previous.row_begin(node);
+    int faces[max_contacts];
+    if (!findFaces(rules, row, node, first, count, faces))
+      return false;
+    // All contacts but the last are tested, then the last one is tested and written, then the first
+    // ones are tested again and written.
+    std::int64_t begin = 0;
+    double deepest = 0;
+    for (int turn = 0; turn < 2 * count - 1; ++turn) {
+      const int k = turn < count ? turn : turn - count;
+      PersistentContact persistent;
+      persistent.node = node;
+      persistent.previous = first + k;
+      persistent.face = faces[k];
+      FaceContact contact;
+      if (!continues(rules, write, persistent, contact))
+        return false;
+      deepest = maxOf(deepest, contact.depth);
+      if (turn + 1 < count)
+        continue;
+      if (turn + 1 == count) {
+        begin = step.reserveSlots(count);
+        sums.interactions += count;
+        if (!step.hasSlots(begin, count)) // the step is repeated with more memory
+          return true;
+      }
+      rules.recordWork(contact, sums);
+      if constexpr (has_friction)
+        write.writeOne(contact, begin + k, sums);
+      else
+        write.writePlain(contact, begin + k, sums);
+    }
+    sums.penetrating += count;
+    step.next.row_begin(node) = static_cast<int>(begin);
+    step.next.row_count(node) = count;
+    step.kinematics.record(node, count, deepest);
+    step.returns(node);
+    select.stationary.known_apart(node) = 0;
+    return true;
+  }
+
+  // Finds the candidates that are the faces of the row's contacts. Returns false if one is none, or
+  // if a contact with another body may become active. Bodies ascend among candidates and contacts.
+  KOKKOS_INLINE_FUNCTION bool findFaces(const SelectActiveFaces<Kinematics>& rules,
+                                        std::int64_t row, int node, int first, int count,
+                                        int (&faces)[max_contacts]) const {
+    const auto& step = select.step;
+    const auto& interactions = step.previous.interactions;
+    if (count > max_contacts)
+      return false;
+    const global_id own_body = step.faces.surface.node_body(node);
+    const std::int64_t end = step.pairs.end(row);
+    int k = 0;
+    global_id body_of_contact = interactions(first).body, id = interactions(first).face;
+    bool is_found = false; // the face of contact k
+    for (std::int64_t p = step.pairs.begin(row); p < end; ++p) {
+      const int face = step.pairs.faces(p);
+      const global_id body = step.kinematics.bodyOf(step.faces, face);
+      while (body_of_contact < body && k + 1 < count) {
+        if (!is_found)
+          return false;
+        is_found = false;
+        ++k;
+        body_of_contact = interactions(first + k).body;
+        id = interactions(first + k).face;
+      }
+      if (body != body_of_contact) {
+        if (rules.isTested(own_body, body) && step.kinematics.mayPenetrate(step.faces, node, face) &&
+            step.kinematics.mayActivate(node, face))
+          return false;
+      } else if (!is_found && step.kinematics.idOf(step.faces, face) == id) {
+        faces[k] = face;
+        is_found = true;
+      }
+    }
+    return is_found && k + 1 == count;
+  }
+
+  // Whether the contact stays under load on its face, with a force; completes its data.
+  KOKKOS_INLINE_FUNCTION bool continues(const SelectActiveFaces<Kinematics>& rules,
+                                        const WriteInteractions<Kinematics>& write,
+                                        PersistentContact& persistent, FaceContact& contact) const {
+    const auto& step = select.step;
+    const Interaction& last = step.previous.interactions(persistent.previous);
+    if (!(last.depth > 0) ||
+        !step.faces.isOfThisStep(step.pairs.step_test, persistent.node, persistent.face))
+      return false;
+    step.kinematics.projectPersistent(step.faces, step.previous, 1, &persistent);
+    contact.previous = persistent.previous;
+    contact.previous_face = persistent.face;
+    contact.persistent = &persistent;
+    contact.has_ended = false;
+    if (!step.kinematics.testPersistent(step.faces, persistent, contact) ||
+        step.kinematics.isBeyondInnerEdge(step.faces, contact) ||
+        !rules.isCompressive(persistent.node, contact))
+      return false;
+    contact.settles = last.settles;
+    return has_friction || write.isPlain(contact);
+  }
+};
+
+// Selects the contacts of the listed rows. Kernel functor, for one place of the list.
+template <class Kinematics>
+struct SelectListedRows {
+  SelectInteractions<Kinematics> select;
+  RowList list;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
+    if (place < list.count())
+      select.selectRow(list.rows(place), sums);
+  }
+};
+
+} // namespace brickwall::contact
