@@ -220,11 +220,12 @@ KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[8]) {
 }
 
 // Reserves `count` >= 0 consecutive places of a list whose length is *counter, which other threads
-// extend at the same time, and returns the first. Threads of a warp that call it together share one
-// atomic operation.
+// extend at the same time, and returns the first. Threads of a warp that call it together for one
+// list share one atomic operation.
 KOKKOS_INLINE_FUNCTION std::int64_t reservePlaces(std::int64_t* counter, int count) {
 #if defined(__CUDA_ARCH__)
-  const unsigned together = __activemask();
+  const unsigned together =
+      __match_any_sync(__activemask(), reinterpret_cast<unsigned long long>(counter));
   unsigned lower_lanes;
   asm("mov.u32 %0, %%lanemask_lt;" : "=r"(lower_lanes));
   int before = 0, all = 0;

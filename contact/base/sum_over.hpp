@@ -13,6 +13,8 @@ namespace brickwall {
 template <class Value, class Functor, int teams_at_once>
 struct SumByTeams {
   static constexpr int team_size = 256;
+  // Threads that take items in a row; few items are spread over all teams.
+  static constexpr int group_size = 32;
   using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>>;
 
   Functor functor;
@@ -21,9 +23,11 @@ struct SumByTeams {
   KOKKOS_INLINE_FUNCTION void operator()(const typename policy::member_type& team,
                                          Value& sum) const {
     const std::int64_t stride = std::int64_t(team.league_size()) * team_size;
+    const std::int64_t group = team.team_rank() / group_size;
+    const std::int64_t first = (group * team.league_size() + team.league_rank()) * group_size +
+                               team.team_rank() % group_size;
     Value mine;
-    for (std::int64_t i = begin + std::int64_t(team.league_rank()) * team_size + team.team_rank();
-         i < end; i += stride)
+    for (std::int64_t i = begin + first; i < end; i += stride)
       functor(i, mine);
     sum += mine;
   }

@@ -231,7 +231,7 @@ struct MeanPlane {
 
 // The data of a candidate face that are read first, in one cache line. For faces of other ranks
 // around a node, normal and area only.
-struct alignas(64) FaceRecord {
+struct alignas(16) FaceRecord {
   MeanPlane plane;
   global_id body = -1, id = -1;
 };

@@ -10,7 +10,7 @@ namespace brickwall::contact {
 
 // One node (or edge) against one body. P is the penetration, n the outward normal of the face.
 // Aligned, so that devices load and store 16 bytes at once.
-struct alignas(64) Interaction {
+struct alignas(16) Interaction {
   global_id body = -1; // opposing body
   global_id face = -1; // global id of the face in contact
   double offset = 0; // e, length: part of the penetration that gives no force; eq. (9)

@@ -27,6 +27,10 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
   return history;
 }
 
+// Two blocks of threads a multiprocessor of a device, each with 128 registers a thread.
+using CorrectionPolicy =
+    Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>, Kokkos::LaunchBounds<256, 2>>;
+
 // Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
 std::int64_t numParts(std::int64_t count) {
@@ -120,7 +124,7 @@ void correctAll(const exec_space& space, const ContactHistory& pairs, const Pair
   const bool lists_changed = correct.isProposal() && !lists_all;
   Kokkos::parallel_for(
       correct.isProposal() ? "contact::proposeChanges" : "contact::correctForces",
-      rangePolicy(space, numParts(pairs.count)), KOKKOS_LAMBDA(const std::int64_t part) {
+      CorrectionPolicy(space, 0, numParts(pairs.count)), KOKKOS_LAMBDA(const std::int64_t part) {
         Corrections corrections;
         const std::int64_t begin = part * pairs_at_once;
         const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
@@ -170,7 +174,7 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")},
       _rows_with_history{View<int*>(label + "::rows_with_history", 0),
-                         View<std::int64_t>(label + "::num_rows_with_history")},
+                         View<std::int64_t[2]>(label + "::num_rows_with_history")},
       _other_rows{View<int*>(label + "::other_rows", 0),
                   View<std::int64_t>(label + "::num_other_rows")} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);

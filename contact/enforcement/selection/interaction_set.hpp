@@ -115,7 +115,8 @@ private:
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded
-  RowList _rows_with_history, _other_rows; // empty unless selectListedRows() is used
+  HistoryRows _rows_with_history; // both are empty unless selectListedRows() is used
+  RowList _other_rows;
   ContactForces _forces;
   ContactForces _proposals; // magnitudes
   bool _are_nodes_zero = true; // of _forces
@@ -167,10 +168,10 @@ ContactSums InteractionSet::selectListedRows(const exec_space& space,
   const std::int64_t num_rows = functor.step.pairs.num_rows;
   const bool lists_history =
       Kinematics::projects_persistent_contacts && functor.step.previous.count >= least_history;
-  for (RowList* list : {&_rows_with_history, &_other_rows}) {
-    growTo(space, list->rows, num_rows);
-    Kokkos::deep_copy(space, list->count, std::int64_t(0));
-  }
+  growTo(space, _rows_with_history.rows, num_rows);
+  growTo(space, _other_rows.rows, num_rows);
+  Kokkos::deep_copy(space, _rows_with_history.counts, std::int64_t(0));
+  Kokkos::deep_copy(space, _other_rows.count, std::int64_t(0));
   Kokkos::parallel_for(
       "contact::selectInteractions::list", range_policy(space, functor.first_row, num_rows),
       ListRows<Kinematics>{functor, _rows_with_history, _other_rows, lists_history});

@@ -17,18 +17,45 @@ struct RowList {
   }
 };
 
+// Rows with contacts in the history: those with one contact first, then, backwards from the end of
+// the View, those with more, which take several times as long.
+struct HistoryRows {
+  View<int*> rows;
+  View<std::int64_t[2]> counts; // of rows with one contact, and with more
+
+  KOKKOS_INLINE_FUNCTION void add(std::int64_t row, int num_contacts) const {
+    const int kind = num_contacts > 1;
+    const std::int64_t place = reservePlaces(&counts(kind), 1);
+    rows(kind == 0 ? place : fromEnd(place)) = static_cast<int>(row);
+  }
+  // The row at a place, or -1 beyond the last one.
+  KOKKOS_INLINE_FUNCTION std::int64_t row(std::int64_t place) const {
+    const std::int64_t num_single = counts(0);
+    if (place < num_single)
+      return rows(place);
+    return place < num_single + counts(1) ? rows(fromEnd(place - num_single)) : -1;
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION std::int64_t fromEnd(std::int64_t place) const {
+    return static_cast<std::int64_t>(rows.extent(0)) - 1 - place;
+  }
+};
+
 // Lists the rows that may have a contact. Kernel functor, for one row.
 template <class Kinematics>
 struct ListRows {
   SelectInteractions<Kinematics> select;
-  RowList with_history, others;
+  HistoryRows with_history;
+  RowList others;
   bool lists_history = false; // otherwise all rows are among `others`
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row) const {
     if (!select.mayHaveContact(row))
       return;
-    if (lists_history && select.step.previous.row_count(select.step.pairs.node(row)) > 0)
-      with_history.add(row);
+    const int count = select.step.previous.row_count(select.step.pairs.node(row));
+    if (lists_history && count > 0)
+      with_history.add(row, count);
     else
       others.add(row);
   }
@@ -43,13 +70,12 @@ struct PersistRows {
   static constexpr int max_contacts = 4; // of a row
 
   SelectInteractions<Kinematics> select;
-  RowList list, others;
+  HistoryRows list;
+  RowList others;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
-    if (place >= list.count())
-      return;
-    const std::int64_t row = list.rows(place);
-    if (!persist(row, sums))
+    const std::int64_t row = list.row(place);
+    if (row >= 0 && !persist(row, sums))
       others.add(row);
   }
 
@@ -127,7 +153,8 @@ private:
         id = interactions(first + k).face;
       }
       if (body != body_of_contact) {
-        if (rules.isTested(own_body, body) && step.kinematics.mayPenetrate(step.faces, node, face) &&
+        if (rules.isTested(own_body, body) &&
+            step.kinematics.mayPenetrate(step.faces, node, face) &&
             step.kinematics.mayActivate(node, face))
           return false;
       } else if (!is_found && step.kinematics.idOf(step.faces, face) == id) {

@@ -37,7 +37,7 @@ struct SelectInteractions {
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
   // Bodies of a row whose contacts fit local arrays; a row with more is crowded, and uses the
   // workspace.
-  static constexpr int max_bodies = simd_width > 1 ? 16 : 8;
+  static constexpr int max_bodies = simd_width > 1 ? 16 : 4;
   static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_bodies;
   static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
 

@@ -1,7 +1,7 @@
 // Applies the contact law to the contacts that several rows have selected, and writes their
 // interactions and forces. Contacts with a normal spring and damping only are computed in SIMD
-// lanes; contacts with friction, and those that fade out beyond an edge, one by one. Kernel part of
-// SelectInteractions.
+// lanes; contacts with friction, and those that fade out beyond an edge, one by one, as all are
+// where there are no lanes. Kernel part of SelectInteractions.
 #pragma once
 
 #include "contact/enforcement/selection/enforcement_step.hpp"
@@ -32,7 +32,7 @@ struct WriteInteractions {
       const int node = contacts[i].node;
       if (i == 0 || node != contacts[i - 1].node)
         step.next.row_begin(node) = static_cast<int>(begin) + i;
-      if (isPlain(contacts[i]))
+      if (fills_lanes && isPlain(contacts[i]))
         plain[num_plain++] = i;
       else
         writeOne(contacts[i], begin + i, sums);
