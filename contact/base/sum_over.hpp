@@ -15,7 +15,8 @@ struct SumByTeams {
   static constexpr int team_size = 256;
   // Threads that take items in a row; few items are spread over all teams.
   static constexpr int group_size = 32;
-  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>>;
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>,
+                                    launch_by_argument>;
 
   Functor functor;
   std::int64_t begin, end;

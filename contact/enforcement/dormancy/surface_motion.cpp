@@ -29,7 +29,8 @@ KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
 // last row counts the nodes that move. On a device a thread takes a piece of a body with its lanes.
 struct MeasureMotion {
   static constexpr int team_size = host_accessible ? 1 : 8;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>>;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>,
+                                    launch_by_argument>;
   using Member = Policy::member_type;
 
   View<const double*[3]> x_old, x_new;

@@ -195,7 +195,8 @@ KOKKOS_INLINE_FUNCTION Quad ownQuad(const SweptBoxes& surface, int face) {
 // for each record would write a few bytes of many cache lines at once.
 struct MakeRecords {
   static constexpr int num_threads = 128, team_size = host_accessible ? 1 : num_threads;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size>>;
+  using Policy =
+      Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size>, launch_by_argument>;
   using Member = Policy::member_type;
 
   SweptBoxes surface;

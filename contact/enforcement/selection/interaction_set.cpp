@@ -28,8 +28,8 @@ ContactHistory emptyHistory(const exec_space& space, const std::string& label, i
 }
 
 // Two blocks of threads a multiprocessor of a device, each with 128 registers a thread.
-using CorrectionPolicy =
-    Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>, Kokkos::LaunchBounds<256, 2>>;
+using CorrectionPolicy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>,
+                                             Kokkos::LaunchBounds<256, 2>, launch_by_argument>;
 
 // Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;

@@ -14,7 +14,8 @@ struct FindRowsOfGroups {
   static constexpr int max_row = 24; // faces of a row
   static constexpr int blocks_at_once = vector_lanes / block_size;
   static constexpr int team_size = host_accessible ? 1 : 4;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>>;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>,
+                                    launch_by_argument>;
   using Member = Policy::member_type;
 
   PairTest test;

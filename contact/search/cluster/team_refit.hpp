@@ -10,7 +10,8 @@ namespace brickwall::contact {
 // Computes the bounds of the nodes, 32 at a time; each thread of a team stores its sums.
 struct RefitNodes {
   static constexpr int team_size = host_accessible ? 1 : 4;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>>;
+  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>,
+                                    launch_by_argument>;
   using Member = Policy::member_type;
 
   RefitInput input;
@@ -88,7 +89,8 @@ struct RefitNodes {
 struct RefitTile {
   static constexpr int blocks = block_size * block_size, faces = blocks * block_size; // of a tile
   static constexpr int team_size = host_accessible ? 1 : 256;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 4>>;
+  using Policy =
+      Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 4>, launch_by_argument>;
   using Member = Policy::member_type;
 
   View<const int*> corners;
@@ -217,7 +219,8 @@ private:
 struct RefitTop {
   static constexpr int team_size = host_accessible ? 1 : 256;
   static constexpr int num_parts = 256; // of the sums, a power of two
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 1>>;
+  using Policy =
+      Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 1>, launch_by_argument>;
   using Member = Policy::member_type;
 
   BoxTree tree;
