@@ -27,7 +27,8 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
     Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
     _num_awake = _num_blocks;
   }
-  if (!is_known || is_unchanged)
+  const bool has_slept = _state.bounds.extent(0) > 0;
+  if (!is_known || is_unchanged || !has_slept)
     return;
   const SleepState state = _state;
   const View<const unsigned char*> changed = pairs.changed;

@@ -159,8 +159,7 @@ void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinem
                                 const FaceAccess& faces, const CandidatePairs& pairs,
                                 const SurfaceMotion& motion, const View<const int*>& row_count,
                                 const View<unsigned char*>& known_apart) {
-  // With rows_per_block = 1, a search in every step marks all rows as changed, so the block would
-  // wake at once.
+  // Rows by themselves, on a device, sleep only if lists are kept for several steps.
   const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
   if (_num_awake == 0 || pairs.version == 0 || !rows_last)
     return;

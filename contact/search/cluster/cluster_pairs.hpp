@@ -27,7 +27,7 @@ public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes
   // its rows to the part of pairs.faces that it used in the last search. Its capacity is four faces
   // per node at first, later an eighth more than it needed; clusters that exceed it get a new part
-  // and are searched again.
+  // and are searched again. On a device 32 clusters of one node search together (group_rows.hpp).
   void find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
             const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
 

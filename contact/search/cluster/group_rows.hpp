@@ -10,7 +10,7 @@ namespace brickwall::contact {
 // Finds the rows of groups. Rows are in blocks of one. A group near too many blocks of faces, or a
 // node near too many faces, is left to FindRows: such rows are marked needs_retry and counted.
 struct FindRowsOfGroups {
-  static constexpr int max_blocks = 96; // of a level that a group keeps
+  static constexpr int max_blocks = 96; // of an upper level that a group keeps
   static constexpr int max_row = 24; // faces of a row
   static constexpr int blocks_at_once = vector_lanes / block_size;
   static constexpr int team_size = host_accessible ? 1 : 4;
@@ -109,7 +109,7 @@ struct FindRowsOfGroups {
     return countBits(bits & ((1u << lane) - 1));
   }
 
-  // Level by level. Returns false if a level has too many blocks near the group.
+  // Level by level. Returns false if an upper level has too many blocks near the group.
   template <bool of_ghosts>
   KOKKOS_INLINE_FUNCTION bool searchTree(const Member& team, const BoxTree& tree, Nodes& nodes,
                                          Scratch& scratch) const {
@@ -120,15 +120,25 @@ struct FindRowsOfGroups {
         scratch.blocks[0][0] = 0;
     });
     int count = 1, from = 0;
-    for (int level = tree.num_levels - 1; level > 0; --level) {
+    for (int level = tree.num_levels - 1; level > 1; --level) {
       count = listChildren(team, tree, level, scratch.all, scratch.blocks[from], count,
                            scratch.blocks[1 - from]);
       if (count > max_blocks)
         return false;
       from = 1 - from;
     }
-    for (int first = 0; first < count; first += blocks_at_once)
-      testFaces<of_ghosts>(team, tree, scratch.blocks[from], first, count, nodes, scratch);
+    if (tree.num_levels == 1) {
+      testFaces<of_ghosts>(team, tree, scratch.blocks[from], 0, 1, nodes, scratch);
+      return true;
+    }
+    int* const blocks = scratch.blocks[1 - from];
+    constexpr int parents_at_once = max_blocks / block_size; // their children always fit
+    for (int parent = 0; parent < count; parent += parents_at_once) {
+      const int num_blocks = listChildren(team, tree, 1, scratch.all, scratch.blocks[from] + parent,
+                                          minOf(count - parent, parents_at_once), blocks);
+      for (int first = 0; first < num_blocks; first += blocks_at_once)
+        testFaces<of_ghosts>(team, tree, blocks, first, num_blocks, nodes, scratch);
+    }
     return true;
   }
 

@@ -90,7 +90,7 @@ struct Count {
   std::int64_t penetrating = 0, woken = 0, asleep = 0, edges_asleep = 0;
 };
 
-// On a device each search makes all rows anew and marks them as changed: none sleeps there.
+// On a device no row sleeps with a search in every step.
 constexpr bool rows_last = cluster_size > 1;
 
 Count compare(double speed, double margin, int num_steps) {
@@ -188,7 +188,7 @@ TEST(SleepingBlocks, DormancyChangesNoContactOfBarsThatCrossFlush) {
 // A wall of four bricks that fly apart: after the first steps nothing is tested.
 TEST(SleepingBlocks, BodiesThatFlyApartBecomeDormant) {
   if (!rows_last)
-    GTEST_SKIP() << "on a device rows are made anew in each search";
+    GTEST_SKIP() << "on a device no row sleeps with a search in every step";
   Scene scene;
   for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 0, 1}, Vec3{2, 0, 1}})
     scene.addBox(corner, {2, 1, 1}, {8, 4, 4});
