@@ -7,10 +7,10 @@
 
 namespace brickwall::contact {
 
-// Finds the rows of groups. Rows are in blocks of one. A group near too many blocks of faces, or a
-// node near too many faces, is left to FindRows: such rows are marked needs_retry and counted.
+// Finds the rows of groups. Rows are in blocks of one. A node near too many faces is left to
+// FindRows: its row is marked needs_retry and counted.
 struct FindRowsOfGroups {
-  static constexpr int max_blocks = 96; // of an upper level that a group keeps
+  static constexpr int max_blocks = 96; // of a level, near nodes that search together
   static constexpr int max_row = 24; // faces of a row
   static constexpr int blocks_at_once = vector_lanes / block_size;
   static constexpr int team_size = host_accessible ? 1 : 4;
@@ -33,16 +33,19 @@ struct FindRowsOfGroups {
     FloatBounds box;
     unsigned own; // the nodes of the group that are its corners
     int face;
+    global_id body; // with drop_same_body
   };
   struct alignas(16) Scratch {
     NearFace near[vector_lanes];
-    FloatBounds all; // reach of the union of the nodes
+    FloatBounds all; // reach of the union of the nodes that search together
+    global_id body[vector_lanes]; // of the nodes, with drop_same_body
     int blocks[2][max_blocks];
     int row[max_row][vector_lanes];
   };
   // The nodes of a group, one in each lane.
   struct Nodes {
     int first = 0; // position
+    unsigned searching = 0; // the nodes that search together now
     OfLanes<FloatBounds> reach; // of nodes that are not searched: nothing
     OfLanes<int> count; // faces of the row
   };
@@ -80,19 +83,47 @@ struct FindRowsOfGroups {
       for (int s = 0; s < 6; ++s)
         nodes.reach[lane].side[s] =
             is_searched ? -node_bounds(std::int64_t(position) * 6 + (s + 3) % 6) : -HUGE_VALF;
-      nodes.count[lane] = 0;
+      if (is_searched && test.drop_same_body)
+        scratch.body[lane] = test.surface.node_body(test.order.node_order(position));
     });
+    // Nodes between which the order jumps are near too many faces together: halves search then.
+    int num_nodes_together = vector_lanes;
+    for (int first = 0; first < vector_lanes;) {
+      const bool fits = searchTogether(team, first, num_nodes_together, nodes, scratch);
+      if (!fits && num_nodes_together > 1) {
+        num_nodes_together /= 2;
+        continue;
+      }
+      if (!fits)
+        forLanes(team, [&](const int lane) {
+          if (lane == first)
+            nodes.count[lane] = max_row + 1;
+        });
+      first += num_nodes_together;
+      while (first % (2 * num_nodes_together) == 0 && first < vector_lanes)
+        num_nodes_together *= 2;
+    }
+    forLanes(team, [&](const int lane) {
+      writeRow(nodes.first + lane, nodes.count[lane], &scratch.row[0][lane], counts[lane]);
+    });
+  }
+
+  // Finds the faces near `count` nodes, from lane `first` on. Returns false if there are too many.
+  KOKKOS_INLINE_FUNCTION bool searchTogether(const Member& team, int first, int count, Nodes& nodes,
+                                             Scratch& scratch) const {
+    nodes.searching = (count < 32 ? (1u << count) - 1 : 0xffffffffu) << first;
     for (int s = 0; s < 6; ++s) {
-      const float least =
-          leastOfLanes(team, [&](const int lane) { return -nodes.reach[lane].side[s]; });
+      const float least = leastOfLanes(team, [&](const int lane) {
+        return (nodes.searching >> lane & 1u) != 0 ? -nodes.reach[lane].side[s] : HUGE_VALF;
+      });
       Kokkos::single(Kokkos::PerThread(team), [&] { scratch.all.side[s] = -least; });
     }
-    const bool fits = searchTree<false>(team, face_tree, nodes, scratch) &&
-                      searchTree<true>(team, ghost_tree, nodes, scratch);
     forLanes(team, [&](const int lane) {
-      writeRow(nodes.first + lane, fits ? nodes.count[lane] : max_row + 1, &scratch.row[0][lane],
-               counts[lane]);
+      if ((nodes.searching >> lane & 1u) != 0)
+        nodes.count[lane] = 0;
     });
+    return searchTree<false>(team, face_tree, nodes, scratch) &&
+           searchTree<true>(team, ghost_tree, nodes, scratch);
   }
 
   KOKKOS_INLINE_FUNCTION bool isSearched(int position) const {
@@ -109,7 +140,7 @@ struct FindRowsOfGroups {
     return countBits(bits & ((1u << lane) - 1));
   }
 
-  // Level by level. Returns false if an upper level has too many blocks near the group.
+  // Level by level. Returns false if a level has too many blocks near the nodes.
   template <bool of_ghosts>
   KOKKOS_INLINE_FUNCTION bool searchTree(const Member& team, const BoxTree& tree, Nodes& nodes,
                                          Scratch& scratch) const {
@@ -120,25 +151,15 @@ struct FindRowsOfGroups {
         scratch.blocks[0][0] = 0;
     });
     int count = 1, from = 0;
-    for (int level = tree.num_levels - 1; level > 1; --level) {
+    for (int level = tree.num_levels - 1; level > 0; --level) {
       count = listChildren(team, tree, level, scratch.all, scratch.blocks[from], count,
                            scratch.blocks[1 - from]);
       if (count > max_blocks)
         return false;
       from = 1 - from;
     }
-    if (tree.num_levels == 1) {
-      testFaces<of_ghosts>(team, tree, scratch.blocks[from], 0, 1, nodes, scratch);
-      return true;
-    }
-    int* const blocks = scratch.blocks[1 - from];
-    constexpr int parents_at_once = max_blocks / block_size; // their children always fit
-    for (int parent = 0; parent < count; parent += parents_at_once) {
-      const int num_blocks = listChildren(team, tree, 1, scratch.all, scratch.blocks[from] + parent,
-                                          minOf(count - parent, parents_at_once), blocks);
-      for (int first = 0; first < num_blocks; first += blocks_at_once)
-        testFaces<of_ghosts>(team, tree, blocks, first, num_blocks, nodes, scratch);
-    }
+    for (int first = 0; first < count; first += blocks_at_once)
+      testFaces<of_ghosts>(team, tree, scratch.blocks[from], first, count, nodes, scratch);
     return true;
   }
 
@@ -188,6 +209,8 @@ struct FindRowsOfGroups {
       face.own = 0;
       if constexpr (of_ghosts) {
         face.face = test.surface.num_faces + item;
+        if (test.drop_same_body)
+          face.body = test.ghosts.bodies(item);
       } else {
         const int* const corner = &test.order.corners(block * 4 * block_size + lane % block_size);
         for (int k = 0; k < 4; ++k) {
@@ -195,10 +218,14 @@ struct FindRowsOfGroups {
           face.own |= at < 32u ? 1u << at : 0u;
         }
         face.face = test.order.face_order(item);
+        if (test.drop_same_body)
+          face.body = test.surface.face_body(face.face);
       }
     });
     const int num_near = countBits(near);
     forLanes(team, [&](const int lane) {
+      if ((nodes.searching >> lane & 1u) == 0)
+        return;
       const FloatBounds reach = nodes.reach[lane];
       const unsigned self = 1u << lane;
       unsigned hits = 0;
@@ -209,19 +236,21 @@ struct FindRowsOfGroups {
       }
       for (; hits != 0; hits &= hits - 1) {
         const NearFace& face = scratch.near[lowestBit(hits)];
-        if (isCandidate<of_ghosts>(nodes.first + lane, reach, face))
+        if (test.drop_same_body ? face.body == scratch.body[lane]
+                                : of_ghosts && !isAllowed(nodes.first + lane, face.face))
+          continue;
+        if (overlaps(nodes.first + lane, reach, face))
           insert(face.face, &scratch.row[0][lane], nodes.count[lane]);
       }
     });
   }
 
-  // Applies the rules and resolves ties in floats.
-  template <bool of_ghosts>
-  KOKKOS_INLINE_FUNCTION bool isCandidate(int position, const FloatBounds& reach,
-                                          const NearFace& face) const {
-    if ((test.drop_same_body || of_ghosts) &&
-        !test.rules.allow(test.order.node_order(position), face.face))
-      return false;
+  KOKKOS_INLINE_FUNCTION bool isAllowed(int position, int face) const {
+    return test.rules.allow(test.order.node_order(position), face);
+  }
+  // Of boxes that overlap or touch in floats.
+  KOKKOS_INLINE_FUNCTION bool overlaps(int position, const FloatBounds& reach,
+                                       const NearFace& face) const {
     bool is_sure = true;
     for (int s = 0; s < 6; ++s)
       is_sure &= face.box.side[s] < reach.side[s];
