@@ -8,7 +8,7 @@
 namespace brickwall::contact {
 
 struct RefitInput {
-  View<const double* [3]> x_old, x_new;
+  View<const double*[3]> x_old, x_new;
   View<const global_id*> ids;
   View<const int*> node_order;
   View<const unsigned*> owned;
