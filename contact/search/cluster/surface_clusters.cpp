@@ -93,11 +93,21 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
     order(space, surface, config);
   else
     followSurface();
-  const RefitInput input{surface.coordinates_old, surface.coordinates_new, surface.node_ids,
-                         _order.node_order,       _order.owned,            _order.corners,
-                         _corner_bounds,          _node_bounds,            _cluster_bounds,
-                         _forest.tree(0),         _order.origin,           config.node_tolerance,
-                         config.face_tolerance,   surface.num_nodes,       _same_bounds};
+  const RefitInput input{surface.coordinates_old,
+                         surface.coordinates_new,
+                         surface.node_ids,
+                         _order.node_order,
+                         _order.owned,
+                         _order.corners,
+                         _corner_bounds,
+                         _node_bounds,
+                         _cluster_bounds,
+                         _forest.tree(0),
+                         _order.origin,
+                         config.node_tolerance,
+                         config.face_tolerance,
+                         surface.num_nodes,
+                         _same_bounds};
   RefitSums sums;
   {
     const Region timer("contact::search::node_boxes");
