@@ -82,4 +82,47 @@ private:
   std::uint64_t _rows = 0;
 };
 
+// The same for the terms of one thread of a device.
+template <int N>
+class SplitSums {
+public:
+  static constexpr unsigned max_rows = 4000; // as in LaneSums
+
+  KOKKOS_FORCEINLINE_FUNCTION void add(int i, double term, const SplitScale& scale) {
+    const double high = term + scale.high;
+    const double low = (term - (high - scale.high)) + scale.low;
+    _high[i] += bitsOf(high);
+    _low[i] += bitsOf(low);
+    _misfit |= bitsOf(high) ^ bitsOf(scale.high);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void endRow() { ++_rows; }
+  KOKKOS_FORCEINLINE_FUNCTION unsigned rows() const { return _rows; }
+
+  // Adds sum i, whose terms have the scale scales(i), to the sum index(i).
+  template <int M, class Index, class Scales>
+  KOKKOS_INLINE_FUNCTION void foldInto(LimbSums<M>& sums, const Index& index,
+                                       const Scales& scales) {
+    for (int i = 0; i < N; ++i) {
+      const auto high = static_cast<std::int64_t>(_high[i] - _rows * bitsOf(scales(i).high));
+      const auto low = static_cast<std::int64_t>(_low[i] - _rows * bitsOf(scales(i).low));
+      LimbSum& sum = sums.sum[index(i)];
+      sum.high += high >> 17;
+      sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
+      sum.tail += low & 0x3ffffffff;
+    }
+    sums.invalid += _misfit >> 52 != 0;
+    *this = SplitSums();
+  }
+
+private:
+  KOKKOS_FORCEINLINE_FUNCTION static std::uint64_t bitsOf(double value) {
+    std::uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+  }
+
+  std::uint64_t _high[N] = {}, _low[N] = {}, _misfit = 0;
+  unsigned _rows = 0;
+};
+
 } // namespace brickwall

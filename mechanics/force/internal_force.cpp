@@ -3,6 +3,7 @@
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "mechanics/force/lattice/lattice_force.hpp"
+#include "mechanics/force/lattice/tile_force.hpp"
 #include "mechanics/force/packs/element_fields_kernel.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
@@ -27,6 +28,9 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
 }
 
 void zeroForces(const exec_space& space, const NodalForces& forces) {
+  if (std::none_of(forces.acts.data(), forces.acts.data() + forces.acts.size(),
+                   [](bool acts) { return acts; }))
+    return;
   Kokkos::parallel_for(
       "mechanics::zeroForces", rangePolicy(space, forces.values.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t node) {
@@ -51,16 +55,19 @@ std::int64_t countCongruent(const HexMesh& mesh, const std::vector<BodyShape>& s
 
 InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                              ElementKind kind, Quantum quantum, LimbScale energy_scale, int threads,
-                             bool with_lattices)
+                             LatticeMethod lattice_method)
     : _threads(threads > 0 ? threads : concurrency(space)), _kind(kind), _quantum(quantum),
       _energy_scale(energy_scale) {
   const std::vector<BodyShape> shapes = markCongruentBodies(space, comm, mesh);
-  if (with_lattices && simd_width > 1 && kind == ElementKind::one_point) {
+  if (kind == ElementKind::one_point && simd_width > 1 && lattice_method == LatticeMethod::planes) {
     const auto lattices = findBrickLattices(space, mesh, shapes);
     _lattices = latticeTables(space, lattices, latticeScratch(lattices));
+  } else if (kind == ElementKind::one_point && lattice_method == LatticeMethod::tiles) {
+    _tiles = cutIntoTiles(space, mesh, shapes, _threads);
   }
   skipLattices(space, {});
-  const ElementChunks cut = cutIntoChunks(space, mesh, shapes, _lattices.on_host, _threads);
+  const ElementChunks cut = cutIntoChunks(
+      space, mesh, shapes, _tiles.any() ? _tiles.on_host : _lattices.on_host, _threads);
   _all_in_lattices = cut.all_in_lattices;
   _groups = cut.groups;
   _num_congruent_elems = countCongruent(mesh, shapes);
@@ -68,7 +75,7 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
   _tables.num_elems = mesh.num_elems;
   _tables.chunks = cut.chunks;
   _tables.packs = cut.packs;
-  _tables.lattices = _lattices.lattices;
+  _tables.lattices = _tiles.any() ? _tiles.lattices : _lattices.lattices;
   if (kind == ElementKind::one_point) {
     std::vector<CongruentShape> boxes(shapes.size());
     for (std::size_t b = 0; b < shapes.size(); ++b)
@@ -86,6 +93,23 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
   }
 }
 
+void InternalForce::zeroForces(const exec_space& space, const BulkViscosity& viscosity,
+                               const NodalForces& forces) const {
+  NodalForces others = forces;
+  others.acts[internal_force] = viscosity.any() || !_tiles.any();
+  mechanics::zeroForces(space, others);
+  if (others.acts[internal_force])
+    return;
+  const auto nodes = _tiles.seam_nodes;
+  const auto values = forces.values;
+  Kokkos::parallel_for(
+      "mechanics::InternalForce::zeroForces", rangePolicy(space, nodes.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t k) {
+        for (int i = 0; i < 3; ++i)
+          values(nodes(k), 3 * internal_force + i) = 0;
+      });
+}
+
 InternalForceResult InternalForce::add(const exec_space& space,
                                        const View<const double* [3]>& displacement,
                                        const NodalForces& forces, bool with_energy) {
@@ -101,7 +125,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
     throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
   InternalForceResult result;
   result.has_energy = with_energy;
-  const bool skips_lattices = !viscosity.any() && !_lattices.on_host.empty();
+  const bool skips_lattices = !viscosity.any() && (_tiles.any() || !_lattices.on_host.empty());
   ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
                            viscosity,   _quantum.inverse, _energy_scale, 0,
                            with_energy, skips_lattices,   _is_resting};
@@ -115,12 +139,20 @@ InternalForceResult InternalForce::add(const exec_space& space,
     result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);
   }
   if (skips_lattices) {
-    const ForceSums sums = addLatticeForces(space, _lattices, _slabs, arguments);
+    const ForceSums sums = _tiles.any() ? addTileForces(space, _tiles, arguments)
+                                        : addLatticeForces(space, _lattices, _slabs, arguments);
     result.energy += sums.energy;
     result.failure += sums.failure;
   }
   result.energy.carry();
   return result;
+}
+
+std::int64_t InternalForce::numLatticeElems() const {
+  std::int64_t count = 0;
+  for (const BrickLattice& lattice : _tiles.any() ? _tiles.on_host : _lattices.on_host)
+    count += lattice.numElems();
+  return count;
 }
 
 void InternalForce::skipLattices(const exec_space& space, const std::vector<int>& free_lattices) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "mechanics/element/bulk_viscosity.hpp"
+#include "mechanics/force/lattice/lattice_tiles.hpp"
 #include "mechanics/force/packs/element_tables.hpp"
 #include "mechanics/mesh/brick_lattice.hpp"
 #include "mechanics/mesh/element_failure.hpp"
@@ -21,6 +22,16 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 // Sets the columns of all kinds that act to zero; the others are zero.
 void zeroForces(const exec_space& space, const NodalForces& forces);
 
+// How InternalForce computes the elements of lattices (brick_lattice.hpp); all methods give the same
+// bits.
+enum class LatticeMethod {
+  none, // as all other elements
+  planes, // plane by plane in SIMD lanes (lattice_force.hpp)
+  tiles // tile by tile by teams of threads (tile_force.hpp), for devices
+};
+constexpr LatticeMethod fastest_lattice_method =
+    simd_width > 1 ? LatticeMethod::planes : LatticeMethod::tiles;
+
 struct InternalForceResult {
   LimbSums<num_stored_energies> energy; // zero unless requested
   ElementFailure failure; // of this rank
@@ -34,12 +45,18 @@ public:
   // Finds congruent bodies, stores the geometry of the general elements (about 370 B each) and
   // divides the bodies into chunks. `energy_scale` is the scale of the stored-energy sums,
   // `threads` the number of threads that share the work (0: all). Results depend neither on
-  // `threads` nor on `with_lattices`, which enables sweeps over lattices. Collective.
+  // `threads` nor on `lattice_method`, which applies to one-point elements. Collective.
   InternalForce(const exec_space& space, MPI_Comm comm, const HexMesh& mesh, ElementKind kind,
                 Quantum quantum, LimbScale energy_scale, int threads = 0,
-                bool with_lattices = true);
+                LatticeMethod lattice_method = fastest_lattice_method);
 
-  // Adds the elements' forces at X + u to the columns internal_force. `displacement` is u
+  // mechanics::zeroForces() before add() with this viscosity, but for the columns internal_force
+  // where add() stores forces.
+  void zeroForces(const exec_space& space, const BulkViscosity& viscosity,
+                  const NodalForces& forces) const;
+
+  // Adds the elements' forces at X + u to the columns internal_force, which are zero before where
+  // zeroForces() sets them. `displacement` is u
   // [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the fixed-point range) add nothing and
   // are reported. Not collective; fences.
   InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
@@ -64,6 +81,7 @@ public:
 
   ElementKind kind() const { return _kind; }
   std::int64_t numCongruentElems() const { return _num_congruent_elems; }
+  std::int64_t numLatticeElems() const; // that need no connectivity without viscosity
 
   // Lattices of this rank. add() omits those of the rows `free_lattices` after skipLattices(), for
   // free_bricks.hpp.
@@ -77,7 +95,8 @@ public:
 
 private:
   ElementTables _tables;
-  LatticeTables _lattices; // empty on devices and for full integration
+  LatticeTables _lattices; // only with LatticeMethod::planes
+  LatticeTiles _tiles; // only with LatticeMethod::tiles
   View<LatticeSlab*> _slabs, _skipped_slabs; // swept by add(), omitted by add()
   std::vector<ChunkGroup> _groups;
   View<const int*> _is_resting;

@@ -40,7 +40,7 @@ std::vector<SkippedPart> skippedWork(const Config& config, const Simulation& sim
        "element)",
        ""},
       {"connectivity", shareOf(special.in_lattices, elems),
-       "of the elements are swept plane by plane without connectivity", "skip.lattices"},
+       "of the elements are computed plane by plane without connectivity", "skip.lattices"},
       {"ledger terms", shareOfAbsentTerms(config), "of the kinds of energy and work do not occur",
        ""},
       {"steps", 1 - 1 / simulation.steps().gain().step,

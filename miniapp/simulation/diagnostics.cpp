@@ -174,10 +174,8 @@ Checksums checksums(const Simulation& simulation) {
 
 SpecialElements specialElements(const Simulation& simulation) {
   const mechanics::InternalForce& internal = simulation.internalForce();
-  std::int64_t in_lattices = 0;
-  if (!simulation.config().viscosity.any())
-    for (const auto& lattice : internal.lattices().on_host)
-      in_lattices += lattice.numElems();
+  const std::int64_t in_lattices =
+      simulation.config().viscosity.any() ? 0 : internal.numLatticeElems();
   std::int64_t sums[5] = {internal.numCongruentElems(), in_lattices,
                           simulation.freeBricks().numElems(), simulation.restingBodies().numElems(),
                           simulation.skippedElementSteps()};

@@ -132,7 +132,7 @@ void Simulation::adaptTimeStep() {
 void Simulation::computeInternalForces() {
   _step.has_all_forces = !_free_bricks.any();
   if (_other_nodes.numRuns() > 0)
-    mechanics::zeroForces(_space, _forces);
+    _internal_force->zeroForces(_space, _config.viscosity, _forces);
   else
     _forces.values = {}; // only output needs them
   _forces.acts[mechanics::contact_force] = false;

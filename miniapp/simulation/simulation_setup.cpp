@@ -46,7 +46,8 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   const auto kind = config.formulation == Formulation::one_point ? mechanics::ElementKind::one_point
                                                                  : mechanics::ElementKind::full;
   _internal_force = std::make_unique<mechanics::InternalForce>(
-      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0, config.skip.lattices);
+      _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0,
+      config.skip.lattices ? mechanics::fastest_lattice_method : mechanics::LatticeMethod::none);
   _loads = pressureLoads(_space, config, scene);
   findFreeBricks();
   setInitialDeformations(_space, config, scene, _shared, _state);

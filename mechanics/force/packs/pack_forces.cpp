@@ -3,43 +3,12 @@
 // (equation (23)).
 #include "mechanics/force/packs/pack_forces.hpp"
 
-#include "contact/base/pack_rounding.hpp"
 #include "contact/base/sum_over.hpp"
+#include "mechanics/force/packs/round_forces.hpp"
 
 namespace brickwall::mechanics {
 
 namespace {
-
-// Corner forces of one element and one force kind: [xyz][corner] in quanta.
-template <class Integer>
-struct CornerForces {
-  Integer value[3][8];
-};
-
-template <class Real, class Integer>
-KOKKOS_INLINE_FUNCTION void roundToCorners(const Real (&modes)[3][num_modes], Real& largest,
-                                           CornerForces<Integer>& corners) {
-  for (int i = 0; i < 3; ++i) {
-    Integer rounded[num_modes];
-    for (int m = 0; m < num_modes; ++m) {
-      largest = maxMagnitude(modes[i][m], largest);
-      rounded[m] = toFixed(modes[i][m]);
-    }
-    modesToCorners(rounded, corners.value[i]);
-  }
-}
-template <class Real, class Integer>
-KOKKOS_INLINE_FUNCTION void roundToCorners(const Real (&modes)[3][3], Real& largest,
-                                           CornerForces<Integer>& corners) {
-  for (int i = 0; i < 3; ++i) {
-    Integer rounded[3];
-    for (int m = 0; m < 3; ++m) {
-      largest = maxMagnitude(modes[i][m], largest);
-      rounded[m] = toFixed(modes[i][m]);
-    }
-    linearModesToCorners(rounded, corners.value[i]);
-  }
-}
 
 // Forces and energies of a pack before they are added.
 template <class Real, class Integer>

@@ -181,12 +181,14 @@ TEST(Threads, ChangeNoBit) {
   }
 }
 
-// Sweeps over lattices, in slabs for any number of threads, give the same bits as packs, also where
-// elements fail. The blocks have any width and are boxes or sheared, whole or cut between layers or
-// anywhere.
+// Sweeps over lattices, in slabs for any number of threads, and tiles give the same bits as packs,
+// also where elements fail. The blocks have any width and are boxes or sheared, whole or cut between
+// layers or anywhere. The last is cut into tiles along all axes.
 TEST(Lattices, ChangeNoBit) {
   const exec_space space;
-  const auto bricks = stackOf({{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}});
+  const auto bricks =
+      stackOf({{1, 1, 1}, {7, 3, 2}, {8, 2, 3}, {9, 1, 1}, {1, 9, 2}, {16, 5, 20}, {23, 14, 9}});
+  constexpr int many_threads = 1 << 20;
   const int ranks = sizeOf(world);
   for (const MaterialModel model : all_models)
     for (const bool is_sheared : {false, true})
@@ -197,7 +199,7 @@ TEST(Lattices, ChangeNoBit) {
               return is_sheared ? x + Vec3{0.25 * x.y, 0, 0.125 * x.x} : x;
             },
             [&](global_id elem) {
-              const global_id ends[] = {1, 43, 91, 100, 118};
+              const global_id ends[] = {1, 43, 91, 100, 118, 1718};
               const auto body = std::upper_bound(std::begin(ends), std::end(ends), elem) - ends;
               return static_cast<int>((is_whole ? body : elem / 80) % ranks);
             });
@@ -207,29 +209,37 @@ TEST(Lattices, ChangeNoBit) {
               return Vec3{0, 0, -3};
             return 0.01 * Vec3{std::sin(30 * x.y + x.x), std::sin(20 * x.x), std::cos(25 * x.z)};
           });
-          const auto resultOf = [&](int threads, bool with_lattices) {
+          const auto resultOf = [&](int threads, LatticeMethod method) {
             InternalForce internal(space, world, blocks.mesh, ElementKind::one_point,
-                                   Quantum::powerOfTwo(-54), testEnergyScale(), threads,
-                                   with_lattices);
+                                   Quantum::powerOfTwo(-54), testEnergyScale(), threads, method);
             if (is_whole && simd_width > 1) {
               EXPECT_EQ(internal.lattices().on_host.size(),
-                        with_lattices ? blocks.mesh.bodies.size() : 0);
+                        method == LatticeMethod::planes ? blocks.mesh.bodies.size() : 0);
             }
             const NodalForces forces = zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
+            Kokkos::deep_copy(space, forces.values, 17);
+            internal.zeroForces(space, {}, forces);
             const auto result = internal.add(space, u, forces, true);
             auto words = globalWords(world, blocks, forces.values);
             for (const LimbSum& sum : result.energy.sum)
               words.insert(words.end(), {sum.high, sum.low, sum.tail});
+            ElementFields fields;
+            internal.computeFields(space, u, fields);
+            const auto pressure = toHost(fields.pressure);
+            for (int elem = 0; elem < blocks.mesh.num_elems; ++elem)
+              memcpy(&words.emplace_back(), &pressure(elem), sizeof(double));
             words.insert(words.end(), {result.failure.count, result.failure.first_elem,
                                        result.failure.reason, result.energy.invalid});
             return words;
           };
-          const auto packs = resultOf(1, false);
+          const auto packs = resultOf(1, LatticeMethod::none);
           if (is_broken && model != MaterialModel::linear && ranks == 1) {
             EXPECT_GT(packs[packs.size() - 4], 0);
           }
-          EXPECT_EQ(packs, resultOf(1, true));
-          EXPECT_EQ(packs, resultOf(4, true));
+          EXPECT_EQ(packs, resultOf(1, LatticeMethod::planes));
+          EXPECT_EQ(packs, resultOf(4, LatticeMethod::planes));
+          EXPECT_EQ(packs, resultOf(1, LatticeMethod::tiles));
+          EXPECT_EQ(packs, resultOf(many_threads, LatticeMethod::tiles));
         }
       }
 }

@@ -59,7 +59,7 @@ std::vector<std::int64_t> run(Scene& scene, bool frees, int threads, double mass
   const Quantum quantum = Quantum::forForceScale(forceScale(space, world, mesh));
   const LedgerScales scales = ledgerScales(space, world, mesh);
   InternalForce internal(space, world, mesh, ElementKind::one_point, quantum, scales.energy,
-                         threads, frees);
+                         threads, frees ? LatticeMethod::planes : LatticeMethod::none);
   const FreeBricks bricks =
       frees ? FreeBricks(space, mesh, internal, scene.is_loaded) : FreeBricks();
   if (frees && simd_width > 1 && sizeOf(world) == 1) {
