@@ -1,6 +1,7 @@
 #include "mechanics/step/central_difference.hpp"
 
 #include "contact/base/sum_over.hpp"
+#include "mechanics/ledger/sum_limbs.hpp"
 #include "mechanics/step/kick_packs.hpp"
 
 #include <type_traits>
@@ -68,7 +69,8 @@ KickSums launchKick(const exec_space& space, const NodeSelection& nodes,
     sums = sumOver<KickSums>("mechanics::kick::nodes", space, 0, nodes.numRuns(),
                              KickRuns<kinds, simd_width>{functor, nodes});
   else // On a device all nodes are kicked; the omitted ones are at rest and remain so.
-    sums = sumOver<KickSums>("mechanics::kick::nodes", space, 0, nodes.num_nodes, functor);
+    sums = sumStrided<num_kick_terms>("mechanics::kick::nodes", space, nodes.num_nodes,
+                                      KickStrided<kinds>(functor, nodes.num_nodes));
   sums.carry();
   return sums;
 }

@@ -1,7 +1,7 @@
 // The kick of one node with its terms of the ledger, and their arithmetic in lanes (kick_packs.hpp).
 #pragma once
 
-#include "contact/base/pack.hpp"
+#include "contact/base/lane_sums.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
 
@@ -17,29 +17,52 @@ enum PlainKickTerm : int {
   plain_momentum,
   plain_angular = plain_momentum + 3
 };
+KOKKOS_INLINE_FUNCTION constexpr int plainKickTerm(int term) {
+  return term < plain_work
+             ? kick_kinetic + term
+             : (term == plain_work
+                    ? kickWork(internal_force)
+                    : (term == plain_power ? +kick_power : kick_momentum + term - plain_momentum));
+}
 struct PlainKickTerms {
   static constexpr int index[num_plain_kick_terms] = {
-      kick_kinetic,     kick_shadow,       kickWork(internal_force), kick_power,
-      kick_momentum,    kick_momentum + 1, kick_momentum + 2,        kick_angular,
-      kick_angular + 1, kick_angular + 2};
+      plainKickTerm(0), plainKickTerm(1), plainKickTerm(2), plainKickTerm(3), plainKickTerm(4),
+      plainKickTerm(5), plainKickTerm(6), plainKickTerm(7), plainKickTerm(8), plainKickTerm(9)};
 };
 
-// Ledger terms of one of the other kinds of forces: the first `num_terms` of [work, impulse, moment].
-constexpr int max_other_kick_terms = 7;
-template <int kind>
-struct OtherKickTerms {
-  static constexpr int num_terms =
-      kind == external_force ? max_other_kick_terms : (kind == contact_force ? 4 : 1);
+// The scale of a plain term: energy, power, momentum, angular.
+KOKKOS_INLINE_FUNCTION constexpr int plainScale(int term) {
+  return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
+}
 
-  KOKKOS_INLINE_FUNCTION static constexpr int index(int term) {
-    return term == 0
-               ? kickWork(kind)
-               : (term >= 4
-                      ? kick_moment_external + term - 4
-                      : (kind == contact_force ? kick_impulse_contact : kick_impulse_external) +
-                            term - 1);
+// Ledger sums of one thread of a device: those of the plain terms in registers, the others, to which
+// few nodes add, in the memory of `others`.
+struct DeviceKickSums {
+  KickSums& others;
+  const SplitScale (&scales)[4];
+  SplitSums<num_plain_kick_terms> plain;
+
+  KOKKOS_INLINE_FUNCTION void fold() {
+    plain.foldInto(
+        others, [](int t) { return plainKickTerm(t); },
+        [&](int t) -> const SplitScale& { return scales[plainScale(t)]; });
   }
 };
+
+// Ledger terms of one of the other kinds of forces: the first numOtherKickTerms() of [work, impulse,
+// moment].
+constexpr int max_other_kick_terms = 7;
+KOKKOS_INLINE_FUNCTION constexpr int numOtherKickTerms(int kind) {
+  return kind == external_force ? +max_other_kick_terms : (kind == contact_force ? 4 : 1);
+}
+KOKKOS_INLINE_FUNCTION constexpr int otherKickTerm(int kind, int term) {
+  return term == 0
+             ? kickWork(kind)
+             : (term >= 4
+                    ? kick_moment_external + term - 4
+                    : (kind == contact_force ? +kick_impulse_contact : +kick_impulse_external) +
+                          term - 1);
+}
 
 // Operands of a node's kick: the velocity `old` before it, mass, current position x and internal
 // force.
@@ -102,7 +125,7 @@ struct KickNode {
   BoundaryConditions::DuringStep boundary;
   LedgerScales scales;
   SpeedTest test;
-  KindFlags acts = {}; // NodalForces::acts
+  KindFlags acts = {{true, true, true, true}}; // NodalForces::acts
 
   // The impulse of mass-proportional damping between two velocities: -dt alpha m (old + v)/2.
   KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
@@ -135,14 +158,20 @@ struct KickNode {
   }
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
+    kickByStoredColumns(node, sums);
+  }
+  template <class Sums> // KickSums or DeviceKickSums
+  KOKKOS_INLINE_FUNCTION void kickByStoredColumns(std::int64_t node, Sums& sums) const {
     std::int64_t columns[3 * kinds];
-    for (int c = 0; c < 3 * kinds; ++c)
-      columns[c] = forces(node, c);
+    for (int kind = 0; kind < kinds; ++kind)
+      for (int i = 0; i < 3; ++i)
+        columns[3 * kind + i] = acts[kind] ? forces(node, 3 * kind + i) : 0;
     kickByColumns(node, columns, sums);
   }
 
+  template <class Sums>
   KOKKOS_INLINE_FUNCTION void
-  kickByColumns(std::int64_t node, const std::int64_t (&columns)[3 * kinds], KickSums& sums) const {
+  kickByColumns(std::int64_t node, const std::int64_t (&columns)[3 * kinds], Sums& sums) const {
     NodeKick<double> kick;
     double total[3];
     for (int i = 0; i < 3; ++i) {
@@ -163,7 +192,18 @@ struct KickNode {
     if (!is_owned(node))
       return;
     addPlainTerms(kick, sums);
-    addOtherTerms(columns, kick, reaction, sums);
+    addOtherTerms(node, kick, reaction, othersOf(sums));
+  }
+  KOKKOS_INLINE_FUNCTION static KickSums& othersOf(KickSums& sums) { return sums; }
+  KOKKOS_INLINE_FUNCTION static KickSums& othersOf(DeviceKickSums& sums) { return sums.others; }
+
+  KOKKOS_INLINE_FUNCTION void addPlainTerms(const NodeKick<double>& kick,
+                                            DeviceKickSums& sums) const {
+    double term[num_plain_kick_terms];
+    kick.terms(dt, term);
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      sums.plain.add(t, term[t], sums.scales[plainScale(t)]);
+    sums.plain.endRow();
   }
 
   KOKKOS_INLINE_FUNCTION void addPlainTerms(const NodeKick<double>& kick, KickSums& sums) const {
@@ -179,29 +219,26 @@ struct KickNode {
     }
   }
 
-  template <int kind>
-  KOKKOS_INLINE_FUNCTION void addTermsOf(const std::int64_t (&columns)[3 * kinds],
-                                         const NodeKick<double>& kick, KickSums& sums) const {
-    if constexpr (kind < kinds) {
-      double force[3], term[max_other_kick_terms];
-      for (int i = 0; i < 3; ++i)
-        force[i] = quantum * static_cast<double>(columns[3 * kind + i]);
-      if (isZero({force[0], force[1], force[2]}))
-        return;
-      kick.otherTerms(force, dt, term);
-      for (int t = 0; t < OtherKickTerms<kind>::num_terms; ++t)
-        sums.add(OtherKickTerms<kind>::index(t), term[t],
-                 t == 0 ? scales.energy : (t < 4 ? scales.momentum : scales.angular));
-    }
+  KOKKOS_INLINE_FUNCTION void addTermsOf(int kind, std::int64_t node, const NodeKick<double>& kick,
+                                         KickSums& sums) const {
+    double force[3], term[max_other_kick_terms];
+    for (int i = 0; i < 3; ++i)
+      force[i] = quantum * static_cast<double>(forces(node, 3 * kind + i));
+    if (isZero({force[0], force[1], force[2]}))
+      return;
+    kick.otherTerms(force, dt, term);
+    for (int t = 0; t < numOtherKickTerms(kind); ++t)
+      sums.add(otherKickTerm(kind, t), term[t],
+               t == 0 ? scales.energy : (t < 4 ? scales.momentum : scales.angular));
   }
-  KOKKOS_INLINE_FUNCTION void addOtherTerms(const std::int64_t (&columns)[3 * kinds],
-                                            const NodeKick<double>& kick, const Vec3& reaction,
-                                            KickSums& sums) const {
+  // The loop over kinds, which is not unrolled, also keeps the sums out of a device's registers.
+  KOKKOS_INLINE_FUNCTION void addOtherTerms(std::int64_t node, const NodeKick<double>& kick,
+                                            const Vec3& reaction, KickSums& sums) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]}, v = {kick.v[0], kick.v[1], kick.v[2]};
     const Vec3 x = {kick.x[0], kick.x[1], kick.x[2]}, mean = 0.5 * (old + v);
-    addTermsOf<contact_force>(columns, kick, sums);
-    addTermsOf<external_force>(columns, kick, sums);
-    addTermsOf<viscous_force>(columns, kick, sums);
+    for (int kind = contact_force; 3 * kind < static_cast<int>(forces.extent(1)); ++kind)
+      if (acts[kind])
+        addTermsOf(kind, node, kick, sums);
     if (!isZero(reaction))
       addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
                  kick_moment_reaction);
@@ -228,6 +265,32 @@ struct KickNode {
   }
   KOKKOS_INLINE_FUNCTION static bool isZero(const Vec3& a) {
     return a.x == 0 && a.y == 0 && a.z == 0;
+  }
+};
+
+// Kicks nodes first, first + stride, ... one by one, for sumStrided().
+template <int kinds>
+struct KickStrided {
+  KickNode<kinds> node_kick;
+  SplitScale scales[4]; // energy, power, momentum, angular
+  int num_nodes;
+
+  KickStrided(const KickNode<kinds>& kick, int nodes)
+      : node_kick(kick), scales{SplitScale::of(kick.scales.energy),
+                                SplitScale::of(kick.scales.power),
+                                SplitScale::of(kick.scales.momentum),
+                                SplitScale::of(kick.scales.angular)},
+        num_nodes(nodes) {}
+
+  KOKKOS_INLINE_FUNCTION void operator()(std::int64_t first, std::int64_t stride,
+                                         KickSums& sums) const {
+    DeviceKickSums mine{sums, scales, {}};
+    for (std::int64_t node = first; node < num_nodes; node += stride) {
+      node_kick.kickByStoredColumns(node, mine);
+      if (mine.plain.rows() == mine.plain.max_rows)
+        mine.fold();
+    }
+    mine.fold();
   }
 };
 

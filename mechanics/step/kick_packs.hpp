@@ -14,23 +14,23 @@ template <int kind, int W>
 class OtherLaneSums {
 public:
   using Real = PackOf<W>;
-  using Terms = OtherKickTerms<kind>;
+  static constexpr int num_terms = numOtherKickTerms(kind);
 
   // `force` is zero where a node is not owned.
   void add(const Real (&force)[3], const NodeKick<Real>& kick, double dt,
            const SplitScale (&scales)[4]) {
     Real term[max_other_kick_terms];
     kick.otherTerms(force, dt, term);
-    for (int t = 0; t < Terms::num_terms; ++t)
+    for (int t = 0; t < num_terms; ++t)
       _lanes.add(t, term[t], scales[scaleIndex(t)]);
     _lanes.endRow();
   }
   void foldInto(KickSums& sums, const SplitScale (&scales)[4]) {
-    const SplitScale* of_terms[Terms::num_terms];
-    int index[Terms::num_terms];
-    for (int t = 0; t < Terms::num_terms; ++t) {
+    const SplitScale* of_terms[num_terms];
+    int index[num_terms];
+    for (int t = 0; t < num_terms; ++t) {
       of_terms[t] = &scales[scaleIndex(t)];
-      index[t] = Terms::index(t);
+      index[t] = otherKickTerm(kind, t);
     }
     _lanes.foldInto(sums, index, of_terms);
   }
@@ -38,7 +38,7 @@ public:
 private:
   static constexpr int scaleIndex(int term) { return term == 0 ? 0 : (term < 4 ? 2 : 3); }
 
-  LaneSums<Terms::num_terms, W> _lanes;
+  LaneSums<num_terms, W> _lanes;
 };
 
 // Kicks packs of consecutive nodes and accumulates their ledger sums. Host code.
@@ -179,7 +179,7 @@ private:
     Real term[num_plain_kick_terms];
     kick.terms(k.dt, term);
     for (int t = 0; t < num_plain_kick_terms; ++t)
-      _lanes.add(t, term[t], _scales[scaleIndex(t)]);
+      _lanes.add(t, term[t], _scales[plainScale(t)]);
     _lanes.endRow();
     if (__builtin_expect(++_rows == LaneSums<num_plain_kick_terms, W>::max_rows, 0))
       fold();
@@ -199,9 +199,6 @@ private:
       verb(_viscous, viscous_force);
   }
 
-  static constexpr int scaleIndex(int term) {
-    return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
-  }
   __attribute__((noinline)) void countFast(Real vx, Real vy, Real vz, Mask owned) {
     const Real v[3] = {vx, vy, vz};
     const Vec3& around = _node_kick.test.around;
@@ -215,7 +212,7 @@ private:
   __attribute__((noinline)) void fold() {
     const SplitScale* scales[num_plain_kick_terms];
     for (int t = 0; t < num_plain_kick_terms; ++t)
-      scales[t] = &_scales[scaleIndex(t)];
+      scales[t] = &_scales[plainScale(t)];
     _lanes.foldInto(_sums, PlainKickTerms::index, scales);
     forOthers([&](auto& sums, int) { sums.foldInto(_sums, _scales); });
     _rows = 0;

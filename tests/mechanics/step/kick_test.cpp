@@ -1,4 +1,5 @@
-// The kick of packs of nodes against that of single nodes, bit for bit.
+// The kick of packs of nodes and that of a device against that of single nodes, bit for bit.
+#include "mechanics/ledger/sum_limbs.hpp"
 #include "mechanics/step/kick_kernel.hpp"
 #include "tests/mechanics/support/solver.hpp"
 
@@ -30,19 +31,21 @@ void compareWithNodes(Solver& solver) {
   setRandomly(solver);
   const HexMesh& mesh = solver.blocks.mesh;
   const View<double* [3]> velocity("test::velocity", mesh.num_nodes);
+  const View<double* [3]> before("test::velocity_before", mesh.num_nodes);
   Kokkos::deep_copy(velocity, solver.state.velocity);
+  Kokkos::deep_copy(before, solver.state.velocity);
   const SpeedTest test = {{0.1, 0, 0}, 0.7};
-  const KickNode<kinds> kickNode{mesh.reference_coordinates,
-                                 solver.state.displacement,
-                                 velocity,
-                                 solver.state.mass,
-                                 mesh.node_is_owned,
-                                 solver.forces.values,
-                                 solver.forces.quantum.value,
-                                 dt,
-                                 solver.boundary->during({0, dt}),
-                                 solver.scales,
-                                 test};
+  KickNode<kinds> kickNode{mesh.reference_coordinates,
+                           solver.state.displacement,
+                           velocity,
+                           solver.state.mass,
+                           mesh.node_is_owned,
+                           solver.forces.values,
+                           solver.forces.quantum.value,
+                           dt,
+                           solver.boundary->during({0, dt}),
+                           solver.scales,
+                           test};
   KickSums expected;
   Kokkos::parallel_reduce("test::kickNodes", rangePolicy(solver.space, mesh.num_nodes), kickNode,
                           PlusReducer<KickSums>(expected));
@@ -57,6 +60,19 @@ void compareWithNodes(Solver& solver) {
   for (int node = 0; node < mesh.num_nodes; ++node)
     for (int i = 0; i < 3; ++i)
       EXPECT_EQ(by_packs(node, i), by_nodes(node, i)) << "node " << node;
+
+  Kokkos::deep_copy(velocity, before);
+  kickNode.acts = solver.forces.acts;
+  KickSums strided =
+      sumStrided<num_kick_terms, true>("test::kickStrided", solver.space, mesh.num_nodes,
+                                       KickStrided<kinds>(kickNode, mesh.num_nodes));
+  strided.carry();
+  for (int k = 0; k < KickSums::size(); ++k)
+    EXPECT_EQ(strided.data()[k], expected.data()[k]) << "limb " << k;
+  const auto by_stride = toHost(velocity);
+  for (int node = 0; node < mesh.num_nodes; ++node)
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(by_stride(node, i), by_packs(node, i)) << "node " << node;
 }
 
 Solver makeSolver() {
