@@ -26,7 +26,8 @@ template <int N, class Functor>
 struct AddLimbsByTeams {
   static constexpr int team_size = 256, teams_at_once = 2, num_words = 3 * N + 1, words_at_once = 8,
                        sums_per_word = 32;
-  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>>;
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>,
+                                    launch_by_argument>;
   using member_type = typename policy::member_type;
 
   Functor functor;

@@ -49,7 +49,8 @@ struct TileForceArguments {
 
 template <MaterialModel model, class Shape>
 struct TileForces {
-  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<LatticeTile::max_columns, 4>>;
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<LatticeTile::max_columns, 4>,
+                                    launch_by_argument>;
   using member_type = typename policy::member_type;
 
   TileForceArguments a;
