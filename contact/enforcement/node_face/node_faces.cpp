@@ -266,15 +266,14 @@ void makeRecords(const exec_space& space, const Make& make) {
 
 void NodeFaces::updateRecords(const exec_space& space, const SweptBoxes& surface,
                               const RecordSelection& selection, const View<FaceRecord*>& records) {
-  const SweptBoxes s = surface;
-  makeRecords<!fills_lanes>(space, MakeRecords{s, selection, records});
+  makeRecords<!fills_lanes>(space, MakeRecords{surface, selection, records});
   const auto border_faces = _border_faces;
   const auto border_areas = _border_areas;
   Kokkos::parallel_for(
       "contact::NodeFaces::borderAreas",
       rangePolicy(space, static_cast<std::int64_t>(border_faces.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        const Vec3 area = areaVector(ownQuad(s, border_faces(i)));
+        const Vec3 area = areaVector(ownQuad(surface, border_faces(i)));
         for (int d = 0; d < 3; ++d)
           border_areas(i, d) = area[d];
       });
