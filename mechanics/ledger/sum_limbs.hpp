@@ -68,6 +68,15 @@ struct AddLimbsByTeams {
   }
 };
 
+// The same on a host: a thread takes one of `pieces` parts.
+template <int N, class Functor>
+struct AddPiece {
+  Functor functor;
+  std::int64_t pieces;
+
+  void operator()(const std::int64_t first, LimbSums<N>& all) const { functor(first, pieces, all); }
+};
+
 // The LimbSums of what functor(first, stride, sums) adds for the items first, first + stride, ... of
 // [0, n). `on_device` chooses the kernel. Fences.
 template <int N, bool on_device = !host_accessible, class Functor>
@@ -79,6 +88,7 @@ LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::i
     const int team_size = host_accessible ? 1 : +Teams::team_size;
     const std::int64_t fitting = maxOf(1, concurrency(space) * Teams::teams_at_once / 2048),
                        needed = maxOf<std::int64_t>(1, (n + team_size - 1) / team_size);
+    static_assert(Teams::scratchBytes() <= 48 * 1024, "scratch memory that every device has");
     const auto words = Kokkos::subview(wordsOfSums(sums.size()), std::make_pair(0, +sums.size()));
     Kokkos::deep_copy(space, words, 0);
     auto policy =
@@ -91,10 +101,8 @@ LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::i
                       words);
   } else {
     const std::int64_t pieces = minOf<std::int64_t>(n, concurrency(space));
-    Kokkos::parallel_reduce(
-        label, rangePolicy(space, pieces),
-        [=](const std::int64_t first, LimbSums<N>& all) { functor(first, pieces, all); },
-        PlusReducer<LimbSums<N>>(sums));
+    Kokkos::parallel_reduce(label, rangePolicy(space, pieces),
+                            AddPiece<N, Functor>{functor, pieces}, PlusReducer<LimbSums<N>>(sums));
   }
   space.fence();
   return sums;

@@ -72,6 +72,8 @@ public:
       // Every rank has the same error and the state of the last good step, which is written and
       // reported as at any other end.
       _breakdown = error.what();
+      if (!_checksums.empty())
+        print("checksums of the step that failed:" + _checksums);
     }
     if (_breakdown.empty() && (_config.checkpoint.any() || !_stopped.empty() || _out_of_time))
       writeCheckpoint();

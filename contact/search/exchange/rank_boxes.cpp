@@ -80,6 +80,7 @@ bool RankBoxes::hold(const SweptBoxes& surface, const OwnRankBoxes& own) const {
 void RankBoxes::gather(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
                        bool with_margin) {
   const Region timer("contact::search::rank_box_exchange");
+  node_boxes.clear(); // nothing holds after a throw
   rank = rankOf(comm);
   size = sizeOf(comm);
   std::int64_t sent[num_words];

@@ -73,6 +73,7 @@ struct TileForces {
   KOKKOS_INLINE_FUNCTION void operator()(const member_type& team, ForceSums& sums) const {
     const LatticeTile tile = a.tiles(first_tile + team.league_rank());
     const BrickLattice lattice = a.lattices(tile.lattice);
+    // The forces of a body at rest remain those of the start, which are zero.
     if (a.is_resting.extent(0) > 0 && a.is_resting(lattice.body) != 0)
       return;
     const int row = tile.count[0] + 1;

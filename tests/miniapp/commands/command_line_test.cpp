@@ -38,6 +38,13 @@ TEST(CommandLine, TakesTheOptionsOfLongRuns) {
   EXPECT_EQ(parse({"check", "--restart", "latest"}).exit_code, 2);
 }
 
+TEST(CommandLine, TakesNoFreeBricksWithChecksums) {
+  const CommandLine line = parse({"--checksums"});
+  ASSERT_TRUE(line.options.has_value()) << line.text;
+  EXPECT_EQ(line.options->overrides, std::vector<std::string>{"skip.free_bricks=false"});
+  EXPECT_EQ(parse({"check", "--checksums"}).exit_code, 2);
+}
+
 TEST(CommandLine, TakesCommandDeckAndOptionsInAnyOrder) {
   const CommandLine line =
       parse({"--set", "time.end=1", "check", "--kokkos-threads=2", "decks/a.b.toml", "-o", "here",
