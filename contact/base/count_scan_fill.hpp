@@ -5,7 +5,6 @@
 
 namespace brickwall {
 
-// A functor: nvcc may mix up the lambdas that an inline function has in several source files.
 struct ScanCounts {
   View<std::int64_t*> counts;
   std::int64_t n;

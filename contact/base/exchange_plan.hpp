@@ -169,7 +169,6 @@ struct AddReceived {
   }
 };
 
-// Functors: nvcc may mix up the lambdas that a template has in several source files.
 template <class SourceView>
 struct PackRow {
   SourceView source;

@@ -18,6 +18,24 @@ struct SplitScale {
   }
 };
 
+KOKKOS_FORCEINLINE_FUNCTION std::uint64_t patternOf(double value) {
+  std::uint64_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+// Adds the parts of split terms: the sums, modulo 2^64, of the bit patterns of `rows` terms with the
+// shifts of `scale`.
+KOKKOS_FORCEINLINE_FUNCTION void addParts(LimbSum& sum, std::uint64_t high_bits,
+                                          std::uint64_t low_bits, std::uint64_t rows,
+                                          const SplitScale& scale) {
+  const auto high = static_cast<std::int64_t>(high_bits - rows * patternOf(scale.high));
+  const auto low = static_cast<std::int64_t>(low_bits - rows * patternOf(scale.low));
+  sum.high += high >> 17;
+  sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
+  sum.tail += low & 0x3ffffffff;
+}
+
 template <int N, int W>
 class LaneSums {
 public:
@@ -35,7 +53,7 @@ public:
     const typename Real::vector low = (term.v - (high - scale.high)) + scale.low;
     _high[i] += (Bits)high;
     _low[i] += (Bits)low;
-    _misfit |= (Bits)high ^ bitsOf(scale.high);
+    _misfit |= (Bits)high ^ patternOf(scale.high);
   }
   void endRow() { ++_rows; }
 
@@ -45,14 +63,8 @@ public:
     if (_rows == 0)
       return;
     for (int i = 0; i < N; ++i)
-      for (int lane = 0; lane < W; ++lane) {
-        const std::int64_t high = difference(_high[i][lane], scales[i]->high);
-        const std::int64_t low = difference(_low[i][lane], scales[i]->low);
-        LimbSum& sum = sums.sum[index[i]];
-        sum.high += high >> 17;
-        sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
-        sum.tail += low & 0x3ffffffff;
-      }
+      for (int lane = 0; lane < W; ++lane)
+        addParts(sums.sum[index[i]], _high[i][lane], _low[i][lane], _rows, *scales[i]);
     bool fits = true; // the exponents equal those of the shifts
     for (int lane = 0; lane < W; ++lane)
       fits = fits && _misfit[lane] >> 52 == 0;
@@ -62,15 +74,6 @@ public:
   }
 
 private:
-  static std::uint64_t bitsOf(double value) {
-    std::uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-  }
-  // The sum of the integers in _rows bit patterns, modulo 2^64.
-  std::int64_t difference(std::uint64_t sum, double shift) const {
-    return static_cast<std::int64_t>(sum - _rows * bitsOf(shift));
-  }
   void clear() {
     for (int i = 0; i < N; ++i)
       _high[i] = _low[i] = Bits{};
@@ -91,9 +94,9 @@ public:
   KOKKOS_FORCEINLINE_FUNCTION void add(int i, double term, const SplitScale& scale) {
     const double high = term + scale.high;
     const double low = (term - (high - scale.high)) + scale.low;
-    _high[i] += bitsOf(high);
-    _low[i] += bitsOf(low);
-    _misfit |= bitsOf(high) ^ bitsOf(scale.high);
+    _high[i] += patternOf(high);
+    _low[i] += patternOf(low);
+    _misfit |= patternOf(high) ^ patternOf(scale.high);
   }
   KOKKOS_FORCEINLINE_FUNCTION void endRow() { ++_rows; }
   KOKKOS_FORCEINLINE_FUNCTION unsigned rows() const { return _rows; }
@@ -102,25 +105,13 @@ public:
   template <int M, class Index, class Scales>
   KOKKOS_INLINE_FUNCTION void foldInto(LimbSums<M>& sums, const Index& index,
                                        const Scales& scales) {
-    for (int i = 0; i < N; ++i) {
-      const auto high = static_cast<std::int64_t>(_high[i] - _rows * bitsOf(scales(i).high));
-      const auto low = static_cast<std::int64_t>(_low[i] - _rows * bitsOf(scales(i).low));
-      LimbSum& sum = sums.sum[index(i)];
-      sum.high += high >> 17;
-      sum.low += ((high & 0x1ffff) << 17) + (low >> 34);
-      sum.tail += low & 0x3ffffffff;
-    }
+    for (int i = 0; i < N; ++i)
+      addParts(sums.sum[index(i)], _high[i], _low[i], _rows, scales(i));
     sums.invalid += _misfit >> 52 != 0;
     *this = SplitSums();
   }
 
 private:
-  KOKKOS_FORCEINLINE_FUNCTION static std::uint64_t bitsOf(double value) {
-    std::uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-  }
-
   std::uint64_t _high[N] = {}, _low[N] = {}, _misfit = 0;
   unsigned _rows = 0;
 };

@@ -66,8 +66,7 @@ InternalForce::InternalForce(const exec_space& space, MPI_Comm comm, const HexMe
     _tiles = cutIntoTiles(space, mesh, shapes, _threads);
   }
   skipLattices(space, {});
-  const ElementChunks cut = cutIntoChunks(
-      space, mesh, shapes, _tiles.any() ? _tiles.on_host : _lattices.on_host, _threads);
+  const ElementChunks cut = cutIntoChunks(space, mesh, shapes, hostLattices(), _threads);
   _all_in_lattices = cut.all_in_lattices;
   _groups = cut.groups;
   _num_congruent_elems = countCongruent(mesh, shapes);
@@ -125,7 +124,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
     throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
   InternalForceResult result;
   result.has_energy = with_energy;
-  const bool skips_lattices = !viscosity.any() && (_tiles.any() || !_lattices.on_host.empty());
+  const bool skips_lattices = !viscosity.any() && !hostLattices().empty();
   ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
                            viscosity,   _quantum.inverse, _energy_scale, 0,
                            with_energy, skips_lattices,   _is_resting};
@@ -150,7 +149,7 @@ InternalForceResult InternalForce::add(const exec_space& space,
 
 std::int64_t InternalForce::numLatticeElems() const {
   std::int64_t count = 0;
-  for (const BrickLattice& lattice : _tiles.any() ? _tiles.on_host : _lattices.on_host)
+  for (const BrickLattice& lattice : hostLattices())
     count += lattice.numElems();
   return count;
 }

@@ -94,6 +94,11 @@ public:
   const ElementTables& tables() const { return _tables; }
 
 private:
+  // Of the method in use.
+  const std::vector<BrickLattice>& hostLattices() const {
+    return _tiles.any() ? _tiles.on_host : _lattices.on_host;
+  }
+
   ElementTables _tables;
   LatticeTables _lattices; // only with LatticeMethod::planes
   LatticeTiles _tiles; // only with LatticeMethod::tiles

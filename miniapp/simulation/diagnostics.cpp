@@ -146,28 +146,34 @@ mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation) {
                                     simulation.state().displacement);
 }
 
-Checksums checksums(const Simulation& simulation) {
-  const exec_space& space = simulation.space();
-  const mechanics::HexMesh& mesh = simulation.scene().mesh;
-  std::uint64_t nodes = 0, contacts = 0;
-  Kokkos::parallel_reduce("miniapp::checksums::nodes", rangePolicy(space, mesh.num_nodes),
-                          HashNode{mesh.node_ids, mesh.node_is_owned,
-                                   simulation.state().displacement, simulation.state().velocity},
-                          Kokkos::Sum<std::uint64_t>(nodes));
-  space.fence();
-  std::int64_t interactions = 0;
+Checksums contactChecksums(const Simulation& simulation) {
+  Checksums sums;
   const auto add = [&](const View<const global_id*>& ids, const contact::ContactHistory& history) {
-    contacts += contact::historyChecksum(space, ids, history);
-    interactions += history.count;
+    sums.contacts += contact::historyChecksum(simulation.space(), ids, history);
+    sums.interactions += history.count;
   };
   if (const ContactStep* contact = simulation.contact()) {
     add(contact->surface().node_ids, contact->enforcement().history());
     if (contact->edges())
       add(contact->edges()->nodeIds(), contact->edges()->history());
   }
+  return sums;
+}
+
+Checksums checksums(const Simulation& simulation) {
+  const exec_space& space = simulation.space();
+  const mechanics::HexMesh& mesh = simulation.scene().mesh;
+  std::uint64_t nodes = 0;
+  Kokkos::parallel_reduce("miniapp::checksums::nodes", rangePolicy(space, mesh.num_nodes),
+                          HashNode{mesh.node_ids, mesh.node_is_owned,
+                                   simulation.state().displacement, simulation.state().velocity},
+                          Kokkos::Sum<std::uint64_t>(nodes));
+  space.fence();
+  const Checksums of_contacts = contactChecksums(simulation);
   // Signed sums wrap in MPI as unsigned ones do.
-  std::int64_t sums[3] = {static_cast<std::int64_t>(nodes), static_cast<std::int64_t>(contacts),
-                          interactions};
+  std::int64_t sums[3] = {static_cast<std::int64_t>(nodes),
+                          static_cast<std::int64_t>(of_contacts.contacts),
+                          of_contacts.interactions};
   allReduce(simulation.comm(), sums, 3, MPI_SUM);
   return {static_cast<std::uint64_t>(sums[0]), static_cast<std::uint64_t>(sums[1]), sums[2]};
 }

@@ -57,6 +57,8 @@ struct Checksums {
   std::int64_t interactions = 0; // number of contacts
 };
 Checksums checksums(const Simulation& simulation); // collective
+// Of the contacts of this rank; nodes are left out.
+Checksums contactChecksums(const Simulation& simulation);
 
 // Elements of all ranks that are computed in a cheaper way.
 struct SpecialElements {

@@ -89,7 +89,7 @@ std::uint64_t hashOf(const Simulation& simulation, StepPart part) {
   case StepPart::velocity:
     return hashNodes(simulation, simulation.state().velocity, 0, 3);
   default: // contacts
-    return hashForces(simulation, mechanics::contact_force);
+    return hashForces(simulation, mechanics::contact_force) + contactChecksums(simulation).contacts;
   }
 }
 
@@ -106,8 +106,7 @@ std::uint64_t checksumOf(const Simulation& simulation, StepPart part) {
     return hashEnergies(simulation.balance());
   // Signed sums wrap in MPI as unsigned ones do.
   const auto own = static_cast<std::int64_t>(hashOf(simulation, part));
-  const auto sum = static_cast<std::uint64_t>(allReduce(simulation.comm(), own, MPI_SUM));
-  return part == StepPart::contacts ? sum + checksums(simulation).contacts : sum;
+  return static_cast<std::uint64_t>(allReduce(simulation.comm(), own, MPI_SUM));
 }
 
 } // namespace brickwall::miniapp

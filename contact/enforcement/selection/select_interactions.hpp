@@ -293,7 +293,7 @@ struct SelectInteractions {
     FaceContact* contacts =
         batch.crowded != nullptr ? batch.crowded : static_cast<FaceContact*>(local);
     int num_selected = 0;
-    const int num_rows = minOf(batch.num_rows, rows_at_once);
+    const int num_rows = minOf(batch.num_rows, rows_at_once); // 1 on devices: no loop
     for (int r = 0; r < num_rows; ++r) {
       if (num_selected > max_selected) {
         write.writeAll(contacts, num_selected, sums);

@@ -11,13 +11,6 @@ namespace {
 constexpr int clusters_per_chunk = cluster_size > 1 ? 64 : 16;
 constexpr int max_chunk_levels = 2; // a block of this level of the face tree, or of its top
 
-KOKKOS_INLINE_FUNCTION bool within(const float* sides, const FloatBounds& reach) {
-  bool inside = true;
-  for (int s = 0; s < 6; ++s)
-    inside &= sides[s] <= reach.side[s];
-  return inside;
-}
-
 // Emits the owned nodes of chunk i % num_chunks that may meet the rank box of partner i /
 // num_chunks.
 struct NodesNearPartner {
@@ -34,11 +27,11 @@ struct NodesNearPartner {
     const auto first = static_cast<int>(i % num_chunks * clusters_per_chunk);
     const int end = minOf(first + clusters_per_chunk, num_clusters);
     for (int cluster = first; cluster < end; ++cluster) {
-      if (!within(&cluster_bounds(std::int64_t(6) * cluster), limit))
+      if (!isWithin(&cluster_bounds(std::int64_t(6) * cluster), limit))
         continue;
       for (int lane = 0; lane < cluster_size; ++lane) {
         const std::int64_t position = std::int64_t(cluster) * cluster_size + lane;
-        if ((owned(cluster) >> lane & 1u) != 0 && within(&node_bounds(6 * position), limit))
+        if ((owned(cluster) >> lane & 1u) != 0 && isWithin(&node_bounds(6 * position), limit))
           sink(node_order(position));
       }
     }
@@ -58,7 +51,7 @@ struct BlocksNearPartner {
     const FloatBounds& limit = reach(i / num_chunks);
     if (level == 0) { // a single block, whose union is not stored
       const FloatBounds all = unionOfBlock(faces.block(0, 0));
-      if (within(all.side, limit))
+      if (isWithin(all.side, limit))
         sink(0);
       return;
     }

@@ -130,12 +130,6 @@ struct FindRowsOfGroups {
     return position < num_nodes &&
            (test.order.owned(position / cluster_size) >> position % cluster_size & 1u) != 0;
   }
-  KOKKOS_FORCEINLINE_FUNCTION static bool within(const FloatBounds& box, const FloatBounds& reach) {
-    bool inside = true;
-    for (int s = 0; s < 6; ++s)
-      inside &= box.side[s] <= reach.side[s];
-    return inside;
-  }
   KOKKOS_FORCEINLINE_FUNCTION static int bitsBelow(unsigned bits, int lane) {
     return countBits(bits & ((1u << lane) - 1));
   }
@@ -172,7 +166,7 @@ struct FindRowsOfGroups {
       const unsigned near = lanesWhere(team, [&](const int lane) {
         const int i = first + lane / block_size;
         return i < count &&
-               within(boundsOfLane(tree.block(level, blocks[i]), lane % block_size), all);
+               isWithin(boundsOfLane(tree.block(level, blocks[i]), lane % block_size).side, all);
       });
       forLanes(team, [&](const int lane) {
         const int to = found + bitsBelow(near, lane);
@@ -195,7 +189,7 @@ struct FindRowsOfGroups {
       if (i >= count)
         return false;
       box[lane] = boundsOfLane(tree.block(0, blocks[i]), lane % block_size);
-      return within(box[lane], scratch.all);
+      return isWithin(box[lane].side, scratch.all);
     });
     if (near == 0)
       return;
@@ -231,7 +225,7 @@ struct FindRowsOfGroups {
       unsigned hits = 0;
       for (int i = 0; i < num_near; ++i) {
         const NearFace& face = scratch.near[i];
-        const bool is_hit = within(face.box, reach) & ((face.own & self) == 0);
+        const bool is_hit = isWithin(face.box.side, reach) & ((face.own & self) == 0);
         hits |= static_cast<unsigned>(is_hit) << i;
       }
       for (; hits != 0; hits &= hits - 1) {

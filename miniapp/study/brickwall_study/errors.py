@@ -29,6 +29,16 @@ def run_main(name, main):
         return PASSED
 
 
+def read_parsed(path, parse, fault=""):
+    """parse(text of the file). Raises InputError; `fault` precedes the message of the parser."""
+    try:
+        return parse(path.read_text())
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {fault}{error}") from None
+
+
 def write_text(path, text):
     """Writes a file whole or not at all. Raises OutputError."""
     path = Path(path)

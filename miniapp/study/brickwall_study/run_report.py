@@ -6,7 +6,7 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, read_parsed
 
 SCHEMAS = {"brickwall-report-1": "run", "brickwall-search-1": "search"}
 FILES = ("report.json", "search.json")
@@ -115,12 +115,7 @@ class Fields:
 def read_run(path):
     """The Run of a report.json or search.json. Raises InputError."""
     path = Path(path)
-    try:
-        data = json.loads(path.read_text())
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: no JSON, or a truncated file: {error}") from None
+    data = read_parsed(path, json.loads, "no JSON, or a truncated file: ")
     fields = Fields(path, data)
     schema = data.get("schema")
     if not isinstance(schema, str) or schema not in SCHEMAS:

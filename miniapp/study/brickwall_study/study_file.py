@@ -5,7 +5,7 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, read_parsed
 from .launch import spell
 from .problem_size import enlarged, factor_of_share
 
@@ -61,12 +61,7 @@ def read_study(path, program, cores, ranks=None, threads=None):
     """The Study of a file. `program` is the one that runs where the file names none; `ranks` and `threads` replace
     those of the file. Raises InputError for the first fault."""
     path = Path(path)
-    try:
-        data = tomllib.loads(path.read_text())
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+    data = read_parsed(path, tomllib.loads)
     check_keys(f"{path}", data, FILE)
     if "case" not in data:
         raise InputError(f"{path}: found no [[case]], expected at least one")
