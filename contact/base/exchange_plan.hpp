@@ -249,8 +249,13 @@ public:
   // in any order.
   template <class ViewType>
   void reverseSum(const exec_space& space, const ViewType& values) {
-    static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
-    transfer(space, values, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
+    reverseSum(space, values, values);
+  }
+  // Ghost to owner between two arrays: target(send_row, :) += the partner's source(receive_row, :).
+  template <class SourceView, class TargetView>
+  void reverseSum(const exec_space& space, const SourceView& source, const TargetView& target) {
+    static_assert(std::is_same_v<typename TargetView::non_const_value_type, std::int64_t>);
+    transfer(space, source, target, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
              AddReceived());
   }
   // Adds every partner's partial sums to this rank's, where both list the same rows to send and to

@@ -5,6 +5,7 @@
 
 #include <zoltan.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -27,6 +28,7 @@ void checkZoltan(int code, const char* call) {
 struct Points {
   const std::vector<global_id>* ids;
   const std::vector<double>* coordinates;
+  const std::vector<float>* weights;
 };
 const Points& pointsOf(void* data) {
   return *static_cast<const Points*>(data);
@@ -36,10 +38,13 @@ int numPoints(void* data, int* error) {
   *error = ZOLTAN_OK;
   return static_cast<int>(pointsOf(data).ids->size());
 }
-void listPoints(void* data, int, int, ZOLTAN_ID_PTR ids, ZOLTAN_ID_PTR, int, float*, int* error) {
+void listPoints(void* data, int, int, ZOLTAN_ID_PTR ids, ZOLTAN_ID_PTR, int weights_per_point,
+                float* weights, int* error) {
   const auto& from = *pointsOf(data).ids;
   if (!from.empty())
     std::memcpy(ids, from.data(), from.size() * sizeof(global_id));
+  if (weights_per_point > 0)
+    std::copy(pointsOf(data).weights->begin(), pointsOf(data).weights->end(), weights);
   *error = ZOLTAN_OK;
 }
 int numDimensions(void*, int* error) {
@@ -60,7 +65,7 @@ struct Destroy {
 };
 using ZoltanHandle = std::unique_ptr<Zoltan_Struct, Destroy>;
 
-ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
+ZoltanHandle createRcb(MPI_Comm comm, const Points& points, bool has_weights) {
   float version = 0;
   checkZoltan(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
   ZoltanHandle zoltan(Zoltan_Create(comm));
@@ -70,7 +75,7 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
   const char* settings[][2] = {
       {"DEBUG_LEVEL", "0"},         {"LB_METHOD", "RCB"},
       {"LB_APPROACH", "PARTITION"}, {"NUM_GID_ENTRIES", words.c_str()},
-      {"NUM_LID_ENTRIES", "0"},     {"OBJ_WEIGHT_DIM", "0"},
+      {"NUM_LID_ENTRIES", "0"},     {"OBJ_WEIGHT_DIM", has_weights ? "1" : "0"},
       {"RETURN_LISTS", "EXPORT"},   {"RCB_OUTPUT_LEVEL", "0"},
       {"CHECK_GEOM", "0"},
   };
@@ -88,14 +93,16 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points) {
 } // namespace
 
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
-                                 const std::vector<double>& points) {
+                                 const std::vector<double>& points,
+                                 const std::vector<float>& weights) {
   const std::int64_t num_points = allReduce(comm, static_cast<std::int64_t>(ids.size()), MPI_SUM);
   if (sizeOf(comm) == 1 || num_points == 0) // RCB fails without points
     return std::vector<int>(ids.size(), 0);
   rethrowOnAllRanks(comm,
                     [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
-  const Points mine{&ids, &points};
-  const ZoltanHandle zoltan = createRcb(comm, mine);
+  const Points mine{&ids, &points, &weights};
+  const bool has_weights = allReduce(comm, weights.empty() ? 0 : 1, MPI_MAX) > 0;
+  const ZoltanHandle zoltan = createRcb(comm, mine, has_weights);
 
   int changed = 0, gid_words = 0, lid_words = 0, num_import = 0, num_export = 0;
   ZOLTAN_ID_PTR import_gids = nullptr, import_lids = nullptr;

@@ -122,12 +122,14 @@ struct ContactConfig : contact::EnforcementConfig {
 
 // [search]
 using contact::SearchMethod;
+enum class Decomposition { primary, surface, automatic };
 struct SearchConfig {
   SearchMethod method = contact::SearchConfig().method;
   // reuse.margin over the shortest edge: the lists are kept until nodes have moved half of it; 0: a
   // search in every step
   double margin = 0.1;
   bool has_margin = false; // given by the deck
+  Decomposition decomposition = Decomposition::primary; // miniapp/simulation/contact_balance.hpp
   std::int64_t audit =
       0; // steps between audits, which count the pairs that the lists miss; 0: none
   // `brickwall search` only

@@ -50,6 +50,9 @@ void searchKeys(BlockKeys& keys, SearchConfig& search) {
   keys.add("method", search.method,
            "sorted clusters that are kept and refitted; the scheme of the paper; plain serial "
            "loops");
+  keys.add("decomposition", search.decomposition,
+           "ranks on which faces are searched and enforced: those of their elements; balanced by "
+           "Zoltan; auto: balanced where that pays (brickwall run)");
   keys.add("jitter", search.jitter,
            "random displacement of the nodes, over an edge (brickwall search)")
       .atLeast(0)

@@ -45,6 +45,11 @@ Words<contact::SearchMethod> wordsOf(contact::SearchMethod) {
           {"paper", SearchMethod::paper},
           {"reference", SearchMethod::reference}};
 }
+Words<Decomposition> wordsOf(Decomposition) {
+  return {{"primary", Decomposition::primary},
+          {"surface", Decomposition::surface},
+          {"auto", Decomposition::automatic}};
+}
 Words<StepBound> wordsOf(StepBound) {
   return {{"lanczos", StepBound::lanczos}, {"element", StepBound::element}};
 }

@@ -34,6 +34,7 @@ Words<contact::Scheme> wordsOf(contact::Scheme);
 Words<SelfContact> wordsOf(SelfContact);
 Words<GuardAction> wordsOf(GuardAction);
 Words<contact::SearchMethod> wordsOf(contact::SearchMethod);
+Words<Decomposition> wordsOf(Decomposition);
 Words<StepBound> wordsOf(StepBound);
 Words<io::FileFormat> wordsOf(io::FileFormat);
 Words<Precision> wordsOf(Precision);

@@ -302,6 +302,8 @@ std::string reportJson(const RunReport& r) {
                     {"searches", r.contact.searches},
                     {"steps_per_search", stepsPerSearch(r.contact)},
                     {"rank_box_exchanges", r.contact.rank_box_exchanges},
+                    {"decomposition", r.search.decomposition},
+                    {"distributions", r.contact.distributions},
                     {"seconds_per_step", r.search.seconds_per_step},
                     {"ghost_faces", r.contact.ghost_faces},
                     {"candidate_pairs", r.contact.candidate_pairs},

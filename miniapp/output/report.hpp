@@ -36,6 +36,7 @@ std::string versionText();
 // The search that the deck asks for, and the time that it took.
 struct SearchReport {
   std::string method; // search.method
+  std::string decomposition; // search.decomposition
   double margin = 0; // search.reuse.margin
   std::int64_t audit = 0; // search.audit; 0 without contact
   bool drops_same_body = false; // pairs of a node and a face of its own body are dropped

@@ -19,26 +19,6 @@ const std::vector<std::string> element_names = {"stress_xx", "stress_yy",     "s
                                                 "stress_xy", "stress_yz",     "stress_zx",
                                                 "pressure",  "energy_density"};
 
-// Status and gap of the nodes owned here as message words. Only the owner of a node knows its
-// contacts: the words of all other sharers are zero, so that a sum forwards the bits of the owner.
-void packContact(const exec_space& space, const Scene& scene,
-                 const contact::Enforcement& enforcement, const View<std::int64_t**>& words) {
-  Kokkos::deep_copy(space, words, 0);
-  const auto surface_to_node = scene.skin.surface_to_node;
-  const auto is_owned = scene.mesh.node_is_owned;
-  const auto status = enforcement.status();
-  const auto gap = enforcement.gap();
-  Kokkos::parallel_for(
-      "miniapp::ResultsWriter::packContact", rangePolicy(space, scene.skin.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        const int node = surface_to_node(i);
-        if (!is_owned(node))
-          return;
-        words(node, 0) = status(i);
-        words(node, 1) = toWord(gap(i));
-      });
-}
-
 io::ResultsConfig asTemporary(io::ResultsConfig config) {
   config.temporary_suffix = ".new";
   return config;
@@ -108,11 +88,10 @@ void Results::fillNodal(Simulation& simulation) {
     }
 }
 
-void Results::fillContact(const Simulation& simulation) {
+void Results::fillContact(Simulation& simulation) {
   if (!simulation.contact())
     return;
-  packContact(_space, _scene, simulation.contact()->enforcement(), _contact_words);
-  _shared.sum(_space, _contact_words);
+  simulation.contact()->statusOnMesh(_shared, _contact_words);
   const auto host = toHost(_contact_words);
   for (int node = 0; node < _scene.mesh.num_nodes; ++node) {
     _nodal[9][node] = static_cast<double>(host(node, 0));

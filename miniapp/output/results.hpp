@@ -32,7 +32,7 @@ private:
   Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& config,
           const Scene& scene);
   void fillNodal(Simulation& simulation);
-  void fillContact(const Simulation& simulation);
+  void fillContact(Simulation& simulation);
   void fillElement(Simulation& simulation);
 
   exec_space _space;

@@ -43,9 +43,9 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.has_contact = config.contact.enabled;
   report.contact = contactCounts(simulation);
   report.counts_over_ranks = countsOverRanks(simulation);
-  report.search = {nameOf(config.search.method), config.search.margin,
-                   config.contact.enabled ? config.search.audit : 0, dropsSameBody(config),
-                   recorder.medianPerStep("contact::search")};
+  report.search = {nameOf(config.search.method), nameOf(config.search.decomposition),
+                   config.search.margin,         config.contact.enabled ? config.search.audit : 0,
+                   dropsSameBody(config),        recorder.medianPerStep("contact::search")};
   report.time_step = stepReport(config, simulation);
   report.balance = simulation.balance();
   report.skipped = skippedWork(config, simulation, report.contact, report.elements);

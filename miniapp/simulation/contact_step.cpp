@@ -1,6 +1,7 @@
 #include "miniapp/simulation/contact_step.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
@@ -36,27 +37,37 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
                          const Scene& scene, const mechanics::BoundaryConditions& boundary,
                          const View<const double* [3]>& displacement, double dt,
                          const Quantum& force_quantum, const LimbScale& energy_scale)
-    : _comm(comm), _config(config), _scene(scene), _space(space),
+    : _comm(comm), _config(config), _scene(scene), _space(space), _dt(dt),
+      _force_quantum(force_quantum), _energy_scale(energy_scale),
       _box_tolerance(boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge)),
       _search_tolerance(_box_tolerance), _coupling(space, scene, boundary),
       _search(comm, searchConfig(config, _box_tolerance, dropsSameBody(config)),
               config.search.margin * scene.shortest_edge),
-      _guard(config, 2 * _box_tolerance, dt) {
-  const contact::EnforcementConfig enforcement = enforcementConfig(config, scene.shortest_edge, dt);
+      _guard(config, 2 * _box_tolerance, dt), _balance(comm, 0) {
   _coupling.resetCoordinates(space, displacement);
   refuseDeepOverlaps(space, comm, config, scene, surface(), displacement);
-  const contact::FeatureEdges features = contact::findFeatureEdges(comm, surface());
-  _coupling.setTrueEdges(space, features.true_edges);
+  distributeAtStart(displacement);
+  const Stopwatch time;
+  makeEnforcement();
+  _balance = ContactBalance(comm, time.seconds());
+}
+
+// The surface is at its initial position.
+void ContactStep::makeEnforcement() {
+  const contact::EnforcementConfig enforcement =
+      enforcementConfig(_config, _scene.shortest_edge, _dt);
+  const contact::FeatureEdges features = contact::findFeatureEdges(_comm, surface());
+  _coupling.setTrueEdges(_space, features.true_edges);
   _enforcement = std::make_unique<contact::Enforcement>(
-      space, comm, surface(), _coupling.nodeMass(), enforcement, force_quantum, energy_scale);
-  if (!config.contact.edges)
+      _space, _comm, surface(), _coupling.nodeMass(), enforcement, _force_quantum, _energy_scale);
+  if (!_config.contact.edges)
     return;
   _edges = std::make_unique<contact::EdgeContact>(
-      space, comm, surface(), features, _coupling.nodeMass(),
-      searchConfig(config, _box_tolerance, dropsSameBody(config)),
-      maxOf(_search.margin(), edge_margin * scene.shortest_edge), enforcement, force_quantum,
-      energy_scale);
-  if (allReduce(comm, _edges->numEdges(), MPI_SUM) == 0)
+      _space, _comm, surface(), features, _coupling.nodeMass(),
+      searchConfig(_config, _box_tolerance, dropsSameBody(_config)),
+      maxOf(_search.margin(), edge_margin * _scene.shortest_edge), enforcement, _force_quantum,
+      _energy_scale);
+  if (allReduce(_comm, _edges->numEdges(), MPI_SUM) == 0)
     _edges.reset(); // all bodies are smooth
 }
 
@@ -88,9 +99,11 @@ void ContactStep::setSearchTolerance(double tolerance) {
 }
 
 void ContactStep::findCandidates() {
+  const Stopwatch time;
   _search.update(_space, surface());
   if (_edges)
     _edges->findCandidates(_space, surface());
+  _balance.addTime(time.seconds());
 }
 
 void ContactStep::auditCandidates() {
@@ -123,6 +136,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
                                               const mechanics::NodalState& state,
                                               const mechanics::BoundaryConditions& boundary,
                                               mechanics::SharedNodeSum& shared) {
+  const Stopwatch time;
   const contact::Surface surface = _coupling.surface();
   const auto sum_forces = [&](const contact::ContactForces& contact_forces) {
     _coupling.sumContactForces(_space, contact_forces, _search, shared);
@@ -147,7 +161,28 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     sum_forces(_enforcement->forces());
     restoreForces(forces);
   }
+  _balance.addTime(time.seconds());
   return sums;
+}
+
+void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
+                               const View<std::int64_t**>& of_mesh) {
+  const contact::Surface surface = _coupling.surface();
+  const View<std::int64_t**> words("miniapp::ContactStep::status", surface.num_nodes, 2);
+  const auto is_owned = surface.node_is_owned;
+  const auto status = _enforcement->status();
+  const auto gap = _enforcement->gap();
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::packStatus", rangePolicy(_space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        if (!is_owned(i)) // the sum then forwards the bits of the owner
+          return;
+        words(i, 0) = status(i);
+        words(i, 1) = toWord(gap(i));
+      });
+  Kokkos::deep_copy(_space, of_mesh, 0);
+  _coupling.addToMesh(_space, words, of_mesh);
+  shared.sum(_space, of_mesh);
 }
 
 void ContactStep::countDeepContacts(const contact::EnforcementSums& sums,

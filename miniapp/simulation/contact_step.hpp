@@ -7,6 +7,7 @@
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/search/candidate_search.hpp"
+#include "miniapp/simulation/contact_balance.hpp"
 #include "miniapp/simulation/host_counts.hpp"
 #include "miniapp/simulation/step_controller.hpp"
 #include "miniapp/simulation/surface_coupling.hpp"
@@ -97,6 +98,17 @@ public:
               const View<const double* [3]>& displacement, double dt, const Quantum& force_quantum,
               const LimbScale& energy_scale);
 
+  // Moves faces to other ranks if the work of ranks has differed long enough (search.decomposition).
+  // The surface is at X + `displacement`; `sums` are those of the last step and become those that the
+  // next one reads. Between steps; collective.
+  void balance(std::int64_t step, const View<const double* [3]>& displacement,
+               contact::EnforcementSums& sums);
+
+  // The same at once: primary face f goes to rank_of_face[f], or to the rank of its element if that
+  // is empty on all ranks. Nothing is done on one rank, or with the decomposition "primary".
+  void distribute(const std::vector<int>& rank_of_face, const View<const double* [3]>& displacement,
+                  contact::EnforcementSums& sums);
+
   // The surface after a drift: x^n := x^{n+1}, x^{n+1} := X + `displacement`.
   void moveSurface(const View<const double* [3]>& displacement) {
     _coupling.gatherCoordinates(_space, displacement);
@@ -131,6 +143,9 @@ public:
   void restoreForces(const mechanics::NodalForces& forces) const {
     _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
   }
+  // Status and gap of Enforcement as words [mesh node][2]: sums over the ranks that share a node.
+  // Collective.
+  void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& words);
   // Whether any rank had contact forces in the last step.
   bool hasForces() const { return _enforcement->hasForces(); }
   // This rank's share of contact in the energy balance. Once per step.
@@ -141,6 +156,8 @@ public:
   void countDeepContacts(const contact::EnforcementSums& sums, mechanics::StepCounts& counts) const;
 
   contact::Surface surface() const { return _coupling.surface(); }
+  std::int64_t distributions() const { return _balance.distributions(); } // of faces over ranks
+  bool isDistributed() const { return _coupling.isDistributed(); }
   const contact::CandidateSearch& search() const { return _search; }
   const contact::Enforcement& enforcement() const { return *_enforcement; }
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
@@ -161,6 +178,11 @@ public:
                contact::EnforcementSums& sums);
 
 private:
+  void makeEnforcement();
+  bool mayBeDistributed() const;
+  void distributeAtStart(const View<const double* [3]>& displacement);
+  std::vector<int> ranksOfFaces();
+  View<std::int64_t**> sweptBoxesOnMesh();
   void setSearchTolerance(double tolerance);
   void restoreLists(const ContactRestart& data);
   double toleranceFor(double deepest) const;
@@ -169,6 +191,10 @@ private:
   const Config& _config;
   const Scene& _scene;
   exec_space _space;
+  double _dt; // reference step at the start
+  Quantum _force_quantum;
+  LimbScale _energy_scale;
+  View<double* [3]> _initial; // displacement at the start, if the surface may be distributed
   double _box_tolerance; // of nodes and of faces, length: that of the deck
   double _search_tolerance; // that in use, not smaller
   SurfaceCoupling _coupling;
@@ -177,6 +203,7 @@ private:
   std::unique_ptr<contact::EdgeContact> _edges;
   TunnellingGuard _guard;
   ContactLedger _ledger;
+  ContactBalance _balance;
   // since the start
   std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
   std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks

@@ -92,6 +92,7 @@ ContactCounts contactCounts(const Simulation& simulation) {
   counts.searches = search.searches();
   counts.updates = search.updates();
   counts.rank_box_exchanges = search.rankBoxExchanges();
+  counts.distributions = contact->distributions();
   counts.ghost_faces = sums[0];
   counts.candidate_pairs = sums[1];
   counts.active = sums[2];
@@ -109,9 +110,10 @@ std::vector<RankCount> countsOverRanks(const Simulation& simulation) {
                       allReduce(simulation.comm(), count, MPI_SUM), sizeOf(simulation.comm())});
   };
   const Scene& scene = simulation.scene();
+  const ContactStep* contact = simulation.contact();
   add("elements", scene.part.numElems());
-  add("faces", scene.skin.num_faces);
-  if (const ContactStep* contact = simulation.contact()) {
+  add("faces", contact ? contact->surface().num_faces : scene.skin.num_faces);
+  if (contact) {
     add("ghost_faces", contact->search().ghosts().count);
     add("candidate_pairs", contact->search().pairs().count);
     add("active_contacts", simulation.lastStep().contact.active());

@@ -15,6 +15,7 @@ struct ContactCounts {
   std::int64_t updates =
       0; // since the start: searches and steps that kept the lists of the last one
   std::int64_t rank_box_exchanges = 0; // since the start or the restart
+  std::int64_t distributions = 0; // of faces over ranks, likewise
   std::int64_t ghost_faces = 0;
   std::int64_t candidate_pairs = 0;
   std::int64_t active = 0;

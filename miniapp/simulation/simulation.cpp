@@ -10,8 +10,10 @@ namespace brickwall::miniapp {
 
 // The start is a step without a drift: verbs that follow from motion do nothing then.
 void Simulation::runVerbs(bool moves) {
-  if (moves)
+  if (moves) {
+    balanceContact();
     moveNodes();
+  }
   findContactCandidates();
   guardAgainstTunnelling();
   finish(StepPart::displacement);
@@ -35,6 +37,11 @@ void Simulation::runVerbs(bool moves) {
 void Simulation::finish(StepPart part) const {
   if (_observer)
     _observer(part);
+}
+
+void Simulation::balanceContact() {
+  if (_contact)
+    _contact->balance(clock().step, _state.displacement, _step.contact);
 }
 
 void Simulation::moveNodes() {

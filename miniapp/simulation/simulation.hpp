@@ -85,6 +85,10 @@ public:
   SimulationRestart restartData() const;
   // In place of start(), which an earlier run has done. Collective.
   void restore(const SimulationRestart& data);
+  // Between steps: distributes the faces of contact (ContactStep::distribute). Collective.
+  void distributeContact(const std::vector<int>& rank_of_face) {
+    _contact->distribute(rank_of_face, _state.displacement, _step.contact);
+  }
   void extendTo(double end) { _steps.extendTo(end); } // see StepController
 
   MPI_Comm comm() const { return _comm; }
@@ -115,6 +119,7 @@ public:
 private:
   // The verbs of a step. Those that involve MPI are collective.
   void runVerbs(bool moves);
+  void balanceContact();
   void moveNodes();
   void findContactCandidates();
   void guardAgainstTunnelling();

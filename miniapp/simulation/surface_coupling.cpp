@@ -1,5 +1,6 @@
 #include "miniapp/simulation/surface_coupling.hpp"
 
+#include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "mechanics/step/nodal_motion.hpp"
 
@@ -130,17 +131,41 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
           space, "miniapp::SurfaceCoupling::contact_forces", scene.mesh.num_nodes, 3)),
       _accelerations(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::accelerations",
                                                  scene.skin.num_nodes)) {
-  fillNodes(space, scene, _surface);
-  fillFaces(space, scene, _node_mass, _attributes, _surface);
+  fillNodes(space, scene, _primary);
+  fillFaces(space, scene, _node_mass, _attributes, _primary);
+}
+
+void SurfaceCoupling::distribute(const exec_space& space, MPI_Comm comm,
+                                 const std::vector<int>& rank_of_face) {
+  const bool is_primary = allReduce(comm, int(rank_of_face.size()), MPI_MAX) == 0;
+  _secondary.reset();
+  if (is_primary)
+    return;
+  contact::SecondarySurface surface(space, comm, _primary, rank_of_face);
+  const int num_nodes = surface.surface().num_nodes;
+  const auto vectors = [&](const char* label) {
+    return allocate<View<double* [3]>>(
+        space, std::string("miniapp::SurfaceCoupling::secondary_") + label, num_nodes);
+  };
+  const auto node_mass =
+      allocate<View<double*>>(space, "miniapp::SurfaceCoupling::secondary_node_mass", num_nodes);
+  surface.forward(space, View<const double* [1]>(_node_mass.data(), _node_mass.extent(0)),
+                  View<double* [1]>(node_mass.data(), num_nodes));
+  _secondary = std::make_unique<Secondary>(Secondary{std::move(surface),
+                                                     vectors("x_old"),
+                                                     vectors("x_new"),
+                                                     vectors("accelerations"),
+                                                     node_mass,
+                                                     {}});
 }
 
 void SurfaceCoupling::setTrueEdges(const exec_space& space,
                                    const std::vector<unsigned char>& true_edges) {
   const auto masks =
       toDevice<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::true_edges", true_edges);
-  const auto attributes = _attributes;
+  const auto attributes = _secondary ? _secondary->surface.attributes() : _attributes;
   Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::setTrueEdges", rangePolicy(space, _surface.num_faces),
+      "miniapp::SurfaceCoupling::setTrueEdges", rangePolicy(space, surface().num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         contact::attributesAt<contact::FaceAttributes>(attributes, face).feature_edges =
             masks(face);
@@ -150,6 +175,8 @@ void SurfaceCoupling::setTrueEdges(const exec_space& space,
 void SurfaceCoupling::gatherCoordinates(const exec_space& space,
                                         const View<const double* [3]>& displacement) {
   std::swap(_old, _new);
+  if (_secondary)
+    std::swap(_secondary->old, _secondary->now);
   gatherAgain(space, displacement);
 }
 
@@ -159,25 +186,74 @@ void SurfaceCoupling::gatherAgain(const exec_space& space,
   const auto X = _reference;
   const auto x = _new;
   Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::gatherCoordinates", rangePolicy(space, _surface.num_nodes),
+      "miniapp::SurfaceCoupling::gatherCoordinates", rangePolicy(space, _primary.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         for (int d = 0; d < 3; ++d)
           x(i, d) = X(node, d) + displacement(node, d);
       });
+  if (_secondary)
+    _secondary->surface.forward(space, _new, _secondary->now);
 }
 
 void SurfaceCoupling::resetCoordinates(const exec_space& space,
                                        const View<const double* [3]>& displacement) {
   gatherCoordinates(space, displacement);
   Kokkos::deep_copy(space, _old, _new);
+  if (_secondary)
+    Kokkos::deep_copy(space, _secondary->old, _secondary->now);
 }
 
 contact::Surface SurfaceCoupling::surface() const {
-  contact::Surface surface = _surface;
-  surface.coordinates_old = _old;
-  surface.coordinates_new = _new;
+  contact::Surface surface = _secondary ? _secondary->surface.surface() : _primary;
+  surface.coordinates_old = _secondary ? _secondary->old : _old;
+  surface.coordinates_new = _secondary ? _secondary->now : _new;
   return surface;
+}
+
+const View<std::int64_t**>& SurfaceCoupling::Secondary::ofPrimary(const exec_space& space,
+                                                                  std::size_t num_nodes,
+                                                                  std::size_t width) {
+  if (of_primary.extent(1) != width)
+    of_primary = allocate<View<std::int64_t**>>(space, "miniapp::SurfaceCoupling::of_primary",
+                                                num_nodes, width);
+  return of_primary;
+}
+
+void SurfaceCoupling::addToMesh(const exec_space& space, const View<std::int64_t**>& values,
+                                const View<std::int64_t**>& of_mesh) {
+  View<std::int64_t**> sums = values;
+  if (_secondary) {
+    sums = _secondary->ofPrimary(space, _primary.num_nodes, values.extent(1));
+    Kokkos::deep_copy(space, sums, 0);
+    _secondary->surface.reverseSum(space, values, sums);
+  }
+  const auto surface_to_node = _surface_to_node;
+  const auto width = static_cast<int>(values.extent(1));
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _primary.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int w = 0; w < width; ++w)
+          of_mesh(surface_to_node(i), w) = sums(i, w);
+      });
+}
+
+void SurfaceCoupling::takeFromMesh(const exec_space& space,
+                                   const View<const std::int64_t**>& of_mesh,
+                                   const View<std::int64_t**>& values) {
+  View<std::int64_t**> of_primary = values;
+  if (_secondary)
+    of_primary = _secondary->ofPrimary(space, _primary.num_nodes, values.extent(1));
+  const auto surface_to_node = _surface_to_node;
+  const auto width = static_cast<int>(values.extent(1));
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::toSurface", rangePolicy(space, _primary.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int w = 0; w < width; ++w)
+          of_primary(i, w) = of_mesh(surface_to_node(i), w);
+      });
+  if (_secondary)
+    _secondary->surface.forward(space, of_primary, values);
 }
 
 void SurfaceCoupling::sumContactForces(const exec_space& space,
@@ -186,33 +262,31 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        mechanics::SharedNodeSum& shared) {
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
-    search.reverseSum(space, _surface.face_to_nodes, forces.ghost_corners, forces.nodes);
-  if (shared.partners().empty())
+    search.reverseSum(space, surface().face_to_nodes, forces.ghost_corners, forces.nodes);
+  if (!_secondary && shared.partners().empty())
     return;
-  const auto surface_to_node = _surface_to_node;
-  const auto nodes = forces.nodes;
-  const auto totals = _contact_forces;
-  Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int d = 0; d < 3; ++d)
-          totals(surface_to_node(i), d) = nodes(i, d);
-      });
-  shared.sum(space, totals);
-  Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::toSurface", rangePolicy(space, _surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int d = 0; d < 3; ++d)
-          nodes(i, d) = totals(surface_to_node(i), d);
-      });
+  addToMesh(space, forces.nodes, _contact_forces);
+  shared.sum(space, _contact_forces);
+  takeFromMesh(space, _contact_forces, forces.nodes);
 }
 
 void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& list,
                                          const contact::ContactForces& forces,
                                          const mechanics::NodalForces& target) const {
   const auto surface_to_node = _surface_to_node;
-  const auto totals = forces.nodes;
   const auto values = target.values;
+  if (_secondary) { // whose totals are on the mesh
+    const auto totals = _contact_forces;
+    Kokkos::parallel_for(
+        "miniapp::SurfaceCoupling::storeTotals", rangePolicy(space, _primary.num_nodes),
+        KOKKOS_LAMBDA(const std::int64_t i) {
+          const int node = surface_to_node(i);
+          for (int d = 0; d < 3; ++d)
+            values(node, 3 * mechanics::contact_force + d) = totals(node, d);
+        });
+    return;
+  }
+  const auto totals = forces.nodes;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
@@ -223,8 +297,9 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
 }
 
 const View<double* [3]>& SurfaceCoupling::accelerations(
-    const exec_space& space, const contact::NodeList& list, const mechanics::NodalForces& forces,
+    const exec_space& space, const contact::NodeList& needed, const mechanics::NodalForces& forces,
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
+  const contact::NodeList list = _secondary ? contact::NodeList::allOf(_primary.num_nodes) : needed;
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
   const auto motion = nodalMotion(forces, forces.values, state.mass, boundary.motion(), boundary);
@@ -238,7 +313,10 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
         for (int d = 0; d < 3; ++d)
           acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);
       });
-  return _accelerations;
+  if (!_secondary)
+    return _accelerations;
+  _secondary->surface.forward(space, _accelerations, _secondary->accelerations);
+  return _secondary->accelerations;
 }
 
 } // namespace brickwall::miniapp

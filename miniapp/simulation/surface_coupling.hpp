@@ -1,13 +1,17 @@
 // Connects the volume mesh and the contact surface: coordinates and masses go to the surface,
-// contact forces come back.
+// contact forces come back. The surface is that of this rank's elements (primary), or one whose
+// faces are on other ranks (contact::SecondarySurface).
 #pragma once
 
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/search/candidate_search.hpp"
-#include "contact/surface/surface.hpp"
+#include "contact/surface/secondary_surface.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 #include "miniapp/scene/scene.hpp"
+
+#include <memory>
+#include <vector>
 
 namespace brickwall::miniapp {
 
@@ -16,6 +20,14 @@ public:
   // Nodes whose three components are all prescribed have infinite mass in contact.
   SurfaceCoupling(const exec_space& space, const Scene& scene,
                   const mechanics::BoundaryConditions& boundary);
+
+  // Collective. From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of
+  // its element. Coordinates are undefined until resetCoordinates().
+  void distribute(const exec_space& space, MPI_Comm comm, const std::vector<int>& rank_of_face);
+  bool isDistributed() const { return _secondary != nullptr; }
+  // That of this rank's elements.
+  const contact::Surface& primary() const { return _primary; } // without coordinates
+  View<const double* [3]> primaryCoordinates() const { return _new; } // x^{n+1}
 
   // x^n := x^{n+1}, then x^{n+1} := X + u at the surface nodes.
   void gatherCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
@@ -28,7 +40,17 @@ public:
 
   // Only its coordinates change, with gatherCoordinates().
   contact::Surface surface() const;
-  const View<const double*>& nodeMass() const { return _node_mass; } // [surface node]
+  // [surface node]
+  View<const double*> nodeMass() const { return _secondary ? _secondary->node_mass : _node_mass; }
+
+  // Values [surface node][W], 0 where not owned or partial sums, to [mesh node][W]: partial sums at
+  // the nodes that ranks share. Collective.
+  void addToMesh(const exec_space& space, const View<std::int64_t**>& values,
+                 const View<std::int64_t**>& of_mesh);
+  // The way back: values [mesh node][W], equal on all ranks that share a node, to [surface node][W].
+  // Collective.
+  void takeFromMesh(const exec_space& space, const View<const std::int64_t**>& of_mesh,
+                    const View<std::int64_t**>& values);
 
   // Turns this rank's partial contact forces into totals, which are equal on all ranks that share a
   // node: forces on ghosts are summed at their owners, then shared nodes are summed. Collective.
@@ -48,14 +70,26 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
-  contact::Surface _surface; // all but the coordinates
-  View<const int*> _surface_to_node;
+  // The surface in another decomposition, with its own nodes.
+  struct Secondary {
+    contact::SecondarySurface surface;
+    View<double*[3]> old, now, accelerations; // [node][xyz]
+    View<double*> node_mass; // [node]
+
+    const View<std::int64_t**>& ofPrimary(const exec_space& space, std::size_t num_nodes,
+                                          std::size_t width);
+    View<std::int64_t**> of_primary; // [primary surface node][W]
+  };
+
+  contact::Surface _primary; // all but the coordinates
+  View<const int*> _surface_to_node; // of the primary surface, as all below
   View<const double* [3]> _reference; // X [mesh node][xyz], length
   View<double*[3]> _old, _new; // x^n and x^{n+1} [surface node][xyz], length
   View<const double*> _node_mass; // [surface node]
   contact::AttributeWords _attributes; // contact::FaceAttributes of each face
   View<std::int64_t**> _contact_forces; // [mesh node][xyz], quanta
   View<double* [3]> _accelerations; // [surface node][xyz]
+  std::unique_ptr<Secondary> _secondary; // null: the surface is the primary one
 };
 
 } // namespace brickwall::miniapp

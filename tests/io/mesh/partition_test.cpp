@@ -50,6 +50,27 @@ TEST(Partition, SharesPointsEvenly) {
                 0.02 * n);
 }
 
+TEST(Partition, SharesWeightsEvenly) {
+  // Rank 0 has all points, on a line; the first tenth of them has nine tenths of the weight.
+  std::vector<global_id> ids;
+  std::vector<double> points;
+  std::vector<float> weights;
+  const int num_points = rankOf(MPI_COMM_WORLD) == 0 ? 1000 : 0;
+  for (int i = 0; i < num_points; ++i) {
+    ids.push_back(i);
+    points.insert(points.end(), {1.0 * i, 0.0, 0.0});
+    weights.push_back(i < 100 ? 81.f : 1.f);
+  }
+  std::vector<double> shares(sizeOf(MPI_COMM_WORLD), 0);
+  const auto ranks = partitionPoints(MPI_COMM_WORLD, ids, points, weights);
+  for (std::size_t i = 0; i < ranks.size(); ++i)
+    shares[ranks[i]] += weights[i];
+  allReduce(MPI_COMM_WORLD, shares.data(), static_cast<int>(shares.size()), MPI_SUM);
+  // Each of the bisections is exact to half a point, and Zoltan accepts an imbalance of 1.1.
+  for (const double share : shares)
+    EXPECT_LE(share, 1.1 * 9000 / sizeOf(MPI_COMM_WORLD) + 81);
+}
+
 TEST(Partition, PlacesEveryPointAlsoWhereThereAreFewOrCoincidentOnesOrLargeIds) {
   const auto placed = [](std::int64_t n, bool coincident, std::int64_t first_id) {
     const auto shares = sharesOf(n, coincident, first_id);

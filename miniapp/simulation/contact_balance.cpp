@@ -1,0 +1,49 @@
+#include "miniapp/simulation/contact_balance.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
+#include "io/mesh/partition.hpp"
+
+#include <algorithm>
+
+namespace brickwall::miniapp {
+
+double imbalanceOf(MPI_Comm comm, double work) {
+  const double largest = allReduce(comm, work, MPI_MAX), sum = allReduce(comm, work, MPI_SUM);
+  return sum > 0 ? largest * sizeOf(comm) / sum : 1;
+}
+
+std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
+                               const std::vector<float>& work) {
+  const auto corners = toHost(surface.face_to_nodes);
+  const auto x = toHost(surface.coordinates_new);
+  const auto face_ids = toHost(surface.face_ids);
+  std::vector<double> centres(3 * static_cast<std::size_t>(surface.num_faces), 0.0);
+  for (int face = 0; face < surface.num_faces; ++face)
+    for (int j = 0; j < 4; ++j)
+      for (int d = 0; d < 3; ++d)
+        centres[3 * static_cast<std::size_t>(face) + d] += 0.25 * x(corners(face, j), d);
+  const std::vector<global_id> ids(face_ids.data(), face_ids.data() + surface.num_faces);
+  return io::partitionPoints(comm, ids, centres, work);
+}
+
+bool ContactBalance::isDue(double work) {
+  const double imbalance = imbalanceOf(_comm, work);
+  if (_is_new)
+    _reached = std::max(tolerated, imbalance);
+  _is_new = false;
+  double times[2] = {_time, _cost};
+  allReduce(_comm, times, 2, MPI_MAX);
+  _time = 0;
+  _lost += times[0] * std::max(0.0, 1 - _reached / imbalance);
+  return _lost > times[1];
+}
+
+void ContactBalance::haveDistributed(double seconds) {
+  _cost = seconds;
+  _time = _lost = 0;
+  _is_new = true;
+  ++_distributions;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,71 @@
+// Which ranks search and enforce which faces (search.decomposition), and when that changes. No bit of
+// the results depends on it.
+#pragma once
+
+#include "contact/surface/surface.hpp"
+#include "miniapp/deck/config.hpp"
+
+#include <mpi.h>
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace brickwall::miniapp {
+
+// The work of a rank in units of that for a face: the faces, and the contacts of its nodes.
+constexpr double work_of_contact = 7; // time of an active contact over that of a face in the search
+inline double contactWork(double num_faces, double num_contacts) {
+  return num_faces + work_of_contact * num_contacts;
+}
+
+// The largest over the mean of all ranks. Collective.
+double imbalanceOf(MPI_Comm comm, double work);
+
+// The rank on which each face of this rank is to be, [face], such that the sums of `work` [face] are
+// about equal and ranks are compact: recursive coordinate bisection. Collective.
+std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
+                               const std::vector<float>& work);
+
+class Stopwatch {
+public:
+  double seconds() const { // since its construction
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - _start).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point _start = std::chrono::steady_clock::now();
+};
+
+// Decides when faces are distributed anew: as soon as the time that ranks have waited for others
+// since the last time exceeds the time that it takes.
+class ContactBalance {
+public:
+  static constexpr std::int64_t check_interval = 20; // steps
+  // An imbalance that is tolerated; a distributed surface costs messages of coordinates, forces and
+  // accelerations.
+  static constexpr double tolerated = 1.1;
+
+  // `cost`: seconds that a distribution takes, an estimate of this rank.
+  ContactBalance(MPI_Comm comm, double cost) : _comm(comm), _cost(cost) {}
+
+  void addTime(double seconds) { _time += seconds; } // that contact took on this rank
+  // Whether to distribute now; `work` is that of this rank in the last step. Collective, every
+  // check_interval steps.
+  bool isDue(double work);
+  // To be called after each distribution, which took `seconds` on this rank.
+  void haveDistributed(double seconds);
+
+  std::int64_t distributions() const { return _distributions; } // since the start
+
+private:
+  MPI_Comm _comm;
+  double _cost; // seconds
+  double _time = 0; // of contact since the last check, seconds
+  double _lost = 0; // by waits since the last distribution, seconds
+  double _reached = tolerated; // imbalance after the last distribution, if larger
+  bool _is_new = false; // no check since the last distribution
+  std::int64_t _distributions = 0;
+};
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,174 @@
+// Faces that move to other ranks: each arrives once with its nodes and attributes, each node has one
+// owner, values go to all copies and sums come back. Against lists that every rank can compute.
+#include "contact/surface/secondary_surface.hpp"
+
+#include "contact/base/to_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+namespace {
+
+using namespace brickwall;
+using namespace brickwall::contact;
+
+constexpr int side = 6; // faces along a side of a square grid, which belongs to body 3
+
+// Rank r has the columns of faces with number r modulo ranks; nodes on their borders are shared.
+struct Grid {
+  exec_space space;
+  int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
+  SweptBoxes surface;
+  std::vector<global_id> face_ids, node_ids;
+
+  static global_id cornerOf(global_id face, int j) {
+    const global_id column = face / side, row = face % side;
+    const int along[4] = {0, 1, 1, 0}, up[4] = {0, 0, 1, 1};
+    return 100 + (column + along[j]) * (side + 1) + row + up[j];
+  }
+  Grid() {
+    std::map<global_id, int> row_of;
+    std::vector<int> corners;
+    for (global_id face = 0; face < side * side; ++face) {
+      if (face / side % num_ranks != rank)
+        continue;
+      face_ids.push_back(face);
+      for (int j = 0; j < 4; ++j) {
+        const auto found = row_of.emplace(cornerOf(face, j), static_cast<int>(node_ids.size()));
+        if (found.second)
+          node_ids.push_back(cornerOf(face, j));
+        corners.push_back(found.first->second);
+      }
+    }
+    surface.num_faces = static_cast<int>(face_ids.size());
+    surface.num_nodes = static_cast<int>(node_ids.size());
+    surface.face_ids = toDevice(space, "face_ids", face_ids);
+    surface.node_ids = toDevice(space, "node_ids", node_ids);
+    surface.face_body = toDevice(space, "face_body", std::vector<global_id>(face_ids.size(), 3));
+    surface.node_body = toDevice(space, "node_body", std::vector<global_id>(node_ids.size(), 3));
+    surface.face_to_nodes = toDevice<View<int* [4]>>(space, "face_to_nodes", corners);
+    const auto attributes =
+        allocateAttributes<CornerMasses>(space, "attributes", surface.num_faces);
+    const auto host = Kokkos::create_mirror_view(attributes);
+    for (int face = 0; face < surface.num_faces; ++face)
+      for (int j = 0; j < 4; ++j)
+        attributesAt<CornerMasses>(host, face).corner_mass[j] =
+            10. * static_cast<double>(face_ids[face]) + j;
+    Kokkos::deep_copy(space, attributes, host);
+    space.fence();
+    surface.face_attributes = attributes;
+  }
+  int rankOfFace(global_id face) const { return static_cast<int>(face * face % num_ranks); }
+  std::vector<int> ranksOfFaces() const {
+    std::vector<int> ranks;
+    for (const global_id face : face_ids)
+      ranks.push_back(rankOfFace(face));
+    return ranks;
+  }
+};
+
+TEST(SecondarySurface, HasEachFaceOnItsRankWithNodesAndAttributes) {
+  const Grid grid;
+  const SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  const Surface& surface = moved.surface();
+  const auto face_ids = toHost(surface.face_ids), face_body = toHost(surface.face_body);
+  const auto node_ids = toHost(surface.node_ids), node_body = toHost(surface.node_body);
+  const auto corners = toHost(surface.face_to_nodes);
+  const auto attributes = toHost(surface.face_attributes);
+  std::set<global_id> found, expected;
+  for (int face = 0; face < surface.num_faces; ++face) {
+    found.insert(face_ids(face));
+    EXPECT_EQ(face_body(face), 3);
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_EQ(node_ids(corners(face, j)), Grid::cornerOf(face_ids(face), j));
+      EXPECT_EQ(attributesAt<const CornerMasses>(attributes, face).corner_mass[j],
+                10. * static_cast<double>(face_ids(face)) + j);
+    }
+  }
+  for (global_id face = 0; face < side * side; ++face)
+    if (grid.rankOfFace(face) == grid.rank)
+      expected.insert(face);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(static_cast<std::size_t>(surface.num_faces), expected.size());
+  for (int node = 0; node < surface.num_nodes; ++node)
+    EXPECT_EQ(node_body(node), 3);
+}
+
+TEST(SecondarySurface, HasOneOwnerOfEachNode) {
+  const Grid grid;
+  const SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  const auto ids = toHost(moved.surface().node_ids);
+  const auto is_owned = toHost(moved.surface().node_is_owned);
+  std::vector<std::int64_t> owners((side + 1) * (side + 1), 0);
+  for (int node = 0; node < moved.surface().num_nodes; ++node)
+    owners[ids(node) - 100] += is_owned(node);
+  allReduce(MPI_COMM_WORLD, owners.data(), static_cast<int>(owners.size()), MPI_SUM);
+  for (const std::int64_t count : owners)
+    EXPECT_EQ(count, 1);
+}
+
+TEST(SecondarySurface, PassesValuesToAllCopiesAndSumsBack) {
+  const Grid grid;
+  SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  const int num_nodes = moved.surface().num_nodes;
+  // value of a node: (id, -id)
+  const View<double*[2]> values("values", grid.surface.num_nodes), passed("passed", num_nodes);
+  const auto host = Kokkos::create_mirror_view(values);
+  for (std::size_t i = 0; i < grid.node_ids.size(); ++i)
+    for (int w = 0; w < 2; ++w)
+      host(i, w) = (w == 0 ? 1 : -1) * static_cast<double>(grid.node_ids[i]);
+  Kokkos::deep_copy(values, host);
+  moved.forward(grid.space, values, passed);
+  const auto got = toHost(passed);
+  const auto ids = toHost(moved.surface().node_ids);
+  for (int node = 0; node < num_nodes; ++node) {
+    EXPECT_EQ(got(node, 0), static_cast<double>(ids(node)));
+    EXPECT_EQ(got(node, 1), -static_cast<double>(ids(node)));
+  }
+  // Each copy sends id + its rank: the primary copies together hold the sum over all copies.
+  const View<std::int64_t*[1]> sent("sent", num_nodes), sums("sums", grid.surface.num_nodes);
+  const auto sent_host = Kokkos::create_mirror_view(sent);
+  std::vector<std::int64_t> expected((side + 1) * (side + 1), 0), found(expected);
+  for (int node = 0; node < num_nodes; ++node) {
+    sent_host(node, 0) = ids(node) + grid.rank;
+    expected[ids(node) - 100] += ids(node) + grid.rank;
+  }
+  Kokkos::deep_copy(sent, sent_host);
+  moved.reverseSum(grid.space, sent, sums);
+  const auto sums_host = toHost(sums);
+  for (std::size_t i = 0; i < grid.node_ids.size(); ++i)
+    found[grid.node_ids[i] - 100] += sums_host(i, 0);
+  const auto size = static_cast<int>(expected.size());
+  allReduce(MPI_COMM_WORLD, expected.data(), size, MPI_SUM);
+  allReduce(MPI_COMM_WORLD, found.data(), size, MPI_SUM);
+  EXPECT_EQ(found, expected);
+}
+
+TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
+  const int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
+  struct Record {
+    global_id id;
+    int from;
+  };
+  // Every rank has records of ids 0 to 49; rank (7 id) mod ranks holds id, but nobody holds 13.
+  std::vector<Record> records;
+  std::vector<global_id> held;
+  for (global_id id = 0; id < 50; ++id) {
+    records.push_back({id, rank});
+    if (id != 13 && 7 * id % num_ranks == rank)
+      held.push_back(id);
+  }
+  const auto received =
+      sendToHolders(MPI_COMM_WORLD, records, held, [](const Record& r) { return r.id; });
+  std::multiset<std::pair<global_id, int>> found, expected;
+  for (const Record& record : received)
+    found.emplace(record.id, record.from);
+  for (const global_id id : held)
+    for (int q = 0; q < num_ranks; ++q)
+      expected.emplace(id, q);
+  EXPECT_EQ(found, expected);
+}
+
+} // namespace

@@ -1,0 +1,98 @@
+// Faces of contact on other ranks than their elements: the same bits, whenever they move; and the
+// rule by which they move.
+#include "tests/miniapp/simulation/case.hpp"
+
+#include "io/wall/hashed_random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace {
+
+using namespace brickwall;
+using miniapp::ContactBalance;
+using miniapp::StepPart;
+using verification::Case;
+
+// Bricks that slide under a growing load, with edges and friction; lists are kept.
+const char* const sliding_bricks =
+    "[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
+    "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\npoissons_ratio = 0.2\n"
+    "[[load.pressure]]\nside_set = \"front\"\npeak = 1e7\nshape = \"step\"\n"
+    "[[boundary.fixed]]\nnode_set = \"base\"\n"
+    "[gravity]\nacceleration = [0, 0, -9.81]\n"
+    "[contact]\nfriction = 0.3\n"
+    "[time]\nend = 1\n";
+
+std::vector<int> randomRanks(const Case& wall, std::int64_t step) {
+  const auto ids = toHost(wall.scene.skin.face_ids);
+  const int num_ranks = sizeOf(MPI_COMM_WORLD);
+  std::vector<int> ranks;
+  for (int face = 0; face < wall.scene.skin.num_faces; ++face) {
+    const double random = io::hashedUniform(7, ids(face), static_cast<int>(step)); // [-1, 1)
+    ranks.push_back(std::min(num_ranks - 1, static_cast<int>(0.5 * (random + 1) * num_ranks)));
+  }
+  return ranks;
+}
+
+// Of all parts of 60 steps; faces move to random ranks, or home, before every fifth step.
+std::vector<std::uint64_t> checksumsOf(const std::string& search, bool moves_faces) {
+  Case wall(std::string(sliding_bricks) + search);
+  std::vector<std::uint64_t> sums;
+  wall.simulation.observe(
+      [&](StepPart part) { sums.push_back(checksumOf(wall.simulation, part)); });
+  wall.simulation.start();
+  for (int step = 0; step < 60; ++step) {
+    if (moves_faces && step % 5 == 3)
+      wall.simulation.distributeContact(step % 10 == 3 ? randomRanks(wall, step)
+                                                       : std::vector<int>());
+    wall.simulation.step();
+  }
+  EXPECT_GT(contactCounts(wall.simulation).active, 0);
+  EXPECT_EQ(contactCounts(wall.simulation).missed_pairs, 0);
+  return sums;
+}
+
+TEST(ContactDistribution, ChangesNoBitWhereverFacesAreAndWheneverTheyMove) {
+  for (const char* search : {"[search]\naudit = 7\n", "[search]\nreuse = { margin = 0.0 }\n"}) {
+    const auto primary = checksumsOf(search, false);
+    EXPECT_EQ(checksumsOf(std::string(search) + "decomposition = \"surface\"\n", false), primary);
+    EXPECT_EQ(checksumsOf(std::string(search) + "decomposition = \"auto\"\n", true), primary);
+  }
+}
+
+TEST(ContactDistribution, GivesRanksEqualWork) {
+  Case wall(std::string(sliding_bricks) + "[search]\ndecomposition = \"surface\"\n");
+  const int size = sizeOf(MPI_COMM_WORLD);
+  const contact::Surface surface = wall.simulation.contact()->surface();
+  // Bisection cuts log2(ranks) times, each time between two rows of faces: a row has 16 of the 384.
+  EXPECT_LE(miniapp::imbalanceOf(MPI_COMM_WORLD, surface.num_faces), 1 + 16. * size / 384);
+}
+
+TEST(ContactBalance, DistributesWhenWaitsHaveCostAsMuchAsADistribution) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  if (size == 1)
+    GTEST_SKIP() << "one rank waits for nobody";
+  const double work = rankOf(MPI_COMM_WORLD) == 0 ? 1 : 0; // imbalance: the number of ranks
+  EXPECT_EQ(miniapp::imbalanceOf(MPI_COMM_WORLD, work), size);
+  const double lost = 1 - ContactBalance::tolerated / size; // share of the time of contact
+  ContactBalance balance(MPI_COMM_WORLD, 1.0);
+  balance.addTime(0.9 / lost);
+  EXPECT_FALSE(balance.isDue(work));
+  balance.addTime(0.2 / lost);
+  EXPECT_TRUE(balance.isDue(work));
+  // An imbalance that stays after a distribution is no reason for another.
+  balance.haveDistributed(0.1);
+  balance.addTime(1e3);
+  EXPECT_FALSE(balance.isDue(work));
+  balance.addTime(1e3);
+  EXPECT_FALSE(balance.isDue(work));
+  EXPECT_EQ(balance.distributions(), 1);
+  // Work that is balanced loses nothing.
+  ContactBalance even(MPI_COMM_WORLD, 0);
+  even.addTime(1e3);
+  EXPECT_FALSE(even.isDue(1));
+}
+
+} // namespace
