@@ -81,6 +81,7 @@ public:
     _output.writeState(_simulation);
     _output.close();
     const RunReport report = makeReport();
+    giveToAdiak(_comm, report);
     if (_options.write_output)
       writeReport(_comm, _output.path("report.json"), report);
     if (rankOf(_comm) == 0) {
