@@ -4,10 +4,9 @@
 #include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 
-#include <nlohmann/json.hpp>
-
 #ifdef BRICKWALL_ADIAK
 #include <adiak.hpp>
+#include <nlohmann/json.hpp>
 #endif
 
 namespace brickwall::miniapp {
