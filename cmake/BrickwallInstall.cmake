@@ -94,6 +94,12 @@ install(
   FILES_MATCHING
   PATTERN "*.py"
   PATTERN __pycache__ EXCLUDE)
+install(
+  DIRECTORY inputs
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/brickwall
+  COMPONENT program
+  FILES_MATCHING
+  PATTERN "*.toml")
 
 configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/BrickwallConfig.cmake.in ${PROJECT_BINARY_DIR}/BrickwallConfig.cmake

@@ -4,6 +4,7 @@ include(CTest) # defines BUILD_TESTING
 option(BRICKWALL_NATIVE "Build our own targets for this machine's processor (-march=native)" ON)
 option(BRICKWALL_LANES "On processors, take elements and nodes at once in SIMD lanes; OFF: one by one as devices do, for tests" ON)
 option(BRICKWALL_WERROR "Treat warnings in our own code as errors" OFF)
+option(BRICKWALL_ADIAK "Give the figures of a run to Adiak, whose metadata Caliper records" OFF)
 set(BRICKWALL_EXECUTION_SPACE "" CACHE STRING "Kokkos execution space, e.g. Serial, OpenMP, Cuda (default: Kokkos' own)")
 set(BRICKWALL_SANITIZE "" CACHE STRING "Sanitizers for our own targets, e.g. address,undefined")
 

@@ -81,6 +81,7 @@ public:
     _output.writeState(_simulation);
     _output.close();
     const RunReport report = makeReport();
+    giveToAdiak(_comm, report);
     if (_options.write_output)
       writeReport(_comm, _output.path("report.json"), report);
     if (rankOf(_comm) == 0) {
@@ -282,6 +283,10 @@ private:
   RunReport makeReport() {
     RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
     report.case_name = _options.caseName();
+    if (_options.checksums)
+      report.options.push_back("--checksums");
+    if (_options.timing == Timing::paper)
+      report.options.push_back("--timing paper");
     report.first_step = _first_step;
     report.counted_steps = maxOf<std::int64_t>(report.counted_steps - _first_step, 0);
     report.stopped = _stopped;

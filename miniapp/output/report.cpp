@@ -248,8 +248,9 @@ std::string jsonText(const nlohmann::ordered_json& json) {
 void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases) {
   out << format("%-44s %10s %11s %11s %11s\n", title, "calls", "min s", "mean s", "max s");
   for (const PhaseTime& phase : phases)
-    out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phaseName(phase.name).c_str(),
-                  phase.calls, phase.min, phase.mean, phase.max);
+    if (phase.calls > 0)
+      out << format("  %-42s %10lld %11.5f %11.5f %11.5f\n", phaseName(phase.name).c_str(),
+                    phase.calls, phase.min, phase.mean, phase.max);
 }
 
 void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
@@ -285,6 +286,7 @@ std::string reportJson(const RunReport& r) {
   json["case"] = r.case_name;
   json["title"] = r.title;
   json["command"] = "run";
+  json["options"] = r.options;
   addProvenance(json, r.provenance);
   json["elements"] = r.elements;
   json["nodes"] = r.nodes;

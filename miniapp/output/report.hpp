@@ -61,6 +61,7 @@ struct SkippedPart {
 
 struct RunReport {
   std::string case_name, title;
+  std::vector<std::string> options; // of the command line that change the times, as typed
   Provenance provenance;
   std::int64_t elements = 0, nodes = 0, faces = 0; // all ranks
   std::int64_t steps = 0;
@@ -120,6 +121,7 @@ nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases);
 // The text of a JSON file. Bytes that are not UTF-8 (of a title, a host name) are replaced.
 std::string jsonText(const nlohmann::ordered_json& json);
 
+// Without phases that were not called.
 void printTable(std::ostream& out, const char* title, const std::vector<PhaseTime>& phases);
 
 // The lines "CASE: counts" and ranks, threads, Kokkos and memory that open each report, and that of

@@ -4,6 +4,11 @@
 #include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 
+#ifdef BRICKWALL_ADIAK
+#include <adiak.hpp>
+#include <nlohmann/json.hpp>
+#endif
+
 namespace brickwall::miniapp {
 
 namespace {
@@ -53,6 +58,23 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.max_rank_bytes = peakRankBytes(comm);
   judgeNumbers(report);
   return report;
+}
+
+void giveToAdiak([[maybe_unused]] MPI_Comm comm, [[maybe_unused]] const RunReport& report) {
+#ifdef BRICKWALL_ADIAK
+  adiak::init(&comm);
+  adiak::collect_all();
+  const auto json = nlohmann::json::parse(reportJson(report));
+  for (const auto& fields : {json, json["fom"]})
+    for (const auto& [name, value] : fields.items())
+      if (value.is_string())
+        adiak::value(name, value.get<std::string>());
+      else if (value.is_number_integer())
+        adiak::value(name, value.get<long>());
+      else if (value.is_number())
+        adiak::value(name, value.get<double>());
+  adiak::fini();
+#endif
 }
 
 } // namespace brickwall::miniapp

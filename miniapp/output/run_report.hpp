@@ -12,4 +12,8 @@ namespace brickwall::miniapp {
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
 
+// Collective. Gives the texts and numbers of report.json to Adiak, for tools such as Caliper; does
+// nothing without the option BRICKWALL_ADIAK of CMake.
+void giveToAdiak(MPI_Comm comm, const RunReport& report);
+
 } // namespace brickwall::miniapp

@@ -4,15 +4,16 @@ import numpy as np
 from .style import COLOURS, new_figure
 from .units import scaled
 
+TOTAL = "total energy, one step earlier"
 # Panels: title, unit, logarithmic, {column or vector: label}. Columns that a run lacks, or that are zero throughout, are
 # left out, and components below a thousandth of the largest.
 PANELS = (
-    ("Energy balance", "J", False, {"external_work": "external work", "total_energy": "total energy", "kinetic_energy": "kinetic",
+    ("Energy balance", "J", False, {"external_work": "external work", "total_energy": TOTAL, "kinetic_energy": "kinetic",
                                     "internal_energy": "internal", "dissipated_energy": "dissipated"}),
     ("Stored and dissipated energies", "J", True, {
         "internal_energy": "internal", "hourglass_energy": "hourglass, part of internal", "contact_energy": "contact",
         "friction_energy": "friction springs", "edge_energy": "edge contact", "dissipated_energy": "dissipated"}),
-    ("Error measures, largest so far", "", True, {"energy_error": "energy", "stored_error": "stored energy",
+    ("Error measures: largest difference over scale, so far", "", True, {"energy_error": "energy", "stored_error": "stored energy",
                                                   "contact_error": "contact energy", "momentum_error": "momentum",
                                                   "angular_momentum_error": "angular momentum"}),
     ("Momentum and impulses", "N s", False, {"momentum": "momentum", "impulse_load": "loads", "impulse_gravity": "gravity",
@@ -23,7 +24,7 @@ PANELS = (
     ("Largest penetration over face size", "", True, {"max_penetration": ""}),
     ("Length of the step", "s", False, {"timestep": ""}),
 )
-STYLES = {"external work": {"color": "#c9c4be", "linewidth": 5.0}, "total energy": {"color": "#1a1717", "linestyle": "--"}}
+STYLES = {"external work": {"color": "#c9c4be", "linewidth": 5.0}, TOTAL: {"color": "#1a1717", "linestyle": "--"}}
 
 
 def draw_history(columns, title):
@@ -38,14 +39,14 @@ def draw_history(columns, title):
         scale, axis_unit = (1, axis_unit) if logarithmic else scaled(axis_unit, max((abs(v).max() for v, *_ in drawn), default=0))
         for values, label, style in drawn:
             # The ledger is that of the half step after t, but its total energy that of the one before (miniapp/output.md).
-            shift = 0 * half if not is_ledger else -half if label == "total energy" else half
+            shift = 0 * half if not is_ledger else -half if label == TOTAL else half
             axes.plot(time + shift, np.where(values > 0, values, np.nan) if logarithmic else values * scale, label=label, **style)
         if logarithmic and drawn:
             axes.set_yscale("log")
         elif drawn and min(values.min() for values, *_ in drawn) >= 0:
             axes.set_ylim(0, 1.05 * scale * max(values.max() for values, *_ in drawn))
         axes.set_title(name, fontsize=11, loc="left")
-        axes.set(xlabel=f"time ({unit})", ylabel=axis_unit)
+        axes.set(xlabel=f"time ({unit})" + ", at half steps" * is_ledger, ylabel=axis_unit)
         if time[-1] > time[0]:
             axes.set_xlim(time[0], time[-1])
         if not drawn:
@@ -78,6 +79,10 @@ def draw_phases(report):
     phases, loop = {phase["name"]: phase for phase in report["phases"]}, report["loop_seconds"]
     stages = [dict(phase, name=name[6:]) for name, phase in phases.items() if name.startswith("step::")]
     stages += [phases["search"]] if "search" in phases else []
+    step = phases.get("step", {"mean": loop})["mean"]
+    stages = [stage for stage in stages if stage["max"] > 1e-3 * loop]
+    other = max(0.0, step - sum(stage["mean"] for stage in stages))
+    stages.append({"name": "other", "mean": other, "min": other, "max": other})
     search = report["search_timers"] + [dict(phases[name], name=name[8:]) for name in ("search::local search",) if name in phases]
     for axes, entries, title in ((panels[0], stages, "Stages of a step"), (panels[1], search, "The search")):
         entries = sorted((entry for entry in entries if entry["max"] > 1e-3 * loop), key=lambda entry: entry["mean"])

@@ -42,10 +42,10 @@ def parse(arguments):
     content.add_argument("--field", metavar="NAME", help="colour: a nodal vector (its magnitude), a component, a nodal or an element "
                          "field (default displacement)")
     content.add_argument("--step", type=int, help="output step, 0 is the first, -1 the last (default)")
-    content.add_argument("--time", type=float, metavar="T", help="the output step nearest to this time")
+    content.add_argument("--time", type=finite, metavar="T", help="the output step nearest to this time")
     content.add_argument("--steps", type=step_range, default=slice(None), metavar="FIRST:LAST[:STRIDE]",
                          help="steps of an animation, LAST included (default all)")
-    content.add_argument("--scale", type=float, default=1.0, metavar="S", help="factor on the displacements (default 1)")
+    content.add_argument("--scale", type=finite, default=1.0, metavar="S", help="factor on the displacements (default 1)")
     content.add_argument("--cut", type=plane, metavar="PLANE", help="remove material: x=0.8 (or y, z) the half that is nearer to the "
                          "eye, px,py,pz:nx,ny,nz the half towards which the normal n at p points; in undeformed coordinates")
     content.add_argument("--arrows", nargs="?", const="force_contact", metavar="VECTOR", help="draw a nodal vector as arrows; forces "
@@ -59,13 +59,13 @@ def parse(arguments):
                       "signs night to sand to plum)")
     view.add_argument("--label", help="label of the colours, without change of the unit")
     view.add_argument("--title", help="default: the title in the file")
-    view.add_argument("--outline", type=float, default=1.2, metavar="WIDTH", help="of the outlines of bricks; 0 for none "
+    view.add_argument("--outline", type=finite, default=1.2, metavar="WIDTH", help="of the outlines of bricks; 0 for none "
                       "(default %(default)s)")
     view.add_argument("--mesh", action="store_true", help="draw the edges of elements")
     view.add_argument("--plain", action="store_true", help="no light and no shadow: exactly the colours of the bar")
     view.add_argument("--bare", action="store_true", help="no title, bar and axes")
     view.add_argument("--size", type=size, default=(1500, 1125), metavar="WxH", help="pixels (default 1500x1125)")
-    view.add_argument("--fps", type=float, default=10.0, help="frames per second of an animation (default 10)")
+    view.add_argument("--fps", type=finite, default=10.0, help="frames per second of an animation (default 10)")
     if any(word in ("-h", "--help") for word in arguments):
         parser.print_help()
         parser.exit()
@@ -107,6 +107,10 @@ def numbers(text, count, form):
     if len(values) != count or not np.isfinite(values).all():
         raise argparse.ArgumentTypeError(f'"{text}" is not {form}')
     return values
+
+
+def finite(text):
+    return numbers(text, 1, "a finite number")[0]
 
 
 def pair(text):

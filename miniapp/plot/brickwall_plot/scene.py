@@ -24,9 +24,9 @@ class Scene:
                             "and the components of the vectors")
         if arrows and arrows not in vectors:
             raise PlotError(f"{results.paths[0]}: there is no nodal vector {arrows}; there are {', '.join(vectors) or 'none'}")
+        if plane is not None:
+            check_cut(results.nodes, plane)
         self.surface = Surface(results.hexes, results.nodes, plane)
-        if not len(self.surface.triangles):
-            raise PlotError("the cut removes everything")
 
     def points(self, step):
         """The vertices of the surface [vertex][xyz]."""
@@ -80,3 +80,11 @@ class Scene:
         if self.displacement is None:
             return self.results.nodes
         return self.results.nodes + self.scale * self.results.nodal(self.displacement, step)
+
+
+def check_cut(nodes, plane):
+    """Raises PlotError for a plane (point, normal) that misses all bodies."""
+    depth = signed_distance(nodes, plane)
+    if depth.min() >= 0 or depth.max() <= 0:
+        low, high = (",".join(f"{value:g}" for value in corner) for corner in (nodes.min(axis=0), nodes.max(axis=0)))
+        raise PlotError(f"the cut removes {'everything' if depth.min() >= 0 else 'nothing'}; undeformed, the bodies reach from {low} to {high}")

@@ -40,10 +40,9 @@ def read_parsed(path, parse, fault=""):
 
 
 def write_text(path, text):
-    """Writes a file whole or not at all. Raises OutputError."""
+    """Writes a file whole or not at all, in an existing folder. Raises OutputError."""
     path = Path(path)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         beside = path.with_name(path.name + ".part")
         beside.write_text(text)
         beside.replace(path)

@@ -1,10 +1,9 @@
 """Sizes of a problem: a number of its deck, such as the bricks along a wall, multiplied by a factor."""
-import os
 import re
-import subprocess
 import tomllib
 
-from . import launch, machine
+from . import machine
+from .deck_check import check
 from .errors import InputError
 
 
@@ -39,11 +38,8 @@ def factor_of_share(where, program, deck, settings, key, share, gpu_bytes):
 
 def memory_needed(where, program, deck, settings, on_device):
     """Bytes of all ranks, by `brickwall check`."""
-    words = [word for name, value in settings.items() for word in ("--set", f"{name}={launch.spell(value)}")]
-    done = subprocess.run([*launch.launcher(program), "-n", "1", str(program), "check", str(deck), *words], capture_output=True, text=True,
-                          env={**os.environ, **launch.environment(1, 1, 1)})
-    found = re.search(r"memory +([\d.]+) MB per rank on 1 rank\(s\), of which ([\d.]+) MB on the device", done.stdout)
-    if done.returncode != 0 or not found:
-        reason = done.stderr.strip() or f"exit code {done.returncode}"
-        raise InputError(f"{where}: brickwall check gives no estimate of the memory: {reason.splitlines()[-1]}")
+    text, fault = check(program, deck, settings)
+    found = re.search(r"memory +([\d.]+) MB per rank on 1 rank\(s\), of which ([\d.]+) MB on the device", text)
+    if fault or not found:
+        raise InputError(f"{where}: brickwall check gives no estimate of the memory: {fault or text}")
     return 1e6 * float(found[2 if on_device else 1])

@@ -159,7 +159,7 @@ def read_simulation(fields, common):
         throughput=fields.object("fom").number("element_steps_per_second"), setup=fields.optional("setup_seconds", None, float, int),
         **memory_of(fields, fields.object("memory")), energy_error=balance.number("energy_error"),
         checksum=fields.optional("checksums", {}, dict).get("nodes", ""),
-        settings=settings_of_deck(fields, search), ended="" if pass_ else stopped or "; ".join(fields.get("failures", list)) or "failed")
+        settings={**settings_of_deck(fields, search), **options_of(fields)}, ended="" if pass_ else stopped or "; ".join(fields.get("failures", list)) or "failed")
 
 
 def read_search(fields, common):
@@ -210,6 +210,12 @@ def imbalance_of_counts(fields):
     counts = fields.object("imbalance")
     return {name.replace("_", " "): counts.object(name).number("max_over_mean")
             for name in ("faces", "ghost_faces", "candidate_pairs", "active_contacts") if name in counts.values}
+
+
+def options_of(fields):
+    """Options of the command line that change the times; reports of earlier versions name none."""
+    options = " ".join(map(str, fields.optional("options", [], list)))
+    return {"options": options} if options else {}
 
 
 def settings_of_deck(fields, search):

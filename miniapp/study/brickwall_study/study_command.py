@@ -11,6 +11,7 @@ from pathlib import Path
 
 from . import machine, page
 from .comparison import compare_runs
+from .deck_check import check_cases
 from .errors import INTERRUPTED, PASSED, RUNS_FAILED, OutputError, run_main, write_text
 from .options import positive_list
 from .run_store import now
@@ -43,6 +44,7 @@ def run_study(arguments):
     folder = (arguments.output or Path(f"out/study_{study.path.stem}")).absolute()
     for reason in study.left_out:
         print(f"left out {reason}")
+    check_cases(study)
     seed = seed_of(study, folder)
     steps = plan(study, seed)
     if arguments.list:
@@ -50,6 +52,7 @@ def run_study(arguments):
             print(f"{order:5} {case.id}, {'warm-up' if repetition < 1 else f'run {repetition}'}")
         return PASSED
     with locked(folder):
+        print(f"results in {folder}", flush=True)
         state, runs = make_runs(study, folder, cores, seed, steps)
     return finish(state, runs, len(steps))
 

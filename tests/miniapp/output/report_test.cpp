@@ -31,7 +31,8 @@ RunReport sampleReport() {
   report.solver_seconds = 1;
   report.search_seconds = 0.5;
   report.counted_searches = 10;
-  report.phases = {{"search", 10, 0.1, 0.2, 0.5}};
+  report.phases = {{"search", 10, 0.1, 0.2, 0.5}, {"only in the first step", 0, 0, 0, 0}};
+  report.options = {"--checksums"};
   report.counts_over_ranks = {{"faces", 12, 40, 4}, {"ghost_faces", 0, 0, 4}};
   report.search.method = "paper";
   report.checksums = {255, 0x8000000000000001ull, 3};
@@ -46,6 +47,7 @@ TEST(Report, NamesItsFieldsAsAgreed) {
   report.max_rank_bytes = peakRankBytes(MPI_COMM_WORLD);
   const auto json = nlohmann::json::parse(reportJson(report));
   EXPECT_EQ(json["spared"], json["skipped"]); // the former name
+  EXPECT_EQ(json["options"], nlohmann::json({"--checksums"}));
   for (const char* name :
        {"schema",   "case",   "version", "commit",  "compiler",         "flags",
         "kokkos",   "host",   "cpu",     "ranks",   "threads_per_rank", "execution_space",
@@ -183,6 +185,8 @@ TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
   printReport(out, report);
   EXPECT_CONTAINS(out.str(), "\nFOM element_steps_per_second=500 face_searches_per_second=1200 "
                              "loop_seconds=2\nPASS\n");
+  EXPECT_CONTAINS(out.str(), "\n  search ");
+  EXPECT_EQ(out.str().find("only in the first step"), std::string::npos);
   report.warnings = {"printed", "new"};
   report.printed_warnings = 1;
   out.str("");

@@ -14,6 +14,7 @@ from unittest import mock
 from support import ROOT, cubes, np, write_results
 from brickwall_plot.command import main
 from brickwall_plot.exodus import ExodusResults
+from brickwall_plot.history_plot import draw_history, draw_phases
 from brickwall_plot.run_folder import RunFiles
 from brickwall_plot.scene import Scene
 from PIL import Image
@@ -96,6 +97,21 @@ class Program(unittest.TestCase):
         for option in ("--history", "--phases"):
             self.assertGreater(Path(plot(work / "ranks", option).strip()).stat().st_size, 10000)
 
+    def test_the_stages_add_up_to_the_steps(self):
+        report = RunFiles(work / "ranks").report()
+        stages = draw_phases(report).axes[0]
+        step = next(phase["mean"] for phase in report["phases"] if phase["name"] == "step")
+        # "other" holds the small ones, and is left out itself below a thousandth of the loop.
+        self.assertAlmostEqual(sum(bar.get_width() for bar in stages.patches), step, delta=1e-3 * report["loop_seconds"])
+
+    def test_ledger_curves_say_that_they_are_of_half_steps(self):
+        energies, *_ = axes = draw_history(RunFiles(work / "run").history(), "").axes
+        dt = RunFiles(work / "run").history()["timestep"]
+        lines = {line.get_label(): line.get_xdata() for line in energies.lines}
+        behind = lines["external work"] - lines["total energy, one step earlier"]
+        self.assertTrue(np.allclose(behind, 1e6 * np.array(dt), rtol=1e-9))  # microseconds
+        self.assertEqual([", at half steps" in one.get_xlabel() for one in axes], [True, True, False, True, True, False, False, False])
+
     def test_is_installed_with_the_program(self):
         subprocess.run([cmake, "--install", build, "--prefix", work / "prefix", "--component", "program"], check=True,
                        stdout=subprocess.DEVNULL)
@@ -141,7 +157,11 @@ class FaultyInput(unittest.TestCase):
                 ("there is no step -3", self.file, "--step", "-3"),
                 ("there is no step at time 1.5; times are 0 to 1", self.file, "--time", "1.5"),
                 ("the displacements of step 1 are not finite", self.file),
-                ("the cut removes everything", self.file, "--step", "0", "--cut", "x=-1"),
+                ("the cut removes everything; undeformed, the bodies reach from 0,0,0 to 1,1,1", self.file, "--step", "0", "--cut", "x=-1"),
+                ("the cut removes nothing; undeformed, the bodies", self.file, "--step", "0", "--cut", "x=7"),
+                ('--scale: "nan" is not a finite number', self.file, "--step", "0", "--scale", "nan"),
+                ('--time: "inf" is not a finite number', self.file, "--time", "inf"),
+                ('--outline: "thick" is not a finite number', self.file, "--outline", "thick"),
                 ("this view is along the plane", self.file, "--step", "0", "--cut", "x=0.5", "--view", "front"),
                 ("is not x=VALUE", self.file, "--cut", "u=1"),
                 ("there is no colour map sunset", self.file, "--step", "0", "--colours", "sunset"),

@@ -47,6 +47,12 @@ class Tables(FolderTest):
         self.assertEqual(rows["1 x 1, method paper"][3:5], ["0.250", "100 %"])
         self.assertEqual(rows["2 x 1, method paper"][3:5], ["0.500", "100 %"])
 
+    def test_runs_with_options_that_change_the_times_are_no_repetitions(self):
+        self.write_run("a", 1.0, deck="time.steps = 11\n")
+        self.write_run("b", 3.0, deck="time.steps = 11\n", change=lambda report: report.update(options=["--checksums"]))
+        rows = rows_of(self.report(), SPEED)
+        self.assertEqual((rows["1 x 1, options none"][:2], rows["1 x 1, options --checksums"][:2]), (["1", "100"], ["1", "300"]))
+
     def test_changes_beyond_the_noise_of_repetitions_are_marked_and_others_are_not(self):
         # Deviation 1.4826 x 0.01 of each, so that 3 sqrt(2) x 0.014826 = 6.3 % is noise.
         self.repeat("a", [0.99, 1.0, 1.01])
@@ -233,7 +239,8 @@ class Faults(FolderTest):
     def test_a_page_that_cannot_be_written(self):
         folder = self.write_run("a")
         (self.folder / "file").write_text("")
-        self.assertIn("page.html: ", self.fault(main, folder, "--html", self.folder / "file/page.html", code=4))
+        for name in ("file", "none"):  # no folder is made without a word
+            self.assertIn("page.html: ", self.fault(main, folder, "--html", self.folder / name / "page.html", code=4))
 
 
 def places_of(value, place=()):

@@ -210,6 +210,24 @@ class Failures(StudyTest):
         self.study('repetitions = 1\nwarmup = 0\nlimit = 0.5\n[[case]]\ndeck = "deck.toml"\nset = { fake.hang = true }\n', code=3)
         self.assertEqual(self.csv()[0]["state"], "out of time")
 
+    def test_faults_of_decks_are_found_together_before_the_first_run(self):
+        text = ('ranks = [1, 2]\noversubscribe = true\n[[case]]\nname = "good"\ndeck = "deck.toml"\n'
+                '[[case]]\nname = "bad"\ndeck = "deck.toml"\nset = { bad.key = 1 }\n'
+                '[[case]]\nname = "worse"\ndeck = "deck.toml"\ncommand = "search"\nsweep = { bad.key = [2, 3] }\n')
+        (self.folder / "study.toml").write_text(text)
+        for more in ([], ["--list"]):
+            words = [self.folder / "study.toml", "--program", FAKE, "-o", self.out, *more]
+            out, err = self.command(main, *words, code=2)
+            self.assertEqual(out, "")
+            self.assertIn("brickwall check refuses 6 of 8 cases", err)
+            self.assertIn("bad_1x1 and 5 more: --set bad.key: found unknown key\n", err)
+        self.assertEqual(self.calls(), [])
+        self.assertFalse(self.out.exists())
+
+    def test_the_folder_of_the_results_is_named_before_the_runs(self):
+        text = self.study('repetitions = 1\nwarmup = 0\n[[case]]\ndeck = "deck.toml"\n')
+        self.assertEqual(text.splitlines()[0], f"results in {self.out}")
+
     def test_faulty_files_give_one_clear_error(self):
         case = '[[case]]\ndeck = "deck.toml"\n'
         for text, words in (
