@@ -1,7 +1,6 @@
 #include "miniapp/simulation/contact_step.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
@@ -157,10 +156,9 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
       _space, surface, _search.ghosts(), _search.pairs(), steps, &neutral, _edges.get());
   _lost += sums.lost();
   _penetration = maxOf(_penetration, maxPenetration(sums));
-  if (_enforcement->hasForces()) { // otherwise the columns of contact are zero already
+  if (hasForces())
     sum_forces(_enforcement->forces());
-    restoreForces(forces);
-  }
+  restoreForces(forces);
   _balance.addTime(time.seconds());
   return sums;
 }

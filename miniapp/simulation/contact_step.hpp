@@ -139,8 +139,10 @@ public:
                                    const mechanics::NodalState& state,
                                    const mechanics::BoundaryConditions& boundary,
                                    mechanics::SharedNodeSum& shared);
-  // Stores the forces of the last enforce() in `forces` again.
+  // Stores the forces of the last enforce() in `forces`, whose columns of contact are zero.
   void restoreForces(const mechanics::NodalForces& forces) const {
+    if (!hasForces())
+      return; // the columns are zero
     _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
   }
   // Status and gap of Enforcement as words [mesh node][2]: sums over the ranks that share a node.
@@ -157,7 +159,6 @@ public:
 
   contact::Surface surface() const { return _coupling.surface(); }
   std::int64_t distributions() const { return _balance.distributions(); } // of faces over ranks
-  bool isDistributed() const { return _coupling.isDistributed(); }
   const contact::CandidateSearch& search() const { return _search; }
   const contact::Enforcement& enforcement() const { return *_enforcement; }
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges

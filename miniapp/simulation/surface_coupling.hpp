@@ -24,7 +24,6 @@ public:
   // Collective. From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of
   // its element. Coordinates are undefined until resetCoordinates().
   void distribute(const exec_space& space, MPI_Comm comm, const std::vector<int>& rank_of_face);
-  bool isDistributed() const { return _secondary != nullptr; }
   // That of this rank's elements.
   const contact::Surface& primary() const { return _primary; } // without coordinates
   View<const double* [3]> primaryCoordinates() const { return _new; } // x^{n+1}
