@@ -6,6 +6,7 @@
 #include "contact/base/backend.hpp"
 #include "contact/base/mpi.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -61,12 +62,19 @@ public:
       copyRange(space, _staged_send, send, num_send);
     // Also before the receives: the device may still be reading the data of the last exchange.
     space.fence();
+    const int rank = rankOf(comm); // it may be among the partners
     for (std::size_t p = 0; p < partners.size(); ++p)
-      if (const std::int64_t words = receive_offsets[p + 1] - receive_offsets[p]; words > 0)
+      if (const std::int64_t words = receive_offsets[p + 1] - receive_offsets[p];
+          words > 0 && partners[p] != rank)
         _messages.receive(receiveData() + receive_offsets[p], words, partners[p], tag, comm);
     for (std::size_t p = 0; p < partners.size(); ++p)
-      if (const std::int64_t words = send_offsets[p + 1] - send_offsets[p]; words > 0)
+      if (const std::int64_t words = send_offsets[p + 1] - send_offsets[p];
+          words > 0 && partners[p] != rank)
         _messages.send(sendData() + send_offsets[p], words, partners[p], tag, comm);
+    for (std::size_t p = 0; p < partners.size(); ++p)
+      if (partners[p] == rank)
+        std::copy(sendData() + send_offsets[p], sendData() + send_offsets[p + 1],
+                  receiveData() + receive_offsets[p]);
     _messages.wait();
     if constexpr (!host_accessible)
       copyRange(space, receive, _staged_receive, num_receive);
@@ -249,13 +257,8 @@ public:
   // in any order.
   template <class ViewType>
   void reverseSum(const exec_space& space, const ViewType& values) {
-    reverseSum(space, values, values);
-  }
-  // Ghost to owner between two arrays: target(send_row, :) += the partner's source(receive_row, :).
-  template <class SourceView, class TargetView>
-  void reverseSum(const exec_space& space, const SourceView& source, const TargetView& target) {
-    static_assert(std::is_same_v<typename TargetView::non_const_value_type, std::int64_t>);
-    transfer(space, source, target, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
+    static_assert(std::is_same_v<typename ViewType::non_const_value_type, std::int64_t>);
+    transfer(space, values, values, _receive_rows, _receive_offsets, _send_rows, _send_offsets,
              AddReceived());
   }
   // Adds every partner's partial sums to this rank's, where both list the same rows to send and to

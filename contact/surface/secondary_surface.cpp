@@ -57,9 +57,11 @@ Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of
   return out;
 }
 
-// Whether this rank owns each of its nodes. The rank chosen by an id knows which ranks have the
-// node, and spreads ownership over them by the id.
-std::vector<unsigned char> chooseOwners(MPI_Comm comm, const std::vector<global_id>& ids) {
+// The ranks that have each of this rank's nodes, ascending, of nodes that several have; `is_owned`
+// [node] tells whether this rank owns it. The rank chosen by an id knows which ranks have the node,
+// and spreads ownership over them by the id.
+std::vector<std::vector<int>> findSharers(MPI_Comm comm, const std::vector<global_id>& ids,
+                                          std::vector<unsigned char>& is_owned) {
   const int num_ranks = sizeOf(comm);
   std::vector<std::vector<global_id>> questions(num_ranks);
   for (const global_id id : ids)
@@ -69,26 +71,41 @@ std::vector<unsigned char> chooseOwners(MPI_Comm comm, const std::vector<global_
   for (int q = 0; q < num_ranks; ++q)
     for (const global_id id : received[q])
       sharers[id].push_back(q);
-  std::vector<std::vector<unsigned char>> replies(num_ranks);
+  // In the order of the questions: the owner, the number of sharers if it is not 1, and these.
+  std::vector<std::vector<int>> replies(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     for (const global_id id : received[q]) {
       const std::vector<int>& ranks = sharers[id];
-      replies[q].push_back(ranks[static_cast<std::size_t>(id / num_ranks) % ranks.size()] == q);
+      replies[q].push_back(ranks[static_cast<std::size_t>(id / num_ranks) % ranks.size()]);
+      replies[q].push_back(ranks.size() > 1 ? static_cast<int>(ranks.size()) : 0);
+      if (ranks.size() > 1)
+        replies[q].insert(replies[q].end(), ranks.begin(), ranks.end());
     }
-  const auto answers = exchangeByRank(comm, replies); // in the order of the questions
+  const auto answers = exchangeByRank(comm, replies);
   std::vector<std::size_t> next(num_ranks, 0);
-  std::vector<unsigned char> is_owned;
-  for (const global_id id : ids)
-    is_owned.push_back(answers[id % num_ranks][next[id % num_ranks]++]);
-  return is_owned;
+  std::vector<std::vector<int>> sharers_of_node;
+  for (const global_id id : ids) {
+    const int* answer = &answers[id % num_ranks][next[id % num_ranks]];
+    is_owned.push_back(answer[0] == rankOf(comm));
+    sharers_of_node.emplace_back(answer + 2, answer + 2 + answer[1]);
+    next[id % num_ranks] += 2 + static_cast<std::size_t>(answer[1]);
+  }
+  return sharers_of_node;
 }
 
-std::vector<std::vector<int>> ofPartners(std::vector<std::vector<int>>& rows,
-                                         const std::vector<int>& partners) {
-  std::vector<std::vector<int>> chosen;
-  for (const int q : partners)
-    chosen.push_back(std::move(rows[q]));
-  return chosen;
+// The rows that each rank sends and receives, [rank], as a plan between those that have any.
+ExchangePlan planOf(const exec_space& space, MPI_Comm comm, int tag,
+                    const std::vector<std::vector<int>>& send_rows,
+                    const std::vector<std::vector<int>>& receive_rows) {
+  std::vector<int> partners;
+  std::vector<std::vector<int>> sent, received;
+  for (int q = 0; q < sizeOf(comm); ++q)
+    if (!send_rows[q].empty() || !receive_rows[q].empty()) {
+      partners.push_back(q);
+      sent.push_back(send_rows[q]);
+      received.push_back(receive_rows[q]);
+    }
+  return ExchangePlan(space, Communicator(comm), tag, partners, sent, received);
 }
 
 } // namespace
@@ -96,35 +113,62 @@ std::vector<std::vector<int>> ofPartners(std::vector<std::vector<int>>& rows,
 SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
                                    const SweptBoxes& primary,
                                    const std::vector<int>& rank_of_face) {
-  const int num_ranks = sizeOf(comm);
+  const int num_ranks = sizeOf(comm), rank = rankOf(comm);
   const Outgoing out = listOutgoing(primary, rank_of_face, num_ranks);
 
   // Nodes: the first rank that sends one is the source of its values.
   const auto node_records = exchangeByRank(comm, out.nodes);
   std::unordered_map<global_id, int> node_of_id;
   std::vector<global_id> node_ids, node_body;
-  std::vector<std::vector<int>> receive_rows(num_ranks), taken(num_ranks);
+  std::vector<std::vector<int>> received_rows(num_ranks), rows_there(num_ranks), taken(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     for (std::size_t i = 0; i < node_records[q].size(); ++i) {
       const NodeRecord& record = node_records[q][i];
-      const auto row = static_cast<int>(node_ids.size());
-      if (!node_of_id.emplace(record.id, row).second)
+      const auto found = node_of_id.emplace(record.id, static_cast<int>(node_ids.size()));
+      received_rows[q].push_back(found.first->second);
+      if (!found.second)
         continue;
       node_ids.push_back(record.id);
       node_body.push_back(record.body);
-      receive_rows[q].push_back(row);
+      rows_there[q].push_back(found.first->second);
       taken[q].push_back(static_cast<int>(i));
     }
-  std::vector<std::vector<int>> send_rows = exchangeByRank(comm, taken);
-  std::vector<int> partners;
-  for (int q = 0; q < num_ranks; ++q) {
-    for (int& row : send_rows[q])
+  // `taken` and `asked` number the nodes that a rank has sent.
+  auto rows_sent = exchangeByRank(comm, taken);
+  for (int q = 0; q < num_ranks; ++q)
+    for (int& row : rows_sent[q])
       row = out.node_rows[q][row];
-    if (!send_rows[q].empty() || !receive_rows[q].empty())
-      partners.push_back(q);
-  }
-  _plan = ExchangePlan(space, Communicator(comm), tags::secondary_surface, partners,
-                       ofPartners(send_rows, partners), ofPartners(receive_rows, partners));
+  _there = planOf(space, comm, tags::secondary_surface, rows_sent, rows_there);
+
+  // Each primary copy has its values back from the first rank to which it sent the node.
+  std::vector<char> has_source(primary.num_nodes, 0);
+  std::vector<std::vector<int>> rows_back(num_ranks), asked(num_ranks);
+  for (int q = 0; q < num_ranks; ++q)
+    for (std::size_t i = 0; i < out.node_rows[q].size(); ++i) {
+      const int row = out.node_rows[q][i];
+      if (has_source[row])
+        continue;
+      has_source[row] = 1;
+      rows_back[q].push_back(row);
+      asked[q].push_back(static_cast<int>(i));
+    }
+  auto rows_given = exchangeByRank(comm, asked);
+  for (int q = 0; q < num_ranks; ++q)
+    for (int& row : rows_given[q])
+      row = received_rows[q][row];
+  _back = planOf(space, comm, tags::secondary_surface, rows_given, rows_back);
+
+  // Shared nodes, in the order of their ids on both sides.
+  std::vector<unsigned char> is_owned;
+  const auto sharers = findSharers(comm, node_ids, is_owned);
+  std::vector<std::vector<int>> rows_shared(num_ranks);
+  for (std::size_t node = 0; node < sharers.size(); ++node)
+    for (const int q : sharers[node])
+      if (q != rank)
+        rows_shared[q].push_back(static_cast<int>(node));
+  for (auto& rows : rows_shared)
+    std::sort(rows.begin(), rows.end(), [&](int a, int b) { return node_ids[a] < node_ids[b]; });
+  _shared = planOf(space, comm, tags::secondary_surface, rows_shared, rows_shared);
 
   // Faces, by sender and in its order.
   const auto face_records = exchangeByRank(comm, out.faces);
@@ -146,8 +190,7 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
   _surface.num_faces = checkedInt(static_cast<std::int64_t>(face_ids.size()), "faces");
   _surface.node_ids = toDevice(space, "contact::SecondarySurface::node_ids", node_ids);
   _surface.node_body = toDevice(space, "contact::SecondarySurface::node_body", node_body);
-  _surface.node_is_owned =
-      toDevice(space, "contact::SecondarySurface::node_is_owned", chooseOwners(comm, node_ids));
+  _surface.node_is_owned = toDevice(space, "contact::SecondarySurface::node_is_owned", is_owned);
   _surface.face_ids = toDevice(space, "contact::SecondarySurface::face_ids", face_ids);
   _surface.face_body = toDevice(space, "contact::SecondarySurface::face_body", face_body);
   _surface.face_to_nodes =

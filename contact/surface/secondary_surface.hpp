@@ -29,18 +29,25 @@ public:
   // Ranks that share a primary node must hold equal values. Collective.
   template <class SourceView, class TargetView>
   void forward(const exec_space& space, const SourceView& of_primary, const TargetView& values) {
-    _plan.forward(space, of_primary, values);
+    _there.forward(space, of_primary, values);
   }
-  // Adds the values of all copies of a node, int64 [node][W], to one primary copy of it. Collective.
+  // Adds up the values of all copies of a node, int64 [node][W], on each of them. Collective.
+  template <class ViewType>
+  void sumShared(const exec_space& space, const ViewType& values) {
+    _shared.sumShared(space, values);
+  }
+  // Values [node][W], equal on all copies of a node, to all primary copies of it. Collective.
   template <class SourceView, class TargetView>
-  void reverseSum(const exec_space& space, const SourceView& values, const TargetView& of_primary) {
-    _plan.reverseSum(space, values, of_primary);
+  void giveBack(const exec_space& space, const SourceView& values, const TargetView& of_primary) {
+    _back.forward(space, values, of_primary);
   }
 
 private:
   Surface _surface;
   AttributeWords _attributes;
-  ExchangePlan _plan; // from one primary copy of each node
+  ExchangePlan _there; // to each copy of a node from one primary copy
+  ExchangePlan _back; // to each primary copy of a node from one copy
+  ExchangePlan _shared; // between the copies of nodes that several ranks have
 };
 
 // For each record the rank that lists its id in `held`, which one rank at most does, gets it.

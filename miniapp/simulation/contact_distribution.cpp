@@ -98,9 +98,9 @@ std::vector<int> ContactStep::ranksOfFaces() {
   if (_enforcement) {
     const View<std::int64_t**> of_mesh("miniapp::ContactStep::contacts_of_mesh",
                                        _scene.mesh.num_nodes, 1);
-    _coupling.addToMesh(_space, contactsOfNodes(_space, *_enforcement, surface().num_nodes),
+    mechanics::SharedNodeSum shared(_scene.shared);
+    _coupling.sumOnMesh(_space, contactsOfNodes(_space, *_enforcement, surface().num_nodes), shared,
                         of_mesh);
-    mechanics::SharedNodeSum(_scene.shared).sum(_space, of_mesh);
     const auto contacts = toHost(of_mesh);
     const auto face_to_nodes = toHost(_scene.skin.face_to_nodes);
     for (int face = 0; face < primary.num_faces; ++face)
@@ -123,8 +123,8 @@ View<std::int64_t**> ContactStep::sweptBoxesOnMesh() {
     return {};
   const View<std::int64_t**> of_mesh("miniapp::ContactStep::boxes_of_mesh", _scene.mesh.num_nodes,
                                      6);
-  _coupling.addToMesh(_space, boxesOfOwned(_space, surface(), boxes), of_mesh);
-  mechanics::SharedNodeSum(_scene.shared).sum(_space, of_mesh);
+  mechanics::SharedNodeSum shared(_scene.shared);
+  _coupling.sumOnMesh(_space, boxesOfOwned(_space, surface(), boxes), shared, of_mesh);
   return of_mesh;
 }
 

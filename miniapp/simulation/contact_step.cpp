@@ -179,8 +179,7 @@ void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
         words(i, 1) = toWord(gap(i));
       });
   Kokkos::deep_copy(_space, of_mesh, 0);
-  _coupling.addToMesh(_space, words, of_mesh);
-  shared.sum(_space, of_mesh);
+  _coupling.sumOnMesh(_space, words, shared, of_mesh);
 }
 
 void ContactStep::countDeepContacts(const contact::EnforcementSums& sums,

@@ -140,7 +140,8 @@ public:
                                    const mechanics::BoundaryConditions& boundary,
                                    mechanics::SharedNodeSum& shared);
   // Stores the forces of the last enforce() in `forces`, whose columns of contact are zero.
-  void restoreForces(const mechanics::NodalForces& forces) const {
+  // Collective.
+  void restoreForces(const mechanics::NodalForces& forces) {
     if (!hasForces())
       return; // the columns are zero
     _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);

@@ -151,12 +151,10 @@ void SurfaceCoupling::distribute(const exec_space& space, MPI_Comm comm,
       allocate<View<double*>>(space, "miniapp::SurfaceCoupling::secondary_node_mass", num_nodes);
   surface.forward(space, View<const double* [1]>(_node_mass.data(), _node_mass.extent(0)),
                   View<double* [1]>(node_mass.data(), num_nodes));
-  _secondary = std::make_unique<Secondary>(Secondary{std::move(surface),
-                                                     vectors("x_old"),
-                                                     vectors("x_new"),
-                                                     vectors("accelerations"),
-                                                     node_mass,
-                                                     {}});
+  _secondary = std::make_unique<Secondary>(Secondary{
+      std::move(surface), vectors("x_old"), vectors("x_new"), vectors("accelerations"), node_mass,
+      allocate<View<std::int64_t* [3]>>(space, "miniapp::SurfaceCoupling::forces",
+                                        _primary.num_nodes)});
 }
 
 void SurfaceCoupling::setTrueEdges(const exec_space& space,
@@ -211,22 +209,15 @@ contact::Surface SurfaceCoupling::surface() const {
   return surface;
 }
 
-const View<std::int64_t**>& SurfaceCoupling::Secondary::ofPrimary(const exec_space& space,
-                                                                  std::size_t num_nodes,
-                                                                  std::size_t width) {
-  if (of_primary.extent(1) != width)
-    of_primary = allocate<View<std::int64_t**>>(space, "miniapp::SurfaceCoupling::of_primary",
-                                                num_nodes, width);
-  return of_primary;
-}
-
-void SurfaceCoupling::addToMesh(const exec_space& space, const View<std::int64_t**>& values,
+void SurfaceCoupling::sumOnMesh(const exec_space& space, const View<std::int64_t**>& values,
+                                mechanics::SharedNodeSum& shared,
                                 const View<std::int64_t**>& of_mesh) {
-  View<std::int64_t**> sums = values;
+  View<std::int64_t**> of_primary = values;
   if (_secondary) {
-    sums = _secondary->ofPrimary(space, _primary.num_nodes, values.extent(1));
-    Kokkos::deep_copy(space, sums, 0);
-    _secondary->surface.reverseSum(space, values, sums);
+    _secondary->surface.sumShared(space, values);
+    of_primary = View<std::int64_t**>("miniapp::SurfaceCoupling::of_primary", _primary.num_nodes,
+                                      values.extent(1));
+    _secondary->surface.giveBack(space, values, of_primary);
   }
   const auto surface_to_node = _surface_to_node;
   const auto width = static_cast<int>(values.extent(1));
@@ -234,8 +225,10 @@ void SurfaceCoupling::addToMesh(const exec_space& space, const View<std::int64_t
       "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _primary.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         for (int w = 0; w < width; ++w)
-          of_mesh(surface_to_node(i), w) = sums(i, w);
+          of_mesh(surface_to_node(i), w) = of_primary(i, w);
       });
+  if (!_secondary)
+    shared.sum(space, of_mesh);
 }
 
 void SurfaceCoupling::takeFromMesh(const exec_space& space,
@@ -243,7 +236,8 @@ void SurfaceCoupling::takeFromMesh(const exec_space& space,
                                    const View<std::int64_t**>& values) {
   View<std::int64_t**> of_primary = values;
   if (_secondary)
-    of_primary = _secondary->ofPrimary(space, _primary.num_nodes, values.extent(1));
+    of_primary = View<std::int64_t**>("miniapp::SurfaceCoupling::of_primary", _primary.num_nodes,
+                                      values.extent(1));
   const auto surface_to_node = _surface_to_node;
   const auto width = static_cast<int>(values.extent(1));
   Kokkos::parallel_for(
@@ -263,30 +257,26 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
     search.reverseSum(space, surface().face_to_nodes, forces.ghost_corners, forces.nodes);
-  if (!_secondary && shared.partners().empty())
-    return;
-  addToMesh(space, forces.nodes, _contact_forces);
-  shared.sum(space, _contact_forces);
-  takeFromMesh(space, _contact_forces, forces.nodes);
+  if (_secondary) {
+    _secondary->surface.sumShared(space, forces.nodes);
+  } else if (!shared.partners().empty()) {
+    sumOnMesh(space, forces.nodes, shared, _contact_forces);
+    takeFromMesh(space, _contact_forces, forces.nodes);
+  }
 }
 
-void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& list,
+void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& changed,
                                          const contact::ContactForces& forces,
-                                         const mechanics::NodalForces& target) const {
+                                         const mechanics::NodalForces& target) {
+  View<const std::int64_t* [3]> totals = forces.nodes;
+  contact::NodeList list = changed;
+  if (_secondary) {
+    _secondary->surface.giveBack(space, totals, _secondary->forces);
+    totals = _secondary->forces;
+    list = contact::NodeList::allOf(_primary.num_nodes);
+  }
   const auto surface_to_node = _surface_to_node;
   const auto values = target.values;
-  if (_secondary) { // whose totals are on the mesh
-    const auto totals = _contact_forces;
-    Kokkos::parallel_for(
-        "miniapp::SurfaceCoupling::storeTotals", rangePolicy(space, _primary.num_nodes),
-        KOKKOS_LAMBDA(const std::int64_t i) {
-          const int node = surface_to_node(i);
-          for (int d = 0; d < 3; ++d)
-            values(node, 3 * mechanics::contact_force + d) = totals(node, d);
-        });
-    return;
-  }
-  const auto totals = forces.nodes;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {

@@ -42,10 +42,10 @@ public:
   // [surface node]
   View<const double*> nodeMass() const { return _secondary ? _secondary->node_mass : _node_mass; }
 
-  // Values [surface node][W], 0 where not owned or partial sums, to [mesh node][W]: partial sums at
-  // the nodes that ranks share. Collective.
-  void addToMesh(const exec_space& space, const View<std::int64_t**>& values,
-                 const View<std::int64_t**>& of_mesh);
+  // Adds up `values` [surface node][W] over the ranks that share a node: the totals [mesh node][W].
+  // `values` are overwritten. Collective.
+  void sumOnMesh(const exec_space& space, const View<std::int64_t**>& values,
+                 mechanics::SharedNodeSum& shared, const View<std::int64_t**>& of_mesh);
   // The way back: values [mesh node][W], equal on all ranks that share a node, to [surface node][W].
   // Collective.
   void takeFromMesh(const exec_space& space, const View<const std::int64_t**>& of_mesh,
@@ -56,10 +56,10 @@ public:
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
   // Stores the totals of sumContactForces() at the listed surface nodes in the columns
-  // contact_force.
+  // contact_force. Collective.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
                           const contact::ContactForces& forces,
-                          const mechanics::NodalForces& target) const;
+                          const mechanics::NodalForces& target);
 
   // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in
   // `forces` (totals), gravity and damping; 0 where prescribed.
@@ -74,10 +74,7 @@ private:
     contact::SecondarySurface surface;
     View<double*[3]> old, now, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
-
-    const View<std::int64_t**>& ofPrimary(const exec_space& space, std::size_t num_nodes,
-                                          std::size_t width);
-    View<std::int64_t**> of_primary; // [primary surface node][W]
+    View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
   };
 
   contact::Surface _primary; // all but the coordinates

@@ -127,23 +127,21 @@ TEST(SecondarySurface, PassesValuesToAllCopiesAndSumsBack) {
     EXPECT_EQ(got(node, 0), static_cast<double>(ids(node)));
     EXPECT_EQ(got(node, 1), -static_cast<double>(ids(node)));
   }
-  // Each copy sends id + its rank: the primary copies together hold the sum over all copies.
-  const View<std::int64_t*[1]> sent("sent", num_nodes), sums("sums", grid.surface.num_nodes);
-  const auto sent_host = Kokkos::create_mirror_view(sent);
-  std::vector<std::int64_t> expected((side + 1) * (side + 1), 0), found(expected);
+  // Each copy holds id + its rank: the sum over all copies comes to every primary copy.
+  const View<std::int64_t*[1]> sums("sums", num_nodes), back("back", grid.surface.num_nodes);
+  const auto sums_host = Kokkos::create_mirror_view(sums);
+  std::vector<std::int64_t> expected((side + 1) * (side + 1), 0);
   for (int node = 0; node < num_nodes; ++node) {
-    sent_host(node, 0) = ids(node) + grid.rank;
+    sums_host(node, 0) = ids(node) + grid.rank;
     expected[ids(node) - 100] += ids(node) + grid.rank;
   }
-  Kokkos::deep_copy(sent, sent_host);
-  moved.reverseSum(grid.space, sent, sums);
-  const auto sums_host = toHost(sums);
+  allReduce(MPI_COMM_WORLD, expected.data(), static_cast<int>(expected.size()), MPI_SUM);
+  Kokkos::deep_copy(sums, sums_host);
+  moved.sumShared(grid.space, sums);
+  moved.giveBack(grid.space, sums, back);
+  const auto back_host = toHost(back);
   for (std::size_t i = 0; i < grid.node_ids.size(); ++i)
-    found[grid.node_ids[i] - 100] += sums_host(i, 0);
-  const auto size = static_cast<int>(expected.size());
-  allReduce(MPI_COMM_WORLD, expected.data(), size, MPI_SUM);
-  allReduce(MPI_COMM_WORLD, found.data(), size, MPI_SUM);
-  EXPECT_EQ(found, expected);
+    EXPECT_EQ(back_host(i, 0), expected[grid.node_ids[i] - 100]);
 }
 
 TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
