@@ -1,4 +1,4 @@
-"""V18: Bounces of an elastic bar (Doyen, Ern and Piperno 2011): a bar of length L falls on a rigid
+"""V18: Bounces of an elastic bar (after Doyen, Ern and Piperno 2011): a bar of length L falls on a rigid
 plane, which it meets with v0 at t1 = v0/g. In the frame that falls freely, the force on its end
 sends the velocity w = v0 + g (t - t1) up the bar; the wave returns from the free end at t1 + 2 L/c.
 There the bar leaves with v0 everywhere and twice the strain of its standing weight, since w(t - z/c)
