@@ -6,6 +6,8 @@
 #include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
 #include "miniapp/scene/load_warnings.hpp"
+#include "miniapp/scene/loads.hpp"
+#include "miniapp/scene/magnitudes.hpp"
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 
@@ -70,6 +72,30 @@ bool startsUnlike(const Config& config) {
                                      config.initial_deformations.end(), is_of_one));
 }
 
+void printMagnitudes(const Config& config, const Magnitudes& found) {
+  std::printf("  waves             cross a body in %.3g to %.3g (shortest, longest edge), "
+              "%.3g times until the end\n",
+              found.shortest_crossing, found.longest_crossing,
+              config.time.end / found.longest_crossing);
+  std::printf("  mass              %.4g, weight %.4g\n", found.mass,
+              found.mass * norm(toVec3(config.gravity)));
+  if (config.wall)
+    std::printf("  frequency         %.3g, lowest of the wall in one piece on its base (bending)\n",
+                found.frequency);
+  for (std::size_t i = 0; i < found.speeds.size(); ++i)
+    std::printf("  pulse             load.pressure[%zu] gives a brick the speed %.3g\n", i,
+                found.speeds[i]);
+  if (config.contact.enabled && found.joint_pressure > 0)
+    std::printf(
+        "  joints            as soft as %.2g elements; penetration %.3g at the pressure %.3g "
+        "(%s)\n",
+        found.joint_compliance, found.penetration, found.joint_pressure, found.pressure_source);
+  if (config.wall)
+    std::printf(
+        "  error             of the frequencies of a brick, %d elements thick: about %.2g %%\n",
+        found.elements_through, 100 * frequencyError(found.elements_through));
+}
+
 } // namespace
 
 int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
@@ -95,6 +121,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const SceneBytes bytes = estimateBytes(elements, nodes, faces, all_congruent);
   const auto skipped =
       skippedWork(small, simulation, contactCounts(simulation), scene.part.num_global_elems);
+  const Magnitudes magnitudes = magnitudesOf(comm, config, scene, simulation.clock().dt);
+  for (const std::string& warning :
+       absurdMagnitudes(config, magnitudes, simulation.steps().plannedSteps()))
+    scene.warnings.push_back(warning);
   const int ranks = sizeOf(comm);
   if (rankOf(comm) != 0)
     return 0;
@@ -112,9 +142,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::printf("  exterior faces    %lld\n", count(faces));
   for (const auto& block : scene.part.blocks) {
     const auto& material = *config.materialOf(block.name);
-    std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g\n",
+    std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g, "
+                "wave speed %.4g\n",
                 block.name.c_str(), nameOf(material.model), material.density, material.youngs,
-                material.poisson);
+                material.poisson, material.dilatationalSpeed());
   }
   std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
               config.gravity == Triple{0, 0, 0} ? "off" : "on");
@@ -155,6 +186,7 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
                   part.of.c_str());
   std::printf("  steps             %lld to time %g\n", count(simulation.steps().plannedSteps()),
               config.time.end);
+  printMagnitudes(config, magnitudes);
   std::printf(
       "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
       1e-6 * bytes.host_and_device / ranks, ranks, 1e-6 * bytes.device / ranks);

@@ -10,15 +10,6 @@ namespace brickwall::miniapp {
 
 namespace {
 
-mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
-  mechanics::PulseShape shape;
-  shape.kind = pulse.shape;
-  if (pulse.duration)
-    shape.duration = *pulse.duration;
-  shape.decay = pulse.decay;
-  return shape;
-}
-
 // Marks the local elements that an entry selects.
 std::vector<unsigned char> chosenElements(const Config& config, const Scene& scene,
                                           const InitialSelection& entry) {
@@ -42,6 +33,15 @@ std::vector<unsigned char> chosenElements(const Config& config, const Scene& sce
 }
 
 } // namespace
+
+mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
+  mechanics::PulseShape shape;
+  shape.kind = pulse.shape;
+  if (pulse.duration)
+    shape.duration = *pulse.duration;
+  shape.decay = pulse.decay;
+  return shape;
+}
 
 std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
                                                            const io::MeshPart& part) {

@@ -14,6 +14,9 @@ inline Vec3 toVec3(const Triple& t) {
   return {t[0], t[1], t[2]};
 }
 
+// The variation in time of a load or a prescribed velocity, from its start on.
+mechanics::PulseShape toPulseShape(const PulseConfig& pulse);
+
 // [[boundary.fixed]] and [[boundary.velocity]]. Throws InputError for an unknown node set.
 std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
                                                            const io::MeshPart& part);

@@ -1,0 +1,165 @@
+#include "miniapp/scene/magnitudes.hpp"
+
+#include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
+#include "contact/base/vec3.hpp"
+#include "io/wall/wall_layout.hpp"
+#include "miniapp/scene/loads.hpp"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+namespace brickwall::miniapp {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double absurd_share = 0.1; // of the wave speed or the modulus
+
+// The box of each body and its lowest wave speed decide the times; a body may lie on several ranks.
+void addCrossings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
+                  Magnitudes& result) {
+  constexpr int width = 7; // low and -high corner, wave speed: minima
+  std::vector<double> bodies(static_cast<std::size_t>(width * part.num_global_bodies), HUGE_VAL);
+  for (int elem = 0; elem < part.numElems(); ++elem) {
+    double* body = &bodies[static_cast<std::size_t>(width * part.elem_body[elem])];
+    for (int corner = 0; corner < 8; ++corner)
+      for (int d = 0; d < 3; ++d) {
+        const auto node = static_cast<std::size_t>(part.elem_nodes[8 * elem + corner]);
+        const double x = part.coordinates[3 * node + d];
+        body[d] = minOf(body[d], x);
+        body[3 + d] = minOf(body[3 + d], -x);
+      }
+    const auto& block = part.blocks[part.elem_block[elem]];
+    body[6] = minOf(body[6], config.materialOf(block.name)->dilatationalSpeed());
+  }
+  allReduce(comm, bodies.data(),
+            checkedInt(static_cast<std::int64_t>(bodies.size()), "boxes of bodies"), MPI_MIN);
+  for (std::size_t first = 0; first < bodies.size(); first += width)
+    for (int d = 0; d < 3; ++d) {
+      const double time = (-bodies[first + 3 + d] - bodies[first + d]) / bodies[first + 6];
+      result.shortest_crossing = minOf(result.shortest_crossing, time);
+      result.longest_crossing = maxOf(result.longest_crossing, time);
+    }
+}
+
+void raisePressure(Magnitudes& result, double pressure, const char* source) {
+  if (pressure <= result.joint_pressure)
+    return;
+  result.joint_pressure = pressure;
+  result.pressure_source = source;
+}
+
+double ownedMass(MPI_Comm comm, const Scene& scene) {
+  const auto mass = toHost(scene.mass);
+  double sum = 0;
+  for (std::size_t node = 0; node < scene.node_is_owned.size(); ++node)
+    if (scene.node_is_owned[node])
+      sum += mass(node);
+  return allReduce(comm, sum, MPI_SUM);
+}
+
+// Of a unit peak until the end of the run, time.
+double impulseOf(const PulseConfig& pulse, double end) {
+  const double duration = minOf(pulse.duration.value_or(HUGE_VAL), end - pulse.start);
+  return duration > 0 ? duration * toPulseShape(pulse).mean({0, duration}) : 0;
+}
+
+void addWall(const Config& config, Magnitudes& result) {
+  const WallConfig& wall = *config.wall;
+  const io::WallLayout layout(wall);
+  const mechanics::Material& material = *config.materialOf("brick");
+  const double area = wall.brick[1] * wall.brick[2];
+  result.mass =
+      static_cast<double>(layout.numWholeBricks()) * material.density * area * wall.brick[0];
+  if (layout.numHalfBricks() > 0)
+    result.mass += static_cast<double>(layout.numHalfBricks()) *
+                   config.materialOf("half_brick")->density * area * 0.5 *
+                   (wall.brick[0] - wall.gap);
+  const auto extent = [&](int d) {
+    return static_cast<double>(wall.bricks[d]) * (wall.brick[d] + wall.gap) - wall.gap;
+  };
+  const double height = extent(2), root = 1.8751040687;
+  result.frequency = root * root / (2 * pi) * extent(1) / std::sqrt(12.0) *
+                     std::sqrt(material.youngs / material.density) / (height * height);
+  for (const PressureConfig& load : config.pressures) {
+    const auto acts_on = [&](io::WallSide a, io::WallSide b) {
+      return load.side_set == io::WallLayout::sideSetName(a) ||
+             load.side_set == io::WallLayout::sideSetName(b);
+    };
+    const int normal = acts_on(io::wall_left, io::wall_right)   ? 0
+                       : acts_on(io::wall_front, io::wall_back) ? 1
+                                                                : 2;
+    result.speeds.push_back(std::fabs(load.peak) * impulseOf(load.pulse, config.time.end) /
+                            (material.density * wall.brick[normal]));
+  }
+  const auto thinnest = std::min_element(wall.brick.begin(), wall.brick.end()) - wall.brick.begin();
+  result.elements_through = static_cast<int>(wall.elements[thinnest]);
+  raisePressure(result, material.density * norm(toVec3(config.gravity)) * height, "weight");
+}
+
+// The penetration of a joint of matching meshes under its pressure.
+void addJoints(const Config& config, const Scene& scene, double dt, Magnitudes& result) {
+  double density = HUGE_VAL, speed = 0, impedance = 0;
+  for (const auto& block : scene.part.blocks) {
+    const mechanics::Material& material = *config.materialOf(block.name);
+    density = minOf(density, material.density);
+    speed = maxOf(speed, material.dilatationalSpeed());
+    impedance = maxOf(impedance, material.density * material.dilatationalSpeed());
+  }
+  for (const PressureConfig& load : config.pressures)
+    raisePressure(result, std::fabs(load.peak), "load");
+  for (const InitialVelocityConfig& initial : config.initial_velocities)
+    raisePressure(result, impedance * norm(toVec3(initial.velocity)), "impact");
+  const double edge = scene.shortest_edge;
+  result.penetration =
+      2 * dt * dt * result.joint_pressure / (config.contact.penalty * density * edge);
+  result.joint_compliance = 2 * std::pow(speed * dt / edge, 2) / config.contact.penalty;
+}
+
+} // namespace
+
+Magnitudes magnitudesOf(MPI_Comm comm, const Config& config, const Scene& scene, double dt) {
+  Magnitudes result;
+  addCrossings(comm, config, scene.part, result);
+  if (config.wall)
+    addWall(config, result);
+  else
+    result.mass = ownedMass(comm, scene);
+  addJoints(config, scene, dt, result);
+  return result;
+}
+
+std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes& magnitudes,
+                                          std::int64_t steps) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const auto&... words) {
+    std::ostringstream text;
+    (text << ... << words);
+    warnings.push_back(text.str() + "; are the units of the deck consistent?");
+  };
+  const double gravity = norm(toVec3(config.gravity));
+  const bool is_si = gravity > 9.7 && gravity < 9.9;
+  double least_modulus = HUGE_VAL, least_speed = HUGE_VAL;
+  for (const MaterialConfig& entry : config.materials) {
+    const double speed = entry.material.dilatationalSpeed();
+    least_speed = minOf(least_speed, speed);
+    least_modulus = minOf(least_modulus, entry.material.density * speed * speed);
+    if (is_si && !(speed >= 10 && speed <= 20000))
+      warn("material.", entry.block, " has the wave speed ", speed, ", and gravity ", gravity,
+           " suggests m/s: expected 10 to 20000");
+  }
+  for (std::size_t i = 0; i < magnitudes.speeds.size(); ++i)
+    if (magnitudes.speeds[i] > absurd_share * least_speed)
+      warn("load.pressure[", i, "] gives a brick the speed ", magnitudes.speeds[i],
+           ", but waves have ", least_speed);
+  if (magnitudes.joint_pressure > absurd_share * least_modulus)
+    warn("the pressure ", magnitudes.joint_pressure, " (", magnitudes.pressure_source,
+         ") exceeds a tenth of the modulus lambda + 2 mu = ", least_modulus);
+  if (steps > 1000000000)
+    warn("the run has ", steps, " steps");
+  return warnings;
+}
+
+} // namespace brickwall::miniapp

@@ -1,0 +1,101 @@
+// Magnitudes of scenes against values by hand.
+#include "miniapp/scene/magnitudes.hpp"
+#include "tests/miniapp/scene/mesh_scene.hpp"
+
+namespace brickwall::miniapp::testing {
+namespace {
+
+// Three courses of bricks of 4 x 2 x 1 with half bricks in the middle course; density 2 and E = 8
+// at nu = 0, so that waves have the speed 2.
+Config wallOf(const std::string& blocks) {
+  return parseConfig("[wall]\nbricks = [2, 1, 3]\nbrick = [4, 2, 1]\nelements = [8, 4, 2]\n"
+                     "[material.brick]\ndensity = 2.0\nyoungs_modulus = 8.0\npoissons_ratio = 0.0\n"
+                     "[time]\nend = 8.0\n" +
+                         blocks,
+                     "deck.toml");
+}
+Magnitudes found(const Config& config, double dt) {
+  return magnitudesOf(MPI_COMM_WORLD, config, makeScene(exec_space(), MPI_COMM_WORLD, config), dt);
+}
+std::string warningOf(const std::string& blocks, std::int64_t steps = 1000) {
+  const Config config = wallOf(blocks);
+  const auto warnings = absurdMagnitudes(config, found(config, 0.1), steps);
+  EXPECT_LE(warnings.size(), 1u);
+  return warnings.empty() ? "" : warnings[0];
+}
+void expectWords(const std::string& text, const std::string& words) {
+  EXPECT_NE(text.find(words), std::string::npos) << text;
+}
+std::string pressure(const std::string& side, const std::string& keys) {
+  return "[[load.pressure]]\nside_set = \"" + side + "\"\n" + keys;
+}
+
+TEST(Magnitudes, OfAWallAreThoseByHand) {
+  const Config config =
+      wallOf("[gravity]\nacceleration = [0, 0, -10]\n" +
+             pressure("front", "peak = 3.0\nstart = 0.1\nduration = 0.5\n") + // half sine
+             pressure("left", "shape = \"step\"\npeak = -0.5\nstart = 6.0\n") +
+             pressure("top", "shape = \"triangle\"\npeak = 4.0\nduration = 1.0\n"));
+  const Magnitudes wall = found(config, 0.1);
+  EXPECT_DOUBLE_EQ(wall.shortest_crossing, 0.5); // 1/2
+  EXPECT_DOUBLE_EQ(wall.longest_crossing, 2.0); // 4/2
+  EXPECT_DOUBLE_EQ(wall.mass, 96.0); // 2 x 8 x 2 x 3
+  // 1.8751^2/(2 pi) = 0.559591, 2/sqrt(12) = 0.577350, sqrt(8/2)/3^2 = 0.222222
+  EXPECT_NEAR(wall.frequency, 0.0717956, 1e-7);
+  ASSERT_EQ(wall.speeds.size(), 3u);
+  EXPECT_NEAR(wall.speeds[0], 3 / 3.14159265358979 / 4, 1e-14); // 3 (2 0.5/pi) over 2 x 2
+  EXPECT_NEAR(wall.speeds[1], 0.5 * 2 / 8, 1e-15); // until the end, over 2 x 4
+  EXPECT_NEAR(wall.speeds[2], 4 * 0.5 / 2, 1e-15); // over 2 x 1
+  EXPECT_EQ(wall.elements_through, 2);
+  EXPECT_DOUBLE_EQ(wall.joint_pressure, 60.0); // 2 x 10 x 3
+  EXPECT_STREQ(wall.pressure_source, "weight");
+  EXPECT_NEAR(wall.penetration, 2 * 0.01 * 60 / (0.9 * 2 * 0.5), 1e-14);
+  EXPECT_NEAR(wall.joint_compliance, 2 * 0.16 / 0.9, 1e-14); // c dt/h = 0.4
+}
+
+TEST(Magnitudes, OfAMeshAreThoseByHandOnAnyRanks) {
+  const MeshFile mesh(oneBrick({4, 4, 4}), [](io::MeshPart&) {});
+  const Magnitudes brick =
+      found(mesh.config("[[initial.velocity]]\nvelocity = [0, 0.03, 0.04]\n"), 0.5);
+  const double speed = std::sqrt(0.7 / (1.3 * 0.4)); // (1 - nu)/((1 + nu) (1 - 2 nu))
+  EXPECT_NEAR(brick.shortest_crossing, 4 / speed, 1e-14);
+  EXPECT_NEAR(brick.longest_crossing, 4 / speed, 1e-14);
+  EXPECT_NEAR(brick.mass, 64.0, 1e-12);
+  EXPECT_EQ(brick.frequency, 0.0);
+  EXPECT_TRUE(brick.speeds.empty());
+  EXPECT_NEAR(brick.joint_pressure, 0.05 * speed, 1e-15);
+  EXPECT_STREQ(brick.pressure_source, "impact");
+}
+
+TEST(Magnitudes, AreNotAbsurdInAnyConsistentUnits) {
+  EXPECT_EQ(warningOf(""), "");
+  EXPECT_EQ(warningOf("[gravity]\nacceleration = [0, 0, -1e-3]\n"), "");
+  EXPECT_EQ(warningOf(pressure("front", "peak = 0.7\nduration = 0.5\n")), "");
+  EXPECT_EQ(warningOf("", 1000000000), "");
+}
+
+TEST(Magnitudes, AreAbsurdWhereBodiesWouldBeCrushedOrRunsNeverEnd) {
+  expectWords(warningOf(pressure("front", "peak = 0.79\nduration = 8.0\n")),
+              "load.pressure[0] gives a brick the speed 1.00"); // 0.79 x 16/pi / 4
+  expectWords(warningOf(pressure("front", "peak = 0.81\nduration = 1e-3\n")),
+              "the pressure 0.81 (load) exceeds a tenth of the modulus lambda + 2 mu = 8");
+  expectWords(warningOf("", 1000000001), "the run has 1000000001 steps");
+}
+
+TEST(Magnitudes, WaveSpeedsAreJudgedWhereGravityIsInMetresPerSquareSecond) {
+  const auto speedOf = [](double youngs) {
+    Config config = wallOf("[gravity]\nacceleration = [0, 0, -9.81]\n");
+    for (auto& entry : config.materials) {
+      entry.material.density = 2000;
+      entry.material.youngs = youngs;
+    }
+    const auto warnings = absurdMagnitudes(config, found(config, 0.1), 1000);
+    return warnings.empty() ? std::string() : warnings[0];
+  };
+  EXPECT_EQ(speedOf(20e9), "");
+  expectWords(speedOf(20e3), "material.brick has the wave speed 3.16228, and gravity 9.81");
+  expectWords(speedOf(20e12), "expected 10 to 20000");
+}
+
+} // namespace
+} // namespace brickwall::miniapp::testing
