@@ -37,6 +37,7 @@ Words<contact::SearchMethod> wordsOf(contact::SearchMethod);
 Words<StepBound> wordsOf(StepBound);
 Words<io::FileFormat> wordsOf(io::FileFormat);
 Words<Precision> wordsOf(Precision);
+Words<OutputField> wordsOf(OutputField);
 
 template <class Enum>
 const char* nameOf(Enum value) {

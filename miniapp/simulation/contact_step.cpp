@@ -3,6 +3,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
+#include "contact/enforcement/reports/contact_fields.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
 
 namespace brickwall::miniapp {
@@ -166,6 +167,33 @@ contact::LargestForce ContactStep::largestForce() const {
       largest = of_edges;
   }
   return largest;
+}
+
+View<std::int64_t* [3]> ContactStep::normalForces(const Quantum& quantum,
+                                                  mechanics::SharedNodeSum& shared) {
+  const contact::ContactForces forces = contact::normalForces(_space, {surface(), _search.ghosts()},
+                                                              _enforcement->history(), quantum);
+  _coupling.sumContactForces(_space, forces, _search, shared);
+  return forces.nodes;
+}
+
+View<std::int64_t* [3]> ContactStep::candidatesOfFaces() {
+  const contact::CandidateCounts counts =
+      contact::countCandidates(_space, {surface(), _search.ghosts()}, _search.pairs());
+  const auto itself = allocate<View<int* [4]>>(_space, "miniapp::ContactStep::candidatesOfFaces",
+                                               counts.own.extent(0));
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::candidatesOfFaces", rangePolicy(_space, itself.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        for (int j = 0; j < 4; ++j)
+          itself(face, j) = static_cast<int>(face);
+      });
+  _search.reverseSum(_space, itself, counts.of_ghosts, counts.own);
+  return counts.own;
+}
+
+View<double* [3]> ContactStep::slipMotion() const {
+  return contact::slipMotion(_space, {surface(), _search.ghosts()}, _enforcement->history());
 }
 
 ContactRestart ContactStep::restartData(const contact::EnforcementSums& sums) const {

@@ -146,6 +146,12 @@ public:
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
   const TunnellingGuard& guard() const { return _guard; }
   contact::LargestForce largestForce() const; // collective
+  // For output, after a step (contact_fields.hpp). Collective: normal forces [surface node][xyz] in
+  // quanta, totals on all ranks that share a node; and the number of candidate pairs of each face in
+  // column 0 [face][3]. Not collective: slip in the last step.
+  View<std::int64_t* [3]> normalForces(const Quantum& quantum, mechanics::SharedNodeSum& shared);
+  View<std::int64_t* [3]> candidatesOfFaces();
+  View<double* [3]> slipMotion() const;
   std::int64_t lost() const { return _lost; } // this rank's
   std::int64_t missedPairs() const { return _missed_pairs; } // of all ranks
   double penetration() const { return _penetration; } // this rank's

@@ -1,0 +1,75 @@
+#include "miniapp/output/contact_pressure.hpp"
+
+#include "contact/base/to_device.hpp"
+
+namespace brickwall::miniapp {
+
+namespace {
+
+// Adds the areas of this rank's faces, seen along the forces [surface node], to `areas` [mesh
+// node][1].
+void addPressedAreas(const exec_space& space, const Scene& scene,
+                     const View<const double* [3]>& displacement,
+                     const View<const std::int64_t* [3]>& forces, const Quantum& quantum,
+                     const View<std::int64_t**>& areas) {
+  const auto X = scene.mesh.reference_coordinates;
+  const auto face_to_nodes = scene.skin.face_to_nodes;
+  const auto face_to_surface_nodes = scene.skin.face_to_surface_nodes;
+  Kokkos::parallel_for(
+      "miniapp::contactPressure::addPressedAreas", rangePolicy(space, scene.skin.num_faces),
+      KOKKOS_LAMBDA(const std::int64_t face) {
+        const double unit[4] = {1, 1, 1, 1};
+        brickwall::Triple<double> x[4], inward[4];
+        for (int c = 0; c < 4; ++c) {
+          const int node = face_to_nodes(face, c);
+          x[c] = triple(rowOf(X, node) + rowOf(displacement, node));
+        }
+        mechanics::quadPressureLoads(unit, x, inward);
+        for (int c = 0; c < 4; ++c) {
+          const int at = face_to_surface_nodes(face, c);
+          double along = 0, square = 0;
+          const double area[3] = {inward[c].x, inward[c].y, inward[c].z};
+          for (int d = 0; d < 3; ++d) {
+            const auto force = static_cast<double>(forces(at, d));
+            along += force * area[d];
+            square += force * force;
+          }
+          if (along > 0)
+            Kokkos::atomic_add(&areas(face_to_nodes(face, c), 0),
+                               roundToFixed(quantum.inverse * (along / std::sqrt(square))));
+        }
+      });
+}
+
+} // namespace
+
+std::vector<double> contactPressure(Simulation& simulation, mechanics::SharedNodeSum& shared) {
+  const exec_space space;
+  const Scene& scene = simulation.scene();
+  std::vector<double> pressure(scene.part.node_ids.size());
+  if (!simulation.contact()->hasForces())
+    return pressure;
+  const auto forces = simulation.contact()->normalForces(simulation.forceQuantum(), shared);
+  // Faces may stretch: areas up to 32 times that of the longest edge squared fit.
+  const Quantum quantum = Quantum::forForceScale(8 * scene.longest_edge * scene.longest_edge);
+  const View<std::int64_t**> areas("miniapp::contactPressure::areas", pressure.size(), 1);
+  addPressedAreas(space, scene, simulation.state().displacement, forces, quantum, areas);
+  shared.sum(space, areas);
+  const auto host_areas = toHost(areas);
+  const auto host_forces = toHost(forces);
+  const auto surface_to_node = toHost(scene.skin.surface_to_node);
+  for (int i = 0; i < scene.skin.num_nodes; ++i) {
+    const int node = surface_to_node(i);
+    double square = 0;
+    for (int d = 0; d < 3; ++d) {
+      const double force = simulation.forceQuantum().value * static_cast<double>(host_forces(i, d));
+      square += force * force;
+    }
+    if (host_areas(node, 0) > 0)
+      pressure[node] =
+          std::sqrt(square) / (quantum.value * static_cast<double>(host_areas(node, 0)));
+  }
+  return pressure;
+}
+
+} // namespace brickwall::miniapp
