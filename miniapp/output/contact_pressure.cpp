@@ -6,8 +6,11 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// Adds the areas of this rank's faces, seen along the forces [surface node], to `areas` [mesh
-// node][1].
+// Least cosine between the force on a node and the inward normal of a face that it presses.
+constexpr double pressed_cosine = 0.1;
+
+// Adds the areas of this rank's faces that are pressed, seen along the forces [surface node], to
+// `areas` [mesh node][1].
 void addPressedAreas(const exec_space& space, const Scene& scene,
                      const View<const double* [3]>& displacement,
                      const View<const std::int64_t* [3]>& forces, const Quantum& quantum,
@@ -27,16 +30,14 @@ void addPressedAreas(const exec_space& space, const Scene& scene,
         mechanics::quadPressureLoads(unit, x, inward);
         for (int c = 0; c < 4; ++c) {
           const int at = face_to_surface_nodes(face, c);
-          double along = 0, square = 0;
-          const double area[3] = {inward[c].x, inward[c].y, inward[c].z};
-          for (int d = 0; d < 3; ++d) {
-            const auto force = static_cast<double>(forces(at, d));
-            along += force * area[d];
-            square += force * force;
-          }
-          if (along > 0)
+          const Vec3 force = {static_cast<double>(forces(at, 0)),
+                              static_cast<double>(forces(at, 1)),
+                              static_cast<double>(forces(at, 2))};
+          const Vec3 area = {inward[c].x, inward[c].y, inward[c].z};
+          const double along = dot(force, area), size = norm(force);
+          if (along > pressed_cosine * size * norm(area))
             Kokkos::atomic_add(&areas(face_to_nodes(face, c), 0),
-                               roundToFixed(quantum.inverse * (along / std::sqrt(square))));
+                               roundToFixed(quantum.inverse * (along / size)));
         }
       });
 }
