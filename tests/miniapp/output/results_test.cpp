@@ -163,6 +163,24 @@ TEST(Results, OfCubesAtRestUnderAKnownPressureAreExact) {
     EXPECT_EQ(pressure[node] > 0, status[node] > 0);
 }
 
+// Four cubes in a square, under the same pressure on all four sides: the nodes at the edges where all
+// meet are pressed on two sides. The cubes move by up to 1e-6 past each other's edges, which takes up
+// to 1e-6/(0.1/2) of the force of the nodes there (contact.edge_tolerance).
+TEST(Results, HaveOnePressureOfTwoSides) {
+  std::string deck = twoCubes("0.0", "\"contact_pressure\"") + "[damping]\nmass = 1.0\n";
+  deck.replace(deck.find("[2, 1, 1]"), 9, "[2, 2, 1]");
+  for (const char* side : {"left", "right", "front", "back"})
+    deck += std::string("[[load.pressure]]\nside_set = \"") + side +
+            "\"\nshape = \"step\"\npeak = 1e-6\n";
+  CubesRun run(deck);
+  run.stepUntil(199);
+  run.write();
+  const auto pressure = run.nodal("contact_pressure");
+  for (const int axis : {0, 1})
+    EXPECT_EQ(run.forJoint(axis, [&](int node, bool) { EXPECT_NEAR(pressure[node], 1e-6, 2e-11); }),
+              4 * 9);
+}
+
 // Two half cubes slide on a fixed cube with a prescribed velocity and mu = 0.5. Their slip is that
 // velocity, the nodes of the cube see the opposite; friction is mu times the normal force and no part
 // of the pressure. The slip of 2e-5 takes up to 2e-5/(0.1/2) of the force of the nodes beyond the
