@@ -1,10 +1,11 @@
-"""Opens results in ParaView: the deformed bodies, coloured by the magnitude of the displacement.
+"""Opens results in ParaView: the deformed bodies, coloured by a field.
 
     pvbatch inputs/open_in_paraview.py FILE [PICTURE.png]       a picture of the last step; without a display: xvfb-run -a pvbatch ...
     BRICKWALL_RESULTS=FILE paraview --script=inputs/open_in_paraview.py
 
 FILE is a joined Exodus file, such as out/brick_wall/brick_wall.exo, or one of the files of ranks, brick_wall.exo.4.0: the
-others are opened with it. SCALE in the environment is a factor on the displacements.
+others are opened with it. In the environment, SCALE is a factor on the displacements, and FIELD the beginning of the name of
+a nodal or an element field, such as contact_pressure (of vectors the magnitude is shown); default displacement.
 """
 import glob
 import math
@@ -26,7 +27,11 @@ reader.DisplacementMagnitude = float(os.environ.get("SCALE", 1))
 reader.UpdatePipelineInformation()
 times = list(reader.TimestepValues or [0.0])
 reader.UpdatePipeline(times[-1])
-vector = next((name for name in reader.PointData.keys() if name.startswith("displacement")), None)
+field = os.environ.get("FIELD", "displacement")
+data = next(((kind, name, array.GetNumberOfComponents()) for kind, arrays in (("POINTS", reader.PointData), ("CELLS", reader.CellData))
+             for name, array in arrays.items() if name.startswith(field)), None)
+if not data and "FIELD" in os.environ:
+    sys.exit(f"open_in_paraview.py: there is no field {field}; there are {', '.join(reader.PointData.keys() + reader.CellData.keys())}")
 
 view = GetActiveViewOrCreate("RenderView")
 view.ViewSize = [1500, 1125]
@@ -37,14 +42,15 @@ view.OrientationAxesLabelColor = [0, 0, 0]
 shown = Show(reader, view)
 shown.Representation = "Surface With Edges"
 shown.EdgeColor = [0.3, 0.3, 0.3]
-if vector:
-    ColorBy(shown, ("POINTS", vector, "Magnitude"))
-    colours = GetColorTransferFunction(vector)
+if data:
+    kind, name, components = data
+    ColorBy(shown, (kind, name, "Magnitude") if components > 1 else (kind, name))
+    colours = GetColorTransferFunction(name)
     colours.ApplyPreset("Viridis (matplotlib)", True)
     shown.RescaleTransferFunctionToDataRange(False)
     shown.SetScalarBarVisibility(view, True)
     bar = GetScalarBar(colours, view)
-    bar.Title, bar.TitleColor, bar.LabelColor = "displacement", [0, 0, 0], [0, 0, 0]
+    bar.Title, bar.TitleColor, bar.LabelColor = name.strip("_").replace("_", " "), [0, 0, 0], [0, 0, 0]
 azimuth, elevation = math.radians(62), math.radians(18)  # as brickwall-plot: from x towards y, and from the ground
 view.CameraFocalPoint = [0, 0, 0]
 view.CameraPosition = [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)]

@@ -188,6 +188,7 @@ void InternalForce::computeFields(const exec_space& space,
                                   ElementFields& fields) const {
   growTo(space, fields.stress, _tables.num_elems);
   growTo(space, fields.pressure, _tables.num_elems);
+  growTo(space, fields.stored_energy, _tables.num_elems);
   growTo(space, fields.energy_density, _tables.num_elems);
   const auto num_chunks = static_cast<std::int64_t>(_tables.chunks.extent(0));
   if (_kind == ElementKind::one_point)

@@ -44,7 +44,7 @@ public:
         _recorder(comm, options.timing), _scene(makeScene(exec_space(), comm, config)),
         _simulation(comm, config, _scene), _limits(config.limits),
         _checkpoints(comm, config, _scene, options.output_directory),
-        _output(comm, config, _scene, options.output_directory, options.caseName(),
+        _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
                 options.write_output) {
     _setup_seconds = _clock.seconds();
     for (const std::string& warning : loadWarnings(comm, config, _scene.part))

@@ -72,6 +72,14 @@ private:
     }
     return rule;
   }
+  template <class Enum>
+  static io::KeyRule ruleOf(const std::string& name, const std::vector<Enum>& values,
+                            const std::string& help) {
+    std::string defaults;
+    for (const Enum value : values)
+      defaults += (defaults.empty() ? "[\"" : ", \"") + std::string(nameOf(value)) + '"';
+    return ruleOf(name, Enum(), help).list(io::KeyRule::any_length).byDefault(defaults + "]");
+  }
 
   void read(const std::string& name, bool& field) const;
   void read(const std::string& name, std::int64_t& field) const;
@@ -95,6 +103,12 @@ private:
   template <class Enum, class = std::enable_if_t<std::is_enum<Enum>::value>>
   void read(const std::string& name, Enum& field) const {
     field = enumeratorOf(_deck->text(_instance, name), field);
+  }
+  template <class Enum>
+  void read(const std::string& name, std::vector<Enum>& field) const {
+    field.clear();
+    for (const std::string& word : _deck->texts(_instance, name))
+      field.push_back(enumeratorOf(word, Enum()));
   }
 
   const io::Deck* _deck = nullptr;

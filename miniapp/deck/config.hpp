@@ -14,6 +14,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -165,12 +166,39 @@ struct TimeConfig {
 
 // [output]
 enum class Precision { float32, float64 };
+// Fields of the Exodus files, nodal ones first; miniapp/output.md defines them.
+enum class OutputField {
+  displacement,
+  velocity,
+  force_contact,
+  contact_status,
+  contact_gap,
+  contact_pressure,
+  slip_velocity,
+  stress,
+  pressure,
+  energy_density,
+  von_mises,
+  principal_stress,
+  strain_energy,
+  candidate_pairs,
+  search_time,
+  brick_id,
+  processor_id
+};
 struct OutputConfig {
   double interval = 0; // time; 0: the first and last state only
   double history_interval = 0; // time; 0: every step
   io::FileFormat file_format = io::ResultsConfig().format;
   Precision precision = Precision::float64;
-  bool processor_id = false; // write the element field processor_id
+  std::vector<OutputField> fields = {
+      OutputField::displacement,   OutputField::velocity,       OutputField::force_contact,
+      OutputField::contact_status, OutputField::contact_gap,    OutputField::stress,
+      OutputField::pressure,       OutputField::energy_density, OutputField::brick_id};
+  bool processor_id = false; // adds OutputField::processor_id
+  bool has(OutputField field) const {
+    return std::find(fields.begin(), fields.end(), field) != fields.end();
+  }
 };
 
 // [output.checkpoint]: restart files, miniapp/restart/README.md

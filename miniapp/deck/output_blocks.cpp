@@ -15,9 +15,10 @@ void outputKeys(BlockKeys& keys, OutputConfig& output) {
            "time between rows of history.csv; 0: every step")
       .in("s")
       .atLeast(0);
+  keys.add("fields", output.fields, "fields of the Exodus files");
   keys.add("file_format", output.file_format, "format of the Exodus files");
   keys.add("precision", output.precision, "precision of the fields in the Exodus files");
-  keys.add("processor_id", output.processor_id, "whether the rank of each element is written");
+  keys.add("processor_id", output.processor_id, "adds processor_id to the fields");
 }
 
 void checkpointKeys(BlockKeys& keys, CheckpointConfig& checkpoint) {

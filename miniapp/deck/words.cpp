@@ -61,5 +61,24 @@ Words<io::FileFormat> wordsOf(io::FileFormat) {
 Words<Precision> wordsOf(Precision) {
   return {{"single", Precision::float32}, {"double", Precision::float64}};
 }
+Words<OutputField> wordsOf(OutputField) {
+  return {{"displacement", OutputField::displacement},
+          {"velocity", OutputField::velocity},
+          {"force_contact", OutputField::force_contact},
+          {"contact_status", OutputField::contact_status},
+          {"contact_gap", OutputField::contact_gap},
+          {"contact_pressure", OutputField::contact_pressure},
+          {"slip_velocity", OutputField::slip_velocity},
+          {"stress", OutputField::stress},
+          {"pressure", OutputField::pressure},
+          {"energy_density", OutputField::energy_density},
+          {"von_mises", OutputField::von_mises},
+          {"principal_stress", OutputField::principal_stress},
+          {"strain_energy", OutputField::strain_energy},
+          {"candidate_pairs", OutputField::candidate_pairs},
+          {"search_time", OutputField::search_time},
+          {"brick_id", OutputField::brick_id},
+          {"processor_id", OutputField::processor_id}};
+}
 
 } // namespace brickwall::miniapp

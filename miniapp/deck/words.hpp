@@ -38,6 +38,7 @@ Words<Decomposition> wordsOf(Decomposition);
 Words<StepBound> wordsOf(StepBound);
 Words<io::FileFormat> wordsOf(io::FileFormat);
 Words<Precision> wordsOf(Precision);
+Words<OutputField> wordsOf(OutputField);
 
 template <class Enum>
 const char* nameOf(Enum value) {

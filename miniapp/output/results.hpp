@@ -4,23 +4,28 @@
 #include "io/exodus/results_writer.hpp"
 #include "miniapp/output/earlier_results.hpp"
 #include "miniapp/simulation/simulation.hpp"
+#include "miniapp/timing/phase_report.hpp"
 
+#include <map>
 #include <string>
 #include <vector>
 
 namespace brickwall::miniapp {
 
-// The variables of the Exodus files.
+// The variables of the Exodus files, those of each field in the order of OutputField.
 io::ResultsConfig resultsConfig(const Config& config);
 
+// Each field is computed in output steps only, and only if the deck chooses it (output.fields).
 class Results {
 public:
-  // Creates `base`.exo (or this rank's file of it). Collective. Throws OutputError on all ranks.
-  Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene);
+  // Creates `base`.exo (or this rank's file of it). `recorder` knows the time of the searches and
+  // must outlive the object. Collective. Throws OutputError on all ranks.
+  Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene,
+          const PhaseRecorder& recorder);
   // The same with the steps of an earlier run, whose files it replaces when all steps are copied.
   // Collective. Throws as EarlierResults::copyTo().
   Results(MPI_Comm comm, const std::string& base, const Config& config, const Scene& scene,
-          const EarlierResults& earlier);
+          const PhaseRecorder& recorder, const EarlierResults& earlier);
 
   // Appends the present state. Collective. Throws OutputError on all ranks.
   void writeStep(Simulation& simulation);
@@ -29,19 +34,25 @@ public:
   const std::string& fileName() const { return _writer.fileName(); } // of this rank
 
 private:
-  Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& config,
-          const Scene& scene);
-  void fillNodal(Simulation& simulation);
+  Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& results,
+          const Config& config, const Scene& scene, const PhaseRecorder& recorder);
+  // The values [component][node or element] of a field; null if it is not chosen.
+  std::vector<double>* valuesOf(OutputField field);
+  void fillMotion(Simulation& simulation);
   void fillContact(Simulation& simulation);
-  void fillElement(Simulation& simulation);
+  void fillStress(const Simulation& simulation);
+  void fillSearch(Simulation& simulation);
 
   exec_space _space;
   const Scene& _scene;
+  const PhaseRecorder& _recorder;
   mechanics::SharedNodeSum _shared;
   io::ResultsWriter _writer;
+  std::map<OutputField, std::size_t> _first; // number of the field's first variable of its kind
   std::vector<std::vector<double>> _nodal, _element;
   mechanics::ElementFields _fields;
-  View<std::int64_t**> _contact_words; // [node] status, bits of the gap; from owners to sharers
+  // [node] status, bits of the gap and of the slip velocity; from owners to sharers
+  View<std::int64_t**> _contact_words;
 };
 
 } // namespace brickwall::miniapp

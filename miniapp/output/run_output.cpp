@@ -21,9 +21,10 @@ bool Ticker::due(double time) {
 }
 
 RunOutput::RunOutput(MPI_Comm comm, const Config& config, const Scene& scene,
-                     const std::string& directory, const std::string& case_name, bool writes)
-    : _comm(comm), _config(config), _scene(scene), _directory(directory), _case_name(case_name),
-      _writes(writes), _output_ticker(config.output.interval, false),
+                     const PhaseRecorder& recorder, const std::string& directory,
+                     const std::string& case_name, bool writes)
+    : _comm(comm), _config(config), _scene(scene), _recorder(recorder), _directory(directory),
+      _case_name(case_name), _writes(writes), _output_ticker(config.output.interval, false),
       _history_ticker(config.output.history_interval, true) {}
 
 std::vector<std::string> RunOutput::columns() const {
@@ -50,7 +51,7 @@ void RunOutput::create() {
   removeFile(_comm, path("report.json"));
   writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
   _history = std::make_unique<HistoryWriter>(_comm, path("history.csv"), columns());
-  _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene);
+  _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder);
 }
 
 std::string RunOutput::resume(const OutputRestart& data) {
@@ -82,7 +83,8 @@ std::string RunOutput::resume(const OutputRestart& data) {
                      (has_history ? exodus : history));
   removeFile(_comm, path("report.json"));
   writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
-  _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene, earlier);
+  _results =
+      std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder, earlier);
   _history = std::make_unique<HistoryWriter>(_comm, history, columns(), data.history_rows);
   _last_row = data.last_row;
   _last_written = data.last_written;

@@ -37,9 +37,9 @@ struct OutputRestart {
 
 class RunOutput {
 public:
-  // Writes nothing if `writes` is false.
-  RunOutput(MPI_Comm comm, const Config& config, const Scene& scene, const std::string& directory,
-            const std::string& case_name, bool writes);
+  // Writes nothing if `writes` is false. `recorder`: see Results.
+  RunOutput(MPI_Comm comm, const Config& config, const Scene& scene, const PhaseRecorder& recorder,
+            const std::string& directory, const std::string& case_name, bool writes);
 
   // Creates the folder and new files. Collective. Throws OutputError on all ranks.
   void begin();
@@ -70,6 +70,7 @@ private:
   MPI_Comm _comm;
   const Config& _config;
   const Scene& _scene;
+  const PhaseRecorder& _recorder;
   std::string _directory, _case_name;
   bool _writes;
   FolderLock _lock;

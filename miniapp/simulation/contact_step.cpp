@@ -163,25 +163,6 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   return sums;
 }
 
-void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
-                               const View<std::int64_t**>& of_mesh) {
-  const contact::Surface surface = _coupling.surface();
-  const View<std::int64_t**> words("miniapp::ContactStep::status", surface.num_nodes, 2);
-  const auto is_owned = surface.node_is_owned;
-  const auto status = _enforcement->status();
-  const auto gap = _enforcement->gap();
-  Kokkos::parallel_for(
-      "miniapp::ContactStep::packStatus", rangePolicy(_space, surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        if (!is_owned(i)) // the sum then forwards the bits of the owner
-          return;
-        words(i, 0) = status(i);
-        words(i, 1) = toWord(gap(i));
-      });
-  Kokkos::deep_copy(_space, of_mesh, 0);
-  _coupling.sumOnMesh(_space, words, shared, of_mesh);
-}
-
 void ContactStep::countDeepContacts(const contact::EnforcementSums& sums,
                                     mechanics::StepCounts& counts) const {
   counts.host[deeper_than_warned] = _penetration > _config.limits.warn[gauge_penetration];

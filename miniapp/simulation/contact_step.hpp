@@ -146,9 +146,6 @@ public:
       return; // the columns are zero
     _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
   }
-  // Status and gap of Enforcement as words [mesh node][2]: sums over the ranks that share a node.
-  // Collective.
-  void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& words);
   // Whether any rank had contact forces in the last step.
   bool hasForces() const { return _enforcement->hasForces(); }
   // This rank's share of contact in the energy balance. Once per step.
@@ -165,6 +162,14 @@ public:
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
   const TunnellingGuard& guard() const { return _guard; }
   contact::LargestForce largestForce() const; // collective
+  // For output, after a step; collective. Sets words [mesh node][W] of the status and the gap
+  // (Enforcement) and, with W = 5, of the slip in the last step (contact::slipMotion()); 0 where there
+  // is no contact. Equal on all ranks that share a node.
+  void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& words);
+  // Totals of contact::normalForces() [mesh node][xyz], quanta.
+  View<std::int64_t* [3]> normalForces(const Quantum& quantum, mechanics::SharedNodeSum& shared);
+  // The number of candidate pairs of each face of this rank's elements.
+  std::vector<std::int64_t> candidatesOfFaces();
   std::int64_t lost() const { return _lost; } // this rank's
   std::int64_t missedPairs() const { return _missed_pairs; } // of all ranks
   double penetration() const { return _penetration; } // this rank's

@@ -75,7 +75,8 @@ struct FieldFunctor {
     for (int k = 0; k < 6; ++k)
       fields.stress(elem, k) = sigma[k];
     fields.pressure(elem) = -(sigma[0] + sigma[1] + sigma[2]) / 3;
-    fields.energy_density(elem) = storedEnergy(u, geometry, material) / volume;
+    fields.stored_energy(elem) = storedEnergy(u, geometry, material);
+    fields.energy_density(elem) = fields.stored_energy(elem) / volume;
   }
 
   // An element of a congruent body has the body's shape, any other its own geometry.

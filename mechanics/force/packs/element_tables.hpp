@@ -22,7 +22,8 @@ struct ElementFields {
   // Cauchy stress, mean over the integration points [elem][xx yy zz xy yz zx], pressure
   View<double* [6]> stress;
   View<double*> pressure; // -tr(stress)/3
-  View<double*> energy_density; // stored energy, including hourglass energy, per reference volume
+  View<double*> stored_energy; // including hourglass energy
+  View<double*> energy_density; // stored energy per reference volume
 };
 
 // The shape of a congruent body's elements.

@@ -149,7 +149,7 @@ TEST(Config, ReadsEveryKey) {
       "stationary_contact = false\n"
       "[time]\nend = 1\nsafety = 0.5\nbound = \"element\"\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
-      "precision = \"single\"\nprocessor_id = true\n"
+      "precision = \"single\"\nprocessor_id = true\nfields = [\"von_mises\", \"displacement\"]\n"
       "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n"
       "[limits.warn]\nhourglass_share = 0.3\ncontact_error = 0.01\n",
       "/decks/a.toml");
@@ -206,6 +206,8 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.output.file_format, io::FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::float32);
   EXPECT_TRUE(config.output.processor_id);
+  EXPECT_EQ(config.output.fields,
+            (std::vector<OutputField>{OutputField::von_mises, OutputField::displacement}));
   EXPECT_EQ(config.limits.stop[gauge_energy], 0.2);
   EXPECT_EQ(config.limits.stop[gauge_momentum], 1e-12);
   EXPECT_EQ(config.limits.warn[gauge_hourglass], 0.3);
@@ -242,6 +244,9 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
                   "center without angular_velocity");
   EXPECT_CONTAINS(faultsOf(initial, {"initial.velocity[0].angular_velocity=[0,1]"}), "list of 3");
   EXPECT_CONTAINS(faultsOf(smallest, {"viscosity.linear=-0.1"}), "at least 0");
+  EXPECT_CONTAINS(faultsOf(smallest, {"output.fields=[\"stress\", \"vonmises\"]"}),
+                  "did you mean \"von_mises\"?");
+  EXPECT_CONTAINS(faultsOf(smallest, {"output.fields=[]"}), "output.fields");
   EXPECT_CONTAINS(faultsOf(smallest, {"viscosity.quadratic=11"}), "at most 10");
   EXPECT_CONTAINS(faultsOf(smallest, {"damping.mass=-1"}), "at least 0");
   const std::string deformed = smallest + "[[initial.deformation]]\nbrick = [1, 0, 0]\n";

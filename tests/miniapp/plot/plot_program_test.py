@@ -24,11 +24,11 @@ work = Path()  # of all tests
 SMALL = ["--size", "240x180"]
 
 
-def brick_run(folder, ranks=1):
+def brick_run(folder, ranks=1, settings=()):
     """Nine steps of output of a small wall that is struck; with contact."""
     command = [mpiexec, "-n", str(ranks), "--oversubscribe", brickwall, "run", ROOT / "inputs" / "brick_wall.toml", "-o", folder, "-q"]
     for setting in ("wall.bricks=[2,1,3]", "wall.elements=[4,2,2]", "time.end=4e-4", "output.interval=5e-5", "output.history_interval=5e-5",
-                    "load.pressure[0].center=[0.2,0,0.2]"):
+                    "load.pressure[0].center=[0.2,0,0.2]", *settings):
         command += ["--set", setting]
     subprocess.run(list(map(str, command)), check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                    env=dict(os.environ, OMP_NUM_THREADS="1"))
@@ -77,6 +77,15 @@ class Program(unittest.TestCase):
         for name, options in (("step", ["--step", "3"]), ("time", ["--time", "1.6e-4"])):
             plot(work / "run", "-o", work / f"{name}.png", "--view", "-30,20", *SMALL, *options)
         self.assertTrue(np.array_equal(picture(work / "step.png"), picture(work / "time.png")))
+
+    def test_draws_fields_that_the_deck_chooses(self):
+        brick_run(work / "chosen", settings=['output.fields=["displacement","contact_pressure","slip_velocity","von_mises"]'])
+        results = ExodusResults(work / "chosen" / "brick_wall.exo")
+        self.assertGreater(results.nodal("contact_pressure", -1).max(), 0)
+        self.assertEqual(results.names["elem"], ["von_mises"])
+        for field in ("contact_pressure", "slip_velocity", "von_mises"):
+            path = Path(plot(work / "chosen", "-o", work / f"{field}.png", "--field", field, *SMALL).strip())
+            self.assertTrue((picture(path) < 250).any())
 
     def test_animates_with_one_range_of_colours(self):
         plot(work / "run", "-o", work / "all.gif", "--steps", "2:-1:3", "--fps", "5", *SMALL)
