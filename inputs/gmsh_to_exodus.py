@@ -45,6 +45,8 @@ def read_msh(path):
                 entry = [int(word) for word in next(lines).split()]
                 if entry[1] in sizes:
                     dimension, count = sizes[entry[1]]
+                    if len(entry) != 3 + entry[2] + count:
+                        raise MeshError(f"found {len(entry)} numbers for element {entry[0]}, expected {3 + entry[2] + count}")
                     corners.setdefault((dimension, entry[3]), []).append([index[tag] for tag in entry[-count:]])
                 elif entry[1] not in (1, 15):  # lines and points
                     raise MeshError(f"found an element of gmsh's type {entry[1]}, expected hexahedra and quadrilaterals of first order")
@@ -114,7 +116,7 @@ def main():
     try:
         write_exodus(sys.argv[2], *read_msh(sys.argv[1]))
     except (MeshError, OSError, ValueError, KeyError, StopIteration) as error:
-        print(f"gmsh_to_exodus: {sys.argv[1]}: {error or 'the file ends too early'}", file=sys.stderr)
+        print(f"gmsh_to_exodus: {sys.argv[1]}: {str(error) or 'the file ends too early'}", file=sys.stderr)
         sys.exit(2)
 
 

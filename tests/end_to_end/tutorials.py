@@ -23,7 +23,7 @@ def squeezed(text):
 def main():
     page, program, source = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     text = page.read_text()
-    for package in re.findall(r"^Debian package: `(.*)`", text, re.MULTILINE):
+    for package in re.findall(r"^Debian package: `(.*?)`", text, re.MULTILINE):
         if not shutil.which(package):
             print(f"{package} is not installed")
             return 77
