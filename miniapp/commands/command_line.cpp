@@ -3,6 +3,7 @@
 
 #include "io/deck/deck.hpp"
 #include "miniapp/deck/config.hpp"
+#include "miniapp/deck/deck_reference.hpp"
 #include "miniapp/output/report.hpp"
 
 #include <CLI/CLI.hpp>
@@ -82,7 +83,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   std::string timing = "normal";
   std::string time_limit;
   double extend_to = 0;
-  bool no_output = false, version = false, keys = false;
+  std::string keys;
+  bool no_output = false, version = false;
   app.add_option("command", positionals,
                  "[run|check|mesh|search] [DECK]; default: run inputs/brick_wall.toml")
       ->type_name("");
@@ -116,7 +118,11 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   app.add_flag("-q,--quiet", options.quiet, "print warnings and the last lines only");
   app.add_flag("--checksums", options.checksums,
                "print checksums of each part of each step, to compare runs bit by bit");
-  app.add_flag("--keys", keys, "list all blocks and keys of a deck");
+  auto* keys_option =
+      app.add_option("--keys", keys, "list all blocks and keys of a deck, as text or Markdown")
+          ->type_name("[markdown]")
+          ->expected(0, 1)
+          ->check(CLI::IsMember({"markdown"}));
   app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
 
   std::vector<std::string> words; // in reverse order, as CLI11 expects them
@@ -139,8 +145,9 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   }
   if (version)
     return {std::nullopt, versionText(), 0};
-  if (keys)
-    return {std::nullopt, io::describe(deckSchema()), 0};
+  if (keys_option->count() > 0)
+    return {std::nullopt,
+            keys == "markdown" ? deckReference(deckSchema()) : io::describe(deckSchema()), 0};
   const std::string surplus = takePositionals(positionals, options);
   if (!surplus.empty())
     return fault(surplus);

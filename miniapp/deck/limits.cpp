@@ -11,17 +11,21 @@ namespace brickwall::miniapp {
 // 2^-54 of those at a strain of one), hourglass shares up to 0.25 with two elements or more through
 // the thickness and 1 with one element that bends, and penetrations up to 0.003.
 const std::array<GaugeRule, num_gauges> gauge_rules = {{
-    {"energy_error", "energy error", "over the peak energy", 0.1, 0.02},
-    {"momentum_error", "momentum error", "over the impulse of the loads", 1e-6, 1e-10},
+    {"energy_error", "energy error", "error of the energy balance over the peak energy", 0.1, 0.02},
+    {"momentum_error", "momentum error",
+     "error of the momentum balance over the impulse of the loads", 1e-6, 1e-10},
     {"angular_momentum_error", "angular momentum error",
-     "over the moments of the impulses; not judged for linear materials, which resist rotation",
+     "error of the balance about the origin over the moments of the impulses; not judged for "
+     "linear "
+     "materials, which resist rotation",
      1e-3, 1e-6},
     {"contact_error", "contact error",
-     "energy that contact stores and dissipates against its work, over the peak energy", HUGE_VAL,
+     "energy that contact stores and dissipates less its work, over the peak energy", HUGE_VAL,
      0.02},
     {"hourglass_share", "hourglass share", "peak hourglass energy over peak internal energy",
      HUGE_VAL, 0.5},
-    {"penetration", "penetration", "over the square root of the face area", HUGE_VAL, 0.1},
+    {"penetration", "penetration", "largest penetration over the square root of the face area",
+     HUGE_VAL, 0.1},
 }};
 
 GaugeValues LimitsConfig::defaults(double GaugeRule::*limit) {

@@ -11,64 +11,80 @@ using io::BlockKind;
 using io::Deck;
 
 void pulseKeys(BlockKeys& keys, PulseConfig& pulse) {
-  keys.add("shape", pulse.shape, "variation in time; each step takes its mean over the step");
+  keys.add("shape", pulse.shape,
+           "variation over the duration T, with t from start: step: 1; half_sine: sin(pi t/T); "
+           "sin_squared: sin(pi t/T)^2; triangle: linear up to T/2, then down to 0; friedlander: "
+           "(1 - t/T) exp(-decay t/T)");
   keys.add("start", pulse.start, "time at which the pulse begins").in("s").atLeast(0);
-  keys.add("duration", pulse.duration, "length of the pulse; optional for shape = \"step\"")
+  keys.add("duration", pulse.duration,
+           "length T of the pulse; only a step may lack it, which then lasts for ever")
       .in("s")
       .above(0);
-  keys.add("decay", pulse.decay, "only with shape = \"friedlander\", where 1.0 is the default")
+  keys.add("decay", pulse.decay, "only for friedlander, where the default is 1.0")
       .optional()
       .atLeast(0);
 }
 
 void pressureKeys(BlockKeys& keys, PressureConfig& load) {
-  keys.add("side_set", load.side_set, "name; walls have front, back, left, right, bottom and top")
+  keys.add("side_set", load.side_set,
+           "name of the side set; walls have front (y = 0), back, left (x = 0), right, bottom and "
+           "top")
       .mustBeGiven();
-  keys.add("peak", load.peak, "largest pressure").in("Pa").mustBeGiven();
-  keys.add("distribution", load.distribution, "variation in space");
-  keys.add("center", load.center, "centre of the gaussian").in("m").optional();
-  keys.add("radius", load.radius, "radius of the gaussian peak exp(-(r/radius)^2)")
+  keys.add("peak", load.peak, "largest pressure; a negative one pulls").in("Pa").mustBeGiven();
+  keys.add("distribution", load.distribution,
+           "gaussian: peak exp(-(r/radius)^2) at the distance r from center");
+  keys.add("center", load.center, "only for gaussian, which needs it: place of the peak")
       .in("m")
-      .optional()
-      .above(0);
+      .optional();
+  keys.add("radius", load.radius, "only for gaussian, which needs it").in("m").optional().above(0);
   keys.add("wave_speed", load.wave_speed,
-           "the gaussian arrives r/wave_speed after `start`; 0: at the same time everywhere")
+           "only for gaussian: the pulse arrives r/wave_speed after `start`; 0: everywhere at once")
       .in("m/s")
       .optional()
       .atLeast(0);
-  keys.add("follower", load.follower,
-           "whether the load acts on the current face or on the reference face");
+  keys.add(
+      "follower", load.follower,
+      "true: the load acts on the deformed face, along its normal; false: on the undeformed face");
   pulseKeys(keys, load.pulse);
 }
 
 void gravityKeys(BlockKeys& keys, Config& config) {
-  keys.add("acceleration", config.gravity, "vector").in("m/s2");
+  keys.add("acceleration", config.gravity, "vector, such as [0, 0, -9.81]").in("m/s2");
 }
 
 void viscosityKeys(BlockKeys& keys, mechanics::BulkViscosity& viscosity) {
-  keys.add("linear", viscosity.linear, "b1; 0.06 for shocks").atLeast(0).atMost(2);
-  keys.add("quadratic", viscosity.quadratic, "b2, in compression only; 1.2 for strong shocks")
+  keys.add("linear", viscosity.linear, "coefficient b1; 0.06 is usual for shocks")
+      .atLeast(0)
+      .atMost(2);
+  keys.add("quadratic", viscosity.quadratic,
+           "coefficient b2, in compression only; 1.2 is usual for strong shocks")
       .atLeast(0)
       .atMost(10);
 }
 
 void dampingKeys(BlockKeys& keys, Config& config) {
-  keys.add("mass", config.mass_damping, "alpha of the force -alpha m v").in("1/s").atLeast(0);
+  keys.add("mass", config.mass_damping,
+           "alpha of the force -alpha m v on a node of mass m and velocity v")
+      .in("1/s")
+      .atLeast(0);
 }
 
 void componentsKey(BlockKeys& keys, std::array<bool, 3>& components) {
-  keys.add("components", components, "prescribed components");
+  keys.add("components", components,
+           "directions that are prescribed; nodes are free in the others");
 }
 
 void fixedKeys(BlockKeys& keys, FixedConfig& fixed) {
-  keys.add("node_set", fixed.node_set,
-           "name; walls have base, base_course, top_course, left_end and right_end")
+  keys.add(
+          "node_set", fixed.node_set,
+          "name of the node set; walls have base (z = 0), base_course and top_course (all nodes of "
+          "the course), left_end and right_end")
       .mustBeGiven();
   componentsKey(keys, fixed.components);
 }
 
 void prescribedKeys(BlockKeys& keys, PrescribedVelocityConfig& prescribed) {
-  keys.add("node_set", prescribed.node_set, "name").mustBeGiven();
+  keys.add("node_set", prescribed.node_set, "name, as of [[boundary.fixed]]").mustBeGiven();
   keys.add("velocity", prescribed.velocity, "vector, which the pulse multiplies")
       .in("m/s")
       .mustBeGiven();
@@ -77,18 +93,22 @@ void prescribedKeys(BlockKeys& keys, PrescribedVelocityConfig& prescribed) {
 }
 
 void selectionKeys(BlockKeys& keys, InitialSelection& selection) {
-  keys.add("block", selection.block, "element block");
+  keys.add("block", selection.block, "name of an element block");
   keys.add("brick", selection.brick,
            "a brick of the wall: its indices along, across and of the course, from 0")
       .atLeast(0);
-  keys.add("body", selection.body, "number of a body, from 0").atLeast(0);
+  keys.add("body", selection.body,
+           "number of a body, from 0: its brick_id in the Exodus results less 1")
+      .atLeast(0);
 }
 
 void initialVelocityKeys(BlockKeys& keys, InitialVelocityConfig& initial) {
   selectionKeys(keys, initial);
-  keys.add("velocity", initial.velocity, "vector").in("m/s");
+  keys.add("velocity", initial.velocity,
+           "velocity of the point center, and of all without rotation")
+      .in("m/s");
   keys.add("angular_velocity", initial.angular_velocity,
-           "vector; its cross product with X - center is added")
+           "rotation about center: angular_velocity x (X - center) is added, X the position")
       .in("rad/s");
   keys.add("center", initial.center, "centre of the rotation").in("m");
 }

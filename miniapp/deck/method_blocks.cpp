@@ -13,46 +13,57 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
   keys.add("enabled", contact.enabled, "whether contact is searched and enforced");
   // Node and face together reach twice as far: not through a brick of one element.
   keys.add("tolerance", contact.tolerance,
-           "inflation of the search boxes, over the shortest element edge")
+           "inflation of the search boxes of nodes and faces over the shortest element edge; a new "
+           "contact may be twice as deep")
       .above(0)
       .atMost(0.45);
   keys.add(
       "scheme", contact.scheme,
-      "penalty with the first and last step of a contact weighted so that energy is conserved, "
-      "or plain penalty");
-  keys.add("penalty", contact.penalty,
-           "stiffness s = k dt^2/m; the default is less with contact.damping; stiffer contact may "
-           "shorten the step; with edges below 1.55")
+      "energy_neutral: penalty, with the first and last step of a contact corrected so that energy "
+      "is conserved; penalty: without the correction");
+  keys.add(
+          "penalty", contact.penalty,
+          "stiffness s = k dt^2/m of a contact (k its stiffness, m its reduced mass, dt the step); "
+          "the default is less with contact.damping; stiffer contact may shorten the step; below "
+          "1.55 with edges")
       .above(0)
       .below(1.95);
-  keys.add("lateral_tolerance", contact.lateral_tolerance,
-           "accepted distance beyond the edge of a face, in |xi|")
+  keys.add(
+          "lateral_tolerance", contact.lateral_tolerance,
+          "a node up to this far beyond the edge of a face touches it; in half lengths of the face")
       .above(0)
       .atMost(0.5);
   keys.add("edge_tolerance", contact.edge_tolerance,
-           "accepted distance beyond feature edges, in |xi|, over which the force fades out")
+           "the same beyond the edges of a body; over this distance the force fades out")
       .above(0)
       .atMost(0.5);
-  keys.add("friction", contact.friction, "Coulomb's coefficient").atLeast(0).atMost(100);
+  keys.add("friction", contact.friction, "Coulomb's coefficient of friction")
+      .atLeast(0)
+      .atMost(100);
   keys.add("friction_stiffness", contact.friction_stiffness,
-           "tangential stiffness over normal stiffness")
+           "tangential over normal stiffness of a contact; only with friction")
       .above(0)
       .atMost(1);
-  keys.add("damping", contact.damping, "damping over the critical damping of a contact").atLeast(0);
-  keys.add("edges", contact.edges, "whether edge-to-edge contact is enforced");
+  keys.add("damping", contact.damping,
+           "damping of a contact over its critical damping; 0: elastic contact")
+      .atLeast(0);
+  keys.add("edges", contact.edges, "whether edges touch edges too, beside nodes and faces");
   keys.add("self", contact.self,
-           "contact within one body; auto: never for walls, always for Exodus meshes");
-  keys.add("guard", contact.guard,
-           "where a node could pass through a face within a step: cut the step, stop, or go on");
+           "contact of a body with itself; auto: never for walls, always for Exodus meshes");
+  keys.add(
+      "guard", contact.guard,
+      "if a node could pass through a face within a step: cut shortens the step, stop ends the "
+      "run, off goes on");
 }
 
 void searchKeys(BlockKeys& keys, SearchConfig& search) {
   keys.add("method", search.method,
-           "sorted clusters that are kept and refitted; the scheme of the paper; plain serial "
-           "loops");
-  keys.add("decomposition", search.decomposition,
-           "ranks on which faces are searched and enforced: those of their elements; balanced by "
-           "Zoltan; auto: balanced where that pays (brickwall run)");
+           "cluster: a kept order and boxes of eight, the fastest; paper: that of Hansen et al. "
+           "(2016); reference: plain loops, slow; the contact forces are the same");
+  keys.add(
+      "decomposition", search.decomposition,
+      "where faces are searched and enforced: primary: on the ranks of their elements; surface: "
+      "on ranks of equal work, by Zoltan; auto: on these where that pays (brickwall run)");
   keys.add("jitter", search.jitter,
            "random displacement of the nodes, over an edge (brickwall search)")
       .atLeast(0)
@@ -81,8 +92,9 @@ void searchKeys(BlockKeys& keys, SearchConfig& search) {
 
 void reuseKeys(BlockKeys& keys, SearchConfig& search) {
   keys.add("margin", search.margin,
-           "added to the boxes, over the shortest edge; a new search is made when a node has moved "
-           "half of it; 0: in every step; brickwall search: 0 where not given")
+           "added to the boxes, over the shortest element edge; a new search is made when a node "
+           "has moved half of it; 0: a search of nodes in every step; for brickwall search the "
+           "default is 0")
       .atLeast(0)
       .atMost(10);
 }
@@ -101,11 +113,16 @@ void skipKeys(BlockKeys& keys, SkipConfig& skip) {
 
 void timeKeys(BlockKeys& keys, TimeConfig& time) {
   keys.add("end", time.end, "time at which the run ends").in("s").mustBeGiven().above(0);
-  keys.add("safety", time.safety, "step over the stable step").above(0).atMost(1);
-  keys.add("bound", time.bound,
-           "stable step of whole bodies by their largest frequency, or of the worst element by "
-           "itself");
-  keys.add("steps", time.steps, "number of steps after which the run ends").atLeast(1).atMost(1e15);
+  keys.add("safety", time.safety, "length of the steps over that of the stable step")
+      .above(0)
+      .atMost(1);
+  keys.add(
+      "bound", time.bound,
+      "lanczos: stable step from the largest frequency of whole bodies; element: from the worst "
+      "element by itself, which gives shorter steps");
+  keys.add("steps", time.steps, "number of steps after which the run ends, even before `end`")
+      .atLeast(1)
+      .atMost(1e15);
   keys.add("check_interval", time.check_interval, "steps between checks of the stable step")
       .atLeast(1)
       .atMost(1e15);

@@ -8,17 +8,20 @@ namespace {
 using io::BlockKind;
 
 void outputKeys(BlockKeys& keys, OutputConfig& output) {
-  keys.add("interval", output.interval, "time between output steps; 0: first and last only")
+  keys.add("interval", output.interval,
+           "time between steps of the Exodus file; 0: first and last step only")
       .in("s")
       .atLeast(0);
   keys.add("history_interval", output.history_interval,
-           "time between rows of history.csv; 0: every step")
+           "time between rows of history.csv; 0: a row for every step")
       .in("s")
       .atLeast(0);
   keys.add("fields", output.fields, "fields of the Exodus files");
-  keys.add("file_format", output.file_format, "format of the Exodus files");
+  keys.add("file_format", output.file_format,
+           "netCDF format of the Exodus files: 64bit_offset, or netcdf4, which is compressed");
   keys.add("precision", output.precision, "precision of the fields in the Exodus files");
-  keys.add("processor_id", output.processor_id, "adds processor_id to the fields");
+  keys.add("processor_id", output.processor_id,
+           "whether the rank of each element is written, as field processor_id");
 }
 
 void checkpointKeys(BlockKeys& keys, CheckpointConfig& checkpoint) {
@@ -49,10 +52,14 @@ io::Schema outputBlocks() {
       withKeys({"output.checkpoint", BlockKind::single,
                 "restart files; with either key, one is also written at the end"},
                checkpointKeys),
-      withKeys({"limits", BlockKind::single, "limits beyond which the run ends with FAIL"},
+      withKeys({"limits", BlockKind::single,
+                "limits beyond which the run ends with FAIL; miniapp/README.md defines the error "
+                "measures"},
                limitKeys),
-      withKeys({"limits.warn", BlockKind::single, "limits beyond which the run warns, once each"},
-               warnKeys),
+      withKeys(
+          {"limits.warn", BlockKind::single,
+           "limits beyond which the run warns, once each; error measures are those of [limits]"},
+          warnKeys),
   };
 }
 

@@ -12,31 +12,44 @@ using io::BlockKind;
 using io::Deck;
 
 void topKeys(BlockKeys& keys, Config& config) {
-  keys.add("title", config.title, "one line about the problem");
+  keys.add("title", config.title, "one line about the problem; it stands in reports and results");
 }
 
 void wallKeys(BlockKeys& keys, WallConfig& wall) {
-  keys.add("bricks", wall.bricks, "numbers of bricks along and across the wall, number of courses")
+  keys.add("bricks", wall.bricks,
+           "numbers of bricks along the wall (x) and across it (y), number of courses (z)")
       .mustBeGiven()
       .atLeast(1)
       .atMost(1e6);
-  keys.add("brick", wall.brick, "size of a brick").in("m").mustBeGiven().above(0);
-  keys.add("elements", wall.elements, "numbers of elements of a brick")
+  keys.add("brick", wall.brick, "size of a brick in x, y and z").in("m").mustBeGiven().above(0);
+  keys.add("elements", wall.elements,
+           "elements of a brick in x, y and z; an even number in x where flush ends need half "
+           "bricks")
       .mustBeGiven()
       .atLeast(1)
       .atMost(1e5);
-  keys.add("gap", wall.gap, "distance between neighbouring bricks").in("m").atLeast(0);
-  keys.add("ends", wall.ends, "half bricks at the ends of odd courses, or none");
+  keys.add("gap", wall.gap, "distance between neighbouring bricks in all directions")
+      .in("m")
+      .atLeast(0);
+  keys.add("ends", wall.ends,
+           "flush: odd courses begin and end with a half brick; ragged: they are shifted by half a "
+           "brick");
 }
 
 void meshKeys(BlockKeys& keys, MeshConfig& mesh) {
-  keys.add("file", mesh.file, "path, relative to the folder of the deck").mustBeGiven();
+  keys.add("file", mesh.file,
+           "Exodus file of eight-node hexahedra; the path starts at the folder of the deck. Parts "
+           "that "
+           "share no nodes are separate bodies")
+      .mustBeGiven();
 }
 
 void materialKeys(BlockKeys& keys, mechanics::Material& material) {
-  keys.add("model", material.model,
-           "ln J neo-Hookean, St.Venant-Kirchhoff, or linear at small strain");
-  keys.add("density", material.density, "in the reference state")
+  keys.add(
+      "model", material.model,
+      "neo_hookean: finite strain, with ln J; svk: St. Venant-Kirchhoff, finite rotation but small "
+      "strain; linear: small strain and rotation only");
+  keys.add("density", material.density, "mass per volume of the undeformed body")
       .in("kg/m3")
       .mustBeGiven()
       .above(0);
@@ -49,9 +62,11 @@ void materialKeys(BlockKeys& keys, mechanics::Material& material) {
 
 void elementKeys(BlockKeys& keys, Config& config) {
   keys.add("formulation", config.formulation,
-           "one-point hexahedron with physical stabilisation, or 2x2x2 integration points");
+           "one_point: one integration point with physical stabilisation; full: 2x2x2 integration "
+           "points, slower");
   keys.add("mass", config.mass,
-           "nodal masses with the exact inertia of each body, or an eighth of each element");
+           "inertia: nodal masses that give each body its exact mass, centre and inertia tensor; "
+           "row_sum: an eighth of each element at each of its corners");
 }
 
 WallConfig readWall(Deck& deck) {
@@ -114,9 +129,14 @@ io::Schema sceneBlocks() {
   return {
       withKeys({"", BlockKind::top, ""}, topKeys),
       withKeys({"wall", BlockKind::single,
-                "a wall of bricks in running bond; each brick has a mesh of its own"},
+                "a wall of bricks in running bond; each brick has a mesh of its own, and only "
+                "contact joins "
+                "bricks"},
                wallKeys),
-      withKeys({"mesh", BlockKind::single, "a mesh from an Exodus file, in place of [wall]"},
+      withKeys({"mesh", BlockKind::single,
+                "a mesh from an Exodus file, in place of [wall]; blocks, side sets and node sets "
+                "are used by "
+                "their names"},
                meshKeys),
       withKeys({"material", BlockKind::named,
                 "material of the element block <name>; walls have the blocks brick and half_brick, "

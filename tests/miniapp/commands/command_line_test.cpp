@@ -77,10 +77,13 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
     EXPECT_NE(help.text.find(part), std::string::npos) << part << " in\n" << help.text;
   EXPECT_NE(parse({"--version"}).text.find("brickwall "), std::string::npos);
   EXPECT_NE(parse({"--keys"}).text.find("[[load.pressure]]"), std::string::npos);
+  EXPECT_NE(parse({"--keys", "markdown"}).text.find("| `radius` | number | m | none | > 0 |"),
+            std::string::npos);
 }
 
 TEST(CommandLine, RefusesUnknownArguments) {
   const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
+                                                       {"--keys", "html"},
                                                        {"--threads=2"},
                                                        {"run", "a.toml", "b.toml"},
                                                        {"a.toml", "run"},

@@ -1,0 +1,84 @@
+#include "miniapp/deck/deck_reference.hpp"
+
+#include "io/deck/deck_spelling.hpp"
+
+#include <cmath>
+#include <regex>
+#include <sstream>
+
+namespace brickwall::miniapp {
+namespace {
+
+constexpr const char* introduction =
+    "# Keys of a deck\n\n"
+    "<!-- Written by: build/miniapp/brickwall --keys markdown > miniapp/deck/reference.md -->\n\n"
+    "A deck is a [TOML](https://toml.io) file. Blocks may stand in any order; a block in double "
+    "brackets may be given several times.\n"
+    "Units are SI, or any consistent set; angles are in radians. Text and words stand in quotation "
+    "marks.\n"
+    "`brickwall check DECK` reports all faults of a deck together, `--set BLOCK.KEY=VALUE` "
+    "replaces "
+    "a value, and\n"
+    "`<deck>.resolved.toml` in the output folder holds the values of all keys of a run.\n";
+
+std::string typeOf(const io::KeyRule& key) {
+  const bool is_list = key.length != io::KeyRule::scalar;
+  const std::string count =
+      key.length > 0 ? std::to_string(key.length) + " " : std::string(is_list ? "list of " : "");
+  switch (key.type) {
+  case io::ValueType::boolean:
+    return "`true` or `false`";
+  case io::ValueType::integer:
+    return count + (is_list ? "integers" : "integer");
+  case io::ValueType::real:
+    return count + (is_list ? "numbers" : "number");
+  case io::ValueType::word:
+    return count + (is_list ? "words" : "word");
+  case io::ValueType::text:
+    break;
+  }
+  return count + (is_list ? "texts" : "text");
+}
+
+std::string rangeOf(const io::KeyRule& key) {
+  std::ostringstream out;
+  out.precision(15);
+  for (const std::string& word : key.words)
+    out << (out.tellp() > 0 ? ", `" : "`") << word << '`';
+  if (std::isfinite(key.lower))
+    out << (key.lower_is_open ? "> " : ">= ") << key.lower;
+  if (std::isfinite(key.upper))
+    out << (std::isfinite(key.lower) ? ", " : "") << (key.upper_is_open ? "< " : "<= ")
+        << key.upper;
+  return out.str();
+}
+
+// A text that is no markup of tables or HTML.
+std::string escaped(const std::string& text) {
+  return std::regex_replace(text, std::regex("\\||<(?=[a-z])"), "\\$&");
+}
+
+} // namespace
+
+std::string deckReference(const io::Schema& schema) {
+  std::ostringstream out;
+  out << introduction;
+  for (const io::BlockRule& block : schema) {
+    out << "\n## "
+        << (block.kind == io::BlockKind::top ? "Before the first block"
+                                             : "`" + io::headerOf(block) + "`")
+        << "\n\n";
+    if (!block.help.empty())
+      out << escaped(block.help) << (block.required ? "; must be given.\n\n" : ".\n\n");
+    out << "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
+    for (const io::KeyRule& key : block.keys)
+      out << "| `" << key.name << "` | " << typeOf(key) << " | " << key.unit << " | "
+          << (key.required           ? "required"
+              : key.fallback.empty() ? "none"
+                                     : "`" + key.fallback + "`")
+          << " | " << rangeOf(key) << " | " << escaped(key.help) << " |\n";
+  }
+  return out.str();
+}
+
+} // namespace brickwall::miniapp
