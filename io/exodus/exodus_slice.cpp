@@ -27,6 +27,11 @@ std::vector<std::int64_t> idsOf(const ExodusFile& file, ex_entity_type type, std
   std::vector<std::int64_t> ids(static_cast<std::size_t>(count));
   if (count > 0)
     file.check(ex_get_ids(file.id(), type, ids.data()), what);
+  std::vector<std::int64_t> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) // Exodus would read the first of them again
+    throw InputError(file.path() + ": " + what + " contain " + std::to_string(*twice) + " twice");
   return ids;
 }
 

@@ -1,6 +1,7 @@
 // CLI11 reads all arguments but --kokkos-*.
 #include "miniapp/commands/command_line.hpp"
 
+#include "contact/base/terminal_text.hpp"
 #include "io/deck/deck.hpp"
 #include "miniapp/deck/config.hpp"
 #include "miniapp/output/report.hpp"
@@ -127,8 +128,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
       words.emplace_back(argv[i]);
   }
   const auto fault = [](const std::string& what) {
-    return CommandLine{std::nullopt, "brickwall: " + what + "\nbrickwall -h lists all options\n",
-                       2};
+    return CommandLine{
+        std::nullopt, "brickwall: " + terminalText(what) + "\nbrickwall -h lists all options\n", 2};
   };
   try {
     app.parse(words);
