@@ -1,6 +1,6 @@
 #include "io/deck/deck_faults.hpp"
 
-#include "contact/base/terminal_text.hpp"
+#include "io/deck/terminal_text.hpp"
 
 #include <algorithm>
 #include <tuple>

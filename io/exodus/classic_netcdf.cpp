@@ -23,7 +23,7 @@ InputError truncated(const std::string& path) {
 constexpr std::int64_t most = std::int64_t(1) << 60;
 std::int64_t checked(const std::string& path, std::int64_t bytes) {
   if (bytes < 0 || bytes > most)
-    throw InputError(path + ": the file is damaged: its header has impossible counts");
+    throw InputError(path + ": the file is damaged: its header has impossible counts or types");
   return bytes;
 }
 std::int64_t product(const std::string& path, std::int64_t a, std::int64_t b) {
@@ -65,10 +65,11 @@ private:
   int _count_bytes, _offset_bytes;
 };
 
-std::int64_t typeBytes(int type) {
+// netCDF itself divides by the size of an unknown type, and by the length of a dimension.
+std::int64_t typeBytes(const std::string& path, int type) {
   // byte, char, short, int, float, double and the unsigned and 64-bit types of CDF-5, from 1
   constexpr int bytes[12] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
-  return type >= 1 && type <= 11 ? bytes[type] : 1;
+  return checked(path, type >= 1 && type <= 11 ? bytes[type] : -1);
 }
 
 void skipAttributes(Header& header) {
@@ -76,7 +77,7 @@ void skipAttributes(Header& header) {
   const std::int64_t num = header.count();
   for (std::int64_t i = 0; i < num; ++i) {
     header.skipName();
-    const std::int64_t bytes = typeBytes(header.tag());
+    const std::int64_t bytes = typeBytes(header.path(), header.tag());
     header.skipPadded(product(header.path(), bytes, header.count()));
   }
 }
@@ -108,15 +109,15 @@ std::vector<Variable> readVariables(Header& header, const std::vector<std::int64
     std::int64_t values = 1;
     for (std::int64_t d = 0; d < num_dims; ++d) {
       const std::int64_t dim = header.count();
-      const std::int64_t length =
-          dim >= 0 && dim < static_cast<std::int64_t>(lengths.size()) ? lengths[dim] : 0;
+      const bool is_known = dim < static_cast<std::int64_t>(lengths.size());
+      const std::int64_t length = is_known ? lengths[static_cast<std::size_t>(dim)] : -1;
       if (d == 0 && length == 0)
         variable.is_record = true;
       else
-        values = product(header.path(), values, length);
+        values = product(header.path(), values, checked(header.path(), length > 0 ? length : -1));
     }
     skipAttributes(header);
-    variable.bytes = product(header.path(), values, typeBytes(header.tag()));
+    variable.bytes = product(header.path(), values, typeBytes(header.path(), header.tag()));
     header.skipPaddedSize(); // too small a field for large variables
     variable.begin = header.offset();
     variables.push_back(variable);

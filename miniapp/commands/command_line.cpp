@@ -1,8 +1,8 @@
 // CLI11 reads all arguments but --kokkos-*.
 #include "miniapp/commands/command_line.hpp"
 
-#include "contact/base/terminal_text.hpp"
 #include "io/deck/deck.hpp"
+#include "io/deck/terminal_text.hpp"
 #include "miniapp/deck/config.hpp"
 #include "miniapp/output/report.hpp"
 
@@ -129,8 +129,12 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   }
   const auto fault = [](const std::string& what) {
     return CommandLine{
-        std::nullopt, "brickwall: " + terminalText(what) + "\nbrickwall -h lists all options\n", 2};
+        std::nullopt, "brickwall: " + io::terminalText(what) + "\nbrickwall -h lists all options\n",
+        2};
   };
+  for (const std::string& word : words) // such as that of a shell's variable that is not set
+    if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
+      return fault("found \"" + word + "\", expected a value");
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {

@@ -1,7 +1,7 @@
-// The Exodus reader on valid files of meshes that may be wrong: the bytes of the input choose a grid of cubes
-// in up to three blocks, its sets, and faults: corners, sides and nodes out of range, coordinates that are not
-// finite, odd names, kinds of elements and dimensions. A mesh is accepted if and only if this target finds
-// nothing wrong with it, and is then the mesh that was written.
+// The Exodus reader on valid files of meshes that may be wrong: the bytes of the input choose a grid of
+// cubes in up to three blocks, its sets, and faults: corners, sides and nodes out of range, elements that
+// appear twice, coordinates that are not finite, odd names, kinds of elements and dimensions. A mesh is
+// accepted if and only if this target finds nothing wrong with it, and is then the mesh that was written.
 #include "tests/fuzz/mesh_properties.hpp"
 
 #include <exodusII.h>
@@ -126,7 +126,7 @@ void damage(RawMesh& mesh, Choices& choices) {
   RawBlock& block = *one(mesh.blocks, choices);
   RawSet* const side_set = one(mesh.side_sets, choices);
   RawSet* const node_set = one(mesh.node_sets, choices);
-  switch (choices.below(9)) {
+  switch (choices.below(10)) {
   case 0:
     if (auto* node = one(block.nodes, choices))
       *node = oddInteger(choices, mesh.numNodes());
@@ -156,7 +156,13 @@ void damage(RawMesh& mesh, Choices& choices) {
     block.kind = kinds[choices.below(std::size(kinds))];
     break;
   }
-  case 7:
+  case 7: // an element twice
+    if (block.corners == 8 && !block.nodes.empty()) {
+      const std::vector<std::int64_t> first(block.nodes.begin(), block.nodes.begin() + 8);
+      block.nodes.insert(block.nodes.end(), first.begin(), first.end());
+    }
+    break;
+  case 8:
     block.corners = choices.below(2) ? 4 : 1;
     break;
   default:
@@ -169,6 +175,7 @@ bool isLegal(const RawMesh& mesh) {
     return std::all_of(list.begin(), list.end(), [&](auto i) { return i >= 1 && i <= limit; });
   };
   bool has_elems = false;
+  std::set<std::multiset<std::int64_t>> elems;
   for (const RawBlock& block : mesh.blocks) {
     if (block.nodes.empty())
       continue;
@@ -177,6 +184,9 @@ bool isLegal(const RawMesh& mesh) {
                         block.kind == "HEX27"; // which says less than the number of corners
     if (!is_hex || block.corners != 8 || !within(block.nodes, mesh.numNodes()))
       return false;
+    for (auto node = block.nodes.begin(); node != block.nodes.end(); node += 8)
+      if (!elems.emplace(node, node + 8).second)
+        return false;
   }
   for (const auto& component : mesh.x)
     for (const double x : component)

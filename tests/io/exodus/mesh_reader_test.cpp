@@ -251,6 +251,12 @@ TEST(MeshReader, RefusesNumbersOutOfRange) {
   expectInputError(folder / "set.exo", "a node of node set node_set_6 is 9");
 }
 
+TEST(MeshReader, RefusesAnElementThatAppearsTwice) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  writeRaw(folder / "twice.exo", 24, {cubes({0, 2, 4}), cubes({2})});
+  expectInputError(folder / "twice.exo", "another element has the corners of element 2 too");
+}
+
 TEST(MeshReader, RefusesIdsThatAppearTwice) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const std::string path = folder / "twice.exo";

@@ -83,6 +83,10 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
 
 TEST(CommandLine, RefusesUnknownArguments) {
   const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
+                                                       {"check", ""},
+                                                       {"--restart", ""},
+                                                       {"--restart="},
+                                                       {"--set="},
                                                        {"--threads=2"},
                                                        {"run", "a.toml", "b.toml"},
                                                        {"a.toml", "run"},

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-namespace brickwall {
+namespace brickwall::io {
 
 // The text with `?` for the bytes that a terminal takes for commands, but those in `kept`.
 inline std::string terminalText(std::string text, const char* kept = "\t\n") {
@@ -14,4 +14,4 @@ inline std::string terminalText(std::string text, const char* kept = "\t\n") {
   return text;
 }
 
-} // namespace brickwall
+} // namespace brickwall::io
