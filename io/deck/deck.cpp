@@ -25,6 +25,7 @@ struct Deck::Contents {
   DeckFaults faults;
   std::vector<DeckBlock> blocks;
   std::unordered_map<std::string, std::size_t> block_of_instance;
+  std::unordered_map<std::string, int> number_of_blocks; // by their name
 
   const DeckBlock* findBlock(const std::string& instance) const {
     const auto found = block_of_instance.find(instance);
@@ -97,7 +98,7 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
                  const std::vector<std::string>& overrides, const Schema& schema) {
   const std::string text = normalizeText(raw_text);
   auto contents = std::unique_ptr<Contents>(
-      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}, {}});
+      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}, {}, {}});
   DeckFaults& faults = contents->faults;
   TomlNode root;
   try {
@@ -115,8 +116,10 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
     throw InputError(faults.message());
   }
   contents->blocks = checkDeck(root, contents->schema, faults);
-  for (std::size_t b = 0; b < contents->blocks.size(); ++b)
+  for (std::size_t b = 0; b < contents->blocks.size(); ++b) {
     contents->block_of_instance.emplace(contents->blocks[b].instance, b);
+    ++contents->number_of_blocks[contents->blocks[b].rule->name];
+  }
   return Deck(std::move(contents));
 }
 
@@ -139,10 +142,8 @@ std::vector<std::string> Deck::names(const std::string& block) const {
   return found;
 }
 int Deck::count(const std::string& block) const {
-  return static_cast<int>(std::count_if(
-      _contents->blocks.begin(), _contents->blocks.end(), [&](const DeckBlock& candidate) {
-        return candidate.rule->kind == BlockKind::repeated && candidate.rule->name == block;
-      }));
+  const auto found = _contents->number_of_blocks.find(block);
+  return found == _contents->number_of_blocks.end() ? 0 : found->second;
 }
 
 bool Deck::boolean(const std::string& block, const std::string& key) const {

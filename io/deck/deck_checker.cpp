@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace brickwall::io {
 namespace {
@@ -219,8 +220,11 @@ public:
                     rule.name + " = " + describeValue(rule) +
                         (rule.unit.empty() ? "" : ", in " + rule.unit));
       } else if (!rule.fallback.empty()) {
+        auto [at, is_new] = _defaults.try_emplace(&rule);
+        if (is_new)
+          at->second = parseLooseValue(rule.fallback, &rule);
         _subject = "default of " + rule.name;
-        value.is_good = readValue(parseLooseValue(rule.fallback, &rule), rule, value.entries);
+        value.is_good = readValue(at->second, rule, value.entries);
       }
       block.values.push_back(std::move(value));
     }
@@ -302,6 +306,7 @@ private:
 
   DeckFaults& _faults;
   std::string _subject;
+  std::unordered_map<const KeyRule*, TomlNode> _defaults; // parsed once, for thousands of blocks
 };
 
 const TomlNode* findNode(const TomlNode& root, const std::string& path) {

@@ -1,18 +1,12 @@
 #include "io/deck/deck_faults.hpp"
 
+#include "io/deck/terminal_text.hpp"
+
 #include <algorithm>
 #include <tuple>
 
 namespace brickwall::io {
 namespace {
-
-// Unprintable bytes of a broken deck must not reach a terminal.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if ((static_cast<unsigned char>(c) < 32 && c != '\t') || c == 127)
-      c = '?';
-  return text;
-}
 
 // Marks `length` bytes from `column` under the line; tabs stay tabs, UTF-8 continuation bytes take
 // no place.
@@ -63,13 +57,13 @@ std::string DeckFaults::describe(const Fault& fault) const {
     out += ", expected " + fault.expected;
   if (!fault.nearest.empty())
     out += "; did you mean \"" + fault.nearest + "\"?";
-  out = printable(out) + "\n";
+  out = terminalText(out, "\t") + "\n";
   if (!from_option && fault.at.line <= numLines()) {
     std::string line = _lines[static_cast<std::size_t>(fault.at.line - 1)];
     if (line.size() > 160) // too long for a terminal
       line.resize(160);
     const std::string number = std::to_string(fault.at.line);
-    out += "  " + number + " | " + printable(line) + "\n";
+    out += "  " + number + " | " + terminalText(line, "\t") + "\n";
     out += "  " + std::string(number.size(), ' ') + " | " +
            marksUnder(line, fault.at.column, fault.at.length) + "\n";
   }
@@ -89,9 +83,13 @@ std::vector<DeckFaults::Fault> DeckFaults::sorted(std::vector<Fault> faults) {
 }
 
 std::string DeckFaults::message() const {
+  constexpr std::size_t most = 200; // that anybody reads
   std::string out;
-  for (const Fault& fault : sorted(_faults))
-    out += describe(fault);
+  const std::vector<Fault> all = sorted(_faults);
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i)
+    out += describe(all[i]);
+  if (all.size() > most)
+    out += "and " + std::to_string(all.size() - most) + " more faults\n";
   if (!out.empty())
     out.pop_back(); // the caller prints the last line end
   return out;
@@ -100,7 +98,7 @@ std::string DeckFaults::message() const {
 std::vector<std::string> DeckFaults::warnings() const {
   std::vector<std::string> lines;
   for (const Fault& warning : sorted(_warnings))
-    lines.push_back(printable(placeOf(warning.at) + ": " + warning.found));
+    lines.push_back(terminalText(placeOf(warning.at) + ": " + warning.found, "\t"));
   return lines;
 }
 

@@ -134,11 +134,11 @@ TomlNode convert(const toml::value& value, const LineEnds& line_ends) {
   return node;
 }
 
-// toml11 recurses into brackets: nesting deeper than in any deck is refused before it exhausts the
-// stack.
-void checkNesting(const std::string& text) {
-  constexpr int deepest = 64;
-  int depth = 0, line = 1, column = 0;
+// toml11 recurses into brackets and dotted keys, and scans a line once for each of its values: what is
+// deeper or longer than in any deck is refused before it exhausts the stack or patience.
+void checkShape(const std::string& text) {
+  constexpr int deepest = 64, longest_line = 16384;
+  int depth = 0, dots = 0, line = 1, column = 0; // dots since the key began
   std::string quote; // that closes the present string
   bool comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -146,10 +146,13 @@ void checkNesting(const std::string& text) {
     ++column;
     if (c == '\n') {
       ++line;
-      column = 0;
+      column = dots = 0;
       comment = false;
       if (quote.size() == 1)
         quote.clear();
+    } else if (column > longest_line) {
+      throw TomlSyntaxError({line, 1, 1, -1}, "a line that is too long",
+                            "at most " + std::to_string(longest_line) + " bytes");
     } else if (comment) {
       continue;
     } else if (!quote.empty()) {
@@ -164,7 +167,14 @@ void checkNesting(const std::string& text) {
       i += quote.size() - 1;
     } else if (c == '#') {
       comment = true;
+    } else if (c == '.') {
+      if (++dots >= deepest)
+        throw TomlSyntaxError({line, column, 1, -1}, "a dotted key of too many names",
+                              "at most " + std::to_string(deepest));
+    } else if (c == '=' || c == ',') {
+      dots = 0;
     } else if (c == '[' || c == '{') {
+      dots = 0;
       if (++depth > deepest)
         throw TomlSyntaxError({line, column, 1, -1}, "brackets nested too deeply",
                               "at most " + std::to_string(deepest) + " open brackets");
@@ -322,7 +332,7 @@ bool hasNumberWithoutLeadingDigit(const std::string& text) {
 }
 
 TomlNode parseToml(const std::string& text) {
-  checkNesting(text);
+  checkShape(text);
   LineEnds line_ends;
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\n')

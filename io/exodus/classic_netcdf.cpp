@@ -18,6 +18,18 @@ InputError truncated(const std::string& path) {
   return InputError(path + ": the file is truncated: it ends within its header");
 }
 
+// A product of counts, or a sum of two such; beyond `most` the header is damaged. So no sum of three
+// overflows.
+constexpr std::int64_t most = std::int64_t(1) << 60;
+std::int64_t checked(const std::string& path, std::int64_t bytes) {
+  if (bytes < 0 || bytes > most)
+    throw InputError(path + ": the file is damaged: its header has impossible counts or types");
+  return bytes;
+}
+std::int64_t product(const std::string& path, std::int64_t a, std::int64_t b) {
+  return checked(path, b > 0 && a > most / b ? -1 : a * b);
+}
+
 // Big-endian reader of the header.
 class Header {
 public:
@@ -35,17 +47,17 @@ public:
     return static_cast<std::int64_t>(value);
   }
   int tag() { return static_cast<int>(number(4)); }
-  std::int64_t count() { return number(_count_bytes); }
-  std::int64_t offset() { return number(_offset_bytes); }
-  bool isStreaming(std::int64_t num_records) const {
-    return num_records == (_count_bytes == 4 ? 0xffffffffll : -1);
+  std::int64_t count() { return checked(_path, number(_count_bytes)); }
+  std::int64_t offset() { return checked(_path, number(_offset_bytes)); }
+  // 0 while a program still appends records.
+  std::int64_t numRecords() {
+    const std::int64_t num = number(_count_bytes);
+    return num == (_count_bytes == 4 ? 0xffffffffll : -1) ? 0 : checked(_path, num);
   }
-  void skipPadded(std::int64_t bytes) {
-    if (bytes < 0)
-      throw truncated(_path);
-    _in.seekg(bytes + (4 - bytes % 4) % 4, std::ios::cur);
-  }
+  void skipPadded(std::int64_t bytes) { _in.seekg(bytes + (4 - bytes % 4) % 4, std::ios::cur); }
   void skipName() { skipPadded(count()); }
+  void skipPaddedSize() { number(_count_bytes); }
+  const std::string& path() const { return _path; }
 
 private:
   const std::string& _path;
@@ -53,10 +65,11 @@ private:
   int _count_bytes, _offset_bytes;
 };
 
-std::int64_t typeBytes(int type) {
+// netCDF itself divides by the size of an unknown type, and by the length of a dimension.
+std::int64_t typeBytes(const std::string& path, int type) {
   // byte, char, short, int, float, double and the unsigned and 64-bit types of CDF-5, from 1
   constexpr int bytes[12] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
-  return type >= 1 && type <= 11 ? bytes[type] : 1;
+  return checked(path, type >= 1 && type <= 11 ? bytes[type] : -1);
 }
 
 void skipAttributes(Header& header) {
@@ -64,8 +77,8 @@ void skipAttributes(Header& header) {
   const std::int64_t num = header.count();
   for (std::int64_t i = 0; i < num; ++i) {
     header.skipName();
-    const std::int64_t bytes = typeBytes(header.tag());
-    header.skipPadded(bytes * header.count());
+    const std::int64_t bytes = typeBytes(header.path(), header.tag());
+    header.skipPadded(product(header.path(), bytes, header.count()));
   }
 }
 
@@ -96,28 +109,29 @@ std::vector<Variable> readVariables(Header& header, const std::vector<std::int64
     std::int64_t values = 1;
     for (std::int64_t d = 0; d < num_dims; ++d) {
       const std::int64_t dim = header.count();
-      const std::int64_t length =
-          dim >= 0 && dim < static_cast<std::int64_t>(lengths.size()) ? lengths[dim] : 0;
+      const bool is_known = dim < static_cast<std::int64_t>(lengths.size());
+      const std::int64_t length = is_known ? lengths[static_cast<std::size_t>(dim)] : -1;
       if (d == 0 && length == 0)
         variable.is_record = true;
       else
-        values *= length;
+        values = product(header.path(), values, checked(header.path(), length > 0 ? length : -1));
     }
     skipAttributes(header);
-    variable.bytes = values * typeBytes(header.tag());
-    header.count(); // the padded size, which is too small a field for large variables
+    variable.bytes = product(header.path(), values, typeBytes(header.path(), header.tag()));
+    header.skipPaddedSize(); // too small a field for large variables
     variable.begin = header.offset();
     variables.push_back(variable);
   }
   return variables;
 }
 
-std::int64_t endOf(const std::vector<Variable>& variables, std::int64_t num_records) {
+std::int64_t endOf(const std::string& path, const std::vector<Variable>& variables,
+                   std::int64_t num_records) {
   const auto padded = [](std::int64_t bytes) { return (bytes + 3) / 4 * 4; };
   std::int64_t record_bytes = 0, num_record_variables = 0, only = 0;
   for (const Variable& v : variables)
     if (v.is_record) {
-      record_bytes += padded(v.bytes);
+      record_bytes = checked(path, record_bytes + padded(v.bytes));
       ++num_record_variables;
       only = v.bytes;
     }
@@ -126,7 +140,7 @@ std::int64_t endOf(const std::vector<Variable>& variables, std::int64_t num_reco
   std::int64_t end = 0;
   for (const Variable& v : variables) {
     if (v.is_record && num_records > 0)
-      end = std::max(end, v.begin + (num_records - 1) * record_bytes + v.bytes);
+      end = std::max(end, v.begin + product(path, num_records - 1, record_bytes) + v.bytes);
     else if (!v.is_record && v.bytes > 0)
       end = std::max(end, v.begin + v.bytes);
   }
@@ -146,12 +160,10 @@ std::int64_t classicFileBytes(const std::string& path) {
   if (std::string(magic, 3) != "CDF" || (version != 1 && version != 2 && version != 5))
     return 0;
   Header header(path, in, version);
-  std::int64_t num_records = header.count();
-  if (header.isStreaming(num_records))
-    num_records = 0;
+  const std::int64_t num_records = header.numRecords();
   const std::vector<std::int64_t> lengths = readDimensions(header);
   skipAttributes(header);
-  return endOf(readVariables(header, lengths), num_records);
+  return endOf(path, readVariables(header, lengths), num_records);
 }
 
 void checkNotTruncated(const std::string& path) {

@@ -24,9 +24,18 @@ std::string nameOrNumber(const ExodusFile& file, ex_entity_type type, std::int64
 
 std::vector<std::int64_t> idsOf(const ExodusFile& file, ex_entity_type type, std::int64_t count,
                                 const char* what) {
+  constexpr std::int64_t most = 1000000; // of a damaged file it may be any number
+  if (count < 0 || count > most)
+    throw InputError(file.path() + ": found " + std::to_string(count) + " for the number of " +
+                     what + ", expected at most " + std::to_string(most));
   std::vector<std::int64_t> ids(static_cast<std::size_t>(count));
   if (count > 0)
     file.check(ex_get_ids(file.id(), type, ids.data()), what);
+  std::vector<std::int64_t> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) // Exodus would read the first of them again
+    throw InputError(file.path() + ": " + what + " contain " + std::to_string(*twice) + " twice");
   return ids;
 }
 

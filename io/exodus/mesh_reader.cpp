@@ -15,6 +15,7 @@
 #include "io/mesh/shared_nodes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <new>
 #include <stdexcept>
 #include <tuple>
@@ -144,6 +145,25 @@ void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& el
   }
 }
 
+// The same element twice would have twice the mass and no skin. Collective.
+void refuseRepeatedElems(MPI_Comm comm, const std::string& file_name, const MeshPart& part) {
+  std::vector<std::array<global_id, 8>> corners(part.elem_ids.size());
+  for (std::size_t elem = 0; elem < corners.size(); ++elem) {
+    for (std::size_t c = 0; c < 8; ++c)
+      corners[elem][c] = part.node_ids[static_cast<std::size_t>(part.elem_nodes[8 * elem + c])];
+    std::sort(corners[elem].begin(), corners[elem].end());
+  }
+  const auto uses = countOnAllRanks(comm, corners, [](const auto& of_elem) { return of_elem[0]; });
+  global_id repeated = part.num_global_elems; // the first one
+  for (std::size_t elem = 0; elem < corners.size(); ++elem)
+    if (uses[elem] > 1)
+      repeated = std::min(repeated, part.elem_ids[elem]);
+  repeated = allReduce(comm, repeated, MPI_MIN);
+  if (repeated < part.num_global_elems)
+    throw InputError(file_name + ": another element has the corners of element " +
+                     std::to_string(repeated + 1) + " too");
+}
+
 // Side sets go through the home of the element, which knows to which rank the element went.
 void distributeSides(MPI_Comm comm, const MeshContents& contents, const MeshSlice& slice,
                      const std::vector<int>& rank_of_elem, MeshPart& part) {
@@ -213,6 +233,7 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   });
   const std::vector<global_id> file_nodes = sortedDistinct(nodesOf(elems));
   storeElems(contents, elems, file_nodes, home.ask(file_nodes), part);
+  refuseRepeatedElems(comm, file_name, part);
 
   NodeSharing sharing = findSharedNodes(comm, part.node_ids, part.num_global_nodes);
   part.node_owner = std::move(sharing.node_owner);

@@ -2,6 +2,7 @@
 #include "miniapp/commands/command_line.hpp"
 
 #include "io/deck/deck.hpp"
+#include "io/deck/terminal_text.hpp"
 #include "miniapp/deck/config.hpp"
 #include "miniapp/deck/deck_reference.hpp"
 #include "miniapp/output/report.hpp"
@@ -133,9 +134,13 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
       words.emplace_back(argv[i]);
   }
   const auto fault = [](const std::string& what) {
-    return CommandLine{std::nullopt, "brickwall: " + what + "\nbrickwall -h lists all options\n",
-                       2};
+    return CommandLine{
+        std::nullopt, "brickwall: " + io::terminalText(what) + "\nbrickwall -h lists all options\n",
+        2};
   };
+  for (const std::string& word : words) // such as that of a shell's variable that is not set
+    if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
+      return fault("found \"" + word + "\", expected a value");
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {

@@ -5,8 +5,9 @@
 
 namespace brickwall::miniapp {
 
-// Replaces this process by the companion that the first argument names. Returns 0 if there is none,
-// and an exit code after a message if it cannot be started. Call it before MPI is initialised.
+// Replaces this process by the companion that the first argument names. Returns 0 if there is none of
+// that name, and an exit code after a message if it cannot be started or is `report` or `study` and
+// missing. Call it before MPI is initialised.
 int startCompanion(int argc, char** argv);
 
 } // namespace brickwall::miniapp

@@ -1,6 +1,7 @@
 #include "miniapp/commands/failure.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "io/deck/terminal_text.hpp"
 
 #include <chrono>
 #include <iostream>
@@ -40,7 +41,7 @@ bool allRanksArrive(MPI_Comm comm, double patience) {
 } // namespace
 
 void printMessage(const std::string& text) {
-  std::cerr << "brickwall: " + text + '\n' << std::flush;
+  std::cerr << "brickwall: " + io::terminalText(text) + '\n' << std::flush;
 }
 
 int reportFailure(MPI_Comm comm, const std::exception& error, double patience) {

@@ -109,11 +109,11 @@ private:
     _is_complete = _simulation.isDone();
     if (_is_complete)
       return;
-    const std::string warning = _output.resume(data.output);
-    if (warning.empty())
-      return;
-    _scene.warnings.push_back(warning);
-    print("warning: " + warning);
+    for (const std::string& warning : {data.note, _output.resume(data.output)})
+      if (!warning.empty()) {
+        _scene.warnings.push_back(warning);
+        print("warning: " + warning);
+      }
   }
 
   void extendTo(double end) {
@@ -201,7 +201,7 @@ private:
     try {
       _output.sync();
       RunRestart data{_simulation.restartData(), _output.restartData(), _limits.reported(),
-                      _has_large_strain, _limits.warnings()};
+                      _has_large_strain,         _limits.warnings(),    ""};
       printUnlessQuiet("checkpoint " + _checkpoints.write(data, _simulation));
     } catch (const OutputError& error) {
       _checkpoint_failure = error.what();
@@ -261,7 +261,7 @@ private:
         "\"svk\" and \"neo_hookean\" describe finite rotations",
         static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem) + 1,
         neglected.strain, static_cast<long long>(clock.step), clock.time);
-    _scene.warnings.push_back(text);
+    _limits.keep(text); // checkpoints hold these
     print(std::string("warning: ") + text);
   }
 

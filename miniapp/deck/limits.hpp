@@ -49,6 +49,8 @@ public:
   // Throws PhysicsError where a stop limit is exceeded, the same on all ranks for equal values.
   void stopBeyondLimits(const GaugeValues& values, std::int64_t step, double time) const;
 
+  // Keeps a warning of another part of the program.
+  void keep(const std::string& warning) { _warnings.push_back(warning); }
   const std::vector<std::string>& warnings() const { return _warnings; } // all so far
 
   // Limits that have been reported, for restart files; the warnings are those of the earlier run.

@@ -1,8 +1,8 @@
 #include "miniapp/restart/checkpoints.hpp"
 
-#include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/output/report.hpp"
+#include "miniapp/restart/checksums.hpp"
 #include "miniapp/restart/deck_differences.hpp"
 
 #include <nlohmann/json.hpp>
@@ -26,37 +26,6 @@ constexpr const char* manifest_name = "manifest.json";
 
 std::string hex(std::uint64_t value) {
   return format("%016llx", static_cast<unsigned long long>(value));
-}
-
-std::uint64_t textChecksum(const std::string& text) {
-  Hash hash;
-  for (const char letter : text)
-    hash.take(static_cast<std::int64_t>(letter));
-  return hash.value();
-}
-
-// Of ids, positions and corners of all ranks; it does not depend on the partition. Collective.
-std::string meshChecksum(MPI_Comm comm, const Scene& scene) {
-  const io::MeshPart& part = scene.part;
-  std::uint64_t sum = 0;
-  for (std::size_t node = 0; node < part.node_ids.size(); ++node) {
-    if (!scene.node_is_owned[node])
-      continue;
-    Hash hash;
-    hash.take(part.node_ids[node]);
-    for (std::size_t d = 0; d < 3; ++d)
-      hash.take(part.coordinates[3 * node + d]);
-    sum += hash.value();
-  }
-  for (std::size_t elem = 0; elem < part.elem_ids.size(); ++elem) {
-    Hash hash;
-    hash.take(part.elem_ids[elem]);
-    hash.take(part.elem_block[elem]);
-    for (std::size_t c = 0; c < 8; ++c)
-      hash.take(part.node_ids[static_cast<std::size_t>(part.elem_nodes[8 * elem + c])]);
-    sum += hash.value();
-  }
-  return hex(static_cast<std::uint64_t>(allReduce(comm, static_cast<std::int64_t>(sum), MPI_SUM)));
 }
 
 std::string partName(std::int64_t ranks, std::int64_t rank) {
@@ -134,7 +103,7 @@ void Checkpoints::prepare() {
   const Provenance build = describeRun(_comm);
   _version = build.version;
   _commit = build.commit;
-  _mesh = meshChecksum(_comm, _scene);
+  _mesh = hex(meshChecksum(_comm, _scene.part));
 }
 
 std::string Checkpoints::write(const RunRestart& data, const Simulation& simulation) {
@@ -297,10 +266,10 @@ RunRestart Checkpoints::read(const std::string& which, const Simulation& simulat
     const Opened opened = open(path, true);
     RunRestart data = fromTables(opened.tables, simulation);
     data.warnings = opened.manifest["warnings"].get<std::vector<std::string>>();
-    if (rankOf(_comm) == 0 && opened.manifest.value("commit", std::string()) != _commit)
-      data.warnings.push_back(path + " was written by the commit " +
-                              opened.manifest.value("commit", std::string()) +
-                              " of this version: the last bits of results may differ");
+    const std::string commit = opened.manifest.value("commit", std::string());
+    if (rankOf(_comm) == 0 && commit != _commit)
+      data.note = path + " was written by the commit " + commit +
+                  " of this version: the last bits of results may differ";
     return data;
   } catch (const InputError& error) {
     std::string message = "the checkpoint " + path + " cannot be used: " + error.what();

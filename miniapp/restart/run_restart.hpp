@@ -17,6 +17,7 @@ struct RunRestart {
   LimitWatch::Reported reported_limits = {};
   bool has_large_strain = false; // in a linear material
   std::vector<std::string> warnings; // of the time loop so far
+  std::string note; // a warning of this restart, on rank 0; "" for none
 };
 
 // The tables of this rank's file: entities that this rank owns, by global id; values that all ranks

@@ -101,14 +101,24 @@ expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-
 expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
 # A rotation of a linear body by a sixth of a turn.
-expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has rotated' 1 run "$inputs/one_brick.toml" \
-  --set 'material.brick.model="linear"' --set 'load.pressure[0].peak=1' --set 'initial.velocity[0].angular_velocity=[0,0,1000]' --set time.end=1e-3
+rotation=("$inputs/one_brick.toml" --set 'material.brick.model="linear"' --set 'load.pressure[0].peak=1'
+  --set 'initial.velocity[0].angular_velocity=[0,0,1000]' --set time.end=1e-3 --set output.checkpoint.steps=1000)
+expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has rotated' 1 run "${rotation[@]}"
+expect "a restarted run knows its warnings" 0 '^PASS' 1 run "${rotation[@]}" --restart latest --extend-to 1.1e-3
+{ [[ $(grep -c 'has rotated' "$work/out/report.json") -eq 1 ]] && ! grep -q 'has rotated' "$work/log"; } ||
+  { echo "FAILED: a restarted run does not report its warning once"; failures=$((failures + 1)); }
 expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
   code=0
   "$brickwall" $command "$inputs/brick_wall.toml" "${small[@]}" --steps 2 -o "$work/out" >/dev/full 2>"$work/log" || code=$?
   { [[ $code -eq 4 ]] && grep -q 'standard output' "$work/log"; } || { echo "FAILED $command on a full standard output: exit code $code"; failures=$((failures + 1)); }
 done
+# The programs of other commands stand beside the program, or are said to be missing.
+cp "$brickwall" "$work/brickwall"
+code=0
+"$work/brickwall" report out >"$work/log" 2>&1 || code=$?
+{ [[ $code -eq 1 ]] && grep -q 'brickwall-report cannot be started: No such file' "$work/log"; } ||
+  { echo "FAILED: a missing brickwall-report: exit code $code"; failures=$((failures + 1)); }
 # A mesh is written and read.
 expect "a mesh is written" 0 'elements' 1 mesh "$inputs/brick_wall.toml" "${small[@]}"
 cat >"$work/mesh.toml" <<DECK

@@ -207,6 +207,23 @@ TEST(Deck, StopsAtASyntaxError) {
                   "a.toml:3: found brackets nested too deeply");
 }
 
+TEST(Deck, RefusesWhatWouldExhaustStackOrPatience) {
+  std::string names = "a";
+  for (int i = 0; i < 100000; ++i)
+    names += ".a";
+  for (const std::string& text : {"[" + names + "]\n", names + " = 1\n", "x = 1.5\n" + names})
+    EXPECT_CONTAINS(faultsOf(text), "found a dotted key of too many names, expected at most 64");
+  EXPECT_CONTAINS(faultsOf("[wall]\nbricks = [" + std::string(100000, ' ') + "1, 1, 1]\n"),
+                  "a.toml:2: found a line that is too long, expected at most 16384 bytes");
+  std::string lines;
+  for (int i = 0; i < 1000; ++i)
+    lines += "k" + std::to_string(i) + " = 1.5\n";
+  const std::string message = faultsOf(good + "[time]\n" + lines);
+  EXPECT_CONTAINS(message, "unknown key \"k199\"");
+  EXPECT_EQ(message.find("unknown key \"k200\""), std::string::npos);
+  EXPECT_CONTAINS(message, "and 800 more faults");
+}
+
 TEST(Deck, ReadsByteOrderMarksAndCarriageReturns) {
   EXPECT_EQ(faultsOf("\xEF\xBB\xBF[wall]\r\nbricks = [2, 1, 3]\r\n[limits]\r\n"), "");
   EXPECT_CONTAINS(faultsOf("\xEF\xBB\xBF[wall]\r\nbrickz = [2, 1, 3]\r\n[limits]"),

@@ -8,6 +8,7 @@
 #include "io/wall/wall_generator.hpp"
 
 #include <exodusII.h>
+#include <netcdf.h>
 
 #include <fstream>
 
@@ -248,6 +249,28 @@ TEST(MeshReader, RefusesNumbersOutOfRange) {
   expectInputError(folder / "side.exo", "a side of side set side_set_5 is 7");
   writeRaw(folder / "set.exo", 8, {cubes({0})}, {}, {}, {9});
   expectInputError(folder / "set.exo", "a node of node set node_set_6 is 9");
+}
+
+TEST(MeshReader, RefusesAnElementThatAppearsTwice) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  writeRaw(folder / "twice.exo", 24, {cubes({0, 2, 4}), cubes({2})});
+  expectInputError(folder / "twice.exo", "another element has the corners of element 2 too");
+}
+
+TEST(MeshReader, RefusesIdsThatAppearTwice) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  const std::string path = folder / "twice.exo";
+  writeRaw(path, 12, {cubes({0}), cubes({1})});
+  if (rankOf(MPI_COMM_WORLD) == 0) {
+    int file = -1, variable = -1;
+    const int ids[2] = {10, 10};
+    ASSERT_EQ(nc_open(path.c_str(), NC_WRITE, &file), 0);
+    ASSERT_EQ(nc_inq_varid(file, "eb_prop1", &variable), 0);
+    ASSERT_EQ(nc_put_var_int(file, variable, ids), 0);
+    ASSERT_EQ(nc_close(file), 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  expectInputError(path, "the ids of blocks contain 10 twice");
 }
 
 } // namespace

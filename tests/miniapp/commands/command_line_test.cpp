@@ -75,7 +75,9 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
   for (const char* part : {"run", "check", "mesh", "search", "--output", "--set", "--steps",
                            "--no-output", "--timing", "--version", "--keys", "--kokkos-"})
     EXPECT_NE(help.text.find(part), std::string::npos) << part << " in\n" << help.text;
-  EXPECT_NE(parse({"--version"}).text.find("brickwall "), std::string::npos);
+  const std::string version = parse({"--version"}).text;
+  EXPECT_NE(version.find("brickwall "), std::string::npos);
+  EXPECT_EQ(version.find("$<"), std::string::npos) << "a condition of CMake in\n" << version;
   EXPECT_NE(parse({"--keys"}).text.find("[[load.pressure]]"), std::string::npos);
   EXPECT_NE(parse({"--keys", "markdown"}).text.find("| `radius` | number | m | none | > 0 |"),
             std::string::npos);
@@ -84,6 +86,10 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
 TEST(CommandLine, RefusesUnknownArguments) {
   const std::vector<std::vector<const char*>> wrong = {{"--unheard"},
                                                        {"--keys", "html"},
+                                                       {"check", ""},
+                                                       {"--restart", ""},
+                                                       {"--restart="},
+                                                       {"--set="},
                                                        {"--threads=2"},
                                                        {"run", "a.toml", "b.toml"},
                                                        {"a.toml", "run"},
@@ -100,6 +106,7 @@ TEST(CommandLine, RefusesUnknownArguments) {
     EXPECT_EQ(line.exit_code, 2) << words[0];
     EXPECT_NE(line.text, "") << words[0];
   }
+  EXPECT_NE(parse({"--timing", "\x1b[31m"}).text.find("--timing: ?[31m not in"), std::string::npos);
 }
 
 } // namespace

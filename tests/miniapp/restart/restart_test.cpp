@@ -2,8 +2,10 @@
 // Whole runs that are interrupted and continued: tests/end_to_end/restart.py.
 #include "contact/base/mpi.hpp"
 #include "contact/enforcement/law/contact_records.hpp"
+#include "io/wall/wall_generator.hpp"
 #include "miniapp/output/history.hpp"
 #include "miniapp/output/progress.hpp"
+#include "miniapp/restart/checksums.hpp"
 #include "miniapp/restart/deck_differences.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -39,6 +41,29 @@ TEST(DeckDifference, NamesTheFirstKeyThatDiffers) {
   EXPECT_NE(deckDifference(deck, replaced(deck, "end = 1.0", "end = 2.0")).find("--extend-to"),
             std::string::npos);
   EXPECT_NE(deckDifference(deck, std::string(deck) + "[damping]\nmass = 1.0\n"), "");
+}
+
+TEST(MeshChecksum, KnowsAllThatResultsDependOn) {
+  const MPI_Comm comm = MPI_COMM_WORLD;
+  io::WallConfig wall;
+  wall.bricks = {2, 1, 2};
+  wall.elements = {2, 1, 1};
+  const io::MeshPart whole = io::generateWall(MPI_COMM_SELF, wall);
+  const std::uint64_t expected = meshChecksum(MPI_COMM_SELF, whole);
+  EXPECT_EQ(meshChecksum(comm, io::generateWall(comm, wall)), expected);
+  const auto changed = [&](const auto& change) {
+    io::MeshPart part = whole;
+    change(part);
+    return meshChecksum(MPI_COMM_SELF, part) != expected;
+  };
+  EXPECT_TRUE(changed([](auto& part) { part.coordinates[4] += 1e-9; }));
+  EXPECT_TRUE(changed([](auto& part) { std::swap(part.elem_nodes[0], part.elem_nodes[1]); }));
+  EXPECT_TRUE(changed([](auto& part) { part.blocks[0].name = "clay"; }));
+  EXPECT_TRUE(changed([](auto& part) { part.side_sets[0].name = "other"; }));
+  EXPECT_TRUE(changed([](auto& part) { part.side_sets[0].sides[0] ^= 1; }));
+  EXPECT_TRUE(changed([](auto& part) { part.node_sets[0].name = "other"; }));
+  EXPECT_TRUE(changed([](auto& part) { part.node_sets[0].nodes.pop_back(); }));
+  EXPECT_FALSE(changed([](auto& part) { std::swap(part.side_sets[0], part.side_sets[1]); }));
 }
 
 TEST(Progress, EstimatesTheTimeLeftFromTheStepsOfThisRun) {

@@ -128,9 +128,9 @@ TEST(MeshScene, AnEdgeOfZeroLengthIsReportedWithFileAndElement) {
 
 TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
   const MeshFile mesh(oneBrick({3, 1, 1}),
-                      [](io::MeshPart& part) { // the third in the place of the first
-                        for (int corner = 0; corner < 8; ++corner)
-                          part.elem_nodes[16 + corner] = part.elem_nodes[corner];
+                      [](io::MeshPart& part) { // the third begins where the second does
+                        for (const int corner : {0, 3, 4, 7})
+                          part.elem_nodes[16 + corner] = part.elem_nodes[8 + corner];
                       });
   const std::string fault = faultOf(mesh.config(""));
   EXPECT_NE(fault.find(mesh.path() + ": "), std::string::npos) << fault;
