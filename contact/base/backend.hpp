@@ -42,9 +42,9 @@ using launch_by_argument = Kokkos::Experimental::WorkItemProperty::HintLightWeig
 using range_policy =
     Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>, launch_by_argument>;
 
-// True where device and host share memory, so that staging copies vanish.
-constexpr bool host_accessible =
-    Kokkos::SpaceAccessibility<Kokkos::HostSpace, memory_space>::accessible;
+// True where kernels run on the host, so that staging copies vanish; false with managed memory, whose
+// kernels run on a device.
+constexpr bool host_accessible = std::is_same<memory_space, Kokkos::HostSpace>::value;
 
 // Whether threads have SIMD lanes to fill; on a device the lanes are threads. With
 // BRICKWALL_LANES=OFF they have none, so that the code paths of devices can be tested on
@@ -52,7 +52,7 @@ constexpr bool host_accessible =
 #if defined(BRICKWALL_ONE_LANE)
 constexpr bool fills_lanes = false;
 #else
-constexpr bool fills_lanes = std::is_same<memory_space, Kokkos::HostSpace>::value;
+constexpr bool fills_lanes = host_accessible;
 #endif
 
 // Number of elements that one thread processes at once in SIMD lanes (contact/base/pack.hpp).

@@ -55,6 +55,8 @@ public:
   void exchange(const exec_space& space, MPI_Comm comm, int tag, const std::vector<int>& partners,
                 const std::vector<std::int64_t>& send_offsets,
                 const std::vector<std::int64_t>& receive_offsets) {
+    if (partners.empty()) // nor a wait for the device
+      return;
     const std::int64_t num_send = send_offsets.back(), num_receive = receive_offsets.back();
     growTo(space, receive, num_receive);
     growStaging(num_send, num_receive);
@@ -88,6 +90,9 @@ public:
                          const std::vector<std::int64_t>& send_offsets,
                          const std::vector<int>& senders,
                          std::vector<std::int64_t>& receive_offsets) {
+    receive_offsets.assign(1, 0);
+    if (receivers.empty() && senders.empty())
+      return;
     growStaging(send_offsets.back(), 0);
     if constexpr (!host_accessible)
       copyRange(space, _staged_send, send, send_offsets.back());
@@ -97,7 +102,6 @@ public:
                      receivers[p], tag, comm);
     // All sizes first, so that the buffer grows before it receives data.
     _probed.resize(senders.size());
-    receive_offsets.assign(1, 0);
     for (std::size_t p = 0; p < senders.size(); ++p) {
       MPI_Status status;
       int words = 0;

@@ -3,6 +3,8 @@
 
 #include "contact/base/backend.hpp"
 
+#include <cstring>
+#include <new>
 #include <string>
 
 namespace brickwall {
@@ -57,5 +59,112 @@ Value sumOver(const std::string& label, const exec_space& space, std::int64_t be
   space.fence();
   return sum;
 }
+
+// Adds what functor(i, Value&) adds for i of [begin, end) to `total`, word by word, in teams whose
+// threads keep their sums in scratch memory: registers do not hold them. The words of `Value` are
+// integers; the last Value::num_maxima are numbers >= 0, of which the largest is taken.
+template <class Value, class Functor, int teams_at_once>
+struct AddWordsByTeams {
+  static_assert(std::is_trivially_copyable<Value>::value && sizeof(Value) % 8 == 0, "words");
+  static constexpr int team_size = 128, group_size = 32; // as in SumByTeams
+  static constexpr int num_words = sizeof(Value) / 8;
+  static constexpr int row = num_words | 1; // odd: no two threads use one bank of scratch memory
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>,
+                                    launch_by_argument>;
+
+  Functor functor;
+  std::int64_t begin, end;
+  View<std::int64_t*> total;
+
+  static std::size_t scratchBytes(int threads) { return sizeof(std::int64_t) * row * threads; }
+
+  KOKKOS_INLINE_FUNCTION void operator()(const typename policy::member_type& team) const {
+    const int num_threads = team.team_size(), thread = team.team_rank();
+    auto* const words = static_cast<std::int64_t*>(
+        team.team_shmem().get_shmem(sizeof(std::int64_t) * row * num_threads));
+    Value& mine = *new (words + thread * row) Value();
+    const std::int64_t stride = std::int64_t(team.league_size()) * num_threads;
+    const std::int64_t group = thread / group_size;
+    const std::int64_t first =
+        (group * team.league_size() + team.league_rank()) * group_size + thread % group_size;
+    for (std::int64_t i = begin + first; i < end; i += stride)
+      functor(i, mine);
+    team.team_barrier();
+    const int num_parts = maxOf(1, num_threads / num_words);
+    for (int k = thread; k < num_words * num_parts; k += num_threads)
+      add(words + k % num_words, k / num_words, num_parts, num_threads, k % num_words);
+  }
+
+private:
+  // Adds word w of the threads part, part + num_parts, ...
+  KOKKOS_INLINE_FUNCTION void add(const std::int64_t* word, int part, int num_parts,
+                                  int num_threads, int w) const {
+    const bool is_maximum = w >= num_words - Value::num_maxima;
+    std::int64_t sum = 0;
+    for (int t = part; t < num_threads; t += num_parts) {
+      std::int64_t value;
+      memcpy(&value, word + t * row, sizeof value);
+      sum = is_maximum ? maxOf(sum, value) : sum + value;
+    }
+    if (sum != 0 && is_maximum)
+      Kokkos::atomic_fetch_max(&total(w), sum);
+    else if (sum != 0)
+      Kokkos::atomic_add(&total(w), sum);
+  }
+};
+
+// A sum that several kernels of a device add to, and that the host reads once. `Value` as for
+// AddWordsByTeams. `on_device` chooses the kernel.
+template <class Value, bool on_device = !host_accessible>
+class LateSum {
+public:
+  LateSum() = default;
+  explicit LateSum(const std::string& label) {
+    if constexpr (on_device) {
+      _words = View<std::int64_t*>(label, sizeof(Value) / 8);
+      _staged = Kokkos::View<std::int64_t*, staging_space>(label + "::staged", sizeof(Value) / 8);
+    }
+  }
+
+  void clear(const exec_space& space) {
+    _sum = Value();
+    if constexpr (on_device)
+      Kokkos::deep_copy(space, _words, std::int64_t(0));
+  }
+  // `teams_at_once`: teams of 128 threads that a multiprocessor runs at once, each of which has
+  // 512/teams_at_once registers a thread. Waits on a host only.
+  template <int teams_at_once = 2, class Functor>
+  void add(const std::string& label, const exec_space& space, std::int64_t begin, std::int64_t end,
+           const Functor& functor) {
+    if constexpr (on_device) {
+      using Teams = AddWordsByTeams<Value, Functor, teams_at_once>;
+      const int team_size = host_accessible ? 1 : +Teams::team_size;
+      const std::int64_t fitting = maxOf(1, teams_at_once * (concurrency(space) / 2048)),
+                         needed = (end - begin + team_size - 1) / team_size;
+      if (needed == 0)
+        return;
+      auto policy =
+          typename Teams::policy(space, static_cast<int>(minOf(fitting, needed)), team_size);
+      policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(Teams::scratchBytes(team_size))));
+      Kokkos::parallel_for(label, policy, Teams{functor, begin, end, _words});
+    } else {
+      _sum += sumOver<Value>(label, space, begin, end, functor);
+    }
+  }
+  // Waits for the device.
+  Value read(const exec_space& space) {
+    if constexpr (on_device) {
+      Kokkos::deep_copy(space, _staged, _words);
+      space.fence();
+      memcpy(static_cast<void*>(&_sum), _staged.data(), sizeof _sum);
+    }
+    return _sum;
+  }
+
+private:
+  Value _sum;
+  View<std::int64_t*> _words;
+  Kokkos::View<std::int64_t*, staging_space> _staged;
+};
 
 } // namespace brickwall

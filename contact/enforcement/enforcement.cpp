@@ -111,16 +111,21 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
   }
   EnforcementSums sums;
+  std::function<ContactSums()> selected_nodes, selected_edges;
   if (_has_sought_joints && canSkipAll()) {
     _set.selectNone(space, faces);
     if (!_stationary.isUnchanged())
       _records.invalidate(space);
   } else {
     _records.update(space, faces, pairs, _stationary.flags(), _sleeping, _node_faces);
-    sums.nodes = selectInteractions(space, faces, pairs, steps.dt);
+    selected_nodes = selectInteractions(space, faces, pairs, steps.dt);
   }
   if (edges != nullptr)
-    sums.edges = edges->select(space, steps.dt, _motion);
+    selected_edges = edges->select(space, steps.dt, _motion);
+  if (selected_nodes)
+    sums.nodes = selected_nodes();
+  if (selected_edges)
+    sums.edges = selected_edges();
   const bool had_forces = _has_forces;
   agreeOnForces(sums, edges);
   if (!_has_sought_joints) {
@@ -198,7 +203,7 @@ void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
 // exchanged.
 bool Enforcement::canSkipAll() const {
   return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 &&
-         (_stationary.isUnchanged() || _sleeping.numAwake() == 0);
+         (_stationary.isUnchanged() || _sleeping.areAllAsleep());
 }
 
 NodeFaceKinematics Enforcement::kinematicsOf(const FaceAccess& faces) const {
@@ -219,8 +224,10 @@ NodeFaceKinematics Enforcement::kinematicsOf(const FaceAccess& faces) const {
   return kinematics;
 }
 
-ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceAccess& faces,
-                                            const CandidatePairs& pairs, double dt) {
+std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& space,
+                                                             const FaceAccess& faces,
+                                                             const CandidatePairs& pairs,
+                                                             double dt) {
   SelectInteractions<NodeFaceKinematics> select;
   select.step.energy_scale = _energy_scale;
   select.step.law.dt = dt;
@@ -228,16 +235,18 @@ ContactSums Enforcement::selectInteractions(const exec_space& space, const FaceA
   select.step.faces = faces;
   select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
-  select.has_asleep = _sleeping.hasAsleep();
-  const NodeFaceKinematics& kinematics = select.step.kinematics = kinematicsOf(faces);
+  select.has_asleep = _sleeping.mayHaveAsleep();
+  select.step.kinematics = kinematicsOf(faces);
   if (_has_status)
     clearStatus(space);
-  const ContactSums sums = _set.select(space, pairs, select);
-  _has_status = sums.penetrating > 0;
-  if (_config.skip_stationary)
-    _sleeping.putToSleep(space, kinematics, faces, pairs, _motion, _set.next().row_count,
-                         _stationary.flags().known_apart);
-  return sums;
+  return [this, space, faces, pairs, select, finish = _set.select(space, pairs, select)] {
+    const ContactSums sums = finish();
+    _has_status = sums.penetrating > 0;
+    if (_config.skip_stationary)
+      _sleeping.putToSleep(space, select.step.kinematics, faces, pairs, _motion,
+                           _set.next().row_count, _stationary.flags().known_apart);
+    return sums;
+  };
 }
 
 // The values of nodes without contact.

@@ -93,8 +93,9 @@ private:
   void clearStatus(const exec_space& space);
   bool canSkipAll() const;
   NodeFaceKinematics kinematicsOf(const FaceAccess& faces) const;
-  ContactSums selectInteractions(const exec_space& space, const FaceAccess& faces,
-                                 const CandidatePairs& pairs, double dt);
+  // The function returned waits for the device and completes the step.
+  std::function<ContactSums()> selectInteractions(const exec_space& space, const FaceAccess& faces,
+                                                  const CandidatePairs& pairs, double dt);
   void correctEnergy(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
                      const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
 

@@ -99,9 +99,11 @@ void ContactStep::setSearchTolerance(double tolerance) {
 
 void ContactStep::findCandidates() {
   const Stopwatch time;
+  if (_edges)
+    _edges->gatherCoordinates(_space, surface());
   _search.update(_space, surface());
   if (_edges)
-    _edges->findCandidates(_space, surface());
+    _edges->findCandidates(_space);
   _balance.addTime(time.seconds());
 }
 

@@ -5,7 +5,7 @@ namespace brickwall::contact {
 SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes)
     : _num_blocks((num_nodes + CandidatePairs::rows_per_block - 1) /
                   CandidatePairs::rows_per_block),
-      _num_awake(_num_blocks) {
+      _num_awake(_num_blocks), _counted(label + "::num_awake") {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
   // the first putToSleep() allocates them
@@ -26,6 +26,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
   if (!is_known) {
     Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
     _num_awake = _num_blocks;
+    _is_counting = false;
   }
   const bool has_slept = _state.bounds.extent(0) > 0;
   if (!is_known || is_unchanged || !has_slept)
@@ -34,7 +35,6 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
   const View<const unsigned char*> changed = pairs.changed;
   const BodyMotions& motions = motion.bodies();
   const double rounding = motion.rounding();
-  _num_awake = 0;
   Kokkos::parallel_reduce(
       "contact::SleepingBlocks::wake", rangePolicy(space, _num_blocks),
       KOKKOS_LAMBDA(const std::int64_t block, std::int64_t& awake) {
@@ -58,7 +58,19 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
         else
           state.next_wait(block) = 0;
       },
-      _num_awake);
+      Kokkos::Sum<std::int64_t, staging_space>(_counted));
+  _is_counting = true;
+  if (host_accessible)
+    numAwake();
+}
+
+std::int64_t SleepingBlocks::numAwake() const {
+  if (_is_counting) {
+    exec_space().fence();
+    _num_awake = _counted();
+    _is_counting = false;
+  }
+  return _num_awake;
 }
 
 } // namespace brickwall::contact

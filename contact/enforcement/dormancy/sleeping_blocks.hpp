@@ -58,13 +58,19 @@ public:
                   const View<const int*>& row_count, const View<unsigned char*>& known_apart);
 
   const SleepState& state() const { return _state; }
-  bool hasAsleep() const { return _num_awake < _num_blocks; }
-  std::int64_t numAwake() const { return _num_awake; }
+  // Whether a block may be asleep, and whether all are known to be; neither waits for a device.
+  bool mayHaveAsleep() const { return _is_counting || _num_awake < _num_blocks; }
+  bool areAllAsleep() const { return !_is_counting && _num_awake == 0; }
+  // Waits for the device after wake().
+  std::int64_t numAwake() const;
   std::int64_t numBlocks() const { return _num_blocks; }
 
 private:
   SleepState _state;
-  std::int64_t _num_blocks = 0, _num_awake = 0;
+  std::int64_t _num_blocks = 0;
+  mutable std::int64_t _num_awake = 0;
+  mutable bool _is_counting = false; // _counted holds _num_awake once the device is done
+  Kokkos::View<std::int64_t, staging_space> _counted;
   std::int64_t _version = 0; // of the pairs seen last
   const unsigned char* _changed = nullptr; // likewise
 };
@@ -161,7 +167,7 @@ void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinem
                                 const View<unsigned char*>& known_apart) {
   // Rows by themselves, on a device, sleep only if lists are kept for several steps.
   const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
-  if (_num_awake == 0 || pairs.version == 0 || !rows_last)
+  if (pairs.version == 0 || !rows_last || numAwake() == 0)
     return;
   if (_state.bounds.extent(0) == 0)
     _state.bounds =

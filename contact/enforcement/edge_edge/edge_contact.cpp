@@ -7,13 +7,15 @@
 namespace brickwall::contact {
 namespace {
 
-// Gathers the coordinates of the corners (x_old, x_new) [corner][xyz]. Returns the largest
-// excursion outside `boxes`, those of the last search.
-double gatherCorners(const exec_space& space, const Surface& surface,
-                     const View<const int*>& corner_to_node, const View<const double* [6]>& boxes,
-                     const View<double* [3]>& x_old, const View<double* [3]>& x_new) {
+using StagedNumber = Kokkos::View<double, staging_space>;
+
+// Gathers the coordinates of the corners (x_old, x_new) [corner][xyz]. `excursion` is the largest
+// one outside `boxes`, those of the last search.
+void gatherCorners(const exec_space& space, const Surface& surface,
+                   const View<const int*>& corner_to_node, const View<const double* [6]>& boxes,
+                   const View<double* [3]>& x_old, const View<double* [3]>& x_new,
+                   const StagedNumber& excursion) {
   const bool has_boxes = boxes.extent(0) > 0;
-  double excursion = 0;
   Kokkos::parallel_reduce(
       "contact::EdgeContact::gatherCorners",
       rangePolicy(space, static_cast<std::int64_t>(corner_to_node.extent(0))),
@@ -28,19 +30,16 @@ double gatherCorners(const exec_space& space, const Surface& surface,
         if (has_boxes)
           largest = maxOf(largest, excursionOutside(boxes, i, before, now));
       },
-      Kokkos::Max<double>(excursion));
-  return excursion;
+      Kokkos::Max<double, staging_space>(excursion));
 }
 
 // Computes the swept box of each edge, stored as the coordinates of node num_corners + edge (low
-// corner as x_old, high corner as x_new), and the ends of the edges. Returns the largest excursion
-// outside `boxes`.
-double sweepEdges(const exec_space& space, int num_edges, int num_corners,
-                  const View<const int* [4]>& edge_to_nodes, const View<const double* [6]>& boxes,
-                  const View<double* [3]>& x_old, const View<double* [3]>& x_new,
-                  const View<EdgeRecord*>& records) {
+// corner as x_old, high corner as x_new), and the ends of the edges. `excursion` as above.
+void sweepEdges(const exec_space& space, int num_edges, int num_corners,
+                const View<const int* [4]>& edge_to_nodes, const View<const double* [6]>& boxes,
+                const View<double* [3]>& x_old, const View<double* [3]>& x_new,
+                const View<EdgeRecord*>& records, const StagedNumber& excursion) {
   const bool has_boxes = boxes.extent(0) > 0;
-  double excursion = 0;
   Kokkos::parallel_reduce(
       "contact::EdgeContact::sweepEdges", rangePolicy(space, num_edges),
       KOKKOS_LAMBDA(const std::int64_t e, double& largest) {
@@ -61,8 +60,7 @@ double sweepEdges(const exec_space& space, int num_edges, int num_corners,
         if (has_boxes)
           largest = maxOf(largest, excursionOutside(boxes, num_corners + e, low, high));
       },
-      Kokkos::Max<double>(excursion));
-  return excursion;
+      Kokkos::Max<double, staging_space>(excursion));
 }
 
 void recordGhosts(const exec_space& space, const FaceAccess& faces,
@@ -137,6 +135,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   const int num_nodes = _edges.num_nodes;
   _old = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_old", num_nodes);
   _new = allocate<View<double* [3]>>(space, "contact::EdgeContact::x_new", num_nodes);
+  for (auto& excursion : _excursion)
+    excursion = StagedNumber("contact::EdgeContact::excursion");
   const int num_corrected = config.scheme == Scheme::energy_neutral ? _num_corners : 0;
   _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_corrected);
   _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_corrected);
@@ -152,20 +152,18 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }
 
-// Returns the largest excursion outside the boxes of the last search, since the coordinates are at
-// hand here.
-double EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface) {
+// Also measures the largest excursions outside the boxes of the last search, since the coordinates
+// are at hand here.
+void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface) {
   const View<const double* [6]> boxes = _search.sweptBoxes();
-  const double of_corners = gatherCorners(space, surface, _corner_to_node, boxes, _old, _new);
-  const double of_edges = sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes,
-                                     boxes, _old, _new, _records);
-  space.fence();
-  return maxOf(of_corners, of_edges);
+  gatherCorners(space, surface, _corner_to_node, boxes, _old, _new, _excursion[0]);
+  sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, boxes, _old, _new,
+             _records, _excursion[1]);
 }
 
-void EdgeContact::findCandidates(const exec_space& space, const Surface& surface) {
-  const double motion = gatherCoordinates(space, surface);
-  _search.update(space, _edges, motion);
+void EdgeContact::findCandidates(const exec_space& space) {
+  space.fence();
+  _search.update(space, _edges, maxOf(_excursion[0](), _excursion[1]()));
   if (_search.ghosts().count == 0)
     return;
   growTo(space, _ghost_records, _search.ghosts().count);
@@ -174,10 +172,11 @@ void EdgeContact::findCandidates(const exec_space& space, const Surface& surface
 
 bool EdgeContact::canSkipAll() const {
   return _search.ghosts().count == 0 && !_has_touched && _set.history().count == 0 &&
-         (_stationary.isUnchanged() || _sleeping.numAwake() == 0);
+         (_stationary.isUnchanged() || _sleeping.areAllAsleep());
 }
 
-ContactSums EdgeContact::select(const exec_space& space, double dt, const SurfaceMotion& motion) {
+std::function<ContactSums()> EdgeContact::select(const exec_space& space, double dt,
+                                                 const SurfaceMotion& motion) {
   const CandidatePairs& pairs = _search.pairs();
   if (_config.skip_stationary) {
     _stationary.update(space, _edges, motion, pairs.step_test);
@@ -186,7 +185,7 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   if (canSkipAll()) {
     _set.selectNone(space, access());
     findTouched(space);
-    return {};
+    return [] { return ContactSums(); };
   }
   SelectInteractions<EdgeEdgeKinematics> select;
   select.step.energy_scale = _energy_scale;
@@ -196,20 +195,22 @@ ContactSums EdgeContact::select(const exec_space& space, double dt, const Surfac
   select.first_row = _num_corners; // rows of corners, which the searches list first
   select.stationary = _stationary.flags();
   select.sleep = _sleeping.state();
-  select.has_asleep = _sleeping.hasAsleep();
+  select.has_asleep = _sleeping.mayHaveAsleep();
   select.step.kinematics.lateral_tolerance = _config.lateral_tolerance;
   select.step.kinematics.edge_tolerance = _config.edge_tolerance;
   select.step.kinematics.num_corners = _num_corners;
   select.step.kinematics.node_mass = _corner_mass;
   select.step.kinematics.records = {_records, _ghost_records};
   select.step.kinematics.previous = _set.history().interactions;
-  const ContactSums sums = _set.select(space, pairs, select);
-  _has_touched = sums.penetrating > 0;
-  if (_config.skip_stationary)
-    _sleeping.putToSleep(space, select.step.kinematics, select.step.faces, pairs, motion,
-                         _set.next().row_count, _stationary.flags().known_apart);
-  findTouched(space);
-  return sums;
+  return [this, space, select, &pairs, &motion, finish = _set.select(space, pairs, select)] {
+    const ContactSums sums = finish();
+    _has_touched = sums.penetrating > 0;
+    if (_config.skip_stationary)
+      _sleeping.putToSleep(space, select.step.kinematics, select.step.faces, pairs, motion,
+                           _set.next().row_count, _stationary.flags().known_apart);
+    findTouched(space);
+    return sums;
+  };
 }
 
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {

@@ -28,17 +28,25 @@ public:
 
   // Collective. Finds edges that may cross in this step; `surface` as at construction, with the
   // coordinates of this step.
-  void findCandidates(const exec_space& space, const Surface& surface);
+  void findCandidates(const exec_space& space, const Surface& surface) {
+    gatherCoordinates(space, surface);
+    findCandidates(space);
+  }
+  // The two parts of it, for work between them. The first does not wait for a device.
+  void gatherCoordinates(const exec_space& space, const Surface& surface);
+  void findCandidates(const exec_space& space);
 
   // The parts of Enforcement::enforce(), which calls them. `motion`, that of the host's surface,
-  // must include this step if skip_stationary is set. After select(), ranks agree on whether edges
+  // must include this step if skip_stationary is set. The function that select() returns waits for
+  // the device and completes the selection. Then ranks agree on whether edges
   // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
   // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
   // and correctForces() are collective; `has_changed` [surface node], hasProposals() and
   // takeInvalid(): see InteractionSet.
   // addTouched() adds the surface nodes that contacts of this rank act on.
-  ContactSums select(const exec_space& space, double dt, const SurfaceMotion& motion);
+  std::function<ContactSums()> select(const exec_space& space, double dt,
+                                      const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
   void collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   void proposeChanges(const exec_space& space, const StepLengths& steps,
@@ -86,7 +94,6 @@ public:
   void restore(const exec_space& space, const ContactCarry& carry);
 
 private:
-  double gatherCoordinates(const exec_space& space, const Surface& surface);
   FaceAccess access() const { return {_edges, _search.ghosts()}; }
   bool canSkipAll() const;
   void findTouched(const exec_space& space);
@@ -108,6 +115,8 @@ private:
   View<const int*> _corner_to_node; // [corner] node of the host's surface
   View<const int* [4]> _edge_to_nodes; // [edge][corner] likewise
   View<double*[3]> _old, _new; // coordinates of _edges
+  Kokkos::View<double, staging_space>
+      _excursion[2]; // of corners and edges, see gatherCoordinates()
   View<double*> _corner_mass; // [corner]
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;

@@ -24,6 +24,7 @@ enum ContactTerm : int {
 
 // This rank's sums over its interactions; sumOverRanks() adds those of all ranks.
 struct ContactSums {
+  static constexpr int num_maxima = 2; // max_penetration and deepest, see LateSum
   LimbSums<num_contact_terms> terms;
   // pairs of a node (or edge) and a body that it penetrates, loaded or not
   std::int64_t penetrating = 0;

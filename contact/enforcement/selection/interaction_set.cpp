@@ -167,16 +167,15 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
     : _config(config), _quantum(quantum), _face_corners(face_corners),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
-      _next_count(label + "::next_count"),
+      _counts(label + "::counts", 4), _next_count(_counts.data()), _sums(label + "::sums"),
       _notes(label + "::notes"), _last{View<int*>(label + "::last_contact",
                                                   config.friction > 0 ? surface.num_nodes : 0)},
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")},
       _rows_with_history{View<int*>(label + "::rows_with_history", 0),
-                         View<std::int64_t[2]>(label + "::num_rows_with_history")},
-      _other_rows{View<int*>(label + "::other_rows", 0),
-                  View<std::int64_t>(label + "::num_other_rows")} {
+                         View<std::int64_t[2]>(_counts.data() + 1)},
+      _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
   const bool is_corrected = config.scheme == Scheme::energy_neutral;
@@ -248,6 +247,8 @@ bool InteractionSet::hasProposals(const exec_space& space) const {
 }
 
 std::int64_t InteractionSet::takeInvalid(const exec_space& space) {
+  if (_next.count == 0) // nothing to correct
+    return 0;
   const CorrectionNotes notes = noted(space);
   if (notes.invalid > 0)
     Kokkos::deep_copy(space, _notes, CorrectionNotes{notes.last_proposing, 0});

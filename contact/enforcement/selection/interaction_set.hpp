@@ -8,6 +8,7 @@
 #include "contact/enforcement/law/enforcement_config.hpp"
 #include "contact/enforcement/selection/row_lists.hpp"
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -40,12 +41,13 @@ public:
                  int num_nodes, int face_corners, const EnforcementConfig& config,
                  const Quantum& quantum);
 
-  // Launches SelectInteractions<Kinematics> over the rows of `pairs`, again with more memory if the
-  // interactions, or the contacts of crowded rows, did not fit. Afterwards next() holds the
-  // interactions of this step, history() those of the last one, and forces() the forces of next()
-  // (pair_forces.hpp).
+  // Launches SelectInteractions<Kinematics> over the rows of `pairs`. The function returned waits
+  // for the device, and launches again with more memory if the interactions, or the contacts of
+  // crowded rows, did not fit. Afterwards next() holds the interactions of this step, history() those
+  // of the last one, and forces() the forces of next() (pair_forces.hpp).
   template <class Select>
-  ContactSums select(const exec_space& space, const CandidatePairs& pairs, Select functor);
+  std::function<ContactSums()> select(const exec_space& space, const CandidatePairs& pairs,
+                                      Select functor);
 
   // The same in a step without any interaction that follows a step without any.
   void selectNone(const exec_space& space, const FaceAccess& faces);
@@ -91,13 +93,15 @@ public:
   }
 
 private:
+  // Sets what is left of the functor and selects.
+  template <class Select>
+  void launch(const exec_space& space, Select& functor);
   // The contacts of all rows from functor.first_row on.
   template <class Select>
-  ContactSums selectRows(const exec_space& space, const Select& functor);
+  void selectRows(const exec_space& space, const Select& functor);
   // The same by lists of rows (row_lists.hpp).
   template <class Kinematics>
-  ContactSums selectListedRows(const exec_space& space,
-                               const SelectInteractions<Kinematics>& functor);
+  void selectListedRows(const exec_space& space, const SelectInteractions<Kinematics>& functor);
   void zeroForces(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   CorrectionNotes noted(const exec_space& space) const;
@@ -110,7 +114,9 @@ private:
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
+  View<std::int64_t*> _counts; // the memory of those below, which are zeroed together
   View<std::int64_t> _next_count;
+  LateSum<ContactSums> _sums; // of the present step
   View<CorrectionNotes> _notes;
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
@@ -123,8 +129,8 @@ private:
 };
 
 template <class Select>
-ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs& pairs,
-                                   Select functor) {
+std::function<ContactSums()> InteractionSet::select(const exec_space& space,
+                                                    const CandidatePairs& pairs, Select functor) {
   auto& step = functor.step;
   step.law.config = _config;
   step.number = ++_last.num_steps;
@@ -132,66 +138,74 @@ ContactSums InteractionSet::select(const exec_space& space, const CandidatePairs
   step.pairs = pairs;
   step.previous = _history;
   step.next_count = _next_count;
-  while (true) {
-    Kokkos::deep_copy(space, _next_count, std::int64_t(0));
-    if (_workspace.contacts.extent(0) > 0)
-      Kokkos::deep_copy(space, _workspace.num_reserved, std::int64_t(0));
-    zeroForces(space, step.faces);
-    step.next = _next;
-    step.workspace = _workspace;
-    step.add = pairForces(space, step.faces);
-    Kokkos::deep_copy(space, _next.row_count, 0);
-    const ContactSums sums = selectRows(space, functor);
-    _next.count = sums.interactions;
-    _are_nodes_zero = sums.interactions == 0;
-    if (hasRoomFor(sums))
-      return sums;
-    growFor(space, sums); // the contact history is unchanged, so the step can be repeated
-  }
+  launch(space, functor);
+  return [this, space, functor]() mutable {
+    while (true) {
+      const ContactSums sums = _sums.read(space);
+      _next.count = sums.interactions;
+      _are_nodes_zero = sums.interactions == 0;
+      if (hasRoomFor(sums))
+        return sums;
+      growFor(space, sums); // the contact history is unchanged, so the step can be repeated
+      launch(space, functor);
+    }
+  };
 }
 
 template <class Select>
-ContactSums InteractionSet::selectRows(const exec_space& space, const Select& functor) {
+void InteractionSet::launch(const exec_space& space, Select& functor) {
+  auto& step = functor.step;
+  Kokkos::deep_copy(space, _counts, std::int64_t(0));
+  if (_workspace.contacts.extent(0) > 0)
+    Kokkos::deep_copy(space, _workspace.num_reserved, std::int64_t(0));
+  zeroForces(space, step.faces);
+  step.next = _next;
+  step.workspace = _workspace;
+  step.add = pairForces(space, step.faces);
+  Kokkos::deep_copy(space, _next.row_count, 0);
+  _sums.clear(space);
+  _are_nodes_zero = false; // until the sums tell
+  selectRows(space, functor);
+}
+
+template <class Select>
+void InteractionSet::selectRows(const exec_space& space, const Select& functor) {
   if constexpr (!fills_lanes) {
-    return selectListedRows(space, functor);
+    selectListedRows(space, functor);
   } else {
     const std::int64_t num_rows = functor.step.pairs.num_rows;
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
     const std::int64_t end = (num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
-    return sumOver<ContactSums>("contact::selectInteractions", space, begin, end, functor);
+    _sums.add("contact::selectInteractions", space, begin, end, functor);
   }
 }
 
 template <class Kinematics>
-ContactSums InteractionSet::selectListedRows(const exec_space& space,
-                                             const SelectInteractions<Kinematics>& functor) {
+void InteractionSet::selectListedRows(const exec_space& space,
+                                      const SelectInteractions<Kinematics>& functor) {
   const std::int64_t num_rows = functor.step.pairs.num_rows;
   const bool lists_history =
       Kinematics::projects_persistent_contacts && functor.step.previous.count >= least_history;
   growTo(space, _rows_with_history.rows, num_rows);
   growTo(space, _other_rows.rows, num_rows);
-  Kokkos::deep_copy(space, _rows_with_history.counts, std::int64_t(0));
-  Kokkos::deep_copy(space, _other_rows.count, std::int64_t(0));
   Kokkos::parallel_for(
       "contact::selectInteractions::list", range_policy(space, functor.first_row, num_rows),
       ListRows<Kinematics>{functor, _rows_with_history, _other_rows, lists_history});
-  ContactSums sums;
   if constexpr (Kinematics::projects_persistent_contacts)
     if (lists_history) {
-      const char* label = "contact::selectInteractions::persist";
-      const std::int64_t end = functor.step.previous.count; // rows with history are not more
+      const auto persist = [&](auto has_friction) {
+        _sums.add<4>("contact::selectInteractions::persist", space, 0,
+                     functor.step.previous.count, // rows with history are not more
+                     PersistRows<Kinematics, decltype(has_friction)::value>{
+                         functor, _rows_with_history, _other_rows});
+      };
       if (functor.step.law.config.friction > 0)
-        sums = sumOver<ContactSums, 2>(
-            label, space, 0, end,
-            PersistRows<Kinematics, true>{functor, _rows_with_history, _other_rows});
+        persist(std::true_type());
       else
-        sums = sumOver<ContactSums, 2>(
-            label, space, 0, end,
-            PersistRows<Kinematics, false>{functor, _rows_with_history, _other_rows});
+        persist(std::false_type());
     }
-  sums += sumOver<ContactSums>("contact::selectInteractions", space, 0, num_rows,
-                               SelectListedRows<Kinematics>{functor, _other_rows});
-  return sums;
+  _sums.add("contact::selectInteractions", space, 0, num_rows,
+            SelectListedRows<Kinematics>{functor, _other_rows});
 }
 
 } // namespace brickwall::contact

@@ -66,7 +66,7 @@ struct EdgeRun {
     part.update(scene);
     edges->findCandidates(exec_space(), part.surface());
     motion.update(exec_space(), part.surface());
-    sums = edges->select(exec_space(), dt, motion);
+    sums = edges->select(exec_space(), dt, motion)();
     edges->setHasForcesAnywhere(brickwall::allReduce(part.comm(), sums.interactions, MPI_MAX) > 0);
     Kokkos::deep_copy(total, 0);
     edges->collectForces(exec_space(), total);
