@@ -83,7 +83,7 @@ public:
     const RunReport report = makeReport();
     giveToAdiak(_comm, report);
     if (_options.write_output)
-      writeReport(_comm, _output.path("report.json"), report);
+      writeTextFile(_comm, _output.path("report.json"), reportJson(report));
     if (rankOf(_comm) == 0) {
       if (!_breakdown.empty())
         printMessage(_breakdown);

@@ -5,7 +5,6 @@
 #include "contact/base/mpi.hpp"
 #include "miniapp/output/build_info.hpp"
 #include "miniapp/output/git_commit.hpp"
-#include "miniapp/output/output_files.hpp"
 #include "miniapp/timing/process_memory.hpp"
 #include "miniapp/timing/region_tree.hpp"
 
@@ -338,10 +337,6 @@ std::string reportJson(const RunReport& r) {
   json["warnings"] = r.warnings;
   json["failures"] = r.failures;
   return jsonText(json);
-}
-
-void writeReport(MPI_Comm comm, const std::string& path, const RunReport& report) {
-  writeTextFile(comm, path, reportJson(report));
 }
 
 namespace {

@@ -230,7 +230,7 @@ TEST(Report, WarnsOfEnergiesThatAreRounding) {
 TEST(Report, FindsAFullDisk) {
   if (!std::filesystem::exists("/dev/full"))
     GTEST_SKIP() << "no /dev/full here";
-  EXPECT_THROW(writeReport(MPI_COMM_WORLD, "/dev/full", sampleReport()), OutputError);
+  EXPECT_THROW(writeTextFile(MPI_COMM_WORLD, "/dev/full", reportJson(sampleReport())), OutputError);
   EXPECT_THROW(HistoryWriter(MPI_COMM_WORLD, "/dev/full", {"step", "time"}), OutputError);
   EXPECT_THROW(makeDirectory(MPI_COMM_WORLD, "/dev/full/x"), OutputError);
   EXPECT_THROW(writeTextFile(MPI_COMM_WORLD, "/no/such/folder/x", "text"), OutputError);
