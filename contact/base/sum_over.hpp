@@ -132,7 +132,8 @@ public:
       Kokkos::deep_copy(space, _words, std::int64_t(0));
   }
   // `teams_at_once`: teams of 128 threads that a multiprocessor runs at once, each of which has
-  // 512/teams_at_once registers a thread. Waits on a host only.
+  // 512/teams_at_once registers a thread; the number of multiprocessors is counted as if each had
+  // 2048 threads (A100, H100), so others run fewer teams. Waits on a host only.
   template <int teams_at_once = 2, class Functor>
   void add(const std::string& label, const exec_space& space, std::int64_t begin, std::int64_t end,
            const Functor& functor) {

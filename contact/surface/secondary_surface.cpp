@@ -25,7 +25,8 @@ struct Outgoing {
       attributes; // [rank] words of the faces, one after another
 };
 
-Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of_face,
+// Nodes without a face on this rank stay on it, so that they have their values back as well.
+Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of_face, int rank,
                       int num_ranks) {
   const auto corners = toHost(primary.face_to_nodes);
   const auto node_ids = toHost(primary.node_ids), node_body = toHost(primary.node_body);
@@ -36,17 +37,22 @@ Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of
   out.node_rows.resize(num_ranks);
   out.faces.resize(num_ranks);
   out.attributes.resize(num_ranks);
+  std::vector<char> has_face(primary.num_nodes, 0);
   for (int face = 0; face < primary.num_faces; ++face) {
     const int to = rank_of_face[face];
     FaceRecord record{face_ids(face), face_body(face), {}};
     for (int j = 0; j < 4; ++j) {
       record.corners[j] = node_ids(corners(face, j));
       out.node_rows[to].push_back(corners(face, j));
+      has_face[corners(face, j)] = 1;
     }
     out.faces[to].push_back(record);
     for (std::size_t w = 0; w < attributes.extent(1); ++w)
       out.attributes[to].push_back(attributes(face, w));
   }
+  for (int node = 0; node < primary.num_nodes; ++node)
+    if (!has_face[node])
+      out.node_rows[rank].push_back(node);
   for (int q = 0; q < num_ranks; ++q) {
     std::vector<int>& rows = out.node_rows[q];
     std::sort(rows.begin(), rows.end());
@@ -114,13 +120,13 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
                                    const SweptBoxes& primary,
                                    const std::vector<int>& rank_of_face) {
   const int num_ranks = sizeOf(comm), rank = rankOf(comm);
-  const Outgoing out = listOutgoing(primary, rank_of_face, num_ranks);
+  const Outgoing out = listOutgoing(primary, rank_of_face, rank, num_ranks);
 
   // Nodes: the first rank that sends one is the source of its values.
   const auto node_records = exchangeByRank(comm, out.nodes);
   std::unordered_map<global_id, int> node_of_id;
   std::vector<global_id> node_ids, node_body;
-  std::vector<std::vector<int>> received_rows(num_ranks), rows_there(num_ranks), taken(num_ranks);
+  std::vector<std::vector<int>> received_rows(num_ranks), wanted_rows(num_ranks), taken(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     for (std::size_t i = 0; i < node_records[q].size(); ++i) {
       const NodeRecord& record = node_records[q][i];
@@ -130,7 +136,7 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
         continue;
       node_ids.push_back(record.id);
       node_body.push_back(record.body);
-      rows_there[q].push_back(found.first->second);
+      wanted_rows[q].push_back(found.first->second);
       taken[q].push_back(static_cast<int>(i));
     }
   // `taken` and `asked` number the nodes that a rank has sent.
@@ -138,25 +144,25 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_sent[q])
       row = out.node_rows[q][row];
-  _there = planOf(space, comm, tags::secondary_surface, rows_sent, rows_there);
+  _to_secondary = planOf(space, comm, tags::secondary_surface, rows_sent, wanted_rows);
 
   // Each primary copy has its values back from the first rank to which it sent the node.
   std::vector<char> has_source(primary.num_nodes, 0);
-  std::vector<std::vector<int>> rows_back(num_ranks), asked(num_ranks);
+  std::vector<std::vector<int>> returned_rows(num_ranks), asked(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     for (std::size_t i = 0; i < out.node_rows[q].size(); ++i) {
       const int row = out.node_rows[q][i];
       if (has_source[row])
         continue;
       has_source[row] = 1;
-      rows_back[q].push_back(row);
+      returned_rows[q].push_back(row);
       asked[q].push_back(static_cast<int>(i));
     }
   auto rows_given = exchangeByRank(comm, asked);
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_given[q])
       row = received_rows[q][row];
-  _back = planOf(space, comm, tags::secondary_surface, rows_given, rows_back);
+  _to_primary = planOf(space, comm, tags::secondary_surface, rows_given, returned_rows);
 
   // Shared nodes, in the order of their ids on both sides.
   std::vector<unsigned char> is_owned;

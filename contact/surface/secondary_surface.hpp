@@ -29,7 +29,7 @@ public:
   // Ranks that share a primary node must hold equal values. Collective.
   template <class SourceView, class TargetView>
   void forward(const exec_space& space, const SourceView& of_primary, const TargetView& values) {
-    _there.forward(space, of_primary, values);
+    _to_secondary.forward(space, of_primary, values);
   }
   // Adds up the values of all copies of a node, int64 [node][W], on each of them. Collective.
   template <class ViewType>
@@ -39,14 +39,14 @@ public:
   // Values [node][W], equal on all copies of a node, to all primary copies of it. Collective.
   template <class SourceView, class TargetView>
   void giveBack(const exec_space& space, const SourceView& values, const TargetView& of_primary) {
-    _back.forward(space, values, of_primary);
+    _to_primary.forward(space, values, of_primary);
   }
 
 private:
   Surface _surface;
   AttributeWords _attributes;
-  ExchangePlan _there; // to each copy of a node from one primary copy
-  ExchangePlan _back; // to each primary copy of a node from one copy
+  ExchangePlan _to_secondary; // to each copy of a node from one primary copy
+  ExchangePlan _to_primary; // to each primary copy of a node from one copy
   ExchangePlan _shared; // between the copies of nodes that several ranks have
 };
 

@@ -15,7 +15,7 @@ struct Magnitudes {
   // any body's box, in the slowest material of that body.
   double shortest_crossing = HUGE_VAL, longest_crossing = 0; // time
   double mass = 0; // of all bodies
-  // The following are of walls only.
+  // The next three are of walls only.
   // Lowest natural frequency in bending across the wall, 1/time: of a cantilever on the base that
   // is one piece (Euler-Bernoulli), (1.8751^2/(2 pi)) (t/sqrt(12)) sqrt(E/density)/H^2.
   double frequency = 0;

@@ -13,7 +13,7 @@
 
 namespace brickwall::miniapp {
 
-// The work of a rank in units of that for a face: the faces, and the contacts of its nodes.
+// The work of a rank in units of that for a face: the faces, and the node-to-face contacts of its nodes.
 constexpr double work_of_contact = 7; // time of an active contact over that of a face in the search
 inline double contactWork(double num_faces, double num_contacts) {
   return num_faces + work_of_contact * num_contacts;
@@ -56,7 +56,8 @@ public:
   // To be called after each distribution, which took `seconds` on this rank.
   void haveDistributed(double seconds);
 
-  std::int64_t distributions() const { return _distributions; } // since the start
+  // since the start or the restart
+  std::int64_t distributions() const { return _distributions; }
 
 private:
   MPI_Comm _comm;

@@ -78,15 +78,15 @@ void ContactStep::distributeAtStart(const View<const double* [3]>& displacement)
 }
 
 void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement,
-                          contact::EnforcementSums& sums) {
+                          const contact::EnforcementSums& sums) {
   if (!mayBeDistributed() || step == 0 || step % ContactBalance::check_interval != 0)
     return;
-  const double work = contactWork(surface().num_faces, static_cast<double>(sums.active()));
+  const double work = contactWork(surface().num_faces, static_cast<double>(sums.nodes.active));
   if (!_balance.isDue(work))
     return;
   const Region region("miniapp::distributeContact");
   const Stopwatch time;
-  distribute(ranksOfFaces(), displacement, sums);
+  distribute(ranksOfFaces(), displacement);
   _balance.haveDistributed(time.seconds());
 }
 
@@ -131,17 +131,13 @@ View<std::int64_t**> ContactStep::sweptBoxesOnMesh() {
 // Everything that depends on the decomposition is made as at the start, and the history of contact
 // is moved to the ranks that own its nodes and edges: as in a restart.
 void ContactStep::distribute(const std::vector<int>& rank_of_face,
-                             const View<const double* [3]>& displacement,
-                             contact::EnforcementSums& sums) {
+                             const View<const double* [3]>& displacement) {
   if (!mayBeDistributed())
     return;
+  _has_forces_of_search = false;
   contact::ContactCarry nodes = _enforcement->carry(_space, surface()), edges;
   if (_edges)
     edges = _edges->carry(_space);
-  double largest[2] = {sums.nodes.deepest, sums.edges.deepest};
-  allReduce(_comm, largest, 2, MPI_MAX);
-  sums.nodes.deepest = largest[0];
-  sums.edges.deepest = largest[1];
   const View<std::int64_t**> boxes = sweptBoxesOnMesh();
   ContactRestart lists;
   lists.searches = _search.searches();

@@ -24,7 +24,7 @@ void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
   const auto is_owned = surface.node_is_owned;
   const auto status = _enforcement->status();
   const auto gap = _enforcement->gap();
-  const bool has_slip = of_mesh.extent(1) > 2;
+  const bool has_slip = of_mesh.extent(1) > 2 && _has_forces_of_search;
   View<double* [3]> slip;
   if (has_slip)
     slip = contact::slipMotion(_space, {surface, _search.ghosts()}, _enforcement->history());
@@ -44,12 +44,14 @@ void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
 
 View<std::int64_t* [3]> ContactStep::normalForces(const Quantum& quantum,
                                                   mechanics::SharedNodeSum& shared) {
+  const View<std::int64_t* [3]> of_mesh("miniapp::ContactStep::normal_forces",
+                                        _scene.mesh.num_nodes);
+  if (!_has_forces_of_search)
+    return of_mesh;
   const contact::Surface surface = _coupling.surface();
   const contact::ContactForces forces =
       contact::normalForces(_space, {surface, _search.ghosts()}, _enforcement->history(), quantum);
   _search.reverseSum(_space, surface.face_to_nodes, forces.ghost_corners, forces.nodes);
-  const View<std::int64_t* [3]> of_mesh("miniapp::ContactStep::normal_forces",
-                                        _scene.mesh.num_nodes);
   _coupling.sumOnMesh(_space, forces.nodes, shared, of_mesh);
   return of_mesh;
 }

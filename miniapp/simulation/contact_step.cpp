@@ -98,6 +98,7 @@ void ContactStep::setSearchTolerance(double tolerance) {
 }
 
 void ContactStep::findCandidates() {
+  _has_forces_of_search = false;
   const Stopwatch time;
   if (_edges)
     _edges->gatherCoordinates(_space, surface());
@@ -161,6 +162,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   if (hasForces())
     sum_forces(_enforcement->forces());
   restoreForces(forces);
+  _has_forces_of_search = true;
   _balance.addTime(time.seconds());
   return sums;
 }

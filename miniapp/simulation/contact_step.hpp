@@ -99,15 +99,15 @@ public:
               const LimbScale& energy_scale);
 
   // Moves faces to other ranks if the work of ranks has differed long enough (search.decomposition).
-  // The surface is at X + `displacement`; `sums` are those of the last step and become those that the
-  // next one reads. Between steps; collective.
+  // The surface is at X + `displacement`; `sums` are those of the last step. Between steps;
+  // collective.
   void balance(std::int64_t step, const View<const double* [3]>& displacement,
-               contact::EnforcementSums& sums);
+               const contact::EnforcementSums& sums);
 
   // The same at once: primary face f goes to rank_of_face[f], or to the rank of its element if that
   // is empty on all ranks. Nothing is done on one rank, or with the decomposition "primary".
-  void distribute(const std::vector<int>& rank_of_face, const View<const double* [3]>& displacement,
-                  contact::EnforcementSums& sums);
+  void distribute(const std::vector<int>& rank_of_face,
+                  const View<const double* [3]>& displacement);
 
   // The surface after a drift: x^n := x^{n+1}, x^{n+1} := X + `displacement`.
   void moveSurface(const View<const double* [3]>& displacement) {
@@ -162,10 +162,11 @@ public:
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
   const TunnellingGuard& guard() const { return _guard; }
   contact::LargestForce largestForce() const; // collective
-  // For output, after a step; collective. Sets words [mesh node][W] of the status and the gap
+  // For output, after a step; collective. Sets `of_mesh`, words [mesh node][W] of the status and the gap
   // (Enforcement) and, with W = 5, of the slip in the last step (contact::slipMotion()); 0 where there
-  // is no contact. Equal on all ranks that share a node.
-  void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& words);
+  // is no contact. Slip and normal forces are 0 as well after a search without enforce(), which a
+  // failure has prevented. Equal on all ranks that share a node.
+  void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& of_mesh);
   // Totals of contact::normalForces() [mesh node][xyz], quanta.
   View<std::int64_t* [3]> normalForces(const Quantum& quantum, mechanics::SharedNodeSum& shared);
   // The number of candidate pairs of each face of this rank's elements.
@@ -211,6 +212,7 @@ private:
   TunnellingGuard _guard;
   ContactLedger _ledger;
   ContactBalance _balance;
+  bool _has_forces_of_search = false; // enforce() has followed the last search
   // since the start
   std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
   std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks

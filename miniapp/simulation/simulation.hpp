@@ -85,9 +85,9 @@ public:
   SimulationRestart restartData() const;
   // In place of start(), which an earlier run has done. Collective.
   void restore(const SimulationRestart& data);
-  // Between steps: distributes the faces of contact (ContactStep::distribute). Collective.
+  // Between steps, with contact: ContactStep::distribute(), for tests. Collective.
   void distributeContact(const std::vector<int>& rank_of_face) {
-    _contact->distribute(rank_of_face, _state.displacement, _step.contact);
+    _contact->distribute(rank_of_face, _state.displacement);
   }
   void extendTo(double end) { _steps.extendTo(end); } // see StepController
 

@@ -174,7 +174,7 @@ void SurfaceCoupling::gatherCoordinates(const exec_space& space,
                                         const View<const double* [3]>& displacement) {
   std::swap(_old, _new);
   if (_secondary)
-    std::swap(_secondary->old, _secondary->now);
+    std::swap(_secondary->x_old, _secondary->x_new);
   gatherAgain(space, displacement);
 }
 
@@ -191,7 +191,7 @@ void SurfaceCoupling::gatherAgain(const exec_space& space,
           x(i, d) = X(node, d) + displacement(node, d);
       });
   if (_secondary)
-    _secondary->surface.forward(space, _new, _secondary->now);
+    _secondary->surface.forward(space, _new, _secondary->x_new);
 }
 
 void SurfaceCoupling::resetCoordinates(const exec_space& space,
@@ -199,13 +199,13 @@ void SurfaceCoupling::resetCoordinates(const exec_space& space,
   gatherCoordinates(space, displacement);
   Kokkos::deep_copy(space, _old, _new);
   if (_secondary)
-    Kokkos::deep_copy(space, _secondary->old, _secondary->now);
+    Kokkos::deep_copy(space, _secondary->x_old, _secondary->x_new);
 }
 
 contact::Surface SurfaceCoupling::surface() const {
   contact::Surface surface = _secondary ? _secondary->surface.surface() : _primary;
-  surface.coordinates_old = _secondary ? _secondary->old : _old;
-  surface.coordinates_new = _secondary ? _secondary->now : _new;
+  surface.coordinates_old = _secondary ? _secondary->x_old : _old;
+  surface.coordinates_new = _secondary ? _secondary->x_new : _new;
   return surface;
 }
 

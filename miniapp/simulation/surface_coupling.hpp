@@ -72,7 +72,7 @@ private:
   // The surface in another decomposition, with its own nodes.
   struct Secondary {
     contact::SecondarySurface surface;
-    View<double*[3]> old, now, accelerations; // [node][xyz]
+    View<double*[3]> x_old, x_new, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
   };

@@ -61,12 +61,12 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
       Kokkos::Sum<std::int64_t, staging_space>(_counted));
   _is_counting = true;
   if (host_accessible)
-    numAwake();
+    numAwake(space);
 }
 
-std::int64_t SleepingBlocks::numAwake() const {
+std::int64_t SleepingBlocks::numAwake(const exec_space& space) const {
   if (_is_counting) {
-    exec_space().fence();
+    space.fence();
     _num_awake = _counted();
     _is_counting = false;
   }

@@ -62,7 +62,7 @@ public:
   bool mayHaveAsleep() const { return _is_counting || _num_awake < _num_blocks; }
   bool areAllAsleep() const { return !_is_counting && _num_awake == 0; }
   // Waits for the device after wake().
-  std::int64_t numAwake() const;
+  std::int64_t numAwake(const exec_space& space) const;
   std::int64_t numBlocks() const { return _num_blocks; }
 
 private:
@@ -167,7 +167,7 @@ void SleepingBlocks::putToSleep(const exec_space& space, const Kinematics& kinem
                                 const View<unsigned char*>& known_apart) {
   // Rows by themselves, on a device, sleep only if lists are kept for several steps.
   const bool rows_last = CandidatePairs::rows_per_block > 1 || pairs.step_test.is_needed;
-  if (pairs.version == 0 || !rows_last || numAwake() == 0)
+  if (pairs.version == 0 || !rows_last || numAwake(space) == 0)
     return;
   if (_state.bounds.extent(0) == 0)
     _state.bounds =

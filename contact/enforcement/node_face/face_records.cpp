@@ -65,7 +65,7 @@ void FaceRecords::update(const exec_space& space, const FaceAccess& faces,
   selection.is_current = _is_current;
   if (stationary.is_any)
     selection.stationary = stationary.faces;
-  if (min_asleep_ratio * sleeping.numAwake() < sleeping.numBlocks()) {
+  if (min_asleep_ratio * sleeping.numAwake(space) < sleeping.numBlocks()) {
     markRequested(space, pairs, sleeping.state(), node_faces.lists(), sleeping.numBlocks(),
                   _is_requested);
     selection.is_requested = _is_requested;

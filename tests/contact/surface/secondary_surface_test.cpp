@@ -17,6 +17,7 @@ using namespace brickwall::contact;
 constexpr int side = 6; // faces along a side of a square grid, which belongs to body 3
 
 // Rank r has the columns of faces with number r modulo ranks; nodes on their borders are shared.
+// Besides, all ranks share node 100, also those without a face there.
 struct Grid {
   exec_space space;
   int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
@@ -42,6 +43,8 @@ struct Grid {
         corners.push_back(found.first->second);
       }
     }
+    if (row_of.count(100) == 0)
+      node_ids.push_back(100);
     surface.num_faces = static_cast<int>(face_ids.size());
     surface.num_nodes = static_cast<int>(node_ids.size());
     surface.face_ids = toDevice(space, "face_ids", face_ids);

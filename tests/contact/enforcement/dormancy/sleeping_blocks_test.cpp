@@ -63,8 +63,8 @@ struct SearchedRun {
     edges.findCandidates(space, part.surface());
     sums = enforcement.enforce(space, part.surface(), search.ghosts(), search.pairs(), dt, nullptr,
                                &edges);
-    asleep = enforcement.sleeping().numBlocks() - enforcement.sleeping().numAwake();
-    edges_asleep = edges.sleeping().numBlocks() - edges.sleeping().numAwake();
+    asleep = enforcement.sleeping().numBlocks() - enforcement.sleeping().numAwake(exec_space());
+    edges_asleep = edges.sleeping().numBlocks() - edges.sleeping().numAwake(exec_space());
   }
   std::vector<double> result() const {
     std::vector<double> all = numbersOf(enforcement.forces().nodes, part.surface().num_nodes);
@@ -160,15 +160,15 @@ void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
                                  x.z + lift - rolled * (x.x + 0.2 * x.y)};
         }
     }
-    const std::int64_t before = a.edges->sleeping().numAwake();
+    const std::int64_t before = a.edges->sleeping().numAwake(exec_space());
     EXPECT_EQ(a.step(), b.step()) << step;
     EXPECT_EQ(a.sums.penetrating, b.sums.penetrating) << step;
     EXPECT_EQ(a.sums.deepest, b.sums.deepest) << step;
     const SleepingBlocks& sleeping = a.edges->sleeping();
     penetrating += a.sums.penetrating;
     woken +=
-        sleeping.numAwake() > before || (before < sleeping.numBlocks() && a.sums.penetrating > 0);
-    asleep += sleeping.numBlocks() - sleeping.numAwake();
+        sleeping.numAwake(exec_space()) > before || (before < sleeping.numBlocks() && a.sums.penetrating > 0);
+    asleep += sleeping.numBlocks() - sleeping.numAwake(exec_space());
   }
   EXPECT_GT(penetrating, 50);
   if (rows_last) {
