@@ -356,6 +356,9 @@ void printTables(std::ostream& out, const RunReport& r) {
                 "ghost faces, %lld candidate pairs, %lld active contacts\n",
                 r.contact.searches, stepsPerSearch(r.contact), r.search.seconds_per_step,
                 r.contact.ghost_faces, r.contact.candidate_pairs, r.contact.active);
+  if (r.contact.distributions > 0)
+    out << format("faces distributed anew: %lld times (search.decomposition = %s)\n",
+                  r.contact.distributions, r.search.decomposition.c_str());
   if (r.provenance.ranks > 1) {
     out << "imbalance (largest over mean of the ranks):";
     for (const RankCount& count : r.counts_over_ranks)

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double absurd_share = 0.1; // of the wave speed or the modulus
+constexpr double most_crossings = 1e6; // case V13: 6e5
 
 // The box of each body and its lowest wave speed decide the times; a body may lie on several ranks.
 void addCrossings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
@@ -159,6 +160,13 @@ std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes
          ") exceeds a tenth of the modulus lambda + 2 mu = ", least_modulus);
   if (steps > 1000000000)
     warn("the run has ", steps, " steps");
+  const double end = config.time.end;
+  if (end < magnitudes.shortest_crossing)
+    warn("the run ends at time ", end, ", and a wave needs ", magnitudes.shortest_crossing,
+         " to cross a body");
+  if (end > most_crossings * magnitudes.longest_crossing)
+    warn("waves cross the largest body ", end / magnitudes.longest_crossing,
+         " times before the run ends");
   return warnings;
 }
 

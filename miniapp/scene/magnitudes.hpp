@@ -42,8 +42,8 @@ inline double frequencyError(int n) {
   return 0.25 / (static_cast<double>(n) * n);
 }
 
-// One line for each magnitude that is absurd in any consistent set of units, and for wave speeds
-// outside 10 to 20,000 m/s where gravity is that of the earth in m/s^2.
+// One line for each magnitude that is absurd, or rare, in any consistent set of units, and for wave
+// speeds outside 10 to 20,000 m/s where gravity is that of the earth in m/s^2.
 std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes& magnitudes,
                                           std::int64_t steps);
 

@@ -90,7 +90,9 @@ class Pictures:
             factor, unit = scaled("s", abs(times).max())
             digits = max(0, 4 - len(f"{abs(times).max() * factor:.0f}"))
             notes.append(f"t = {times[step] * factor:.{digits}f} {unit}")
-        if self.scene.scale != 1:
+        if self.scene.displacement is None:
+            notes.append("undeformed: the file has no displacement")
+        elif self.scene.scale != 1:
             notes.append(f"displacements × {self.scene.scale:g}")
         figure.text(0.04, 0.915, ",   ".join(notes), fontsize=11, color=GREY, va="center")
 

@@ -82,6 +82,21 @@ TEST(Magnitudes, AreAbsurdWhereBodiesWouldBeCrushedOrRunsNeverEnd) {
   expectWords(warningOf("", 1000000001), "the run has 1000000001 steps");
 }
 
+TEST(Magnitudes, RunsShorterThanAWaveAndVeryLongOnesAreDoubtful) {
+  Config config = wallOf("");
+  const Magnitudes magnitudes = found(config, 0.1);
+  const auto warningAt = [&](double end) {
+    config.time.end = end;
+    const auto warnings = absurdMagnitudes(config, magnitudes, 1000);
+    return warnings.empty() ? std::string() : warnings[0];
+  };
+  EXPECT_EQ(warningAt(1.01 * magnitudes.shortest_crossing), "");
+  expectWords(warningAt(0.99 * magnitudes.shortest_crossing), "the run ends at time");
+  EXPECT_EQ(warningAt(0.99e6 * magnitudes.longest_crossing), "");
+  expectWords(warningAt(1.01e6 * magnitudes.longest_crossing),
+              "waves cross the largest body 1.01e+06");
+}
+
 TEST(Magnitudes, WaveSpeedsAreJudgedWhereGravityIsInMetresPerSquareSecond) {
   const auto speedOf = [](double youngs) {
     Config config = wallOf("[gravity]\nacceleration = [0, 0, -9.81]\n");
