@@ -13,7 +13,7 @@ namespace {
 // [surface node][0] the number of contacts of a node owned here.
 View<std::int64_t**> contactsOfNodes(const exec_space& space,
                                      const contact::Enforcement& enforcement, int num_nodes) {
-  const View<std::int64_t**> counts("miniapp::ContactStep::contacts", num_nodes, 1);
+  View<std::int64_t**> counts("miniapp::ContactStep::contacts", num_nodes, 1);
   const auto row_count = enforcement.history().row_count;
   Kokkos::parallel_for(
       "miniapp::ContactStep::countContacts", rangePolicy(space, num_nodes),
@@ -24,7 +24,7 @@ View<std::int64_t**> contactsOfNodes(const exec_space& space,
 // [surface node][low xyz, high xyz] the boxes of nodes owned here as words, and 0.
 View<std::int64_t**> boxesOfOwned(const exec_space& space, const contact::Surface& surface,
                                   const View<const double* [6]>& boxes) {
-  const View<std::int64_t**> words("miniapp::ContactStep::boxes", surface.num_nodes, 6);
+  View<std::int64_t**> words("miniapp::ContactStep::boxes", surface.num_nodes, 6);
   const auto is_owned = surface.node_is_owned;
   Kokkos::parallel_for(
       "miniapp::ContactStep::packBoxes", rangePolicy(space, surface.num_nodes),
@@ -121,8 +121,7 @@ View<std::int64_t**> ContactStep::sweptBoxesOnMesh() {
   const auto boxes = _search.sweptBoxes();
   if (allReduce(_comm, boxes.extent(0) > 0 ? 1 : 0, MPI_MAX) == 0)
     return {};
-  const View<std::int64_t**> of_mesh("miniapp::ContactStep::boxes_of_mesh", _scene.mesh.num_nodes,
-                                     6);
+  View<std::int64_t**> of_mesh("miniapp::ContactStep::boxes_of_mesh", _scene.mesh.num_nodes, 6);
   mechanics::SharedNodeSum shared(_scene.shared);
   _coupling.sumOnMesh(_space, boxesOfOwned(_space, surface(), boxes), shared, of_mesh);
   return of_mesh;

@@ -44,8 +44,7 @@ void ContactStep::statusOnMesh(mechanics::SharedNodeSum& shared,
 
 View<std::int64_t* [3]> ContactStep::normalForces(const Quantum& quantum,
                                                   mechanics::SharedNodeSum& shared) {
-  const View<std::int64_t* [3]> of_mesh("miniapp::ContactStep::normal_forces",
-                                        _scene.mesh.num_nodes);
+  View<std::int64_t* [3]> of_mesh("miniapp::ContactStep::normal_forces", _scene.mesh.num_nodes);
   if (!_has_forces_of_search)
     return of_mesh;
   const contact::Surface surface = _coupling.surface();
