@@ -166,8 +166,8 @@ void swing(const Scene& scene, double roll, std::int64_t least_asleep) {
     EXPECT_EQ(a.sums.deepest, b.sums.deepest) << step;
     const SleepingBlocks& sleeping = a.edges->sleeping();
     penetrating += a.sums.penetrating;
-    woken +=
-        sleeping.numAwake(exec_space()) > before || (before < sleeping.numBlocks() && a.sums.penetrating > 0);
+    woken += sleeping.numAwake(exec_space()) > before ||
+             (before < sleeping.numBlocks() && a.sums.penetrating > 0);
     asleep += sleeping.numBlocks() - sleeping.numAwake(exec_space());
   }
   EXPECT_GT(penetrating, 50);
