@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/deck/terminal_text.hpp"
+#include "miniapp/simulation/stopwatch.hpp"
 
 #include <chrono>
 #include <iostream>
@@ -27,13 +28,10 @@ bool allRanksArrive(MPI_Comm comm, double patience) {
   MPI_Request request;
   if (MPI_Ibarrier(comm, &request) != MPI_SUCCESS)
     return false;
-  const auto begin = std::chrono::steady_clock::now();
-  const auto waited = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+  const Stopwatch waited;
   int done = 0;
   while (MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && !done &&
-         waited() < patience)
+         waited.seconds() < patience)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return done != 0;
 }

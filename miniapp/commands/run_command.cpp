@@ -10,28 +10,15 @@
 #include "miniapp/restart/checkpoints.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
+#include "miniapp/simulation/stopwatch.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <iostream>
 
 namespace brickwall::miniapp {
 
 namespace {
-
-// Wall clock time since the run began.
-class WallClock {
-public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - _begin).count();
-  }
-  // Collective: the same on all ranks.
-  double agreed(MPI_Comm comm) const { return allReduce(comm, seconds(), MPI_MAX); }
-
-private:
-  std::chrono::steady_clock::time_point _begin = std::chrono::steady_clock::now();
-};
 
 // Ends the run early, without a failure.
 constexpr int stopped_code = 5;
@@ -269,7 +256,7 @@ private:
     constexpr int steps_between_checks = 20;
     if (!_config.limits.wall_time || _simulation.clock().step % steps_between_checks != 0)
       return false;
-    _out_of_time = _clock.agreed(_comm) > *_config.limits.wall_time;
+    _out_of_time = allReduce(_comm, _clock.seconds(), MPI_MAX) > *_config.limits.wall_time;
     return _out_of_time;
   }
 
@@ -311,7 +298,7 @@ private:
   const Config& _config;
   const Options& _options;
   RunSignals _signals;
-  WallClock _clock;
+  Stopwatch _clock;
   Progress _progress;
   PhaseRecorder _recorder;
   Scene _scene;

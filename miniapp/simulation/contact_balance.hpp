@@ -7,7 +7,6 @@
 
 #include <mpi.h>
 
-#include <chrono>
 #include <cstdint>
 #include <vector>
 
@@ -26,16 +25,6 @@ double imbalanceOf(MPI_Comm comm, double work);
 // about equal and ranks are compact: recursive coordinate bisection. Collective.
 std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
                                const std::vector<float>& work);
-
-class Stopwatch {
-public:
-  double seconds() const { // since its construction
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - _start).count();
-  }
-
-private:
-  std::chrono::steady_clock::time_point _start = std::chrono::steady_clock::now();
-};
 
 // Decides when faces are distributed anew: as soon as the time that ranks have waited for others
 // since the last time exceeds the time that it takes.

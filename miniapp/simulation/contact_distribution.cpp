@@ -3,6 +3,7 @@
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "miniapp/simulation/contact_step.hpp"
+#include "miniapp/simulation/stopwatch.hpp"
 
 #include <numeric>
 

@@ -4,6 +4,7 @@
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
+#include "miniapp/simulation/stopwatch.hpp"
 
 namespace brickwall::miniapp {
 

@@ -49,7 +49,7 @@ protected:
 // GlobalSearch makes these calls; on one rank the phases between them have nothing to do.
 TEST(ExampleSearchMethod, FindsThePairsOfTheDefinition) {
   if (sizeOf(MPI_COMM_WORLD) > 1)
-    GTEST_SKIP();
+    GTEST_SKIP() << "the example makes the calls of one rank";
   const exec_space space;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const test::SurfaceCase c = test::makeCase(seed, 1);
