@@ -18,6 +18,8 @@ packages=(
   libtoml11-dev libcli11-dev nlohmann-json3-dev libgtest-dev
   # pictures and plots
   python3 python3-netcdf4 python3-matplotlib python3-pil
+  # schemas, in tests
+  python3-jsonschema
 )
 check_only=no
 for option in "$@"; do

@@ -15,11 +15,7 @@ namespace {
 using namespace brickwall;
 using namespace brickwall::miniapp;
 
-int runCommand(MPI_Comm comm, const Options& options) {
-  const Config config = readConfig(comm, options.deck, options.overrides);
-  if (rankOf(comm) == 0)
-    for (const std::string& warning : config.warnings)
-      std::cout << "warning: " << warning << std::endl;
+int runCommand(MPI_Comm comm, const Config& config, const Options& options) {
   switch (options.command) {
   case Command::check:
     return checkScene(comm, config, options);
@@ -33,9 +29,9 @@ int runCommand(MPI_Comm comm, const Options& options) {
   return runSimulation(comm, config, options);
 }
 
-int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) {
-  MPI_Comm guard = MPI_COMM_NULL; // only for failures
-  checkMpi(MPI_Comm_dup(comm, &guard), "MPI_Comm_dup");
+// `guard` is only for failures, which are reported before Kokkos ends: on a faulty device it may not.
+int runInsideKokkos(MPI_Comm comm, MPI_Comm guard, const Config& config, const Options& options,
+                    const char* program) {
   std::vector<std::string> words = options.kokkos_arguments;
   words.insert(words.begin(), program);
   if (options.command == Command::check || options.command == Command::mesh)
@@ -46,22 +42,37 @@ int runInsideKokkos(MPI_Comm comm, const Options& options, const char* program) 
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
   letToolsSkipFences();
-  int code = 0;
   try {
     Kokkos::initialize(count, arguments.data());
   } catch (const std::exception& error) { // a faulty --kokkos- argument
-    code = reportFailure(guard, InputError(std::string("Kokkos: ") + error.what()));
-    MPI_Comm_free(&guard);
-    return code;
+    throw InputError(std::string("Kokkos: ") + error.what());
   }
+  int code = 0;
   try {
     if (count > 1) // Kokkos removes the arguments that it knows
       throw InputError(std::string("Kokkos does not know ") + arguments[1]);
-    code = runCommand(comm, options);
+    code = runCommand(comm, config, options);
   } catch (const std::exception& error) {
     code = reportFailure(guard, error);
   }
   Kokkos::finalize();
+  return code;
+}
+
+// The deck is judged first, so that its faults stand alone, without what Kokkos prints as it starts.
+int runProgram(MPI_Comm comm, const Options& options, const char* program) {
+  MPI_Comm guard = MPI_COMM_NULL;
+  checkMpi(MPI_Comm_dup(comm, &guard), "MPI_Comm_dup");
+  int code = 0;
+  try {
+    const Config config = readConfig(comm, options.deck, options.overrides);
+    if (rankOf(comm) == 0)
+      for (const std::string& warning : config.warnings)
+        std::cout << "warning: " << warning << std::endl;
+    code = runInsideKokkos(comm, guard, config, options, program);
+  } catch (const std::exception& error) {
+    code = reportFailure(guard, error);
+  }
   MPI_Comm_free(&guard);
   return code;
 }
@@ -89,7 +100,7 @@ int main(int argc, char** argv) {
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN); // checkMpi turns them into exceptions
   int code = line.exit_code;
   if (line.options) {
-    code = runInsideKokkos(MPI_COMM_WORLD, *line.options, argv[0]);
+    code = runProgram(MPI_COMM_WORLD, *line.options, argv[0]);
   } else if (rankOf(MPI_COMM_WORLD) == 0) {
     (code == 0 ? std::cout : std::cerr) << line.text << std::flush;
   }

@@ -36,6 +36,7 @@ public:
              "MPI_Imrecv");
   }
   void wait() {
+    const Region region(waiting_region);
     checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
              "MPI_Waitall");
     _requests.clear();
@@ -101,14 +102,7 @@ public:
       _messages.send(sendData() + send_offsets[p], send_offsets[p + 1] - send_offsets[p],
                      receivers[p], tag, comm);
     // All sizes first, so that the buffer grows before it receives data.
-    _probed.resize(senders.size());
-    for (std::size_t p = 0; p < senders.size(); ++p) {
-      MPI_Status status;
-      int words = 0;
-      checkMpi(MPI_Mprobe(senders[p], tag, comm, &_probed[p], &status), "MPI_Mprobe");
-      checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
-      receive_offsets.push_back(receive_offsets.back() + words);
-    }
+    probe(comm, tag, senders, receive_offsets);
     const std::int64_t num_receive = receive_offsets.back();
     growTo(space, receive, num_receive);
     growStaging(0, num_receive);
@@ -126,6 +120,19 @@ public:
 
 private:
   using staging_view = Kokkos::View<std::int64_t*, staging_space>;
+
+  void probe(MPI_Comm comm, int tag, const std::vector<int>& senders,
+             std::vector<std::int64_t>& receive_offsets) {
+    const Region region(waiting_region);
+    _probed.resize(senders.size());
+    for (std::size_t p = 0; p < senders.size(); ++p) {
+      MPI_Status status;
+      int words = 0;
+      checkMpi(MPI_Mprobe(senders[p], tag, comm, &_probed[p], &status), "MPI_Mprobe");
+      checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
+      receive_offsets.push_back(receive_offsets.back() + words);
+    }
+  }
 
   template <class To, class From>
   static void copyRange(const exec_space& space, const To& to, const From& from, std::int64_t n) {

@@ -3,6 +3,7 @@
 
 #include "contact/base/error.hpp"
 #include "contact/base/fixed_point.hpp"
+#include "contact/base/region.hpp"
 #include "contact/base/tags.hpp"
 
 #include <mpi.h>
@@ -97,6 +98,7 @@ MPI_Datatype mpiType() {
 // Collective. Reduces `n` values in place over all ranks.
 template <class T>
 void allReduce(MPI_Comm comm, T* values, int n, MPI_Op op) {
+  const Region region(waiting_region);
   checkMpi(MPI_Allreduce(MPI_IN_PLACE, values, n, mpiType<T>(), op, comm), "MPI_Allreduce");
 }
 template <class T>
@@ -108,6 +110,35 @@ T allReduce(MPI_Comm comm, T value, MPI_Op op) {
 template <int N>
 void allReduce(MPI_Comm comm, LimbSums<N>& sums) {
   allReduce(comm, sums.data(), LimbSums<N>::size(), MPI_SUM);
+}
+
+// A value of one rank each, over the ranks.
+struct MaxAndSum {
+  double max = 0, sum = 0;
+};
+// Collective, one reduction. Of each value the largest and the sum over all ranks; `values` of this
+// rank, in the same order on all ranks.
+inline std::vector<MaxAndSum> maxAndSum(MPI_Comm comm, const std::vector<double>& values) {
+  std::vector<MaxAndSum> reduced;
+  for (const double value : values)
+    reduced.push_back({value, value});
+  MPI_Op op = MPI_OP_NULL;
+  MPI_Datatype pair = MPI_DATATYPE_NULL;
+  checkMpi(MPI_Type_contiguous(2, MPI_DOUBLE, &pair), "MPI_Type_contiguous");
+  checkMpi(MPI_Type_commit(&pair), "MPI_Type_commit");
+  const auto combine = [](void* from, void* into, int* n, MPI_Datatype*) {
+    const auto* a = static_cast<const MaxAndSum*>(from);
+    auto* b = static_cast<MaxAndSum*>(into);
+    for (int i = 0; i < *n; ++i)
+      b[i] = {std::max(a[i].max, b[i].max), a[i].sum + b[i].sum};
+  };
+  checkMpi(MPI_Op_create(combine, 1, &op), "MPI_Op_create");
+  checkMpi(
+      MPI_Allreduce(MPI_IN_PLACE, reduced.data(), static_cast<int>(reduced.size()), pair, op, comm),
+      "MPI_Allreduce");
+  MPI_Op_free(&op);
+  MPI_Type_free(&pair);
+  return reduced;
 }
 
 // Collective. Rank `root`'s `n` values at `values` on every rank.

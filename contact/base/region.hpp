@@ -8,6 +8,9 @@
 
 namespace brickwall {
 
+// The region of waits for other ranks: for messages and reductions.
+constexpr const char* waiting_region = "base::waitForRanks";
+
 class Region {
 public:
   explicit Region(const char* name) {

@@ -152,10 +152,14 @@ public:
       _sum += sumOver<Value>(label, space, begin, end, functor);
     }
   }
-  // Waits for the device.
+  // Sends the sum on its way to the host, after the last add().
+  void send(const exec_space& space) {
+    if constexpr (on_device)
+      Kokkos::deep_copy(space, _staged, _words);
+  }
+  // The sum that was sent. Waits for the device.
   Value read(const exec_space& space) {
     if constexpr (on_device) {
-      Kokkos::deep_copy(space, _staged, _words);
       space.fence();
       memcpy(static_cast<void*>(&_sum), _staged.data(), sizeof _sum);
     }

@@ -156,6 +156,15 @@ void Enforcement::restore(const exec_space& space, const Surface& surface,
   _has_sought_joints = true;
 }
 
+void Enforcement::addWork(const exec_space& space, const CandidatePairs& pairs,
+                          const View<std::int64_t**>& work) const {
+  const RowWork of_row{pairs, history().row_count, _stationary.flags(), _sleeping.state(),
+                       _sleeping.mayHaveAsleep()};
+  Kokkos::parallel_for(
+      "contact::Enforcement::addWork", rangePolicy(space, pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) { work(of_row.pairs.node(row), 0) += of_row(row); });
+}
+
 bool Enforcement::isOnAnyRank(bool here) const {
   return sizeOf(_comm) > 1 ? allReduce(_comm, here ? 1 : 0, MPI_MAX) > 0 : here;
 }

@@ -79,6 +79,11 @@ public:
   // The contact history, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
+  // Adds to work [surface node][1], WorkUnits, the work of the nodes that this rank owns in the last step,
+  // in which `pairs` were its candidates.
+  void addWork(const exec_space& space, const CandidatePairs& pairs,
+               const View<std::int64_t**>& work) const;
+
   // What enforce() carries to the next step, for restart files; restore() takes the records of the
   // nodes that this rank owns, in any order, before the next enforce(). Not collective.
   ContactCarry carry(const exec_space& space, const Surface& surface) const {

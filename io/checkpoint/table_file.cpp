@@ -10,7 +10,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 namespace brickwall::io {
@@ -100,6 +102,8 @@ void writeTables(const std::string& path, const std::vector<Table>& tables) {
 
 std::vector<Table> readTables(const std::string& path) {
   const NetcdfFile file(path, false);
+  // Values are stored as they are: together they cannot have more bytes than the file.
+  std::size_t words_left = std::filesystem::file_size(path) / 8;
   std::vector<Table> tables;
   int num_variables = 0;
   file.check(nc_inq_nvars(file.id(), &num_variables));
@@ -109,13 +113,23 @@ std::vector<Table> readTables(const std::string& path) {
     int num_dimensions = 0, dimensions[NC_MAX_VAR_DIMS];
     file.check(nc_inq_var(file.id(), variable, name, &type, &num_dimensions, dimensions, nullptr));
     std::size_t rows = 0, width = 1;
-    file.check(nc_inq_dim(file.id(), dimensions[0], rows_name, &rows));
-    if (num_dimensions > 1)
+    const bool is_column =
+        (type == NC_INT64 || type == NC_DOUBLE) && (num_dimensions == 1 || num_dimensions == 2);
+    if (is_column)
+      file.check(nc_inq_dim(file.id(), dimensions[0], rows_name, &rows));
+    if (is_column && num_dimensions == 2)
       file.check(nc_inq_dimlen(file.id(), dimensions[1], &width));
+    const std::string prefix = std::string(is_column ? rows_name : "") + "_";
+    if (!is_column || width < 1 || width > INT_MAX || rows > words_left / width ||
+        std::string(name).compare(0, prefix.size(), prefix) != 0)
+      throw InputError(path + ": " + name +
+                       " is no column of a table: it has another name, type, " +
+                       "or number of dimensions, or more values than the file can hold");
+    words_left -= rows * width;
     if (tables.empty() || tables.back().name != rows_name)
       tables.push_back({rows_name, {}});
-    Column column{std::string(name).substr(tables.back().name.size() + 1), type == NC_DOUBLE,
-                  static_cast<int>(width), std::vector<std::int64_t>(rows * width)};
+    Column column{name + prefix.size(), type == NC_DOUBLE, static_cast<int>(width),
+                  std::vector<std::int64_t>(rows * width)};
     if (!column.words.empty())
       file.check(nc_get_var(file.id(), variable, column.words.data()));
     tables.back().columns.push_back(std::move(column));

@@ -24,6 +24,7 @@ struct Deck::Contents {
   Schema schema; // the blocks point into it
   DeckFaults faults;
   std::vector<DeckBlock> blocks;
+  std::vector<std::string> names; // before the first dot
   std::unordered_map<std::string, std::size_t> block_of_instance;
   std::unordered_map<std::string, int> number_of_blocks; // by their name
 
@@ -98,7 +99,7 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
                  const std::vector<std::string>& overrides, const Schema& schema) {
   const std::string text = normalizeText(raw_text);
   auto contents = std::unique_ptr<Contents>(
-      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}, {}, {}});
+      new Contents{path, schema, DeckFaults(path, splitLines(text), overrides), {}, {}, {}, {}});
   DeckFaults& faults = contents->faults;
   TomlNode root;
   try {
@@ -115,6 +116,8 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
     faults.add({1, 1, 1, -1}, "", "an empty deck", "TOML tables such as [wall]");
     throw InputError(faults.message());
   }
+  for (const auto& [name, node] : root.members)
+    contents->names.push_back(name);
   contents->blocks = checkDeck(root, contents->schema, faults);
   for (std::size_t b = 0; b < contents->blocks.size(); ++b) {
     contents->block_of_instance.emplace(contents->blocks[b].instance, b);
@@ -123,6 +126,10 @@ Deck Deck::parse(const std::string& raw_text, const std::string& path,
   return Deck(std::move(contents));
 }
 
+bool Deck::hasName(const std::string& name) const {
+  const auto& names = _contents->names;
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 bool Deck::hasBlock(const std::string& block) const {
   const DeckBlock* found = _contents->findBlock(block);
   return found && found->is_given;

@@ -116,6 +116,8 @@ public:
   Deck& operator=(Deck&&) noexcept;
   ~Deck();
 
+  // Whether the deck has this name before the first dot, be it in the schema or not.
+  bool hasName(const std::string& name) const;
   // Whether the deck (or an override) holds the block instance, or the key in it.
   bool hasBlock(const std::string& block) const;
   bool has(const std::string& block, const std::string& key) const;

@@ -138,7 +138,7 @@ std::string describeValue(const KeyRule& rule) {
   if (rule.length == KeyRule::scalar)
     out = typeName(rule, false);
   else if (rule.length == KeyRule::any_length)
-    out = "a list of " + typeName(rule, true);
+    out = "a list of one or more " + typeName(rule, true);
   else
     out = "a list of " + std::to_string(rule.length) + " " + typeName(rule, true);
   if (rule.type == ValueType::word) {

@@ -11,6 +11,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 namespace brickwall::io {
@@ -27,16 +28,40 @@ std::string reason() {
   return std::string(text != nullptr && *text != '\0' ? text : message) + " (" + function + ")";
 }
 
+// Whether the variables of an open file have more values than a file of that size can hold: deflate
+// compresses 1032 times at best. A damaged length would be allocated otherwise.
+bool hasTooManyValues(int id, double file_bytes) {
+  int num_variables = 0;
+  nc_inq_nvars(id, &num_variables);
+  for (int variable = 0; variable < num_variables; ++variable) {
+    int num_dimensions = 0, dimensions[NC_MAX_VAR_DIMS];
+    nc_inq_var(id, variable, nullptr, nullptr, &num_dimensions, dimensions, nullptr);
+    double values = 1;
+    for (int d = 0; d < num_dimensions; ++d) {
+      std::size_t length = 0;
+      nc_inq_dimlen(id, dimensions[d], &length);
+      values *= static_cast<double>(length);
+    }
+    if (values > 1032 * file_bytes)
+      return true;
+  }
+  return false;
+}
+
 // ex_open writes to standard error when it fails, whatever its options are: netCDF opens the file
 // first.
 void checkIsExodus(const std::string& path) {
   int id = -1;
   int code = nc_open(path.c_str(), NC_NOWRITE, &id);
+  bool is_possible = true;
   if (code == NC_NOERR) {
     float version = 0;
     code = nc_get_att_float(id, NC_GLOBAL, "version", &version);
+    is_possible = !hasTooManyValues(id, static_cast<double>(std::filesystem::file_size(path)));
     nc_close(id);
   }
+  if (!is_possible)
+    throw InputError(path + ": is damaged: it names more values than a file of its size can hold");
   if (code != NC_NOERR)
     throw InputError(path + ": is not an Exodus file, or is damaged: " + nc_strerror(code));
 }

@@ -55,11 +55,30 @@ std::optional<double> secondsOf(const std::string& text) {
   return 3600 * std::stod(parts[1]) + 60 * std::stod(parts[2]) + std::stod(parts[3]);
 }
 
+// "" or the fault of a first word that is neither a command nor looks like the path of a deck.
+std::string faultOfFirst(const std::string& word) {
+  if (word == "report" || word == "study") // programs of their own (companion.hpp)
+    return "\"" + word + "\" must be the first word: brickwall " + word + " ...";
+  std::error_code none;
+  if (word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, none))
+    return "";
+  const std::string nearest =
+      io::nearestName(word, {"run", "check", "mesh", "search", "report", "study"});
+  return "found \"" + word +
+         "\", expected run, check, mesh, search, report, study or the path of a deck" +
+         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+}
+
 // The first positional argument is the command if it is one of the four words, otherwise the deck.
 std::string takePositionals(const std::vector<std::string>& words, Options& options) {
   std::size_t next = 0;
-  if (next < words.size() && isCommand(words[next]))
+  if (next < words.size() && isCommand(words[next])) {
     options.command = commandOf(words[next++]);
+  } else if (next < words.size()) {
+    const std::string fault = faultOfFirst(words[next]);
+    if (!fault.empty())
+      return fault;
+  }
   if (next < words.size())
     options.deck = words[next++];
   if (next == words.size())
@@ -93,12 +112,13 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
                  "folder for all output; default: out/<deck name>")
       ->type_name("DIR");
   app.add_option("--set", options.overrides,
-                 "override a key of the deck, such as --set time.end=0.01 or\n"
-                 "--set load.pressure[0].peak=1e6; repeatable, the last one wins")
-      ->type_name("KEY=VALUE")
+                 "override one key of the deck, such as --set time.end=0.01 or\n"
+                 "--set load.pressure[0].peak=1e6; each further key needs a --set of its own,\n"
+                 "and of several for one key the last one wins")
+      ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
   auto* steps_option = app.add_option("--steps", steps, "end after N steps (--set time.steps=N)")
-                           ->type_name("N")
+                           ->option_text("N")
                            ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
   app.add_option("--time-limit", time_limit,
                  "end the run after this wall clock time, with output and a checkpoint")

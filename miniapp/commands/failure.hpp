@@ -17,6 +17,6 @@ void printMessage(const std::string& text);
 // it within `patience` seconds, rank 0 prints its message, and every rank returns the same exit
 // code (the largest). Otherwise this rank failed alone while others continue or wait for it: it
 // prints its message with its rank and aborts all of them with the code.
-int reportFailure(MPI_Comm comm, const std::exception& error, double patience = 10);
+int reportFailure(MPI_Comm comm, const std::exception& error, double patience = 5);
 
 } // namespace brickwall::miniapp

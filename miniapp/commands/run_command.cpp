@@ -8,13 +8,16 @@
 #include "miniapp/output/run_output.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/restart/checkpoints.hpp"
+#include "miniapp/restart/element_move.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
+#include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/simulation/stopwatch.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
 #include <cstdio>
 #include <iostream>
+#include <memory>
 
 namespace brickwall::miniapp {
 
@@ -29,17 +32,17 @@ public:
       : _comm(comm), _config(config), _options(options),
         _progress(rankOf(comm) == 0 ? Progress::chooseStyle(options.quiet) : Progress::Style::none),
         _recorder(comm, options.timing), _scene(makeScene(exec_space(), comm, config)),
-        _simulation(comm, config, _scene), _limits(config.limits),
+        _simulation(std::make_unique<Simulation>(comm, config, _scene)), _limits(config.limits),
         _checkpoints(comm, config, _scene, options.output_directory),
         _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
-                options.write_output) {
-    _setup_seconds = _clock.seconds();
+                options.write_output),
+        _setup_seconds(_clock.seconds()), _element_balance(comm, config.partition, _setup_seconds) {
     for (const std::string& warning : loadWarnings(comm, config, _scene.part))
       _scene.warnings.push_back(warning);
     for (const std::string& warning : _scene.warnings)
       print("warning: " + warning);
     if (_options.restart.empty())
-      _output.begin();
+      _output.begin(*_simulation);
     else
       resume();
   }
@@ -50,9 +53,8 @@ public:
             "; --extend-to, or a larger time.steps, continues it");
       return 0;
     }
-    _recorder.watch("contact::search", _simulation.steps().plannedSteps());
-    if (_options.checksums)
-      _simulation.observe([this](StepPart part) { addChecksum(part); });
+    _recorder.watch("contact::search", _simulation->steps().plannedSteps());
+    observe();
     try {
       loop();
     } catch (const PhysicsError& error) {
@@ -65,7 +67,7 @@ public:
     if (_breakdown.empty() && (_config.checkpoint.any() || !_stopped.empty() || _out_of_time))
       writeCheckpoint();
     _progress.clear();
-    _output.writeState(_simulation);
+    _output.writeState(*_simulation);
     _output.close();
     const RunReport report = makeReport();
     giveToAdiak(_comm, report);
@@ -85,18 +87,18 @@ public:
 
 private:
   void resume() {
-    const RunRestart data = _checkpoints.read(_options.restart, _simulation);
-    _simulation.restore(data.simulation);
-    _first_step = _simulation.clock().step;
+    const RunRestart data = _checkpoints.read(_options.restart, *_simulation);
+    _simulation->restore(data.simulation);
+    _first_step = _simulation->clock().step;
     if (_options.extend_to)
       extendTo(*_options.extend_to);
     _limits.restore(data.reported_limits, data.warnings);
     _has_large_strain = data.has_large_strain;
     printUnlessQuiet("restarted at step " + presentStep());
-    _is_complete = _simulation.isDone();
+    _is_complete = _simulation->isDone();
     if (_is_complete)
       return;
-    for (const std::string& warning : {data.note, _output.resume(data.output)})
+    for (const std::string& warning : {data.note, _output.resume(data.output, *_simulation)})
       if (!warning.empty()) {
         _scene.warnings.push_back(warning);
         print("warning: " + warning);
@@ -104,44 +106,77 @@ private:
   }
 
   void extendTo(double end) {
-    const double time = _simulation.clock().time;
+    const double time = _simulation->clock().time;
     if (!(end > time))
       throw InputError("--extend-to: found " + format("%.9g", end) +
                        ", expected a time after that of the checkpoint, " + format("%.9g", time));
-    _simulation.extendTo(end);
+    _simulation->extendTo(end);
   }
 
   void loop() {
     const double begin = _clock.seconds();
     if (_options.restart.empty()) {
       makeRequests();
-      _simulation.start();
+      _simulation->start();
       _setup_seconds += _clock.seconds() - begin;
-      _output.writeState(_simulation);
+      _output.writeState(*_simulation);
       if (obeyRequests())
         return;
     }
     _loop_begin = _clock.seconds();
     bool first = true;
-    while (!_simulation.isDone()) {
-      makeRequests();
+    while (!_simulation->isDone()) {
       {
         const Region region("miniapp::step");
-        _simulation.step();
+        if (!first)
+          rebalance();
+        makeRequests();
+        _simulation->step();
       }
       if (first) {
         _recorder.reset();
-        _searches_before = numSearches(_simulation);
+        _searches_before = numSearches(*_simulation);
       } else {
         _recorder.endStep();
       }
       first = false;
-      _output.writeDue(_simulation);
+      _output.writeDue(*_simulation);
       checkLimits();
       if (obeyRequests() || wallTimeIsUp())
         break;
       printProgress();
     }
+  }
+
+  void observe() {
+    if (_options.checksums)
+      _simulation->observe([this](StepPart part) { addChecksum(part); });
+  }
+
+  // Moves elements to other ranks if that pays (partition.rebalance).
+  void rebalance() {
+    const auto ranks = _element_balance.newRanks(*_simulation, partSeconds());
+    if (!ranks)
+      return;
+    const Stopwatch time;
+    {
+      const Region region("miniapp::rebalance");
+      _simulation = moveElements(std::move(_simulation), _scene, *ranks);
+      observe();
+      _output.followElements();
+    }
+    const double seconds = allReduce(_comm, time.seconds(), MPI_MAX);
+    PartSeconds now = partSeconds();
+    now.step += seconds; // as soon as the region of this step ends
+    _element_balance.haveMoved(seconds, now);
+  }
+
+  PartSeconds partSeconds() const {
+    const auto seconds = [this](const char* region) { return _recorder.seconds(region); };
+    return {seconds("miniapp::step"),
+            seconds("miniapp::computeInternalForces") + seconds("miniapp::kickVelocities") +
+                seconds("miniapp::stepFreeBricks"),
+            seconds("contact::search") + seconds("miniapp::enforceContact")};
   }
 
   // Signals may reach any rank; the clock is that of rank 0.
@@ -156,13 +191,13 @@ private:
           _config.checkpoint.minutes && now - _last_checkpoint >= 60 * *_config.checkpoint.minutes;
     }
     requests.stop = !_stop_signal.empty() || _is_time_up;
-    _simulation.request(requests);
+    _simulation->request(requests);
   }
 
   // What all ranks have agreed on in the step. Returns whether the run is to end.
   bool obeyRequests() {
-    const Requests requests = _simulation.requests();
-    if (requests.stop && !_simulation.isDone()) {
+    const Requests requests = _simulation->requests();
+    if (requests.stop && !_simulation->isDone()) {
       const std::string reason = _is_time_up            ? "--time-limit"
                                  : _stop_signal.empty() ? "a signal"
                                                         : _stop_signal;
@@ -171,7 +206,7 @@ private:
       return true;
     }
     const auto& steps = _config.checkpoint.steps;
-    const std::int64_t step = _simulation.clock().step;
+    const std::int64_t step = _simulation->clock().step;
     if (requests.checkpoint || (steps && step > 0 && step % *steps == 0))
       writeCheckpoint();
     return false;
@@ -179,17 +214,17 @@ private:
 
   // A checkpoint that cannot be written is a warning while the run goes on.
   void writeCheckpoint() {
-    if (!_options.write_output || _last_checkpoint_step == _simulation.clock().step)
+    if (!_options.write_output || _last_checkpoint_step == _simulation->clock().step)
       return;
     const Region region("miniapp::checkpoint");
     _last_checkpoint = _clock.seconds();
-    _last_checkpoint_step = _simulation.clock().step;
+    _last_checkpoint_step = _simulation->clock().step;
     _checkpoint_failure.clear();
     try {
       _output.sync();
-      RunRestart data{_simulation.restartData(), _output.restartData(), _limits.reported(),
-                      _has_large_strain,         _limits.warnings(),    ""};
-      printUnlessQuiet("checkpoint " + _checkpoints.write(data, _simulation));
+      RunRestart data{_simulation->restartData(), _output.restartData(), _limits.reported(),
+                      _has_large_strain,          _limits.warnings(),    ""};
+      printUnlessQuiet("checkpoint " + _checkpoints.write(data, *_simulation));
     } catch (const OutputError& error) {
       _checkpoint_failure = error.what();
       print("warning: no checkpoint: " + _checkpoint_failure);
@@ -197,18 +232,18 @@ private:
   }
 
   std::string presentStep() const {
-    const Clock& clock = _simulation.clock();
-    return format("%lld of %lld, time %.9g", clock.step, _simulation.steps().plannedSteps(),
+    const Clock& clock = _simulation->clock();
+    return format("%lld of %lld, time %.9g", clock.step, _simulation->steps().plannedSteps(),
                   clock.time);
   }
 
   // Prints a line at the end of the step.
   void addChecksum(StepPart part) {
-    const auto sum = static_cast<unsigned long long>(checksumOf(_simulation, part));
+    const auto sum = static_cast<unsigned long long>(checksumOf(*_simulation, part));
     _checksums += format(" %s=%016llx", nameOf(part), sum);
     if (part != StepPart::energies)
       return;
-    print(format("checksums step=%lld", _simulation.clock().step) + _checksums);
+    print(format("checksums step=%lld", _simulation->clock().step) + _checksums);
     _checksums.clear();
   }
 
@@ -223,8 +258,8 @@ private:
   }
 
   void checkLimits() {
-    const Clock& clock = _simulation.clock();
-    const GaugeValues values = gauges(_simulation);
+    const Clock& clock = _simulation->clock();
+    const GaugeValues values = gauges(*_simulation);
     for (const std::string& warning : _limits.newWarnings(values, clock.step, clock.time))
       print("warning: " + warning);
     warnOfLargeStrain();
@@ -235,11 +270,11 @@ private:
   void warnOfLargeStrain() {
     if (_has_large_strain)
       return;
-    const mechanics::NeglectedStrain neglected = neglectedStrain(_simulation);
+    const mechanics::NeglectedStrain neglected = neglectedStrain(*_simulation);
     _has_large_strain = neglected.strain > mechanics::large_neglected_strain;
     if (!_has_large_strain)
       return;
-    const Clock& clock = _simulation.clock();
+    const Clock& clock = _simulation->clock();
     char text[300];
     std::snprintf(
         text, sizeof text,
@@ -254,21 +289,22 @@ private:
 
   bool wallTimeIsUp() {
     constexpr int steps_between_checks = 20;
-    if (!_config.limits.wall_time || _simulation.clock().step % steps_between_checks != 0)
+    if (!_config.limits.wall_time || _simulation->clock().step % steps_between_checks != 0)
       return false;
     _out_of_time = allReduce(_comm, _clock.seconds(), MPI_MAX) > *_config.limits.wall_time;
     return _out_of_time;
   }
 
   void printProgress() {
-    const auto& clock = _simulation.clock();
-    _progress.show({clock.step, _simulation.steps().plannedSteps(), _first_step, clock.time,
-                    _clock.seconds() - _loop_begin, _simulation.balance().energy_error,
-                    _simulation.balance().host_counts[active_contacts]});
+    const auto& clock = _simulation->clock();
+    _progress.show({clock.step, _simulation->steps().plannedSteps(), _first_step, clock.time,
+                    _clock.seconds() - _loop_begin, _simulation->balance().energy_error,
+                    _simulation->balance().host_counts[active_contacts]});
   }
 
   RunReport makeReport() {
-    RunReport report = runReport(_comm, _config, _scene, _simulation, _recorder);
+    RunReport report = runReport(_comm, _config, _scene, *_simulation, _recorder);
+    report.rebalancings = _element_balance.rebalancings();
     report.case_name = _options.caseName();
     if (_options.checksums)
       report.options.push_back("--checksums");
@@ -278,7 +314,7 @@ private:
     report.counted_steps = maxOf<std::int64_t>(report.counted_steps - _first_step, 0);
     report.stopped = _stopped;
     report.setup_seconds = allReduce(_comm, _setup_seconds, MPI_MAX);
-    report.counted_searches = numSearches(_simulation) - _searches_before;
+    report.counted_searches = numSearches(*_simulation) - _searches_before;
     report.warnings.insert(report.warnings.begin(), _limits.warnings().begin(),
                            _limits.warnings().end());
     report.warnings.insert(report.warnings.begin(), _scene.warnings.begin(), _scene.warnings.end());
@@ -290,7 +326,7 @@ private:
       report.failures.push_back(_breakdown);
     if (_out_of_time)
       report.failures.push_back("stopped at limits.wall_time after " +
-                                std::to_string(_simulation.clock().step) + " steps");
+                                std::to_string(_simulation->clock().step) + " steps");
     return report;
   }
 
@@ -302,11 +338,12 @@ private:
   Progress _progress;
   PhaseRecorder _recorder;
   Scene _scene;
-  Simulation _simulation;
+  std::unique_ptr<Simulation> _simulation;
   LimitWatch _limits;
   Checkpoints _checkpoints;
   RunOutput _output;
-  double _setup_seconds = 0; // without output
+  double _setup_seconds; // without output
+  ElementBalance _element_balance;
   std::int64_t _searches_before = 0; // in steps that are not timed
   std::int64_t _first_step = 0; // of a restarted run
   double _loop_begin = 0; // s

@@ -142,6 +142,11 @@ private:
     report.node_boxes_sent = sum(counts.node_boxes_sent);
     report.faces_tested = sum(counts.candidate_faces);
     report.overlapping_pairs = sum(counts.overlapping_pairs);
+    report.over_ranks = {{"faces", static_cast<double>(_moving.surface().num_faces)},
+                         {"ghost_faces", static_cast<double>(counts.num_ghosts)},
+                         {"candidate_pairs", static_cast<double>(_search.pairs().count)},
+                         {"search", _recorder.busySeconds(whole)}};
+    reduceOverRanks(_comm, report.over_ranks);
     report.most_partners = allReduce(_comm, std::int64_t(counts.num_partners), MPI_MAX);
   }
 

@@ -1,5 +1,6 @@
 #include "miniapp/deck/config.hpp"
 
+#include "contact/base/error.hpp"
 #include "miniapp/deck/deck_blocks.hpp"
 
 namespace brickwall::miniapp {
@@ -7,6 +8,9 @@ namespace {
 
 // All but the verdict: the caller asks the deck for its faults.
 Config readDeck(io::Deck& deck) {
+  if (deck.hasName("case"))
+    throw InputError(deck.path() + ": found [[case]], the mark of a study file, expected a deck; " +
+                     "brickwall study " + deck.path() + " runs it");
   Config config;
   config.deck_path = deck.path();
   readScene(deck, config);

@@ -143,6 +143,13 @@ struct SearchConfig {
   bool shuffle = false; // local nodes and faces in random order
 };
 
+// [partition]: the ranks of the elements, miniapp/simulation/element_balance.hpp
+enum class Rebalance { never, automatic, always };
+struct PartitionConfig {
+  Rebalance rebalance = Rebalance::never;
+  std::int64_t interval = 20; // steps between checks
+};
+
 // [skip]: work that the scene does not need is skipped; the results are the same bit for bit.
 struct SkipConfig {
   bool resting_bodies = true; // mechanics/step/resting_bodies.hpp
@@ -175,6 +182,7 @@ enum class OutputField {
   contact_gap,
   contact_pressure,
   slip_velocity,
+  slip_distance,
   stress,
   pressure,
   energy_density,
@@ -189,13 +197,13 @@ enum class OutputField {
 struct OutputConfig {
   double interval = 0; // time; 0: the first and last state only
   double history_interval = 0; // time; 0: every step
+  bool balance = false; // writes balance.csv
   io::FileFormat file_format = io::ResultsConfig().format;
   Precision precision = Precision::float64;
   std::vector<OutputField> fields = {
       OutputField::displacement,   OutputField::velocity,       OutputField::force_contact,
       OutputField::contact_status, OutputField::contact_gap,    OutputField::stress,
       OutputField::pressure,       OutputField::energy_density, OutputField::brick_id};
-  bool processor_id = false; // adds OutputField::processor_id
   bool has(OutputField field) const {
     return std::find(fields.begin(), fields.end(), field) != fields.end();
   }
@@ -225,6 +233,7 @@ struct Config {
   std::vector<InitialDeformationConfig> initial_deformations;
   ContactConfig contact;
   SearchConfig search;
+  PartitionConfig partition;
   SkipConfig skip;
   TimeConfig time;
   OutputConfig output;

@@ -9,7 +9,7 @@ namespace brickwall::miniapp {
 
 io::Schema sceneBlocks(); // title, [wall], [mesh], [material.<name>], [element]
 io::Schema loadBlocks(); // loads, boundary conditions, initial conditions
-io::Schema methodBlocks(); // [contact], [search], [skip], [time]
+io::Schema methodBlocks(); // [contact], [search], [partition], [skip], [time]
 io::Schema outputBlocks(); // [output], [limits]
 
 void readScene(io::Deck& deck, Config& config);

@@ -14,12 +14,26 @@ constexpr const char* introduction =
     "<!-- Written by: build/miniapp/brickwall --keys markdown > miniapp/deck/reference.md -->\n\n"
     "A deck is a [TOML](https://toml.io) file. Blocks may stand in any order; a block in double "
     "brackets may be given several times.\n"
-    "Units are SI, or any consistent set; angles are in radians. Text and words stand in quotation "
+    "Units are SI, or any [consistent set](#units); angles are in radians. Text and words stand in "
+    "quotation "
     "marks.\n"
     "`brickwall check DECK` reports all faults of a deck together, `--set BLOCK.KEY=VALUE` "
     "replaces "
     "a value, and\n"
-    "`<deck>.resolved.toml` in the output folder holds the values of all keys of a run.\n";
+    "`<deck>.resolved.toml` in the output folder holds the values of all keys of a run.\n"
+    "\n## Units\n\n"
+    "The program converts nothing: with the units of one row for all values, results are in that "
+    "row too. Wall clock times stay in seconds.\n"
+    "Mind the density, of which water has 1000 kg/m3 = 1e-9 t/mm3 = 1e-6 kg/mm3 = 1 g/cm3, and "
+    "gravity. `brickwall check` compares wave speeds with them.\n\n"
+    "| length | mass | time | force | stress | energy | velocity | steel (nu = 0.3): density | "
+    "Young's modulus | wave speed | gravity |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|\n"
+    "| m | kg | s | N | Pa | J | m/s | 7850 | 2.1e11 | 6001 | 9.81 |\n"
+    "| mm | t | s | N | MPa | mJ | mm/s | 7.85e-9 | 2.1e5 | 6.001e6 | 9810 |\n"
+    "| mm | kg | ms | kN | GPa | J | m/s | 7.85e-6 | 210 | 6001 | 9.81e-3 |\n"
+    "| cm | g | us | 1e7 N | Mbar (100 GPa) | 1e5 J | 1e4 m/s | 7.85 | 2.1 | 0.6001 | "
+    "9.81e-10 |\n";
 
 std::string typeOf(const io::KeyRule& key) {
   const bool is_list = key.length != io::KeyRule::scalar;

@@ -1,4 +1,4 @@
-// [contact], [search], [skip] and [time]
+// [contact], [search], [partition], [skip] and [time]
 #include "mechanics/stability/stable_time_step.hpp"
 #include "miniapp/deck/block_keys.hpp"
 #include "miniapp/deck/deck_blocks.hpp"
@@ -99,6 +99,15 @@ void reuseKeys(BlockKeys& keys, SearchConfig& search) {
       .atMost(10);
 }
 
+void partitionKeys(BlockKeys& keys, PartitionConfig& partition) {
+  keys.add("rebalance", partition.rebalance,
+           "whether elements move to ranks of equal work during the run (Zoltan): never; auto: as "
+           "soon as that pays; always: at every interval");
+  keys.add("interval", partition.interval, "steps between checks of the balance")
+      .atLeast(1)
+      .atMost(1e15);
+}
+
 void skipKeys(BlockKeys& keys, SkipConfig& skip) {
   keys.add("resting_bodies", skip.resting_bodies,
            "skip elements and nodes of bodies that have not yet been moved");
@@ -144,6 +153,9 @@ io::Schema methodBlocks() {
                 "candidate lists are kept over several steps; the contact forces are the same bit "
                 "for bit"},
                reuseKeys),
+      withKeys({"partition", BlockKind::single,
+                "elements on ranks; no bit of the results depends on it"},
+               partitionKeys),
       withKeys(skip, skipKeys),
       withKeys(time, timeKeys),
   };
@@ -159,6 +171,7 @@ void readMethods(io::Deck& deck, Config& config) {
   readBlock(deck, "search", searchKeys, config.search);
   readBlock(deck, "search.reuse", reuseKeys, config.search);
   config.search.has_margin = deck.has("search.reuse", "margin");
+  readBlock(deck, "partition", partitionKeys, config.partition);
   readBlock(deck, "skip", skipKeys, config.skip);
   readBlock(deck, "time", timeKeys, config.time);
 }

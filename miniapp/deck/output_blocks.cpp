@@ -16,12 +16,13 @@ void outputKeys(BlockKeys& keys, OutputConfig& output) {
            "time between rows of history.csv; 0: a row for every step")
       .in("s")
       .atLeast(0);
-  keys.add("fields", output.fields, "fields of the Exodus files");
+  keys.add("balance", output.balance,
+           "whether balance.csv is written, at the same times: work and times over the ranks");
+  keys.add("fields", output.fields,
+           "fields of the Exodus files, once each in any order; miniapp/output.md defines them");
   keys.add("file_format", output.file_format,
            "netCDF format of the Exodus files: 64bit_offset, or netcdf4, which is compressed");
   keys.add("precision", output.precision, "precision of the fields in the Exodus files");
-  keys.add("processor_id", output.processor_id,
-           "whether the rank of each element is written, as field processor_id");
 }
 
 void checkpointKeys(BlockKeys& keys, CheckpointConfig& checkpoint) {

@@ -50,6 +50,10 @@ Words<Decomposition> wordsOf(Decomposition) {
           {"surface", Decomposition::surface},
           {"auto", Decomposition::automatic}};
 }
+Words<Rebalance> wordsOf(Rebalance) {
+  return {
+      {"never", Rebalance::never}, {"auto", Rebalance::automatic}, {"always", Rebalance::always}};
+}
 Words<StepBound> wordsOf(StepBound) {
   return {{"lanczos", StepBound::lanczos}, {"element", StepBound::element}};
 }
@@ -69,6 +73,7 @@ Words<OutputField> wordsOf(OutputField) {
           {"contact_gap", OutputField::contact_gap},
           {"contact_pressure", OutputField::contact_pressure},
           {"slip_velocity", OutputField::slip_velocity},
+          {"slip_distance", OutputField::slip_distance},
           {"stress", OutputField::stress},
           {"pressure", OutputField::pressure},
           {"energy_density", OutputField::energy_density},

@@ -35,6 +35,7 @@ Words<SelfContact> wordsOf(SelfContact);
 Words<GuardAction> wordsOf(GuardAction);
 Words<contact::SearchMethod> wordsOf(contact::SearchMethod);
 Words<Decomposition> wordsOf(Decomposition);
+Words<Rebalance> wordsOf(Rebalance);
 Words<StepBound> wordsOf(StepBound);
 Words<io::FileFormat> wordsOf(io::FileFormat);
 Words<Precision> wordsOf(Precision);

@@ -5,7 +5,6 @@
 #include "contact/base/mpi.hpp"
 #include "miniapp/output/build_info.hpp"
 #include "miniapp/output/git_commit.hpp"
-#include "miniapp/timing/process_memory.hpp"
 #include "miniapp/timing/region_tree.hpp"
 
 #include <nlohmann/json.hpp>
@@ -115,19 +114,23 @@ nlohmann::ordered_json balanceJson(const RunReport& r) {
   return json;
 }
 
-// The largest value of all ranks over their mean. Times include waiting for other ranks.
-nlohmann::ordered_json imbalanceJson(const RunReport& r) {
-  auto json = nlohmann::ordered_json::object();
-  for (const RankCount& count : r.counts_over_ranks)
-    json[count.what] = {
-        {"max", count.max}, {"mean", count.mean()}, {"max_over_mean", count.maxOverMean()}};
-  for (const PhaseTime& phase : r.phases)
-    for (const char* name : {"search", "step::contact enforcement", "step::internal force"})
-      if (phaseName(phase.name) == name)
-        json[name] = {{"max", phase.max},
-                      {"mean", phase.mean},
-                      {"max_over_mean", ratio(phase.max, phase.mean)}};
-  return json;
+nlohmann::ordered_json partitionJson(const RunReport& r) {
+  auto rebalancings = nlohmann::ordered_json::array();
+  for (const auto& [step, seconds, before, after] : r.rebalancings)
+    rebalancings.push_back({{"step", step},
+                            {"seconds", seconds},
+                            {"imbalance_before", before},
+                            {"imbalance_after", after}});
+  return {{"rebalance", r.rebalance}, {"rebalancings", rebalancings}};
+}
+
+void printRebalancings(std::ostream& out, const RunReport& r) {
+  if (!r.rebalancings.empty())
+    out << format(
+        "elements rebalanced: %zu times; the first time in %.3g s, imbalance of work %.3g, "
+        "then %.3g\n",
+        r.rebalancings.size(), r.rebalancings[0].seconds, r.rebalancings[0].imbalance_before,
+        r.rebalancings[0].imbalance_after);
 }
 
 double stepsPerSearch(const ContactCounts& counts) {
@@ -167,22 +170,6 @@ void printBalance(std::ostream& out, const RunReport& r) {
 }
 
 } // namespace
-
-void judgeNumbers(RunReport& report) {
-  if (report.balance.peak_total > 0 && !report.balance.is_above_noise)
-    report.warnings.push_back(
-        format("the energy of the run, at most %.3g, is within the rounding of forces and "
-               "sums: its relative errors have no meaning",
-               report.balance.peak_total));
-  if (report.contact.lost > 0)
-    report.warnings.push_back(
-        "contacts under load that were lost because they were deeper than the search reaches: " +
-        std::to_string(report.contact.lost) + "; a larger contact.tolerance keeps them");
-  if (report.contact.missed_pairs > 0)
-    report.failures.push_back("the audit of the search found " +
-                              std::to_string(report.contact.missed_pairs) +
-                              " candidate pairs that the lists in use missed");
-}
 
 Provenance describeRun(MPI_Comm comm) {
   Provenance run;
@@ -240,6 +227,14 @@ nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases) {
   return list;
 }
 
+nlohmann::ordered_json toJson(const std::vector<RankValue>& over_ranks) {
+  auto json = nlohmann::ordered_json::object();
+  for (const RankValue& value : over_ranks)
+    json[value.what] = {
+        {"max", value.max}, {"mean", value.mean}, {"max_over_mean", value.maxOverMean()}};
+  return json;
+}
+
 std::string jsonText(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -273,10 +268,6 @@ double RunReport::solverElementStepsPerSecond() const {
 }
 double RunReport::faceSearchesPerSecond() const {
   return ratio(static_cast<double>(faces) * static_cast<double>(counted_searches), search_seconds);
-}
-
-std::int64_t peakRankBytes(MPI_Comm comm) {
-  return allReduce(comm, peakResidentBytes(), MPI_MAX);
 }
 
 std::string reportJson(const RunReport& r) {
@@ -314,7 +305,8 @@ std::string reportJson(const RunReport& r) {
     json["search"]["audit"] = r.search.audit;
     json["search"]["missed_pairs"] = r.contact.missed_pairs;
   }
-  json["imbalance"] = imbalanceJson(r);
+  json["imbalance"] = toJson(r.over_ranks);
+  json["partition"] = partitionJson(r);
   json["search_timers"] = toJson(r.search_timers);
   json["time_step"] = toJson(r.time_step);
   json["balance"] = balanceJson(r);
@@ -359,11 +351,12 @@ void printTables(std::ostream& out, const RunReport& r) {
   if (r.contact.distributions > 0)
     out << format("faces distributed anew: %lld times (search.decomposition = %s)\n",
                   r.contact.distributions, r.search.decomposition.c_str());
+  printRebalancings(out, r);
   if (r.provenance.ranks > 1) {
     out << "imbalance (largest over mean of the ranks):";
-    for (const RankCount& count : r.counts_over_ranks)
-      out << format("%s %s %.3g", &count == &r.counts_over_ranks.front() ? "" : ",", count.what,
-                    count.maxOverMean());
+    for (const RankValue& value : r.over_ranks)
+      out << format("%s %s %.3g", &value == &r.over_ranks.front() ? "" : ",", value.what,
+                    value.maxOverMean());
     out << "\n";
   }
   if (r.search.audit > 0)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "miniapp/simulation/diagnostics.hpp"
+#include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/timing/device.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
@@ -75,13 +76,15 @@ struct RunReport {
   std::vector<PhaseTime> phases; // PhaseRecorder::phases
   std::vector<PhaseTime> search_timers; // PhaseRecorder::searchTimers
   SearchReport search;
+  std::string rebalance; // partition.rebalance
+  std::vector<Rebalancing> rebalancings;
   StepReport time_step;
   std::vector<SkippedPart> skipped;
   Checksums checksums;
   mechanics::EnergyBalance balance;
   bool has_contact = false;
   ContactCounts contact;
-  std::vector<RankCount> counts_over_ranks; // of the last step
+  std::vector<RankValue> over_ranks; // counts of the last step and times, over the ranks
   std::int64_t max_rank_bytes = 0; // see peakRankBytes
   std::vector<std::string> warnings;
   std::size_t printed_warnings = 0; // the first of them, which were printed during the run
@@ -114,6 +117,8 @@ void printReport(std::ostream& out, const RunReport& report, bool quiet = false)
 void addProvenance(nlohmann::ordered_json& json, const Provenance& provenance);
 
 nlohmann::ordered_json toJson(const std::vector<PhaseTime>& phases);
+// "imbalance": the largest rank, the mean of all, and their ratio.
+nlohmann::ordered_json toJson(const std::vector<RankValue>& over_ranks);
 
 // The text of a JSON file. Bytes that are not UTF-8 (of a title, a host name) are replaced.
 std::string jsonText(const nlohmann::ordered_json& json);

@@ -31,6 +31,7 @@ Variables variablesOf(OutputField field) {
   case OutputField::contact_status:
   case OutputField::contact_gap:
   case OutputField::contact_pressure:
+  case OutputField::slip_distance:
     return {true, {""}};
   case OutputField::stress:
     return {false, {"_xx", "_yy", "_zz", "_xy", "_yz", "_zx"}};
@@ -65,8 +66,7 @@ io::ResultsConfig resultsConfig(const Config& config) {
     }
   results.global_names = globalNames(config);
   results.write_brick_id = config.output.has(OutputField::brick_id);
-  results.write_processor_id =
-      config.output.processor_id || config.output.has(OutputField::processor_id);
+  results.write_processor_id = config.output.has(OutputField::processor_id);
   results.single_precision = config.output.precision == Precision::float32;
   results.format = config.output.file_format;
   return results;
@@ -87,26 +87,23 @@ Results::Results(MPI_Comm comm, const std::string& base, const Config& config, c
 Results::Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& results,
                  const Config& config, const Scene& scene, const PhaseRecorder& recorder)
     : _scene(scene), _recorder(recorder), _shared(scene.shared),
-      _writer(comm, base + ".exo", scene.part, results) {
-  for (const auto& entry : wordsOf(OutputField()))
-    if (config.output.has(entry.value)) {
-      const Variables variables = variablesOf(entry.value);
-      auto& values = variables.are_nodal ? _nodal : _element;
-      _first[entry.value] = values.size();
-      values.resize(values.size() + variables.suffixes.size(),
-                    std::vector<double>(variables.are_nodal ? scene.part.node_ids.size()
-                                                            : scene.part.elem_ids.size()));
-    }
+      _writer(comm, base + ".exo", scene.part, results), _nodal_names(results.nodal_names),
+      _element_names(results.element_names),
+      _nodal(_nodal_names.size(), std::vector<double>(scene.part.node_ids.size())),
+      _element(_element_names.size(), std::vector<double>(scene.part.elem_ids.size())) {
   const bool has_slip = config.output.has(OutputField::slip_velocity);
   _contact_words = View<std::int64_t**>("miniapp::ResultsWriter::contact_words",
                                         scene.part.node_ids.size(), has_slip ? 5 : 2);
 }
 
 std::vector<double>* Results::valuesOf(OutputField field) {
-  const auto found = _first.find(field);
-  if (found == _first.end())
+  const Variables variables = variablesOf(field);
+  const auto& names = variables.are_nodal ? _nodal_names : _element_names;
+  const auto first = std::find(names.begin(), names.end(),
+                               nameOf(field) + std::string(variables.suffixes.front()));
+  if (first == names.end())
     return nullptr;
-  return &(variablesOf(field).are_nodal ? _nodal : _element)[found->second];
+  return &(variables.are_nodal ? _nodal : _element)[first - names.begin()];
 }
 
 void Results::writeStep(Simulation& simulation) {
@@ -161,6 +158,11 @@ void Results::fillContact(Simulation& simulation) {
   auto* const slip = valuesOf(OutputField::slip_velocity);
   if (auto* const pressure = valuesOf(OutputField::contact_pressure))
     *pressure = contactPressure(simulation, _shared);
+  if (auto* const distance = valuesOf(OutputField::slip_distance)) {
+    const auto words = toHost(simulation.contact()->slipOnMesh());
+    for (int node = 0; node < _scene.mesh.num_nodes; ++node)
+      fromWord(words(node, 0), (*distance)[node]);
+  }
   if (!status && !gap && !slip)
     return;
   simulation.contact()->statusOnMesh(_shared, _contact_words);

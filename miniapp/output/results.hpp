@@ -6,7 +6,6 @@
 #include "miniapp/simulation/simulation.hpp"
 #include "miniapp/timing/phase_report.hpp"
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -36,7 +35,8 @@ public:
 private:
   Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& results,
           const Config& config, const Scene& scene, const PhaseRecorder& recorder);
-  // The values [component][node or element] of a field; null if it is not chosen.
+  // The values [component][node or element] of a field that is computed here; null if it is not
+  // chosen.
   std::vector<double>* valuesOf(OutputField field);
   void fillMotion(Simulation& simulation);
   void fillContact(Simulation& simulation);
@@ -48,8 +48,8 @@ private:
   const PhaseRecorder& _recorder;
   mechanics::SharedNodeSum _shared;
   io::ResultsWriter _writer;
-  std::map<OutputField, std::size_t> _first; // number of the field's first variable of its kind
-  std::vector<std::vector<double>> _nodal, _element;
+  std::vector<std::string> _nodal_names, _element_names;
+  std::vector<std::vector<double>> _nodal, _element; // [variable][node or element]
   mechanics::ElementFields _fields;
   // [node] status, bits of the gap and of the slip velocity; from owners to sharers
   View<std::int64_t**> _contact_words;

@@ -4,6 +4,7 @@
 #include "contact/base/region.hpp"
 #include "io/checkpoint/table_file.hpp"
 #include "miniapp/output/history_columns.hpp"
+#include "miniapp/output/run_report.hpp"
 
 #include <cmath>
 
@@ -34,11 +35,19 @@ std::vector<std::string> RunOutput::columns() const {
   return columns;
 }
 
-void RunOutput::begin() {
+std::vector<std::string> RunOutput::balanceColumns(const Simulation& simulation) const {
+  std::vector<std::string> columns = {"step", "time", "distributions"};
+  for (const RankValue& value : loadOfRank(simulation, _recorder))
+    for (const char* part : {"_max", "_mean"})
+      columns.push_back(value.what + std::string(part));
+  return columns;
+}
+
+void RunOutput::begin(const Simulation& simulation) {
   if (!_writes)
     return;
   lock();
-  create();
+  create(simulation);
 }
 
 void RunOutput::lock() {
@@ -46,15 +55,18 @@ void RunOutput::lock() {
   _lock = FolderLock(_comm, _directory);
 }
 
-void RunOutput::create() {
+void RunOutput::create(const Simulation& simulation) {
   // An aborted run must not leave the report of an earlier one.
   removeFile(_comm, path("report.json"));
   writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
   _history = std::make_unique<HistoryWriter>(_comm, path("history.csv"), columns());
+  if (_config.output.balance)
+    _balance =
+        std::make_unique<HistoryWriter>(_comm, path("balance.csv"), balanceColumns(simulation));
   _results = std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder);
 }
 
-std::string RunOutput::resume(const OutputRestart& data) {
+std::string RunOutput::resume(const OutputRestart& data, const Simulation& simulation) {
   if (!_writes)
     return "";
   lock();
@@ -67,6 +79,9 @@ std::string RunOutput::resume(const OutputRestart& data) {
   std::string problem = earlier.reason();
   if (has_history && problem.empty())
     problem = HistoryWriter::whyNotContinued(_comm, history, columns(), data.history_rows);
+  if (has_history && problem.empty() && _config.output.balance)
+    problem = HistoryWriter::whyNotContinued(_comm, path("balance.csv"), balanceColumns(simulation),
+                                             data.history_rows);
   if (!problem.empty())
     throw InputError("the results in " + _directory +
                      " are not those that the checkpoint continues: " + problem +
@@ -74,7 +89,7 @@ std::string RunOutput::resume(const OutputRestart& data) {
   _history_ticker.restore(data.history_tick);
   _output_ticker.restore(data.output_tick);
   if (!has_history && !earlier.isFound()) {
-    create();
+    create(simulation);
     return "found no results of the earlier run in " + _directory +
            ": history.csv and the Exodus file begin at the checkpoint";
   }
@@ -86,6 +101,9 @@ std::string RunOutput::resume(const OutputRestart& data) {
   _results =
       std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder, earlier);
   _history = std::make_unique<HistoryWriter>(_comm, history, columns(), data.history_rows);
+  if (_config.output.balance)
+    _balance = std::make_unique<HistoryWriter>(_comm, path("balance.csv"),
+                                               balanceColumns(simulation), data.history_rows);
   _last_row = data.last_row;
   _last_written = data.last_written;
   _last_time = data.exodus_time;
@@ -115,13 +133,48 @@ void RunOutput::writeHistory(const Simulation& simulation) {
   const auto values = globalValues(simulation);
   row.insert(row.end(), values.begin(), values.end());
   _history->write(row);
+  if (_balance)
+    writeBalance(simulation);
   _last_row = simulation.clock().step;
+}
+
+// Seconds are those since the row before; the recorder begins anew after the first step.
+void RunOutput::writeBalance(const Simulation& simulation) {
+  std::vector<RankValue> load = loadOfRank(simulation, _recorder);
+  const std::size_t num_counts = countsOfRank(simulation).size();
+  _last_seconds.resize(load.size(), 0);
+  for (std::size_t i = num_counts; i < load.size(); ++i) {
+    const double seconds = load[i].here;
+    load[i].here -= seconds >= _last_seconds[i] ? _last_seconds[i] : 0;
+    _last_seconds[i] = seconds;
+  }
+  reduceOverRanks(_comm, load);
+  const ContactStep* contact = simulation.contact();
+  std::vector<double> row = {static_cast<double>(simulation.clock().step), simulation.clock().time,
+                             contact ? static_cast<double>(contact->distributions()) : 0};
+  for (const RankValue& value : load)
+    row.insert(row.end(), {value.max, value.mean});
+  _balance->write(row);
 }
 
 void RunOutput::writeResults(Simulation& simulation) {
   _results->writeStep(simulation);
   _last_written = simulation.clock().step;
   _last_time = simulation.clock().time;
+}
+
+void RunOutput::followElements() {
+  if (!_results)
+    return;
+  _results->close();
+  const EarlierResults earlier(_comm, path(_case_name) + ".exo", sizeOf(_comm),
+                               _results->numSteps(), _last_time, resultsConfig(_config));
+  if (!earlier.isFound())
+    throw OutputError("the Exodus files cannot follow the elements to other ranks: " +
+                      earlier.reason());
+  _results.reset();
+  _results =
+      std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder, earlier);
 }
 
 void RunOutput::close() {
@@ -136,6 +189,8 @@ void RunOutput::sync() const {
     io::syncToDisk(_results->fileName());
     if (rankOf(_comm) == 0) {
       io::syncToDisk(path("history.csv"));
+      if (_balance)
+        io::syncToDisk(path("balance.csv"));
       io::syncToDisk(_directory);
     }
   });

@@ -1,4 +1,5 @@
-// The files that a run writes while it goes: history.csv and Exodus steps, each at its interval.
+// The files that a run writes while it goes: history.csv, with output.balance also balance.csv, and
+// Exodus steps, each at its interval.
 #pragma once
 
 #include "miniapp/output/history.hpp"
@@ -42,17 +43,20 @@ public:
             const std::string& directory, const std::string& case_name, bool writes);
 
   // Creates the folder and new files. Collective. Throws OutputError on all ranks.
-  void begin();
+  void begin(const Simulation& simulation);
   // Continues the files of an earlier run from the rows and steps of a checkpoint on; begins new
   // files if there are none. Collective. Throws OutputError on all ranks, and InputError if there
   // are files that do not belong to the checkpoint: they are left as they are. Returns a warning,
   // or "".
-  std::string resume(const OutputRestart& data);
+  std::string resume(const OutputRestart& data, const Simulation& simulation);
 
   // Writes what is due after a step. Collective.
   void writeDue(Simulation& simulation);
   // Writes the present state if it is not written yet. Collective.
   void writeState(Simulation& simulation);
+  // To be called when elements have moved to other ranks, which the scene knows: copies the Exodus steps
+  // so far to files of the new parts. Collective. Throws OutputError on all ranks.
+  void followElements();
   void close(); // collective
   // Waits until all that is written is on the disk. Collective. Throws OutputError on all ranks.
   void sync() const;
@@ -62,9 +66,11 @@ public:
 
 private:
   void lock();
-  void create();
+  void create(const Simulation& simulation);
   std::vector<std::string> columns() const;
+  std::vector<std::string> balanceColumns(const Simulation& simulation) const;
   void writeHistory(const Simulation& simulation);
+  void writeBalance(const Simulation& simulation);
   void writeResults(Simulation& simulation);
 
   MPI_Comm _comm;
@@ -75,7 +81,8 @@ private:
   bool _writes;
   FolderLock _lock;
   Ticker _output_ticker, _history_ticker;
-  std::unique_ptr<HistoryWriter> _history;
+  std::unique_ptr<HistoryWriter> _history, _balance;
+  std::vector<double> _last_seconds; // of this rank, at the last row of balance.csv
   std::unique_ptr<Results> _results;
   std::int64_t _last_written = -1, _last_row = -1;
   double _last_time = 0; // of the last Exodus step

@@ -3,6 +3,7 @@
 #include "contact/base/mpi.hpp"
 #include "miniapp/deck/words.hpp"
 #include "miniapp/output/skipped_work.hpp"
+#include "miniapp/timing/process_memory.hpp"
 
 #ifdef BRICKWALL_ADIAK
 #include <adiak.hpp>
@@ -26,6 +27,42 @@ StepReport stepReport(const Config& config, const Simulation& simulation) {
 
 } // namespace
 
+std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecorder& recorder) {
+  std::vector<RankValue> load = countsOfRank(simulation);
+  const double search = recorder.busySeconds("contact::search"),
+               enforcement = recorder.busySeconds("miniapp::enforceContact"),
+               distribution = recorder.busySeconds("miniapp::distributeContact");
+  load.push_back({"search", search});
+  load.push_back({"enforcement", enforcement});
+  load.push_back({"distribution", distribution});
+  load.push_back(
+      {"solver", recorder.busySeconds("miniapp::step") - search - enforcement - distribution});
+  load.push_back({"contact_with_waits", recorder.seconds("contact::search") +
+                                            recorder.seconds("miniapp::enforceContact") +
+                                            recorder.seconds("miniapp::distributeContact")});
+  return load;
+}
+
+void judgeNumbers(RunReport& report) {
+  if (report.balance.peak_total > 0 && !report.balance.is_above_noise)
+    report.warnings.push_back(
+        format("the energy of the run, at most %.3g, is within the rounding of forces and "
+               "sums: its relative errors have no meaning",
+               report.balance.peak_total));
+  if (report.contact.lost > 0)
+    report.warnings.push_back(
+        "contacts under load that were lost because they were deeper than the search reaches: " +
+        std::to_string(report.contact.lost) + "; a larger contact.tolerance keeps them");
+  if (report.contact.missed_pairs > 0)
+    report.failures.push_back("the audit of the search found " +
+                              std::to_string(report.contact.missed_pairs) +
+                              " candidate pairs that the lists in use missed");
+}
+
+std::int64_t peakRankBytes(MPI_Comm comm) {
+  return allReduce(comm, peakResidentBytes(), MPI_MAX);
+}
+
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder) {
   RunReport report;
@@ -47,10 +84,12 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.search_timers = recorder.searchTimers();
   report.has_contact = config.contact.enabled;
   report.contact = contactCounts(simulation);
-  report.counts_over_ranks = countsOverRanks(simulation);
+  report.over_ranks = loadOfRank(simulation, recorder);
+  reduceOverRanks(comm, report.over_ranks);
   report.search = {nameOf(config.search.method), nameOf(config.search.decomposition),
                    config.search.margin,         config.contact.enabled ? config.search.audit : 0,
                    dropsSameBody(config),        recorder.medianPerStep("contact::search")};
+  report.rebalance = nameOf(config.partition.rebalance);
   report.time_step = stepReport(config, simulation);
   report.balance = simulation.balance();
   report.skipped = skippedWork(config, simulation, report.contact, report.elements);

@@ -12,6 +12,11 @@ namespace brickwall::miniapp {
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
 
+// This rank's countsOfRank() and its seconds since the first step in search, enforcement and distribution of
+// contact and in the rest of the steps, waits for other ranks excluded; and the first three
+// together with these waits. The same entries on all ranks.
+std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecorder& recorder);
+
 // Collective. Gives the texts and numbers of report.json to Adiak, for tools such as Caliper; does
 // nothing without the option BRICKWALL_ADIAK of CMake.
 void giveToAdiak(MPI_Comm comm, const RunReport& report);

@@ -98,6 +98,7 @@ std::string searchReportJson(const SearchOnlyReport& r) {
                     {"faces_tested", r.faces_tested},
                     {"overlapping_pairs", r.overlapping_pairs},
                     {"most_partners", r.most_partners}};
+  json["imbalance"] = toJson(r.over_ranks);
   json["memory"] = {
       {"peak", toJson(r.peak)}, {"inputs", toJson(r.inputs)}, {"search", toJson(r.search)}};
   json["pass"] = true;

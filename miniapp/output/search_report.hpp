@@ -56,6 +56,10 @@ struct SearchOnlyReport {
   std::int64_t overlapping_pairs = 0; // in search 2, before its filter
   std::int64_t most_partners = 0; // largest number of partners of a rank
 
+  // Faces, and of the last search ghost faces and candidate pairs; the time of the counted searches
+  // without waits for other ranks.
+  std::vector<RankValue> over_ranks;
+
   RankBytes peak; // whole process, set-up included
   RankBytes inputs; // resident before the first search: program, libraries and surface
   RankBytes search; // peak of the searches above that

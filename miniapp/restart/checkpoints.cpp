@@ -92,8 +92,9 @@ void removeTree(const std::string& path) {
 
 } // namespace
 
-struct Checkpoints::Opened { // NOLINT(bugprone-exception-escape): moves of Json
-  Json manifest;
+struct Checkpoints::Opened {
+  std::string commit;
+  std::vector<std::string> warnings;
   TableFiles tables; // of the files that this rank reads
 };
 
@@ -245,15 +246,22 @@ Checkpoints::Opened Checkpoints::open(const std::string& path, bool reads_tables
   Opened opened;
   text = broadcast(_comm, text);
   rethrowOnAllRanks(_comm, [&] {
-    opened.manifest = parseManifest(text);
-    checkManifest(path, opened.manifest);
-    const Json& parts = opened.manifest["parts"];
-    for (auto r = static_cast<std::size_t>(rankOf(_comm)); r < parts.size();
-         r += static_cast<std::size_t>(sizeOf(_comm))) {
-      const std::string file = path + "/" + parts[r].at("file").get<std::string>();
-      checkPart(file, parts[r]);
-      if (reads_tables)
-        opened.tables.push_back(io::readTables(file));
+    const Json manifest = parseManifest(text);
+    try {
+      checkManifest(path, manifest);
+      opened.commit = manifest.at("commit").get<std::string>();
+      opened.warnings = manifest.at("warnings").get<std::vector<std::string>>();
+      const Json& parts = manifest.at("parts");
+      for (auto r = static_cast<std::size_t>(rankOf(_comm)); r < parts.size();
+           r += static_cast<std::size_t>(sizeOf(_comm))) {
+        const std::string file = path + "/" + parts[r].at("file").get<std::string>();
+        checkPart(file, parts[r]);
+        if (reads_tables)
+          opened.tables.push_back(io::readTables(file));
+      }
+    } catch (const Json::exception& error) {
+      throw InputError(std::string(manifest_name) +
+                       " lacks a field, or has one of another type: " + error.what());
     }
   });
   return opened;
@@ -265,10 +273,9 @@ RunRestart Checkpoints::read(const std::string& which, const Simulation& simulat
   try {
     const Opened opened = open(path, true);
     RunRestart data = fromTables(opened.tables, simulation);
-    data.warnings = opened.manifest["warnings"].get<std::vector<std::string>>();
-    const std::string commit = opened.manifest.value("commit", std::string());
-    if (rankOf(_comm) == 0 && commit != _commit)
-      data.note = path + " was written by the commit " + commit +
+    data.warnings = opened.warnings;
+    if (rankOf(_comm) == 0 && opened.commit != _commit)
+      data.note = path + " was written by the commit " + opened.commit +
                   " of this version: the last bits of results may differ";
     return data;
   } catch (const InputError& error) {

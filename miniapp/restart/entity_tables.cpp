@@ -4,6 +4,11 @@
 #include "contact/base/to_device.hpp"
 #include "io/mesh/rows_by_id.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
 namespace brickwall::miniapp {
 
 namespace {
@@ -40,12 +45,19 @@ io::Table toTable(const TableLayout& layout, const io::RowsById& rows) {
 
 void appendRows(const TableLayout& layout, const io::Table& table, io::RowsById& rows) {
   const io::Column& ids = table.column("id");
+  if (ids.width != 1 || ids.is_real)
+    throw InputError("the checkpoint is of another build: the ids of " + layout.name +
+                     " have another type");
   std::vector<const io::Column*> columns;
   for (const ColumnLayout& of : layout.columns) {
     columns.push_back(&table.column(of.name));
     if (columns.back()->width != of.width || columns.back()->is_real != of.is_real)
       throw InputError("the checkpoint is of another build: " + layout.name + "_" + of.name +
                        " has another type");
+    for (const std::int64_t word : columns.back()->words)
+      if (of.is_real && !std::isfinite(io::realOf(word)))
+        throw InputError("the checkpoint has a value of " + layout.name + "_" + of.name +
+                         " that is not finite");
   }
   rows.ids.insert(rows.ids.end(), ids.words.begin(), ids.words.end());
   for (std::size_t i = 0; i < ids.words.size(); ++i)
@@ -55,22 +67,38 @@ void appendRows(const TableLayout& layout, const io::Table& table, io::RowsById&
     }
 }
 
-// The rows of all files for the ids `wanted` of this rank. Collective.
+// The rows of all files, each of which has the table, for the ids `wanted` of this rank. Collective.
 io::RowsById takeRows(MPI_Comm comm, const TableLayout& layout, const TableFiles& files,
                       const std::vector<global_id>& wanted) {
   io::RowsById held;
   held.width = layout.width();
   rethrowOnAllRanks(comm, [&] {
-    for (const auto& tables : files)
-      for (const io::Table& table : tables)
-        if (table.name == layout.name)
-          appendRows(layout, table, held);
+    for (const auto& tables : files) {
+      const auto table = std::find_if(tables.begin(), tables.end(),
+                                      [&](const auto& one) { return one.name == layout.name; });
+      if (table == tables.end())
+        throw InputError("the checkpoint lacks the table " + layout.name);
+      appendRows(layout, *table, held);
+    }
   });
-  return io::fetchRows(comm, held, wanted);
+  io::RowsById found = io::fetchRows(comm, held, wanted);
+  // A row of an entity that several ranks have is found several times.
+  const auto count = [](const io::RowsById& rows) {
+    return static_cast<std::int64_t>(rows.ids.size());
+  };
+  if (allReduce(comm, count(held) - count(found), MPI_SUM) > 0)
+    throw InputError("the checkpoint has rows of " + layout.name + " that the mesh lacks");
+  return found;
+}
+
+bool hasSlip(const Simulation& simulation) {
+  return simulation.contact() && simulation.config().output.has(OutputField::slip_distance);
 }
 
 TableLayout nodeLayout(const Simulation& simulation, bool has_forces) {
   TableLayout layout{"nodes", {{"displacement", true, 3}, {"velocity", true, 3}}};
+  if (hasSlip(simulation))
+    layout.columns.push_back({"slip", true, 1});
   if (has_forces)
     layout.columns.push_back(
         {"forces", false, mechanics::numForceColumns(simulation.config().viscosity.any())});
@@ -93,13 +121,15 @@ io::RowsById nodeRows(const SimulationRestart& data, const Simulation& simulatio
     for (const auto* field : {&data.displacement, &data.velocity})
       for (std::size_t d = 0; d < 3; ++d)
         rows.words.push_back(io::wordOf((*field)[3 * node + d]));
+    if (hasSlip(simulation))
+      rows.words.push_back(data.slip[node]);
     for (std::size_t i = 0; i < num_forces; ++i)
       rows.words.push_back(data.forces[num_forces * node + i]);
   }
   return rows;
 }
 
-void takeNodes(const io::RowsById& rows, const std::vector<global_id>& wanted,
+void takeNodes(const io::RowsById& rows, const std::vector<global_id>& wanted, bool has_slip,
                SimulationRestart& data) {
   if (rows.ids != wanted)
     throw InputError("the checkpoint lacks a node of the mesh");
@@ -109,7 +139,9 @@ void takeNodes(const io::RowsById& rows, const std::vector<global_id>& wanted,
       data.displacement.push_back(io::realOf(words[d]));
       data.velocity.push_back(io::realOf(words[3 + d]));
     }
-    data.forces.insert(data.forces.end(), words + 6, words + rows.width);
+    if (has_slip)
+      data.slip.push_back(words[6]);
+    data.forces.insert(data.forces.end(), words + (has_slip ? 7 : 6), words + rows.width);
   }
 }
 
@@ -176,12 +208,22 @@ io::RowsById contactRows(const std::vector<contact::ContactRecord>& records) {
   }
   return rows;
 }
-std::vector<contact::ContactRecord> recordsOf(const io::RowsById& rows) {
+// The contacts of this rank's `ids`, one with each body. Collective.
+std::vector<contact::ContactRecord> takeRecords(MPI_Comm comm, const std::string& name,
+                                                const TableFiles& files,
+                                                const std::vector<global_id>& ids) {
+  const io::RowsById rows = takeRows(comm, contactLayout(name), files, ids);
   std::vector<contact::ContactRecord> records(rows.ids.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const std::int64_t* next = rows.row(i);
-    contact::visitFields(records[i], FieldFromWords{next});
-  }
+  rethrowOnAllRanks(comm, [&] {
+    std::set<std::pair<global_id, global_id>> pairs;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const std::int64_t* next = rows.row(i);
+      contact::visitFields(records[i], FieldFromWords{next});
+      if (records[i].node != rows.ids[i] ||
+          !pairs.emplace(records[i].node, records[i].pair.body).second)
+        throw InputError("the checkpoint has a contact of " + name + " twice, or of another id");
+    }
+  });
   return records;
 }
 
@@ -207,8 +249,7 @@ std::vector<global_id> surfaceNodes(const ContactStep& contact, bool only_owned)
 
 void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& contact,
                  ContactRestart& data) {
-  data.nodes =
-      recordsOf(takeRows(comm, contactLayout(node_contacts), files, surfaceNodes(contact, true)));
+  data.nodes = takeRecords(comm, node_contacts, files, surfaceNodes(contact, true));
   const io::RowsById joints = takeRows(comm, joint_layout, files, surfaceNodes(contact, true));
   for (std::size_t i = 0; i < joints.ids.size(); ++i)
     data.joints.push_back({joints.ids[i], joints.row(i)[0], io::realOf(joints.row(i)[1])});
@@ -216,7 +257,7 @@ void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& cont
   // Ids of corners in the list are those of nodes, which no edge has.
   const auto edge_ids =
       edges ? listOf(edges->nodeIds(), edges->nodeIds().extent(0)) : std::vector<global_id>();
-  data.edges = recordsOf(takeRows(comm, contactLayout(edge_contacts), files, edge_ids));
+  data.edges = takeRecords(comm, edge_contacts, files, edge_ids);
   const auto nodes = surfaceNodes(contact, false);
   const io::RowsById boxes = takeRows(comm, box_layout, files, nodes);
   std::size_t row = 0; // ranks that share a node have written equal boxes: the first counts
@@ -228,8 +269,10 @@ void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& cont
     while (row < boxes.ids.size() && boxes.ids[row] == node)
       ++row;
   }
-  if (data.swept_boxes.size() != 6 * nodes.size())
-    data.swept_boxes.clear();
+  const bool lacks_boxes = data.swept_boxes.size() != 6 * nodes.size();
+  if (allReduce(comm, std::int64_t(boxes.ids.size()), MPI_SUM) > 0 &&
+      allReduce(comm, std::int64_t(lacks_boxes), MPI_SUM) > 0)
+    throw InputError("the checkpoint lacks the box of a node");
 }
 
 } // namespace
@@ -261,7 +304,7 @@ void takeEntities(const TableFiles& files, const Simulation& simulation, Simulat
   const MPI_Comm comm = simulation.comm();
   const auto& ids = simulation.scene().part.node_ids;
   const io::RowsById nodes = takeRows(comm, nodeLayout(simulation, data.keeps_forces), files, ids);
-  rethrowOnAllRanks(comm, [&] { takeNodes(nodes, ids, data); });
+  rethrowOnAllRanks(comm, [&] { takeNodes(nodes, ids, hasSlip(simulation), data); });
   if (const ContactStep* contact = simulation.contact())
     takeContact(comm, files, *contact, data.contact);
 }

@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <sstream>
 #include <type_traits>
@@ -84,6 +85,17 @@ struct ToColumns {
   }
 };
 
+// Integers are counts, or -1 for none. The members of structs are not tested.
+template <class T>
+bool isInRange(std::int64_t word) {
+  if constexpr (std::is_same_v<T, double>)
+    return std::isfinite(io::realOf(word));
+  else if constexpr (std::is_same_v<T, bool>)
+    return word == 0 || word == 1;
+  else
+    return !std::is_integral_v<T> || word >= -1;
+}
+
 struct FromColumns {
   const io::Table& table;
 
@@ -101,13 +113,19 @@ struct FromColumns {
   }
   template <class T>
   static void read(const char* name, const io::Column& column, T* values, std::size_t count) {
+    if (column.is_real != std::is_same_v<T, double>)
+      throw InputError(std::string("the checkpoint is of another build: ") + name +
+                       " has another type");
     if (column.words.size() != count * words_per<T>)
       throw InputError(std::string("the checkpoint is of another build: ") + name + " has " +
                        std::to_string(column.words.size()) + " words, expected " +
                        std::to_string(count * words_per<T>));
     for (std::size_t i = 0; i < count; ++i)
-      std::memcpy(static_cast<void*>(values + i), column.words.data() + i * words_per<T>,
-                  sizeof(T));
+      if (!isInRange<T>(column.words[i * words_per<T>]))
+        throw InputError(std::string("the checkpoint has a value of ") + name + " out of range");
+      else
+        std::memcpy(static_cast<void*>(values + i), column.words.data() + i * words_per<T>,
+                    sizeof(T));
   }
 };
 
@@ -166,6 +184,14 @@ RunRestart fromTables(const TableFiles& files, const Simulation& simulation) {
   shared = broadcast(comm, shared);
   RunRestart data;
   visitShared(data, FromColumns{shared});
+  const StepRestart& steps = data.simulation.steps;
+  if (!(steps.clock.step >= 0 && steps.clock.time >= 0 && steps.clock.dt > 0 &&
+        steps.clock.dt_before >= 0))
+    throw InputError(
+        "the checkpoint has a number of steps, a time or a length of steps out of range");
+  if (steps.rates.size() != simulation.steps().restartData().rates.size())
+    throw InputError("the checkpoint is of another build: compression_rates has " +
+                     std::to_string(steps.rates.size()) + " values");
   takeEntities(files, simulation, data.simulation);
   return data;
 }

@@ -18,6 +18,26 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double absurd_share = 0.1; // of the wave speed or the modulus
 constexpr double most_crossings = 1e6; // case V13: 6e5
 
+// Units of length and time by the earth's gravity in them; 20 to 20,000 m/s, between gels and the
+// hardest solids, are the wave speeds to expect. Without this gravity, those of all these units are.
+struct Units {
+  const char* names;
+  double gravity, speed; // 9.81 m/s^2 and 1 m/s
+};
+constexpr Units known_units[] = {{"m and s", 9.81, 1},
+                                 {"mm and s", 9810, 1e3},
+                                 {"mm and ms", 9.81e-3, 1},
+                                 {"cm and s", 981, 1e2},
+                                 {"cm and us", 9.81e-10, 1e-4}};
+constexpr double slowest = 20, fastest = 20000; // m/s
+
+const Units* unitsOf(double gravity) {
+  for (const Units& units : known_units)
+    if (std::fabs(gravity - units.gravity) < 0.01 * units.gravity)
+      return &units;
+  return nullptr;
+}
+
 // The box of each body and its lowest wave speed decide the times; a body may lie on several ranks.
 void addCrossings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
                   Magnitudes& result) {
@@ -141,15 +161,19 @@ std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes
     warnings.push_back(text.str() + "; are the units of the deck consistent?");
   };
   const double gravity = norm(toVec3(config.gravity));
-  const bool is_si = gravity > 9.7 && gravity < 9.9;
+  const Units* units = unitsOf(gravity);
   double least_modulus = HUGE_VAL, least_speed = HUGE_VAL;
   for (const MaterialConfig& entry : config.materials) {
     const double speed = entry.material.dilatationalSpeed();
     least_speed = minOf(least_speed, speed);
     least_modulus = minOf(least_modulus, entry.material.density * speed * speed);
-    if (is_si && !(speed >= 10 && speed <= 20000))
+    if (units && !(speed >= slowest * units->speed && speed <= fastest * units->speed))
       warn("material.", entry.block, " has the wave speed ", speed, ", and gravity ", gravity,
-           " suggests m/s: expected 10 to 20000");
+           " suggests ", units->names, ": expected ", slowest * units->speed, " to ",
+           fastest * units->speed);
+    else if (!units && speed > fastest * 1e3)
+      warn("material.", entry.block, " has the wave speed ", speed,
+           ": expected at most 20000 m/s, which are 2e7 mm/s");
   }
   for (std::size_t i = 0; i < magnitudes.speeds.size(); ++i)
     if (magnitudes.speeds[i] > absurd_share * least_speed)

@@ -43,7 +43,8 @@ inline double frequencyError(int n) {
 }
 
 // One line for each magnitude that is absurd, or rare, in any consistent set of units, and for wave
-// speeds outside 10 to 20,000 m/s where gravity is that of the earth in m/s^2.
+// speeds outside 20 to 20,000 m/s: where gravity is that of the earth, in the units of length and
+// time that it suggests (m-s, mm-s, mm-ms, cm-s, cm-us), otherwise beyond 2e7, which is mm/s.
 std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes& magnitudes,
                                           std::int64_t steps);
 

@@ -221,8 +221,12 @@ mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part) {
 }
 
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
+  return makeScene(space, comm, config, makeMeshPart(comm, config));
+}
+
+Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io::MeshPart part) {
   Scene scene;
-  scene.part = makeMeshPart(comm, config);
+  scene.part = std::move(part);
   checkNames(config, scene.part);
   refuseUnknownBodies(config, scene.part.num_global_bodies);
   refuseConflictingSets(comm, config, scene.part);

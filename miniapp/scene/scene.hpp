@@ -36,6 +36,8 @@ struct Scene {
 //  - a mesh that cannot be read; an invalid element.
 // Collective.
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config);
+// The same of a mesh that is there.
+Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io::MeshPart part);
 
 // The nodes that this rank shares with others, in the form that mechanics needs.
 mechanics::SharedNodeLists sharedNodes(const io::MeshPart& part);

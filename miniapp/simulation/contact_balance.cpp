@@ -9,8 +9,17 @@
 namespace brickwall::miniapp {
 
 double imbalanceOf(MPI_Comm comm, double work) {
-  const double largest = allReduce(comm, work, MPI_MAX), sum = allReduce(comm, work, MPI_SUM);
-  return sum > 0 ? largest * sizeOf(comm) / sum : 1;
+  const MaxAndSum all = maxAndSum(comm, {work}).front();
+  return all.sum > 0 ? all.max * sizeOf(comm) / all.sum : 1;
+}
+
+double imbalanceOf(MPI_Comm comm, const std::vector<float>& work,
+                   const std::vector<int>& rank_of_face) {
+  std::vector<double> of_rank(sizeOf(comm), 0);
+  for (std::size_t face = 0; face < work.size(); ++face)
+    of_rank[rank_of_face[face]] += work[face];
+  allReduce(comm, of_rank.data(), sizeOf(comm), MPI_SUM);
+  return imbalanceOf(comm, of_rank[rankOf(comm)]);
 }
 
 std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
@@ -29,9 +38,6 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 
 bool ContactBalance::isDue(double work) {
   const double imbalance = imbalanceOf(_comm, work);
-  if (_is_new)
-    _reached = std::max(tolerated, imbalance);
-  _is_new = false;
   double times[2] = {_time, _cost};
   allReduce(_comm, times, 2, MPI_MAX);
   _time = 0;
@@ -39,10 +45,10 @@ bool ContactBalance::isDue(double work) {
   return _lost > times[1];
 }
 
-void ContactBalance::haveDistributed(double seconds) {
+void ContactBalance::haveDistributed(double seconds, double imbalance) {
   _cost = seconds;
   _time = _lost = 0;
-  _is_new = true;
+  _reached = std::max(tolerated, imbalance);
   ++_distributions;
 }
 

@@ -12,14 +12,11 @@
 
 namespace brickwall::miniapp {
 
-// The work of a rank in units of that for a face: the faces, and the node-to-face contacts of its nodes.
-constexpr double work_of_contact = 7; // time of an active contact over that of a face in the search
-inline double contactWork(double num_faces, double num_contacts) {
-  return num_faces + work_of_contact * num_contacts;
-}
-
 // The largest over the mean of all ranks. Collective.
 double imbalanceOf(MPI_Comm comm, double work);
+// The same after a distribution: of the sums of `work` [face] on the ranks `rank_of_face` [face].
+double imbalanceOf(MPI_Comm comm, const std::vector<float>& work,
+                   const std::vector<int>& rank_of_face);
 
 // The rank on which each face of this rank is to be, [face], such that the sums of `work` [face] are
 // about equal and ranks are compact: recursive coordinate bisection. Collective.
@@ -30,7 +27,7 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 // since the last time exceeds the time that it takes.
 class ContactBalance {
 public:
-  static constexpr std::int64_t check_interval = 20; // steps
+  static constexpr std::int64_t check_interval = 10; // steps
   // An imbalance that is tolerated; a distributed surface costs messages of coordinates, forces and
   // accelerations.
   static constexpr double tolerated = 1.1;
@@ -42,8 +39,8 @@ public:
   // Whether to distribute now; `work` is that of this rank in the last step. Collective, every
   // check_interval steps.
   bool isDue(double work);
-  // To be called after each distribution, which took `seconds` on this rank.
-  void haveDistributed(double seconds);
+  // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance.
+  void haveDistributed(double seconds, double imbalance);
 
   // since the start or the restart
   std::int64_t distributions() const { return _distributions; }
@@ -54,7 +51,6 @@ private:
   double _time = 0; // of contact since the last check, seconds
   double _lost = 0; // by waits since the last distribution, seconds
   double _reached = tolerated; // imbalance after the last distribution, if larger
-  bool _is_new = false; // no check since the last distribution
   std::int64_t _distributions = 0;
 };
 

@@ -11,17 +11,6 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// [surface node][0] the number of contacts of a node owned here.
-View<std::int64_t**> contactsOfNodes(const exec_space& space,
-                                     const contact::Enforcement& enforcement, int num_nodes) {
-  View<std::int64_t**> counts("miniapp::ContactStep::contacts", num_nodes, 1);
-  const auto row_count = enforcement.history().row_count;
-  Kokkos::parallel_for(
-      "miniapp::ContactStep::countContacts", rangePolicy(space, num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) { counts(i, 0) = row_count(i); });
-  return counts;
-}
-
 // [surface node][low xyz, high xyz] the boxes of nodes owned here as words, and 0.
 View<std::int64_t**> boxesOfOwned(const exec_space& space, const contact::Surface& surface,
                                   const View<const double* [6]>& boxes) {
@@ -73,46 +62,65 @@ void ContactStep::distributeAtStart(const View<const double* [3]>& displacement)
       allocate<View<double* [3]>>(_space, "miniapp::ContactStep::initial", displacement.extent(0));
   Kokkos::deep_copy(_space, _initial, displacement);
   if (_config.search.decomposition == Decomposition::surface) {
-    _coupling.distribute(_space, _comm, ranksOfFaces());
+    _coupling.distribute(_space, _comm,
+                         ranksOfFaces(std::vector<float>(_coupling.primary().num_faces, 1)));
     _coupling.resetCoordinates(_space, displacement);
   }
 }
 
-void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement,
-                          const contact::EnforcementSums& sums) {
+void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement) {
   if (!mayBeDistributed() || step == 0 || step % ContactBalance::check_interval != 0)
     return;
-  const double work = contactWork(surface().num_faces, static_cast<double>(sums.nodes.active));
-  if (!_balance.isDue(work))
+  const View<std::int64_t**> work_of_nodes = workOfNodes();
+  if (!_balance.isDue(workOfRank(work_of_nodes)))
     return;
   const Region region("miniapp::distributeContact");
   const Stopwatch time;
-  distribute(ranksOfFaces(), displacement);
-  _balance.haveDistributed(time.seconds());
+  const std::vector<float> work = workOfFaces(work_of_nodes);
+  const std::vector<int> ranks = ranksOfFaces(work);
+  distribute(ranks, displacement);
+  const std::vector<int> home(work.size(), rankOf(_comm));
+  _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, work, ranks.empty() ? home : ranks));
 }
 
-// By the contacts of the last step. Empty where the ranks of the elements do as well.
-std::vector<int> ContactStep::ranksOfFaces() {
-  contact::Surface primary = _coupling.primary();
-  primary.coordinates_new = _coupling.primaryCoordinates();
-  std::vector<float> work(primary.num_faces, 1);
-  if (_enforcement) {
-    const View<std::int64_t**> of_mesh("miniapp::ContactStep::contacts_of_mesh",
-                                       _scene.mesh.num_nodes, 1);
-    mechanics::SharedNodeSum shared(_scene.shared);
-    _coupling.sumOnMesh(_space, contactsOfNodes(_space, *_enforcement, surface().num_nodes), shared,
-                        of_mesh);
-    const auto contacts = toHost(of_mesh);
-    const auto face_to_nodes = toHost(_scene.skin.face_to_nodes);
-    for (int face = 0; face < primary.num_faces; ++face)
-      for (int j = 0; j < 4; ++j) // most nodes have four faces
-        work[face] += static_cast<float>(
-            0.25 * contactWork(0, static_cast<double>(contacts(face_to_nodes(face, j), 0))));
-  }
+View<std::int64_t**> ContactStep::workOfNodes() const {
+  View<std::int64_t**> work("miniapp::ContactStep::work", surface().num_nodes, 1);
+  _enforcement->addWork(_space, _search.pairs(), work);
+  if (_edges)
+    _edges->addWork(_space, work);
+  return work;
+}
+
+double ContactStep::workOfRank(const View<std::int64_t**>& of_nodes) const {
+  std::int64_t sum = 0;
+  Kokkos::parallel_reduce(
+      "miniapp::ContactStep::sumWork", rangePolicy(_space, of_nodes.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& part) { part += of_nodes(i, 0); }, sum);
+  return static_cast<double>(contact::WorkUnits::face * surface().num_faces + sum);
+}
+
+std::vector<float> ContactStep::workOfFaces(const View<std::int64_t**>& of_nodes) {
+  std::vector<float> work(_coupling.primary().num_faces, contact::WorkUnits::face);
+  const View<std::int64_t**> of_mesh("miniapp::ContactStep::work_of_mesh", _scene.mesh.num_nodes,
+                                     1);
+  mechanics::SharedNodeSum shared(_scene.shared);
+  _coupling.sumOnMesh(_space, of_nodes, shared, of_mesh);
+  const auto on_mesh = toHost(of_mesh);
+  const auto face_to_nodes = toHost(_scene.skin.face_to_nodes);
+  for (std::size_t face = 0; face < work.size(); ++face)
+    for (int j = 0; j < 4; ++j) // most nodes have four faces
+      work[face] += 0.25F * static_cast<float>(on_mesh(face_to_nodes(face, j), 0));
+  return work;
+}
+
+// Empty where the ranks of the elements do as well.
+std::vector<int> ContactStep::ranksOfFaces(const std::vector<float>& work) const {
   if (_config.search.decomposition == Decomposition::automatic &&
       imbalanceOf(_comm, std::accumulate(work.begin(), work.end(), 0.0)) <=
           ContactBalance::tolerated)
     return {};
+  contact::Surface primary = _coupling.primary();
+  primary.coordinates_new = _coupling.primaryCoordinates();
   return balancedRanks(_comm, primary, work);
 }
 
@@ -138,7 +146,7 @@ void ContactStep::distribute(const std::vector<int>& rank_of_face,
   contact::ContactCarry nodes = _enforcement->carry(_space, surface()), edges;
   if (_edges)
     edges = _edges->carry(_space);
-  const View<std::int64_t**> boxes = sweptBoxesOnMesh();
+  const View<std::int64_t**> boxes = sweptBoxesOnMesh(), slip = slipOnMesh();
   ContactRestart lists;
   lists.searches = _search.searches();
   lists.updates = _search.updates();
@@ -147,6 +155,7 @@ void ContactStep::distribute(const std::vector<int>& rank_of_face,
   _coupling.resetCoordinates(_space, _initial);
   makeEnforcement();
   _coupling.resetCoordinates(_space, displacement);
+  setSlip(slip);
 
   if (boxes.extent(0) > 0) {
     const View<std::int64_t**> words("miniapp::ContactStep::boxes", surface().num_nodes, 6);

@@ -55,6 +55,42 @@ View<std::int64_t* [3]> ContactStep::normalForces(const Quantum& quantum,
   return of_mesh;
 }
 
+void ContactStep::addSlip() {
+  if (_slip.extent(0) > 0)
+    contact::addSlip(_space, {surface(), _search.ghosts()}, _enforcement->history(), _slip);
+}
+
+View<std::int64_t**> ContactStep::slipOnMesh() {
+  if (!_config.output.has(OutputField::slip_distance))
+    return {};
+  const View<std::int64_t**> words("miniapp::ContactStep::slip_words", _slip.extent(0), 1);
+  const auto slip = _slip;
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::packSlip", rangePolicy(_space, slip.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t i) { words(i, 0) = toWord(slip(i)); });
+  View<std::int64_t**> of_mesh("miniapp::ContactStep::slip_of_mesh", _scene.mesh.num_nodes, 1);
+  mechanics::SharedNodeSum shared(_scene.shared);
+  _coupling.sumOnMesh(_space, words, shared, of_mesh);
+  return of_mesh;
+}
+
+void ContactStep::setSlip(const View<const std::int64_t**>& of_mesh) {
+  if (!_config.output.has(OutputField::slip_distance))
+    return;
+  const contact::Surface surface = _coupling.surface();
+  const View<std::int64_t**> words("miniapp::ContactStep::slip_words", surface.num_nodes, 1);
+  _coupling.takeFromMesh(_space, of_mesh, words);
+  _slip = View<double*>("miniapp::ContactStep::slip", surface.num_nodes);
+  const auto slip = _slip;
+  const auto is_owned = surface.node_is_owned;
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::unpackSlip", rangePolicy(_space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        if (is_owned(i))
+          fromWord(words(i, 0), slip(i));
+      });
+}
+
 std::vector<std::int64_t> ContactStep::candidatesOfFaces() {
   const contact::Surface surface = _coupling.surface();
   const contact::CandidateCounts counts =

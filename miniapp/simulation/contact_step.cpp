@@ -50,6 +50,8 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
   const Stopwatch time;
   makeEnforcement();
   _balance = ContactBalance(comm, time.seconds());
+  if (config.output.has(OutputField::slip_distance))
+    _slip = View<double*>("miniapp::ContactStep::slip", surface().num_nodes);
 }
 
 // The surface is at its initial position.

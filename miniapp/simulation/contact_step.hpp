@@ -99,10 +99,8 @@ public:
               const LimbScale& energy_scale);
 
   // Moves faces to other ranks if the work of ranks has differed long enough (search.decomposition).
-  // The surface is at X + `displacement`; `sums` are those of the last step. Between steps;
-  // collective.
-  void balance(std::int64_t step, const View<const double* [3]>& displacement,
-               const contact::EnforcementSums& sums);
+  // The surface is at X + `displacement`. Between steps; collective.
+  void balance(std::int64_t step, const View<const double* [3]>& displacement);
 
   // The same at once: primary face f goes to rank_of_face[f], or to the rank of its element if that
   // is empty on all ranks. Nothing is done on one rank, or with the decomposition "primary".
@@ -169,9 +167,20 @@ public:
   void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& of_mesh);
   // Totals of contact::normalForces() [mesh node][xyz], quanta.
   View<std::int64_t* [3]> normalForces(const Quantum& quantum, mechanics::SharedNodeSum& shared);
+  // Adds the slip of the step that has succeeded (contact::addSlip()), if the deck chooses the field.
+  void addSlip();
+  // Its sum since the start as words [mesh node][1], equal on all ranks that share a node; without
+  // rows if the deck does not choose the field. Collective.
+  View<std::int64_t**> slipOnMesh();
+  void setSlip(const View<const std::int64_t**>& of_mesh); // the way back; collective
   // The number of candidate pairs of each face of this rank's elements.
   std::vector<std::int64_t> candidatesOfFaces();
   std::int64_t lost() const { return _lost; } // this rank's
+  // The work of contact in the last step in WorkUnits: of surface nodes, [surface node][1] as partial
+  // sums; from those, of this rank and of each face of this rank's elements. The last is collective.
+  View<std::int64_t**> workOfNodes() const;
+  double workOfRank(const View<std::int64_t**>& of_nodes) const;
+  std::vector<float> workOfFaces(const View<std::int64_t**>& of_nodes);
   std::int64_t missedPairs() const { return _missed_pairs; } // of all ranks
   double penetration() const { return _penetration; } // this rank's
   // The largest penetration of all ranks: exact if it exceeds a limit for the first time by the
@@ -189,7 +198,7 @@ private:
   void makeEnforcement();
   bool mayBeDistributed() const;
   void distributeAtStart(const View<const double* [3]>& displacement);
-  std::vector<int> ranksOfFaces();
+  std::vector<int> ranksOfFaces(const std::vector<float>& work) const;
   View<std::int64_t**> sweptBoxesOnMesh();
   void setSearchTolerance(double tolerance);
   void restoreLists(const ContactRestart& data);
@@ -213,6 +222,8 @@ private:
   ContactLedger _ledger;
   ContactBalance _balance;
   bool _has_forces_of_search = false; // enforce() has followed the last search
+  View<double*>
+      _slip; // [surface node] since the start, length; 0 if not owned; empty if not chosen
   // since the start
   std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
   std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks

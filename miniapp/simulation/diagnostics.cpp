@@ -103,20 +103,34 @@ ContactCounts contactCounts(const Simulation& simulation) {
   return counts;
 }
 
-std::vector<RankCount> countsOverRanks(const Simulation& simulation) {
-  std::vector<RankCount> counts;
+void reduceOverRanks(MPI_Comm comm, std::vector<RankValue>& values) {
+  std::vector<double> here;
+  for (const RankValue& value : values)
+    here.push_back(value.here);
+  const std::vector<MaxAndSum> reduced = maxAndSum(comm, here);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i].max = reduced[i].max;
+    values[i].mean = reduced[i].sum / sizeOf(comm);
+  }
+}
+
+std::vector<RankValue> countsOfRank(const Simulation& simulation) {
+  std::vector<RankValue> counts;
   const auto add = [&](const char* what, std::int64_t count) {
-    counts.push_back({what, allReduce(simulation.comm(), count, MPI_MAX),
-                      allReduce(simulation.comm(), count, MPI_SUM), sizeOf(simulation.comm())});
+    counts.push_back({what, static_cast<double>(count)});
   };
   const Scene& scene = simulation.scene();
   const ContactStep* contact = simulation.contact();
   add("elements", scene.part.numElems());
   add("faces", contact ? contact->surface().num_faces : scene.skin.num_faces);
   if (contact) {
+    const contact::EdgeContact* edges = contact->edges();
     add("ghost_faces", contact->search().ghosts().count);
     add("candidate_pairs", contact->search().pairs().count);
+    add("edge_pairs", edges ? edges->search().pairs().count : 0);
     add("active_contacts", simulation.lastStep().contact.active());
+    add("active_edges", simulation.lastStep().contact.edges.active);
+    counts.push_back({"work", contact->workOfRank(contact->workOfNodes())});
   }
   return counts;
 }

@@ -26,17 +26,18 @@ struct ContactCounts {
 };
 ContactCounts contactCounts(const Simulation& simulation); // collective
 
-// A count of the last step over the ranks.
-struct RankCount {
+// A count or a time of this rank, and over the ranks after reduceOverRanks().
+struct RankValue {
   const char* what; // e.g. "faces"
-  std::int64_t max = 0, sum = 0;
-  int ranks = 1;
+  double here = 0, max = 0, mean = 0;
 
-  double mean() const { return static_cast<double>(sum) / ranks; }
-  double maxOverMean() const { return sum > 0 ? static_cast<double>(max) / mean() : 0; }
+  double maxOverMean() const { return mean > 0 ? max / mean : 0; }
 };
-// Elements and faces, and with contact ghost faces, candidate pairs and active contacts. Collective.
-std::vector<RankCount> countsOverRanks(const Simulation& simulation);
+// Collective, one reduction. `values` has the same entries on all ranks.
+void reduceOverRanks(MPI_Comm comm, std::vector<RankValue>& values);
+// Of this rank: elements and faces, and with contact ghost faces, candidate pairs of nodes and of
+// edges, active contacts and those of edges among them, and the work by which contact is balanced, of the last step.
+std::vector<RankValue> countsOfRank(const Simulation& simulation);
 
 std::int64_t numSearches(const Simulation& simulation); // since the start
 

@@ -41,7 +41,7 @@ void Simulation::finish(StepPart part) const {
 
 void Simulation::balanceContact() {
   if (_contact)
-    _contact->balance(clock().step, _state.displacement, _step.contact);
+    _contact->balance(clock().step, _state.displacement);
 }
 
 void Simulation::moveNodes() {
@@ -138,10 +138,10 @@ void Simulation::adaptTimeStep() {
 
 void Simulation::computeInternalForces() {
   _step.has_all_forces = !_free_bricks.any();
-  if (_other_nodes.numRuns() > 0)
-    _internal_force->zeroForces(_space, _config.viscosity, _forces);
-  else
+  if (_free_bricks.any() && _other_nodes.numRuns() == 0)
     _forces.values = {}; // only output needs them
+  else
+    _internal_force->zeroForces(_space, _config.viscosity, _forces);
   _forces.acts[mechanics::contact_force] = false;
   const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
@@ -258,6 +258,8 @@ void Simulation::bookEnergies() {
     stepBack();
     throw PhysicsError(failure);
   }
+  if (_contact)
+    _contact->addSlip();
 }
 
 // Undoes the kick and the drift that led to a failure, so that the last valid state can be written

@@ -55,6 +55,7 @@ struct SimulationRestart {
   std::vector<double> displacement, velocity; // [node][xyz]: u^n, v^{n+1/2}
   // [node][column] in quanta; empty unless keeps_forces
   std::vector<std::int64_t> forces;
+  std::vector<std::int64_t> slip; // [node] words of ContactStep::slipOnMesh(), or empty
   ContactRestart contact;
 };
 

@@ -45,8 +45,10 @@ SimulationRestart Simulation::restartData() const {
   data.keeps_forces = _contact && balance().fast_nodes > 0;
   if (data.keeps_forces)
     data.forces = rowsOf<std::int64_t>(_forces.values);
-  if (_contact)
+  if (_contact) {
     data.contact = _contact->restartData(_step.contact);
+    data.slip = rowsOf<std::int64_t>(_contact->slipOnMesh());
+  }
   return data;
 }
 
@@ -63,8 +65,12 @@ void Simulation::restore(const SimulationRestart& data) {
   _guarded_steps = data.guarded_steps;
   _skipped_element_steps = rankOf(_comm) == 0 ? data.skipped_element_steps : 0;
   findRestingBodies(); // anew: bodies have moved
-  if (_contact)
+  if (_contact) {
     _contact->restore(data.contact, _state.displacement, _step.contact);
+    const View<std::int64_t**> slip("miniapp::Simulation::slip", data.slip.size(), 1);
+    setRows(slip, data.slip);
+    _contact->setSlip(slip);
+  }
   _requests = {};
 }
 

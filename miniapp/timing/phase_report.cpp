@@ -127,6 +127,10 @@ std::int64_t PhaseRecorder::calls(const std::string& region) const {
   return _state->regions.calls(region);
 }
 
+double PhaseRecorder::busySeconds(const std::string& region) const {
+  return _state->regions.busySeconds(region);
+}
+
 void PhaseRecorder::watch(const std::string& region, std::int64_t expected_steps) {
   _state->watches.push_back({region, StepSamples(expected_steps, seconds(region))});
 }

@@ -48,6 +48,8 @@ public:
   // Seconds and calls of all regions of that name on this rank, nested regions included.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
+  // seconds() less those in which this rank waits for others.
+  double busySeconds(const std::string& region) const;
 
   // Keeps one sample per step of the region's seconds; `expected_steps` are reserved. Same on all
   // ranks.

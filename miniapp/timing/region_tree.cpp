@@ -2,6 +2,7 @@
 
 #include "contact/base/backend.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -14,7 +15,7 @@ namespace {
 
 constexpr const char* search_prefix = "contact::search::";
 constexpr std::size_t prefix_length = 17;
-constexpr const char* waiting_region = "contact::search::waiting";
+constexpr const char* meeting_region = "contact::search::waiting";
 constexpr const char* local_search_region = "contact::search::local_search";
 
 double now() {
@@ -87,7 +88,7 @@ int RegionTree::child(int parent, const char* name) {
   node.name = name;
   node.parent = parent;
   node.timer = searchTimerOf(node.name);
-  node.is_waiting = node.name == waiting_region;
+  node.is_waiting = node.name == meeting_region;
   node.is_meeting_point = isMeetingPoint(node.name) && !isInsideSearchTimer(parent);
   node.counts_cpu = countsCpu(node);
   _nodes.push_back(std::move(node));
@@ -123,7 +124,7 @@ void RegionTree::countCpu(const std::vector<std::string>& regions) {
 // The wait for the slowest rank is a region of its own, before the phase begins.
 void RegionTree::meet(int parent) {
   Kokkos::fence();
-  const int waiting = child(parent, waiting_region);
+  const int waiting = child(parent, meeting_region);
   const double begin = now(), cpu_begin = cpuNow();
   barrier(_comm);
   Node& node = _nodes[waiting];
@@ -173,6 +174,14 @@ void RegionTree::forOutermost(const std::string& region, Take&& take) const {
 double RegionTree::seconds(const std::string& region) const {
   double sum = 0;
   forOutermost(region, [&](const Node& node) { sum += node.seconds; });
+  return sum;
+}
+
+double RegionTree::busySeconds(const std::string& region) const {
+  double sum = seconds(region);
+  for (const Node& node : _nodes)
+    if ((node.is_waiting || node.name == waiting_region) && isWithin(node.parent, region))
+      sum -= node.seconds;
   return sum;
 }
 

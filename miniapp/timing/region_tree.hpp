@@ -37,6 +37,8 @@ public:
   // of that name.
   double seconds(const std::string& region) const;
   std::int64_t calls(const std::string& region) const;
+  // The same of the seconds, less those in waits for other ranks inside.
+  double busySeconds(const std::string& region) const;
   // The same of CPU seconds, less those in "contact::search::waiting" inside: a rank that waits for
   // others keeps its core busy.
   double busyCpuSeconds(const std::string& region) const;

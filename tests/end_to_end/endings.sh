@@ -71,6 +71,7 @@ for ranks in 1 3; do
     --set 'load.pressure[0].side_set="frnt"'
   expect "a missing material is named" 2 'material' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --set 'material.brick.density=-1'
   expect "a missing deck is one error" 2 'nowhere.toml' $ranks run "$work/nowhere.toml"
+  if grep -q Kokkos "$work/log"; then echo "FAILED: Kokkos starts before the deck is judged"; failures=$((failures + 1)); fi
   expect "bodies that overlap beyond the reach of contact are refused" 2 \
     'node [0-9]+ .*of body 0 \(brick \[0, 0, 0\]: course 0, .*\) is 0\.04 deep in body 1 \(.*\), .*no more than 0\.025, 2 contact\.tolerance' $ranks run "$here/overlapping_cubes.toml"
   expect "flush crossing bars without penetrating nodes are refused" 2 \

@@ -5,7 +5,7 @@ last finished checkpoint continues the run to the same bits, damaged files are r
 no rank hangs, and no process crashes.
 
 Usage: faults.py BRICKWALL MPIEXEC DECK [--count N] [--seed S] [--only KIND,...]
-With the default count, each kind of fault comes once (the short form); the long form is --count 200.
+With the default count, each kind of fault comes once (the short form); the long form is --count 200 or more.
 Kinds that need a file system of their own (a small disk, a read-only folder) need root and are
 skipped otherwise.
 """
@@ -49,8 +49,8 @@ def demand(condition, text):
         raise Wrong(text)
 
 
-def start(folder, *more, command="run", deck=arguments.deck, ranks=RANKS):
-    words = [arguments.mpiexec, "-n", str(ranks), "--oversubscribe", arguments.program, command, deck, "-o", folder]
+def start(folder, *more, command="run", deck=arguments.deck, ranks=RANKS, program=(arguments.program,)):
+    words = [arguments.mpiexec, "-n", str(ranks), "--oversubscribe", *program, command, deck, "-o", folder]
     return subprocess.Popen(words + OPTIONS + list(more), env=environment, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True, errors="replace")
 
@@ -263,6 +263,14 @@ def small_disk(folder):
     check_survives(folder)
 
 
+def quota(folder):
+    """Each file may have so many KiB, beyond which writing fails as at a quota."""
+    limit = f'ulimit -f {random.randrange(4, 250)}; trap "" XFSZ; exec "$@"'
+    text = run(folder, program=("bash", "-c", limit, "quota", arguments.program), expected=(0, 4))
+    demand("brickwall: error" in text or "PASS" in text, "no message: " + text[-600:])
+    check_survives(folder)
+
+
 def read_only_folder(folder):
     mounted(folder, "size=10m")
     try:
@@ -279,7 +287,7 @@ def read_only_folder(folder):
         subprocess.run(["umount", folder], check=True)
 
 
-KINDS = [kill_all, lose_a_rank, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh]
+KINDS = [kill_all, lose_a_rank, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh, quota]
 if os.geteuid() == 0 and shutil.which("mount"):
     KINDS += [small_disk, read_only_folder]
 if arguments.only:

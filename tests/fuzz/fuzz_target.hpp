@@ -12,6 +12,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace brickwall::fuzz {
 
+// What the bytes of an input choose, one after another; the first of all when there are no more.
+class Choices {
+public:
+  Choices(const std::uint8_t* data, std::size_t size) : _next(data), _end(data + size) {}
+  bool any() const { return _next != _end; }
+  std::size_t below(std::size_t limit) { return any() ? *_next++ % limit : 0; }
+
+private:
+  const std::uint8_t *_next, *_end;
+};
+
 // Ends the process if a property does not hold; the engine then keeps the input.
 inline void demand(bool holds, const std::string& property) {
   if (holds)

@@ -5,7 +5,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace brickwall::fuzz;
-  const std::string path = session() / "bytes.exo";
+  const std::string path = folder() / "bytes.exo";
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   if (const auto part = readOrRefuse(path)) {

@@ -2,48 +2,19 @@
 #pragma once
 
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/fuzz/session.hpp"
 
 #include "contact/base/error.hpp"
-#include "contact/base/mpi.hpp"
 #include "io/exodus/mesh_reader.hpp"
 #include "io/exodus/mesh_writer.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <vector>
 
 namespace brickwall::fuzz {
-
-// MPI and a folder for files, as long as the process lives.
-class Session {
-public:
-  Session() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-    std::string name = (std::filesystem::temp_directory_path() / "brickwall_fuzz_XXXXXX").string();
-    demand(mkdtemp(name.data()) != nullptr, "a temporary folder can be made");
-    _folder = name;
-  }
-  ~Session() {
-    std::error_code ignored;
-    std::filesystem::remove_all(_folder, ignored);
-    MPI_Finalize();
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  std::string operator/(const std::string& file) const { return _folder + "/" + file; }
-
-private:
-  std::string _folder;
-};
-
-inline const Session& session() {
-  static const Session only;
-  return only;
-}
 
 // Nothing if the file is refused with a message.
 inline std::optional<io::MeshPart> readOrRefuse(const std::string& path) {
@@ -98,7 +69,7 @@ inline void demandSound(const io::MeshPart& part) {
 
 // The mesh is the same after it is written and read. Names of the file format's limit may stop the writer.
 inline void demandSameWhenWritten(const io::MeshPart& part) {
-  const std::string path = session() / "again.exo";
+  const std::string path = folder() / "again.exo";
   try {
     io::writeMesh(MPI_COMM_SELF, path, part, {});
   } catch (const OutputError& error) {

@@ -12,17 +12,8 @@
 namespace {
 
 using namespace brickwall;
+using fuzz::Choices;
 using fuzz::demand;
-
-class Choices {
-public:
-  Choices(const std::uint8_t* data, std::size_t size) : _next(data), _end(data + size) {}
-  bool any() const { return _next != _end; }
-  std::size_t below(std::size_t limit) { return any() ? *_next++ % limit : 0; }
-
-private:
-  const std::uint8_t *_next, *_end;
-};
 
 struct RawBlock {
   std::string kind = "HEX8", name;
@@ -266,7 +257,7 @@ void demandWhatWasWritten(const RawMesh& mesh, const io::MeshPart& part) {
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string path = fuzz::session() / "mesh.exo";
+  const std::string path = fuzz::folder() / "mesh.exo";
   Choices choices(data, size);
   RawMesh mesh = grid(choices);
   for (int i = 0; i < 8 && choices.any(); ++i)

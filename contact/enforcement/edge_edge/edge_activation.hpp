@@ -163,12 +163,16 @@ struct Waiting {
   int count = 0;
 
   KOKKOS_INLINE_FUNCTION bool add(int of_row, int own_edge, int other_edge) {
-    row[count] = of_row;
-    own[count] = own_edge;
-    other[count] = other_edge;
+    const int place = width > 1 ? count : 0;
+    row[place] = of_row;
+    own[place] = own_edge;
+    other[place] = other_edge;
     return ++count == width;
   }
-  KOKKOS_INLINE_FUNCTION int at(int lane) const { return minOf(lane, count - 1); }
+  // A lane that has a pair. Constant with one lane, so that the arrays are registers.
+  KOKKOS_FORCEINLINE_FUNCTION int at(int lane) const {
+    return width > 1 ? minOf(lane, count - 1) : 0;
+  }
 };
 
 } // namespace edge_activation

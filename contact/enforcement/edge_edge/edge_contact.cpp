@@ -297,4 +297,18 @@ void EdgeContact::advance(double dt) {
   _previous_dt = dt;
 }
 
+void EdgeContact::addWork(const exec_space& space, const View<std::int64_t**>& work) const {
+  const RowWork of_row{_search.pairs(), history().row_count, _stationary.flags(), _sleeping.state(),
+                       _sleeping.mayHaveAsleep()};
+  const auto edge_to_nodes = _edge_to_nodes;
+  const int num_corners = _num_corners;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::addWork", rangePolicy(space, of_row.pairs.num_rows),
+      KOKKOS_LAMBDA(const std::int64_t row) {
+        const int edge = of_row.pairs.node(row) - num_corners; // corners have no candidates
+        if (edge >= 0)
+          Kokkos::atomic_add(&work(edge_to_nodes(edge, 0), 0), of_row(row));
+      });
+}
+
 } // namespace brickwall::contact

@@ -7,6 +7,7 @@
 #include "contact/enforcement/edge_edge/edge_surface.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
+#include "contact/enforcement/selection/row_work.hpp"
 #include "contact/enforcement/selection/touched_nodes.hpp"
 #include "contact/search/audit/pair_motion.hpp"
 #include "contact/search/candidate_search.hpp"
@@ -85,6 +86,8 @@ public:
   const CandidateSearch& search() const { return _search; }
   const SleepingBlocks& sleeping() const { return _sleeping; } // see Enforcement
   const ContactHistory& history() const { return _set.history(); }
+  // See Enforcement; the work of an edge stands at one of its nodes.
+  void addWork(const exec_space& space, const View<std::int64_t**>& work) const;
   // Ids of the nodes that the history names: corners, then edges with ids of their own.
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
   // As those of Enforcement.

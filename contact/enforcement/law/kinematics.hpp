@@ -11,7 +11,7 @@
 //   records_spring_work           works of springs are summed as ContactTerm::spring_work
 //   projects_persistent_contacts  projectPersistent() fills PersistentContact completely
 //   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
-//                                 mayPenetrate() and mayActivate()
+//                                 mayPenetrate(), mayActivate() and mayTouch()
 //
 // Identity
 //   bodyOf(faces, face)           body of a candidate
@@ -37,6 +37,7 @@
 //   mayActivate(node, face)           by orientation
 //   rowsThatMayActivate(faces, pairs, rows, count, requested)
 //                                     a bit for each row, for the requested ones
+//   mayTouch(faces, node, face)       by all of test(); also at ContactTest::transfer
 //
 // Mechanics
 //   inverseMass(point)            1/m_s of the pushing point, 1/mass

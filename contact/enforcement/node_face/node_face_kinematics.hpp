@@ -77,6 +77,16 @@ struct NodeFaceKinematics {
     return isOpposed(node, records(recordOf(face)).plane.normal,
                      opposedCosine(ContactTest::activate));
   }
+  // False only if test() is false at ContactTest::activate and at transfer, which differ in limits.
+  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
+    const Vec3 x = rowOf(faces.surface.coordinates_new, node);
+    FaceContact contact;
+    return !isSurelyOutside(x, face) &&
+           isOpposed(
+               node, records(recordOf(face)).plane.normal,
+               minOf(opposedCosine(ContactTest::activate), opposedCosine(ContactTest::transfer))) &&
+           accept(faces, face, ContactTest::transfer, project(faces.quad(face), x), contact);
+  }
   KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
     return records(recordOf(face))
         .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth);

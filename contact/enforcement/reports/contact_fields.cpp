@@ -1,6 +1,32 @@
 #include "contact/enforcement/reports/contact_fields.hpp"
 
+#include "contact/enforcement/law/coulomb_friction.hpp"
+
 namespace brickwall::contact {
+
+namespace {
+
+// The interaction of a node with the largest normal force, or -1 if none presses.
+KOKKOS_INLINE_FUNCTION int hardestPressed(const ContactHistory& history, std::int64_t node) {
+  const int begin = history.row_begin(node), end = begin + history.row_count(node);
+  double largest = 0;
+  int hardest = -1;
+  for (int i = begin; i < end; ++i) {
+    const Interaction& pair = history.interactions(i);
+    if (pair.force + pair.damping <= largest)
+      continue;
+    largest = pair.force + pair.damping;
+    hardest = i;
+  }
+  return hardest;
+}
+
+KOKKOS_INLINE_FUNCTION Vec3 tangentialMotion(const FaceAccess& faces, const Interaction& pair) {
+  return tangentialPart(faces.relativeMotion(pair.point, pair.face_index, pair.weight),
+                        pair.normal);
+}
+
+} // namespace
 
 ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
                            const ContactHistory& history, const Quantum& quantum) {
@@ -32,24 +58,40 @@ View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
   Kokkos::parallel_for(
       "contact::slipMotion", rangePolicy(space, faces.surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
-        double largest = 0;
-        const int begin = history.row_begin(node), end = begin + history.row_count(node);
-        for (int i = begin; i < end; ++i) {
-          const Interaction& pair = history.interactions(i);
-          if (pair.force + pair.damping <= largest)
-            continue;
-          largest = pair.force + pair.damping;
-          const Vec3 motion = faces.relativeMotion(pair.point, pair.face_index, pair.weight);
-          const Vec3 tangential = motion - dot(motion, pair.normal) * pair.normal;
-          for (int d = 0; d < 3; ++d)
-            slip(node, d) = tangential[d];
-        }
+        const int hardest = hardestPressed(history, node);
+        if (hardest < 0)
+          return;
+        const Vec3 tangential = tangentialMotion(faces, history.interactions(hardest));
+        for (int d = 0; d < 3; ++d)
+          slip(node, d) = tangential[d];
       });
   return slip;
 }
 
-CandidateCounts
-    countCandidates(const exec_space& space, const FaceAccess& faces, const CandidatePairs& pairs) {
+// Over the interactions, whose memory is read in order; the first one of a row adds the node's slip.
+void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHistory& history,
+             const View<double*>& distance) {
+  const bool has_friction = history.friction.extent(0) > 0;
+  Kokkos::parallel_for(
+      "contact::addSlip", rangePolicy(space, history.count), KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = history.interactions(i).node;
+        if (history.row_begin(node) != i)
+          return;
+        const int hardest = hardestPressed(history, node);
+        if (hardest < 0)
+          return;
+        if (!has_friction) {
+          distance(node) += norm(tangentialMotion(faces, history.interactions(hardest)));
+          return;
+        }
+        const FrictionSpring& spring = history.friction(hardest);
+        if (spring.stiffness > 0)
+          distance(node) += norm(spring.trial - spring.force) / spring.stiffness;
+      });
+}
+
+CandidateCounts countCandidates(const exec_space& space, const FaceAccess& faces,
+                                const CandidatePairs& pairs) {
   const CandidateCounts counts{
       View<std::int64_t* [3]>("contact::countCandidates::own", faces.surface.num_faces),
       View<std::int64_t* [12]>("contact::countCandidates::of_ghosts", faces.ghosts.count)};

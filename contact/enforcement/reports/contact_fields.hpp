@@ -16,6 +16,12 @@ ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
 View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
                              const ContactHistory& history);
 
+// Adds to `distance` [surface node], length, by how much each owned node has slipped in this step on
+// the face on which it presses hardest: the part |t_trial - t|/k_t of the tangential motion that the
+// return mapping of friction, eq. (21), takes from the spring; without friction all of that motion.
+void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHistory& history,
+             const View<double*>& distance);
+
 // Number of candidate pairs of each face: of own faces in column 0 of `own` [face][3], of ghosts in
 // column 0 of `of_ghosts` [ghost][12], as partial sums for reverseSum(); the other columns are 0.
 struct CandidateCounts {

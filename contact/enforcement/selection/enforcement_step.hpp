@@ -33,6 +33,9 @@ struct EnforcementStep {
   Kinematics kinematics;
   FaceAccess faces = {{}, GhostFaces::none()};
   CandidatePairs pairs = CandidatePairs::none();
+  // [pair] 0: no contact at ContactTest::activate or transfer; set for rows in lists only
+  // (row_lists.hpp)
+  View<unsigned char*> may_touch;
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;

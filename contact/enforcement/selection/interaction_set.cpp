@@ -175,7 +175,8 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                  View<std::int64_t>(label + "::workspace::num_reserved")},
       _rows_with_history{View<int*>(label + "::rows_with_history", 0),
                          View<std::int64_t[2]>(_counts.data() + 1)},
-      _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)} {
+      _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)},
+      _may_touch(label + "::may_touch", 0) {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
   const bool is_corrected = config.scheme == Scheme::energy_neutral;

@@ -123,6 +123,7 @@ private:
   RowWorkspace _workspace; // empty until a row is crowded
   HistoryRows _rows_with_history; // both are empty unless selectListedRows() is used
   RowList _other_rows;
+  View<unsigned char*> _may_touch; // [pair], see EnforcementStep; likewise
   ContactForces _forces;
   ContactForces _proposals; // magnitudes
   bool _are_nodes_zero = true; // of _forces
@@ -161,11 +162,16 @@ void InteractionSet::launch(const exec_space& space, Select& functor) {
   zeroForces(space, step.faces);
   step.next = _next;
   step.workspace = _workspace;
+  if (!fills_lanes) {
+    growTo(space, _may_touch, static_cast<std::int64_t>(step.pairs.faces.extent(0)));
+    step.may_touch = _may_touch;
+  }
   step.add = pairForces(space, step.faces);
   Kokkos::deep_copy(space, _next.row_count, 0);
   _sums.clear(space);
   _are_nodes_zero = false; // until the sums tell
   selectRows(space, functor);
+  _sums.send(space);
 }
 
 template <class Select>
@@ -204,6 +210,11 @@ void InteractionSet::selectListedRows(const exec_space& space,
       else
         persist(std::false_type());
     }
+  if constexpr (!Kinematics::tests_rows_at_once) {
+    const std::int64_t num_threads = concurrency(space);
+    Kokkos::parallel_for("contact::selectInteractions::testPairs", rangePolicy(space, num_threads),
+                         TestListedPairs<Kinematics>{functor.step, _other_rows, num_threads});
+  }
   _sums.add("contact::selectInteractions", space, 0, num_rows,
             SelectListedRows<Kinematics>{functor, _other_rows});
 }

@@ -61,6 +61,28 @@ struct ListRows {
   }
 };
 
+// Tests the candidates of the listed rows for SelectActiveFaces::findNearest(), several of a row at
+// once. Kernel functor, for one of `num_threads`.
+template <class Kinematics>
+struct TestListedPairs {
+  static constexpr int threads_of_row = 8;
+
+  EnforcementStep<Kinematics> step;
+  RowList list;
+  std::int64_t num_threads;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t thread) const {
+    const std::int64_t end = threads_of_row * list.count();
+    for (std::int64_t i = thread; i < end; i += num_threads) {
+      const std::int64_t row = list.rows(i / threads_of_row), row_end = step.pairs.end(row);
+      const int node = step.pairs.node(row);
+      for (std::int64_t p = step.pairs.begin(row) + i % threads_of_row; p < row_end;
+           p += threads_of_row)
+        step.may_touch(p) = step.kinematics.mayTouch(step.faces, node, step.pairs.faces(p));
+    }
+  }
+};
+
 // Writes the contacts of the listed rows whose contacts all persist on their faces, with a force,
 // and which cannot get others: most rows of bodies that are pressed together. The other rows are
 // appended to `others`. Without friction only plain contacts persist here (write_interactions.hpp).

@@ -116,6 +116,9 @@ struct SelectActiveFaces {
     bool found = false;
     FaceContact nearest, other;
     for (std::int64_t p = begin; p < end; ++p) {
+      if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once)
+        if (!step.may_touch(p))
+          continue;
       const int face = step.pairs.faces(p);
       other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;
       if ((excludes_previous && face == contact.previous_face) ||

@@ -59,30 +59,33 @@ struct SelectInteractions {
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part, ContactSums& sums) const {
-    const std::int64_t begin = part * rows_at_once;
-    const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, step.pairs.num_rows);
     std::int64_t awake_rows[rows_at_once];
     int num_awake_rows = 0;
-    for (std::int64_t first = begin; first < end; first += rows_of_block) {
-      if (has_asleep && sleep.sleeps(first / rows_of_block))
-        continue;
-      const std::int64_t last = minOf(first + rows_of_block, end);
-      for (std::int64_t row = first; row < last; ++row)
-        if (!isEmpty(row) && !stationary.isKnownApart(step.pairs, row))
-          awake_rows[num_awake_rows++] = row;
-    }
+    forAwakeRows(part, [&](std::int64_t row) {
+      if (!isEmpty(row) && !stationary.isKnownApart(step.pairs, row))
+        awake_rows[num_awake_rows++] = row;
+    });
+    // They arrive while this part is selected.
+    forAwakeRows(part + 2, [&](std::int64_t row) { prefetchHead(step.pairs.node(row)); });
+    forAwakeRows(part + 1, [&](std::int64_t row) { prefetchRow(row); });
     if (num_awake_rows == 0)
       return;
-    for (int r = 0; r < num_awake_rows; ++r)
-      prefetchHead(step.pairs.node(awake_rows[r]));
-    for (int r = 0; r < num_awake_rows; ++r)
-      prefetchRow(awake_rows[r]);
     if constexpr (Kinematics::tests_rows_at_once) {
       num_awake_rows = keepRowsThatMayActivate(awake_rows, num_awake_rows);
       if (num_awake_rows == 0)
         return;
     }
     selectBatches(awake_rows, num_awake_rows, sums);
+  }
+  // Calls body(row) for the rows of a part whose blocks are awake.
+  template <class Body>
+  KOKKOS_FORCEINLINE_FUNCTION void forAwakeRows(std::int64_t part, const Body& body) const {
+    const std::int64_t begin = part * rows_at_once;
+    const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, step.pairs.num_rows);
+    for (std::int64_t first = begin; first < end; first += rows_of_block)
+      if (!(has_asleep && sleep.sleeps(first / rows_of_block)))
+        for (std::int64_t row = first; row < minOf(first + rows_of_block, end); ++row)
+          body(row);
   }
   // The tests by which operator() rejects rows, for one row.
   KOKKOS_INLINE_FUNCTION bool mayHaveContact(std::int64_t row) const {
@@ -149,8 +152,8 @@ struct SelectInteractions {
       stationary.known_apart(node) = 1;
     return is_empty;
   }
-  // The data of a row are scattered in memory, so those of all rows are prefetched before any is
-  // read.
+  // The data of a row are scattered in memory, so those of a part are prefetched while the part
+  // before it is selected, and the heads of its rows one part earlier.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     step.kinematics.prefetchHead(node);
     prefetch(&step.previous.row_count(node));
@@ -293,9 +296,11 @@ struct SelectInteractions {
     FaceContact* contacts =
         batch.crowded != nullptr ? batch.crowded : static_cast<FaceContact*>(local);
     int num_selected = 0;
-    const int num_rows = minOf(batch.num_rows, rows_at_once); // 1 on devices: no loop
+    // On devices 1: no loop, and one call of writeAll(), which is inlined. For a function that is
+    // not, each thread copies the arguments of the kernel to memory.
+    const int num_rows = minOf(batch.num_rows, rows_at_once);
     for (int r = 0; r < num_rows; ++r) {
-      if (num_selected > max_selected) {
+      if (rows_at_once > 1 && num_selected > max_selected) {
         write.writeAll(contacts, num_selected, sums);
         num_selected = 0;
       }

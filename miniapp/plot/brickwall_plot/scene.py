@@ -5,6 +5,7 @@ from .errors import PlotError
 from .surface import Surface, signed_distance
 
 DISPLACEMENTS = ("displacement", "displ", "disp")
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx", "1", "2", "3")  # of element fields
 
 
 class Scene:
@@ -20,8 +21,10 @@ class Scene:
         if not len(results.times) and (field or arrows):
             raise PlotError(f"{results.paths[0]}: the file has a mesh and no steps, thus no fields")
         if self.field and self.field not in [*vectors, *results.names["nod"], *results.names["elem"]]:
-            raise PlotError(f"{results.paths[0]}: there is no field {self.field}; there are {', '.join(vectors + scalars)} "
-                            "and the components of the vectors")
+            parts = [f"{self.field}_{part}" for part in COMPONENTS if f"{self.field}_{part}" in scalars]
+            raise PlotError(f"{results.paths[0]}: " + (
+                f"{self.field} has the components {', '.join(parts)}; choose one" if parts else
+                f"there is no field {self.field}; there are {', '.join(vectors + scalars)} and the components of the vectors"))
         if arrows and arrows not in vectors:
             raise PlotError(f"{results.paths[0]}: there is no nodal vector {arrows}; there are {', '.join(vectors) or 'none'}")
         if plane is not None:

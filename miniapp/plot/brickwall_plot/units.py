@@ -2,8 +2,8 @@
 import numpy as np
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²", "force": "N", "stress": "Pa", "principal": "Pa",
-         "von_mises": "Pa", "pressure": "Pa", "contact_pressure": "Pa", "energy_density": "J/m³", "strain_energy": "J", "contact_gap": "m", "slip_velocity": "m/s",
-         "search_time": "s"}
+         "von_mises": "Pa", "pressure": "Pa", "contact_pressure": "Pa", "energy_density": "J/m³", "strain_energy": "J",
+         "contact_gap": "m", "slip_velocity": "m/s", "slip_distance": "m", "search_time": "s"}
 PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n"}
 
 

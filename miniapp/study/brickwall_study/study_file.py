@@ -62,6 +62,8 @@ def read_study(path, program, cores, ranks=None, threads=None):
     those of the file. Raises InputError for the first fault."""
     path = Path(path)
     data = read_parsed(path, tomllib.loads)
+    if "case" not in data and ("wall" in data or "mesh" in data):
+        raise InputError(f"{path}: found a deck, expected a study file with [[case]]; brickwall run {path} runs it")
     check_keys(f"{path}", data, FILE)
     if "case" not in data:
         raise InputError(f"{path}: found no [[case]], expected at least one")

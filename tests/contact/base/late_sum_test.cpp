@@ -31,10 +31,12 @@ void expectSumsOfBothKernels() {
   LateSum<CountAndLargest, on_device> late("test::late");
   for (int round = 0; round < 2; ++round) { // the second starts from zero
     late.clear(space);
+    late.send(space);
     EXPECT_EQ(late.read(space).count, 0);
     late.template add<4>("test::first", space, 5, 5, AddItem());
     late.add("test::second", space, 0, 4001, AddItem());
     late.add("test::third", space, 10, 12, AddItem());
+    late.send(space);
     const CountAndLargest sums = late.read(space);
     EXPECT_EQ(sums.count, 4003);
     EXPECT_EQ(sums.sum, -4000 * 4001 / 2 - 21);

@@ -4,7 +4,9 @@
 #include "io/mesh/connected_components.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/partition.hpp"
+#include "io/mesh/redistribute.hpp"
 #include "io/mesh/shared_nodes.hpp"
+#include "io/wall/wall_generator.hpp"
 
 #include <numeric>
 
@@ -141,6 +143,71 @@ TEST(ConnectedComponents, TakeASingleElement) {
   MeshPart part = dealtBars(1, {});
   findBodies(MPI_COMM_WORLD, part);
   EXPECT_EQ(part.num_global_bodies, 1);
+}
+
+// All lists of the parts, the sharers of nodes included.
+void expectEqual(const MeshPart& a, const MeshPart& b) {
+  EXPECT_EQ(a.node_ids, b.node_ids);
+  EXPECT_EQ(a.coordinates, b.coordinates);
+  EXPECT_EQ(a.node_owner, b.node_owner);
+  EXPECT_EQ(a.elem_ids, b.elem_ids);
+  EXPECT_EQ(a.elem_nodes, b.elem_nodes);
+  EXPECT_EQ(a.elem_block, b.elem_block);
+  EXPECT_EQ(a.elem_body, b.elem_body);
+  ASSERT_EQ(a.side_sets.size(), b.side_sets.size());
+  for (std::size_t s = 0; s < a.side_sets.size(); ++s) {
+    EXPECT_EQ(a.side_sets[s].name, b.side_sets[s].name);
+    EXPECT_EQ(a.side_sets[s].elems, b.side_sets[s].elems);
+    EXPECT_EQ(a.side_sets[s].sides, b.side_sets[s].sides);
+  }
+  ASSERT_EQ(a.node_sets.size(), b.node_sets.size());
+  for (std::size_t s = 0; s < a.node_sets.size(); ++s)
+    EXPECT_EQ(a.node_sets[s].nodes, b.node_sets[s].nodes);
+  ASSERT_EQ(a.shared_nodes.size(), b.shared_nodes.size());
+  for (std::size_t s = 0; s < a.shared_nodes.size(); ++s) {
+    EXPECT_EQ(a.shared_nodes[s].rank, b.shared_nodes[s].rank);
+    EXPECT_EQ(a.shared_nodes[s].nodes, b.shared_nodes[s].nodes);
+  }
+}
+
+TEST(Redistribute, MakesThePartsOfTheGenerator) {
+  const MPI_Comm comm = MPI_COMM_WORLD;
+  WallConfig wall;
+  wall.bricks = {3, 1, 3};
+  wall.elements = {4, 2, 2};
+  const MeshPart part = generateWall(comm, wall);
+  const WholeMesh whole = gatherMesh(comm, part);
+
+  const auto ranksOf = [&](const MeshPart& of, const auto& rankFor) {
+    std::vector<int> ranks;
+    for (const global_id elem : of.elem_ids)
+      ranks.push_back(rankFor(elem));
+    return ranks;
+  };
+  const auto scattered = [&](global_id elem) {
+    return static_cast<int>(elem * elem % 17 % sizeOf(comm));
+  };
+  const MeshPart mixed = redistribute(comm, part, ranksOf(part, scattered));
+  EXPECT_TRUE(gatherMesh(comm, mixed) == whole);
+  EXPECT_EQ(ranksOf(mixed, scattered), std::vector<int>(mixed.elem_ids.size(), rankOf(comm)));
+
+  const MeshPart alone =
+      redistribute(comm, mixed, std::vector<int>(mixed.elem_ids.size(), sizeOf(comm) - 1));
+  if (rankOf(comm) == sizeOf(comm) - 1) {
+    MeshPart serial = generateWall(MPI_COMM_SELF, wall);
+    serial.node_owner.assign(serial.node_owner.size(), rankOf(comm));
+    expectEqual(alone, serial);
+  } else {
+    EXPECT_EQ(alone.numNodes() + alone.numElems(), 0);
+  }
+
+  std::map<global_id, int> home; // of the generator
+  const auto ids = gatherToAll(comm, part.elem_ids);
+  for (std::size_t q = 0; q < ids.size(); ++q)
+    for (const global_id elem : ids[q])
+      home[elem] = static_cast<int>(q);
+  expectEqual(redistribute(comm, mixed, ranksOf(mixed, [&](global_id elem) { return home[elem]; })),
+              part);
 }
 
 } // namespace

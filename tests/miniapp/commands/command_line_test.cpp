@@ -75,12 +75,29 @@ TEST(CommandLine, PrintsHelpVersionAndKeys) {
   for (const char* part : {"run", "check", "mesh", "search", "--output", "--set", "--steps",
                            "--no-output", "--timing", "--version", "--keys", "--kokkos-"})
     EXPECT_NE(help.text.find(part), std::string::npos) << part << " in\n" << help.text;
+  EXPECT_EQ(help.text.find("KEY=VALUE ..."), std::string::npos) << help.text; // it takes one value
   const std::string version = parse({"--version"}).text;
   EXPECT_NE(version.find("brickwall "), std::string::npos);
   EXPECT_EQ(version.find("$<"), std::string::npos) << "a condition of CMake in\n" << version;
   EXPECT_NE(parse({"--keys"}).text.find("[[load.pressure]]"), std::string::npos);
   EXPECT_NE(parse({"--keys", "markdown"}).text.find("| `radius` | number | m | none | > 0 |"),
             std::string::npos);
+}
+
+TEST(CommandLine, NamesTheNearestCommand) {
+  const auto expect = [](const std::vector<const char*>& words, const std::string& text) {
+    const CommandLine line = parse(words);
+    EXPECT_EQ(line.exit_code, 2) << words[0];
+    EXPECT_NE(line.text.find(text), std::string::npos) << line.text;
+  };
+  expect({"chek", "a.toml"}, "did you mean \"check\"?");
+  expect({"--no-output", "raport"}, "did you mean \"report\"?");
+  expect({"-o", "x", "study", "a.toml"}, "\"study\" must be the first word");
+  const std::string unlike = parse({"wonderful"}).text;
+  EXPECT_NE(unlike.find("study or the path of a deck"), std::string::npos) << unlike;
+  EXPECT_EQ(unlike.find("did you mean"), std::string::npos) << unlike;
+  for (const char* deck : {"chek.toml", "./chek", "decks/run"})
+    EXPECT_TRUE(parse({deck}).options.has_value()) << deck;
 }
 
 TEST(CommandLine, RefusesUnknownArguments) {

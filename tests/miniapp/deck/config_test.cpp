@@ -149,7 +149,7 @@ TEST(Config, ReadsEveryKey) {
       "stationary_contact = false\n"
       "[time]\nend = 1\nsafety = 0.5\nbound = \"element\"\nsteps = 7\ncheck_interval = 11\n"
       "[output]\ninterval = 0.1\nhistory_interval = 0.01\nfile_format = \"netcdf4\"\n"
-      "precision = \"single\"\nprocessor_id = true\nfields = [\"von_mises\", \"displacement\"]\n"
+      "precision = \"single\"\nfields = [\"von_mises\", \"displacement\"]\n"
       "[limits]\nenergy_error = 0.2\nmomentum_error = 1e-12\nwall_time = 60\n"
       "[limits.warn]\nhourglass_share = 0.3\ncontact_error = 0.01\n",
       "/decks/a.toml");
@@ -205,7 +205,6 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config.time.bound, StepBound::element);
   EXPECT_EQ(config.output.file_format, io::FileFormat::netcdf4);
   EXPECT_EQ(config.output.precision, Precision::float32);
-  EXPECT_TRUE(config.output.processor_id);
   EXPECT_EQ(config.output.fields,
             (std::vector<OutputField>{OutputField::von_mises, OutputField::displacement}));
   EXPECT_EQ(config.limits.stop[gauge_energy], 0.2);
@@ -223,6 +222,11 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
   EXPECT_CONTAINS(faultsOf(smallest, {"mesh.file=a.exo"}), "found [mesh] beside [wall]");
   EXPECT_CONTAINS(faultsOf("[time]\nend = 1\n"), "neither [wall] nor [mesh]");
   EXPECT_CONTAINS(faultsOf("[time]\nend = 1\n"), "found no material");
+  EXPECT_CONTAINS(faultsOf(smallest, {"output.fields=[]"}),
+                  "found a list of 0, expected a list of one or more words of \"displacement\"");
+  EXPECT_EQ(faultsOf("seed = 1\n[[case]]\ndeck = \"a.toml\"\n"),
+            "a.toml: found [[case]], the mark of a study file, expected a deck; brickwall study "
+            "a.toml runs it");
   EXPECT_CONTAINS(faultsOf(smallest, {"material.stone.density=1"}), "found the name \"stone\"");
   const std::string load = smallest + "[[load.pressure]]\nside_set = \"front\"\npeak = 1.0\n";
   EXPECT_CONTAINS(faultsOf(load), "no duration for shape \"half_sine\"");

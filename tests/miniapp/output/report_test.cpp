@@ -33,7 +33,7 @@ RunReport sampleReport() {
   report.counted_searches = 10;
   report.phases = {{"search", 10, 0.1, 0.2, 0.5}, {"only in the first step", 0, 0, 0, 0}};
   report.options = {"--checksums"};
-  report.counts_over_ranks = {{"faces", 12, 40, 4}, {"ghost_faces", 0, 0, 4}};
+  report.over_ranks = {{"faces", 0, 12, 10}, {"ghost_faces", 0, 0, 0}, {"search", 0, 0.5, 0.2}};
   report.search.method = "paper";
   report.checksums = {255, 0x8000000000000001ull, 3};
   report.time_step = {
@@ -93,11 +93,29 @@ TEST(Report, StatesTheImbalanceOfTheRanks) {
   EXPECT_EQ(json["faces"]["mean"], 10.0);
   EXPECT_EQ(json["faces"]["max_over_mean"], 1.2);
   EXPECT_EQ(json["ghost_faces"]["max_over_mean"], 0.0); // there are none
-  EXPECT_EQ(json["search"]["max_over_mean"], 2.5); // of the phase
+  EXPECT_EQ(json["search"]["max_over_mean"], 2.5);
+  std::ostringstream printed;
+  printReport(printed, report);
+  EXPECT_CONTAINS(
+      printed.str(),
+      "imbalance (largest over mean of the ranks): faces 1.2, ghost_faces 0, search 2.5\n");
+}
+
+TEST(Report, ListsTheTimesThatElementsMoved) {
+  RunReport report = sampleReport();
+  report.rebalance = "auto";
+  EXPECT_EQ(nlohmann::json::parse(reportJson(report))["partition"].dump(),
+            "{\"rebalance\":\"auto\",\"rebalancings\":[]}");
+  report.rebalancings = {{40, 0.5, 2.0, 1.25}, {80, 0.25, 1.5, 0}};
+  const auto json = nlohmann::json::parse(reportJson(report))["partition"]["rebalancings"];
+  EXPECT_EQ(json.size(), 2u);
+  EXPECT_EQ(json[0].dump(), "{\"imbalance_after\":1.25,\"imbalance_before\":2.0,\"seconds\":0.5,"
+                            "\"step\":40}");
   std::ostringstream printed;
   printReport(printed, report);
   EXPECT_CONTAINS(printed.str(),
-                  "imbalance (largest over mean of the ranks): faces 1.2, ghost_faces 0\n");
+                  "elements rebalanced: 2 times; the first time in 0.5 s, imbalance of work 2, "
+                  "then 1.25\n");
 }
 
 TEST(Report, NamesTheDeviceAndItsMemoryOnlyWhereThereIsOne) {

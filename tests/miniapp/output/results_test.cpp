@@ -80,7 +80,7 @@ private:
 
 TEST(Results, HaveTheFieldsOfTheDeckInTheOrderOfTheTable) {
   std::string deck = twoCubes("0.2", "\"brick_id\", \"principal_stress\", \"contact_gap\", "
-                                     "\"displacement\"");
+                                     "\"displacement\", \"contact_gap\""); // one of them twice
   io::ResultsConfig config = resultsConfig(parseConfig(deck, "a.toml"));
   EXPECT_EQ(config.nodal_names, (std::vector<std::string>{"displacement_x", "displacement_y",
                                                           "displacement_z", "contact_gap"}));
@@ -181,21 +181,31 @@ TEST(Results, HaveOnePressureOfTwoSides) {
               4 * 9);
 }
 
+// Two half cubes that a pressure of 1e-6 holds on a fixed cube, moved with a prescribed velocity.
+std::string slidingCubes(const std::string& fields, const std::string& speed,
+                         const std::string& friction) {
+  std::string deck = twoCubes("0.0", fields);
+  deck.replace(deck.find("[2, 1, 1]"), 9, "[1, 1, 2]");
+  deck.replace(deck.find("ragged"), 6, "flush");
+  return deck +
+         "[[load.pressure]]\nside_set = \"top\"\nshape = \"step\"\npeak = 1e-6\n"
+         "[[boundary.fixed]]\nnode_set = \"base_course\"\n"
+         "[[boundary.velocity]]\nnode_set = \"top_course\"\nvelocity = [" +
+         speed +
+         ", 0, 0]\n"
+         "components = [\"x\", \"y\"]\n[damping]\nmass = 1.0\n"
+         "[contact]\nfriction = " +
+         friction + "\n";
+}
+
 // Two half cubes slide on a fixed cube with a prescribed velocity and mu = 0.5. Their slip is that
 // velocity, the nodes of the cube see the opposite; friction is mu times the normal force and no part
 // of the pressure. The slip of 2e-5 takes up to 2e-5/(0.1/2) of the force of the nodes beyond the
 // edge (contact.edge_tolerance), which the others bear.
 TEST(Results, OfSlidingBodiesAreExact) {
   const double speed = 1e-7, load = 1e-6, friction = 0.5;
-  std::string deck = twoCubes("0.0", "\"contact_pressure\", \"force_contact\", "
-                                     "\"slip_velocity\"");
-  deck.replace(deck.find("[2, 1, 1]"), 9, "[1, 1, 2]");
-  deck.replace(deck.find("ragged"), 6, "flush");
-  CubesRun run(deck + "[[load.pressure]]\nside_set = \"top\"\nshape = \"step\"\npeak = 1e-6\n"
-                      "[[boundary.fixed]]\nnode_set = \"base_course\"\n"
-                      "[[boundary.velocity]]\nnode_set = \"top_course\"\nvelocity = [1e-7, 0, 0]\n"
-                      "components = [\"x\", \"y\"]\n[damping]\nmass = 1.0\n"
-                      "[contact]\nfriction = 0.5\n");
+  CubesRun run(
+      slidingCubes("\"contact_pressure\", \"force_contact\", \"slip_velocity\"", "1e-7", "0.5"));
   run.stepUntil(199);
   run.write();
   const double relative = 199 * speed / 0.05;
@@ -218,6 +228,32 @@ TEST(Results, OfSlidingBodiesAreExact) {
   EXPECT_NEAR(sums[0], -friction * sums[1], relative * load);
 }
 
+// With and without friction, at rest under the load: a sliding node slips by all of its further motion,
+// since its spring is stretched to the limit, a sticking one not at all. All slips together are not
+// longer than the motion.
+TEST(Results, OfSlipAreTheMotionThatTheSpringDoesNotTake) {
+  const auto expectSlip = [](const char* speed, const char* friction, double share) {
+    CubesRun run(slidingCubes("\"slip_distance\"", speed, friction));
+    const auto& clock = run.scene.simulation.clock();
+    run.stepUntil(150);
+    run.write();
+    const auto before = run.nodal("slip_distance");
+    const double begin = clock.time, motion = std::stod(speed);
+    run.stepUntil(199);
+    run.write();
+    const auto after = run.nodal("slip_distance");
+    const double further = share * motion * (clock.time - begin);
+    const int in_joint = run.forJoint(2, [&](int node, bool) {
+      EXPECT_NEAR(after[node] - before[node], further, 199 * motion / 0.05 * further);
+      EXPECT_LE(after[node], motion * clock.time);
+    });
+    EXPECT_EQ(in_joint, 9 + 12);
+  };
+  expectSlip("1e-7", "0.5", 1);
+  expectSlip("1e-7", "0", 1);
+  expectSlip("1e-10", "0.5", 0);
+}
+
 // Two elements side by side: each corner of the joint is a candidate of the three faces that meet in
 // the opposite corner.
 TEST(Results, CountCandidatePairsOfFaces) {
@@ -233,10 +269,11 @@ TEST(Results, CountCandidatePairsOfFaces) {
 }
 
 TEST(Results, HaveZeroFieldsWithoutContact) {
-  CubesRun run(twoCubes("0.0", "\"contact_pressure\", \"slip_velocity\", \"candidate_pairs\"") +
+  CubesRun run(twoCubes("0.0", "\"contact_pressure\", \"slip_velocity\", \"slip_distance\", "
+                               "\"candidate_pairs\"") +
                "[contact]\nenabled = false\n");
   run.write();
-  for (const char* name : {"contact_pressure", "slip_velocity_x"})
+  for (const char* name : {"contact_pressure", "slip_velocity_x", "slip_distance"})
     for (const double value : run.nodal(name))
       EXPECT_EQ(value, 0);
   for (const double value : run.element("candidate_pairs"))

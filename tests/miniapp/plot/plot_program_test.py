@@ -149,7 +149,7 @@ class FaultyInput(unittest.TestCase):
         cls.file = write_results(work / "one.exo", cubes((0, 0, 0)), times=(0.0, 1.0),
                                  nodal={"displacement_x": np.zeros((2, 8)), "displacement_y": np.zeros((2, 8)),
                                         "displacement_z": [[0] * 8, [np.nan] * 8], "heat": np.ones((2, 8))},
-                                 element={"pressure": [[1], [2]]})
+                                 element={"pressure": [[1], [2]], "principal_stress_1": [[1], [2]], "principal_stress_2": [[1], [2]]})
 
     def expect(self, words, *arguments):
         text = plot(*arguments, code=2)
@@ -161,6 +161,8 @@ class FaultyInput(unittest.TestCase):
                 ("there is no such file or folder", work / "none"),
                 ("no Exodus file (*.exo, *.e) here", work / "empty"),
                 ("there is no field heart; there are displacement, heat, pressure", self.file, "--field", "heart", "--step", "0"),
+                ("principal_stress has the components principal_stress_1, principal_stress_2; choose one",
+                 self.file, "--field", "principal_stress", "--step", "0"),
                 ("there is no nodal vector force_contact; there are displacement", self.file, "--arrows", "--step", "0"),
                 ("there is no step 2; the file has 2 steps", self.file, "--step", "2"),
                 ("there is no step -3", self.file, "--step", "-3"),

@@ -32,6 +32,7 @@ TEST(DeckDifference, IgnoresWhatResultsDoNotDependOn) {
   EXPECT_EQ(deckDifference(deck, replaced(deck, "steps = 20\n", "")), "");
   EXPECT_EQ(deckDifference(deck, replaced(deck, "wall_time = 5.0", "wall_time = 6.0")), "");
   EXPECT_EQ(deckDifference(deck, std::string(deck) + "[output.checkpoint]\nsteps = 3\n"), "");
+  EXPECT_EQ(deckDifference(deck, std::string(deck) + "[partition]\ninterval = 3\n"), "");
 }
 
 TEST(DeckDifference, NamesTheFirstKeyThatDiffers) {

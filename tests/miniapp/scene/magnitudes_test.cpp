@@ -97,19 +97,39 @@ TEST(Magnitudes, RunsShorterThanAWaveAndVeryLongOnesAreDoubtful) {
               "waves cross the largest body 1.01e+06");
 }
 
-TEST(Magnitudes, WaveSpeedsAreJudgedWhereGravityIsInMetresPerSquareSecond) {
-  const auto speedOf = [](double youngs) {
-    Config config = wallOf("[gravity]\nacceleration = [0, 0, -9.81]\n");
+// The wave speed is sqrt(E/density).
+TEST(Magnitudes, WaveSpeedsAreJudgedInTheUnitsThatGravitySuggests) {
+  const auto warningFor = [](double density, double youngs, const std::string& gravity) {
+    Config config = wallOf("[gravity]\nacceleration = [0, 0, -" + gravity + "]\n");
     for (auto& entry : config.materials) {
-      entry.material.density = 2000;
+      entry.material.density = density;
       entry.material.youngs = youngs;
     }
-    const auto warnings = absurdMagnitudes(config, found(config, 0.1), 1000);
+    Magnitudes magnitudes; // judged elsewhere
+    magnitudes.shortest_crossing = 1;
+    magnitudes.longest_crossing = 1;
+    const auto warnings = absurdMagnitudes(config, magnitudes, 1000);
+    EXPECT_LE(warnings.size(), 1u);
     return warnings.empty() ? std::string() : warnings[0];
   };
-  EXPECT_EQ(speedOf(20e9), "");
-  expectWords(speedOf(20e3), "material.brick has the wave speed 3.16228, and gravity 9.81");
-  expectWords(speedOf(20e12), "expected 10 to 20000");
+  // steel in the sets of miniapp/deck/reference.md, and in cm, g and s
+  EXPECT_EQ(warningFor(7850, 2.1e11, "9.81"), "");
+  EXPECT_EQ(warningFor(7.85e-9, 2.1e5, "9810"), "");
+  EXPECT_EQ(warningFor(7.85e-6, 210, "9.81e-3"), "");
+  EXPECT_EQ(warningFor(7.85, 2.1, "9.81e-10"), "");
+  EXPECT_EQ(warningFor(7.85, 2.1e12, "981"), "");
+  EXPECT_EQ(warningFor(7850, 2.1e11, "2.0"), "") << "not on the earth";
+  // mixed sets
+  expectWords(warningFor(2000, 20e9, "9810"),
+              "material.brick has the wave speed 3162.28, and gravity 9810 suggests mm and s: "
+              "expected 20000 to 2e+07");
+  expectWords(warningFor(2e-6, 20e9, "9.81"), "suggests m and s: expected 20 to 20000");
+  expectWords(warningFor(7850, 2.1e5, "9.81"), "the wave speed 5.17219");
+  expectWords(warningFor(7.85e-6, 2.1e5, "9.81"), "the wave speed 163559");
+  // without gravity
+  EXPECT_EQ(warningFor(7.85e-9, 2.1e5, "0"), "");
+  expectWords(warningFor(2e-6, 20e9, "0"),
+              "the wave speed 1e+08: expected at most 20000 m/s, which are 2e7 mm/s");
 }
 
 } // namespace

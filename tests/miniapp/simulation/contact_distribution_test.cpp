@@ -83,7 +83,7 @@ TEST(ContactBalance, DistributesWhenWaitsHaveCostAsMuchAsADistribution) {
   balance.addTime(0.2 / lost);
   EXPECT_TRUE(balance.isDue(work));
   // An imbalance that stays after a distribution is no reason for another.
-  balance.haveDistributed(0.1);
+  balance.haveDistributed(0.1, size);
   balance.addTime(1e3);
   EXPECT_FALSE(balance.isDue(work));
   balance.addTime(1e3);

@@ -12,6 +12,7 @@ from pathlib import Path
 from unittest import mock
 
 from support import HERE, ROOT, FolderTest
+from json_schema import faults_of
 from brickwall_study import study_output
 from brickwall_study.report_command import main as report
 from brickwall_study.study_command import main
@@ -240,6 +241,7 @@ class Failures(StudyTest):
                 (case + 'grow = "wall.none"\n', "has no wall.none"), (case + 'grow = "wall.bricks[9]"\n', "no number at [9]"),
                 (case + 'grow = "title[0]"\n', "no number"), (case + "memory = [0.1]\n", 'memory needs the key "grow"'),
                 (case + 'grow = "wall.bricks[0]"\nmemory = [2]\n', "a list of shares"),
+                ("[wall]\nbricks = [1, 1, 1]\n", "found a deck, expected a study file with [[case]]; brickwall run"),
                 ("ranks = [4096]\n" + case, "no case is left"), ("a = [\n", "study.toml: ")):
             (self.folder / "study.toml").write_text(text)
             with self.subTest(text=text):
@@ -295,6 +297,10 @@ class Program(FolderTest):
         lines = self.brickwall("study", "tiny.toml").splitlines()
         self.assertRegex(lines[-2], r"^FOM element_steps_per_second=\S+ case=one_brick_1x1$")
         self.assertEqual(lines[-1], "PASS")
+        study = json.loads((self.folder / "out/study_tiny/study.json").read_text())
+        self.assertEqual(faults_of(study, "miniapp/study/study.schema.json"), [])
+        study["runs"][0]["reuse"] = study["runs"][0].pop("reused")
+        self.assertEqual(len(faults_of(study, "miniapp/study/study.schema.json")), 2)
         text = self.brickwall("report", "out/study_tiny", "--html", "page.html")
         self.assertRegex(text, r"1 x 1 +2 +\S+ +- +1.00 +100 %")
         self.assertIn("<svg", (self.folder / "page.html").read_text())

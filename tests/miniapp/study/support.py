@@ -10,7 +10,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "miniapp" / "study"))
+sys.path[:0] = [str(ROOT / "miniapp" / "study"), str(ROOT / "tests" / "support")]
 
 
 class FolderTest(unittest.TestCase):

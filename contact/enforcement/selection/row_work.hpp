@@ -1,0 +1,33 @@
+// The work that a row of candidates was in the last step, for decompositions that balance it.
+#pragma once
+
+#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
+#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+
+namespace brickwall::contact {
+
+// Times in search and enforcement, in units of 65 ns of a core: of a face that moves, of a candidate
+// pair that is tested, and of a contact, measured in verification/performance/balance/.
+struct WorkUnits {
+  static constexpr std::int64_t face = 2, pair = 1, contact = 16;
+};
+
+// For kernels, after a step and before the next search. Rows without a test take no time.
+struct RowWork {
+  CandidatePairs pairs;
+  View<const int*> row_count; // [node] contacts
+  StationaryFlags stationary;
+  SleepState sleep;
+  bool has_asleep = false; // otherwise `sleep` is not read
+
+  KOKKOS_INLINE_FUNCTION std::int64_t operator()(std::int64_t row) const {
+    const int node = pairs.node(row);
+    const bool is_tested =
+        !(has_asleep && sleep.sleeps(row / CandidatePairs::rows_per_block)) &&
+        !(stationary.is_any && stationary.nodes(node) && stationary.known_apart(node));
+    return WorkUnits::contact * row_count(node) +
+           (is_tested ? WorkUnits::pair * (pairs.end(row) - pairs.begin(row)) : 0);
+  }
+};
+
+} // namespace brickwall::contact
