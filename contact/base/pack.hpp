@@ -59,18 +59,23 @@ struct PackOf {
   friend MaskPackOf<W> operator==(const PackOf& a, const PackOf& b) { return a.v == b.v; }
 };
 
-// Integers in the same lanes.
+// Integers in the same lanes; sums wrap around.
 template <int W>
 struct IntPackOf {
   using vector = typename VectorsOf<W>::integer;
+  using bits = typename VectorsOf<W>::bits;
   vector v;
 
   IntPackOf() = default;
   IntPackOf(vector x) : v(x) {}
   std::int64_t operator[](int lane) const { return v[lane]; }
-  friend IntPackOf operator+(const IntPackOf& a, const IntPackOf& b) { return a.v + b.v; }
-  friend IntPackOf operator-(const IntPackOf& a, const IntPackOf& b) { return a.v - b.v; }
-  friend IntPackOf operator-(const IntPackOf& a) { return -a.v; }
+  friend IntPackOf operator+(const IntPackOf& a, const IntPackOf& b) {
+    return (vector)((bits)a.v + (bits)b.v);
+  }
+  friend IntPackOf operator-(const IntPackOf& a, const IntPackOf& b) {
+    return (vector)((bits)a.v - (bits)b.v);
+  }
+  friend IntPackOf operator-(const IntPackOf& a) { return (vector)(-(bits)a.v); }
 };
 
 // The result of a comparison: all bits of a lane are set, or none.

@@ -30,6 +30,12 @@ bool sameBits(const float* a, const float* b, std::int64_t count) {
   return memcmp(a, b, static_cast<std::size_t>(count) * sizeof(float)) == 0;
 }
 
+void placeRows(const exec_space& space, std::int64_t room, const View<std::int64_t*>& place) {
+  Kokkos::parallel_for(
+      "test::placeRows", rangePolicy(space, place.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t i) { place(i) = i * room; });
+}
+
 TEST(TeamSearch, BoxesHaveTheBitsOfThoseOfHosts) {
   if (!host_accessible)
     GTEST_SKIP() << "on a host";
@@ -111,9 +117,7 @@ TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
     const View<std::int64_t*> place("place", n);
     const View<unsigned char*> changed("changed", n);
     Kokkos::deep_copy(capacity, room);
-    Kokkos::parallel_for(
-        "test::place", rangePolicy(space, surface.num_nodes),
-        KOKKOS_LAMBDA(const std::int64_t i) { place(i) = i * room; });
+    placeRows(space, room, place);
     const FindRowsOfGroups find{
         {surface, ghosts, clusters.order(), DeviceRules(surface, ghosts, config.drop_same_body),
          config.node_tolerance, config.face_tolerance, config.drop_same_body},
