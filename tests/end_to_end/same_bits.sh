@@ -2,7 +2,7 @@
 # Runs a deck on several numbers of ranks and threads and compares the files with those of one rank:
 # Exodus files are joined by epu and compared by exodiff at tolerance 0, history.csv byte by byte. A
 # layout "3x1+MARGIN" sets a margin: the column `searches` must show that lists were kept and
-# rebuilt, and all other columns must be equal.
+# rebuilt, and all other columns must be equal. An audit (search.audit) must find no missed pair.
 #
 # Usage: same_bits.sh BRICKWALL MPIEXEC EPU EXODIFF DECK STEPS "RANKSxTHREADS[+MARGIN] ..." [program
 # options]
@@ -18,8 +18,9 @@ run() { # ranks threads folder
     "${@:4}" >"$work/log" 2>&1 || { cat "$work/log"; echo "$1 ranks x $2 threads: the run failed"; exit 1; }
 }
 
-searches() { # prints the column `searches` of a folder's history.csv
-  awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "searches") column = i } NR > 1 { print $column }' "$1/history.csv"
+column() { # prints a column of a folder's history.csv, nothing without it: folder name
+  awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) column = i } NR > 1 && column { print $column }' \
+    "$1/history.csv"
 }
 other_columns() { # folder
   awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "searches") column = i } { $column = ""; print }' \
@@ -29,6 +30,8 @@ printf '%s\n' 'DEFAULT TOLERANCE relative 0.0 floor 0.0' 'COORDINATES absolute 0
   'GLOBAL VARIABLES (all)' $'\t!searches' 'NODAL VARIABLES (all)' 'ELEMENT VARIABLES (all)' >"$work/all_but_searches"
 
 run 1 1 "$work/reference" "$@"
+missed=$(column "$work/reference" missed_pairs | tail -n 1)
+[[ -z $missed || $missed == 0 ]] || { echo "the audit found $missed missed pairs"; exit 1; }
 for layout in $layouts; do
   size=${layout%+*} margin=
   [[ $layout == *+* ]] && margin=${layout#*+}
@@ -45,7 +48,7 @@ for layout in $layouts; do
     { tail -n 40 "$folder/exodiff.log"; echo "$layout: the files differ"; exit 1; }
   if [[ -n $margin ]]; then
     cmp <(other_columns "$work/reference") <(other_columns "$folder") || { echo "$layout: history.csv differs"; exit 1; }
-    made=$(searches "$folder" | tail -n 1)
+    made=$(column "$folder" searches | tail -n 1)
     [[ $made -gt 1 && $made -lt $((steps / 2)) ]] || { echo "$layout: $made searches in $steps steps"; exit 1; }
     echo "$layout: identical, with $made searches"
   else
