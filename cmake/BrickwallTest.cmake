@@ -67,4 +67,6 @@ set(BRICKWALL_TEST_ENVIRONMENT
     "OMPI_MCA_btl_vader_single_copy_mechanism=none"
     "OMP_WAIT_POLICY=passive"
     "OMP_PROC_BIND=false"
+    # LeakSanitizer may crash on the thread-local storage of a thread that ends, unless it does not follow it.
+    "ASAN_OPTIONS=intercept_tls_get_addr=0"
     "LSAN_OPTIONS=leak_check_at_exit=0:print_suppressions=0:suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks_of_libraries.txt")
