@@ -228,10 +228,10 @@ joined=$output/$name.exo
 first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
 # The first signal reaches all ranks as SIGUSR2, since a launcher that gets SIGTERM leaves them no time:
 # the run ends after its step. A second one, and the first one to another command, ends it at once.
-has_signal=no
+signal=
 end_run() {
-  [[ $has_signal == no && $command == run ]] || interrupted "$1"
-  has_signal=yes
+  [[ -z $signal && $command == run ]] || interrupted "$1"
+  signal=SIG$(kill -l "$1")
   echo "run.sh: the run ends after this step; a second signal ends it at once" >&2
   kill -USR2 "${!:-}" 2>/dev/null || true
 }
@@ -312,5 +312,6 @@ if [[ $writes == yes && $code != 2 ]] && [[ $command == run || $command == mesh 
     fi
   fi
 fi
-[[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]}"
+# The program was sent SIGUSR2; the user sent another one.
+[[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]/#STOPPED: ended by SIGUSR2/STOPPED: ended by ${signal:-SIGUSR2}}"
 exit "$code"

@@ -75,7 +75,7 @@ for signal in TERM HUP USR2; do
   kill "-$signal" "$running"
   wait "$running" || code=$?
   [[ $code -eq 5 ]] || fail "a run that gets SIG$signal ends with $code"
-  tail -n 1 log | grep -qE '^STOPPED: ended by (SIGUSR2|a signal) after step' || fail "the last line does not tell of the signal"
+  tail -n 1 log | grep -qE "^STOPPED: ended by (SIG$signal|a signal) after step" || fail "the last line does not name SIG$signal"
   [[ $(find ended/checkpoints -name 'step-*' | wc -l) -eq 2 ]] || fail "SIGUSR1 or SIG$signal wrote no checkpoint"
   [[ -s ended/one_brick.exo ]] || fail "the rank files are not joined after SIG$signal"
 done
