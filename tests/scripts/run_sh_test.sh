@@ -108,6 +108,14 @@ if [[ $join != *"'epu'"* ]]; then
   [[ -s killed/one_brick.exo ]] || fail "the printed command makes no joined file"
 fi
 
+# Reports are made without the program.
+code=0
+"$run_sh" report out/one_brick >log 2>&1 || code=$?
+[[ $code -eq 0 ]] || fail "run.sh report ends with $code"
+grep -q '^one_brick: ' log || fail "run.sh report does not name the deck"
+"$run_sh" study tiny.toml >log 2>&1 && fail "run.sh study is no error"
+grep -q 'run.sh: a study is started with --study' log || fail "run.sh study is not refused with the right option"
+
 # Studies: an unknown name is refused with the list of names, decks are refused, each study has its
 # own help.
 expect 2 --study papers
