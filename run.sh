@@ -8,6 +8,7 @@ usage() {
 Usage:
   ./run.sh [run|check|mesh|search] [DECK] [-n RANKS] [-t THREADS] [-o DIR] [options]
   ./run.sh --study NAME|FILE.toml [-n RANKS,...] [-t THREADS,...] [-o DIR] [options of the study]
+  ./run.sh report RUN... [--markdown] [--html FILE]
 
 Commands:
   run       runs the deck (default); joins the Exodus results to one file, draws a picture,
@@ -15,6 +16,7 @@ Commands:
   check     reads the deck and prints the model of the scene; runs nothing
   mesh      writes the Exodus mesh only
   search    runs only the contact search on the surface of the wall; writes search.json
+  report    compares finished runs by their folders; builds nothing (the same as brickwall report)
 
 Options:
   DECK                default inputs/brick_wall.toml
@@ -107,7 +109,11 @@ value_of() {
   [[ ! $2 =~ ^-[^0-9] ]] || die "$1 needs a value, but the option $2 follows"
 }
 
-case ${1:-} in run | check | mesh | search) command=$1; shift ;; esac
+case ${1:-} in
+  run | check | mesh | search) command=$1; shift ;;
+  report) exec /usr/bin/python3 "$root/miniapp/study/brickwall-report" "${@:2}" ;;
+  study) die "a study is started with --study NAME or --study FILE.toml" ;;
+esac
 while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) wants_help=yes; shift ;;
@@ -133,7 +139,7 @@ while [[ $# -gt 0 ]]; do
       deck=$1
       shift
       ;;
-    run | check | mesh | search) die "the command $1 must be the first argument" ;;
+    run | check | mesh | search | report) die "the command $1 must be the first argument" ;;
     *) # the value of an option of the program, or a deck without the suffix .toml
       if [[ -z $deck && -f $1 && ${#program_options[@]} -eq 0 ]]; then deck=$1; else program_options+=("$1"); fi
       shift
@@ -228,10 +234,10 @@ joined=$output/$name.exo
 first=$(printf '%s.%d.%0*d' "$joined" "$ranks" "${#ranks}" 0)
 # The first signal reaches all ranks as SIGUSR2, since a launcher that gets SIGTERM leaves them no time:
 # the run ends after its step. A second one, and the first one to another command, ends it at once.
-has_signal=no
+signal=
 end_run() {
-  [[ $has_signal == no && $command == run ]] || interrupted "$1"
-  has_signal=yes
+  [[ -z $signal && $command == run ]] || interrupted "$1"
+  signal=SIG$(kill -l "$1")
   echo "run.sh: the run ends after this step; a second signal ends it at once" >&2
   kill -USR2 "${!:-}" 2>/dev/null || true
 }
@@ -312,5 +318,6 @@ if [[ $writes == yes && $code != 2 ]] && [[ $command == run || $command == mesh 
     fi
   fi
 fi
-[[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]}"
+# The program was sent SIGUSR2; the user sent another one.
+[[ ${#summary[@]} -eq 0 ]] || printf '%s\n' "${summary[@]/#STOPPED: ended by SIGUSR2/STOPPED: ended by ${signal:-SIGUSR2}}"
 exit "$code"

@@ -90,13 +90,17 @@ if [[ ! -e $build/build.ninja || ! -e $build/CMakeCache.txt || CMakePresets.json
 fi
 
 # Writes the lines of a build to the log and shows its progress: in place on a terminal, otherwise
-# as a line every ten seconds.
+# as a line every ten seconds. A few steps only record the commit and link; they need no message.
 show_progress() {
-  local line steps last=$SECONDS
+  local line steps announced=no last=$SECONDS
   while IFS= read -r line; do
     printf '%s\n' "$line" >>"$log"
-    [[ $line =~ ^\[[0-9]+/[0-9]+\] ]] || continue
+    [[ $line =~ ^\[[0-9]+/([0-9]+)\] ]] || continue
     steps=${BASH_REMATCH[0]}
+    if [[ $announced == no && ${BASH_REMATCH[1]} -gt 5 ]]; then
+      say "building $build/ ($jobs at a time)"
+      announced=yes
+    fi
     if [[ -t 1 ]]; then
       printf '\rsetup: %s\033[K' "$steps"
     elif ((SECONDS - last >= 10)); then
@@ -112,11 +116,5 @@ cores=$(nproc)
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
 jobs=$((fitting < cores ? fitting : cores))
 jobs=$((jobs < 1 ? 1 : jobs))
-# A few steps only record the commit and link; they need no message.
-plan=$(ninja -C "$build" -n "$target" 2>&1 || true)
-if [[ $plan != *"no work to do"* ]]; then
-  steps=$(sed -n 's#^\[[0-9]*/\([0-9]*\)\].*#\1#p' <<<"$plan" | tail -n 1)
-  [[ ${steps:-99} -le 5 && $plan != *"Re-running CMake"* ]] || say "building $build/ ($jobs at a time)"
-  : >"$log"
-  cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | show_progress || fail "the build failed"
-fi
+: >"$log"
+cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | show_progress || fail "the build failed"

@@ -165,9 +165,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   else
     std::printf("  contact           off: no search\n");
   if (config.contact.enabled && sureSpeed(simulation) < HUGE_VAL)
-    std::printf("  guard             bodies that meet at more than %.4g %s\n",
-                sureSpeed(simulation),
-                config.contact.guard == GuardAction::cut ? "cut the step" : "stop the run");
+    std::printf("  guard             a closing speed above %.4g %s\n", sureSpeed(simulation),
+                config.contact.guard == GuardAction::cut ? "shortens the step" : "stops the run");
   if (config.contact.enabled && config.search.margin > 0)
     std::printf("  search            %s, lists kept until a node has moved %g along an axis\n",
                 nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);

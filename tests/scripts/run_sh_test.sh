@@ -75,7 +75,7 @@ for signal in TERM HUP USR2; do
   kill "-$signal" "$running"
   wait "$running" || code=$?
   [[ $code -eq 5 ]] || fail "a run that gets SIG$signal ends with $code"
-  tail -n 1 log | grep -qE '^STOPPED: ended by (SIGUSR2|a signal) after step' || fail "the last line does not tell of the signal"
+  tail -n 1 log | grep -qE "^STOPPED: ended by (SIG$signal|a signal) after step" || fail "the last line does not name SIG$signal"
   [[ $(find ended/checkpoints -name 'step-*' | wc -l) -eq 2 ]] || fail "SIGUSR1 or SIG$signal wrote no checkpoint"
   [[ -s ended/one_brick.exo ]] || fail "the rank files are not joined after SIG$signal"
 done
@@ -107,6 +107,14 @@ if [[ $join != *"'epu'"* ]]; then
   (eval "$join") >join.log 2>&1 || { cat join.log; fail "the printed command does not join"; }
   [[ -s killed/one_brick.exo ]] || fail "the printed command makes no joined file"
 fi
+
+# Reports are made without the program.
+code=0
+"$run_sh" report out/one_brick >log 2>&1 || code=$?
+[[ $code -eq 0 ]] || fail "run.sh report ends with $code"
+grep -q '^one_brick: ' log || fail "run.sh report does not name the deck"
+"$run_sh" study tiny.toml >log 2>&1 && fail "run.sh study is no error"
+grep -q 'run.sh: a study is started with --study' log || fail "run.sh study is not refused with the right option"
 
 # Studies: an unknown name is refused with the list of names, decks are refused, each study has its
 # own help.

@@ -188,7 +188,8 @@ def numbered(numbers, triangles):
 
 
 def borders(number, width):
-    """The samples within width / 2 of a change of the number."""
+    """The samples within width / 2 of a change of the number, at least those beside it."""
+    width = max(width, 1)
     changes = np.zeros(number.shape, dtype=bool)
     changes[:, :-1] |= number[:, 1:] != number[:, :-1]
     changes[:-1] |= number[1:] != number[:-1]

@@ -213,9 +213,11 @@ def imbalance_of_counts(fields):
 
 
 def options_of(fields):
-    """Options of the command line that change the times; reports of earlier versions name none."""
+    """Options of the command line that change the times, and the step of the restart, since a restarted run has not timed the
+    steps before; reports of earlier versions name none."""
     options = " ".join(map(str, fields.optional("options", [], list)))
-    return {"options": options} if options else {}
+    restart = fields.optional("first_step", 0, int)
+    return {**({"options": options} if options else {}), **({"restart": f"at step {restart}"} if restart else {})}
 
 
 def settings_of_deck(fields, search):

@@ -175,6 +175,14 @@ class Painting(unittest.TestCase):
             self.assertEqual(dark[20].sum(), 6)  # and 2 pixels at either end
             self.assertEqual((picture[45:60, 30, 0] < 128).any(), mesh_lines)
 
+    def test_draws_outlines_that_are_thinner_than_a_sample(self):
+        mesh = cubes((0, 0, 0), (0.5, 0, 0), size=(0.5, 1, 1))
+        surface = Surface(mesh.hexes, mesh.nodes)
+        camera = Camera(mesh.nodes.min(axis=0), mesh.nodes.max(axis=0), -90, 0, True)
+        canvas = Canvas(108, 108, np.full(2, -0.54), np.full(2, 0.54), samples=2, outline=0.1, plain=True)
+        picture = Painter(canvas, camera, surface, GREY).paint(surface.evaluate(mesh.nodes), np.full(len(surface.triangles), 0.5))
+        self.assertTrue((picture[6:102, 53:55, 0].min(axis=1) < 100).all())  # between the bricks
+
 
 class Colours(unittest.TestCase):
     def test_are_even_in_cielab_and_darken_steadily(self):

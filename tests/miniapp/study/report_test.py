@@ -47,6 +47,12 @@ class Tables(FolderTest):
         self.assertEqual(rows["1 x 1, method paper"][3:5], ["0.250", "100 %"])
         self.assertEqual(rows["2 x 1, method paper"][3:5], ["0.500", "100 %"])
 
+    def test_a_restarted_run_is_no_repetition_of_a_whole_one(self):
+        self.write_run("a", 1.0, deck="time.steps = 11\n")
+        self.write_run("b", 3.0, deck="time.steps = 11\n", change=lambda report: report.update(first_step=6))
+        rows = rows_of(self.report(), SPEED)
+        self.assertEqual((rows["1 x 1, restart none"][:2], rows["1 x 1, restart at step 6"][:2]), (["1", "100"], ["1", "300"]))
+
     def test_runs_with_options_that_change_the_times_are_no_repetitions(self):
         self.write_run("a", 1.0, deck="time.steps = 11\n")
         self.write_run("b", 3.0, deck="time.steps = 11\n", change=lambda report: report.update(options=["--checksums"]))
