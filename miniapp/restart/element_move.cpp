@@ -14,10 +14,6 @@ std::unique_ptr<Simulation> moveElements(std::unique_ptr<Simulation> simulation,
   SimulationRestart data = simulation->restartData();
   const TableFiles tables = {entityTables(data, *simulation)};
   simulation.reset(); // never both in memory
-  for (auto* values : {&data.displacement, &data.velocity, &data.contact.swept_boxes})
-    values->clear();
-  for (auto* words : {&data.forces, &data.slip})
-    words->clear();
   io::MeshPart part = io::redistribute(comm, scene.part, rank_of_elem);
   std::vector<std::string> warnings = std::move(scene.warnings);
   scene = Scene();

@@ -133,6 +133,10 @@ void takeNodes(const io::RowsById& rows, const std::vector<global_id>& wanted, b
                SimulationRestart& data) {
   if (rows.ids != wanted)
     throw InputError("the checkpoint lacks a node of the mesh");
+  for (auto* values : {&data.displacement, &data.velocity})
+    values->clear();
+  for (auto* words : {&data.forces, &data.slip})
+    words->clear();
   for (std::size_t node = 0; node < wanted.size(); ++node) {
     const std::int64_t* words = rows.row(node);
     for (std::size_t d = 0; d < 3; ++d) {
@@ -251,6 +255,7 @@ void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& cont
                  ContactRestart& data) {
   data.nodes = takeRecords(comm, node_contacts, files, surfaceNodes(contact, true));
   const io::RowsById joints = takeRows(comm, joint_layout, files, surfaceNodes(contact, true));
+  data.joints.clear();
   for (std::size_t i = 0; i < joints.ids.size(); ++i)
     data.joints.push_back({joints.ids[i], joints.row(i)[0], io::realOf(joints.row(i)[1])});
   const contact::EdgeContact* edges = contact.edges();
@@ -260,6 +265,7 @@ void takeContact(MPI_Comm comm, const TableFiles& files, const ContactStep& cont
   data.edges = takeRecords(comm, edge_contacts, files, edge_ids);
   const auto nodes = surfaceNodes(contact, false);
   const io::RowsById boxes = takeRows(comm, box_layout, files, nodes);
+  data.swept_boxes.clear();
   std::size_t row = 0; // ranks that share a node have written equal boxes: the first counts
   for (const global_id node : nodes) {
     if (row == boxes.ids.size() || boxes.ids[row] != node)

@@ -15,8 +15,9 @@ using TableFiles = std::vector<std::vector<io::Table>>;
 // The tables of this rank: nodes that it owns, its contacts, the boxes of its last search.
 std::vector<io::Table> entityTables(const SimulationRestart& data, const Simulation& simulation);
 
-// Sets the values of this rank's part of `simulation`; data.keeps_forces is set already. Throws
-// InputError on all ranks for tables of another mesh or build. Collective.
+// Replaces the values of nodes, edges and contacts in `data` by those of this rank's part of
+// `simulation`; data.keeps_forces is set already. Throws InputError on all ranks for tables of
+// another mesh or build. Collective.
 void takeEntities(const TableFiles& files, const Simulation& simulation, SimulationRestart& data);
 
 } // namespace brickwall::miniapp

@@ -1,6 +1,7 @@
 #include "miniapp/simulation/contact_balance.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "io/mesh/partition.hpp"
 
@@ -9,6 +10,7 @@
 namespace brickwall::miniapp {
 
 double imbalanceOf(MPI_Comm comm, double work) {
+  const Region region(waiting_region);
   const MaxAndSum all = maxAndSum(comm, {work}).front();
   return all.sum > 0 ? all.max * sizeOf(comm) / all.sum : 1;
 }

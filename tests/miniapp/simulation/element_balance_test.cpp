@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -81,6 +82,32 @@ TEST(ElementMove, ChangesNoBitWhereverElementsAreAndWheneverTheyMove) {
         "\"surface\"\n",
         "[contact]\nenabled = false\n", "[viscosity]\nlinear = 0.06\nquadratic = 1.2\n"})
     EXPECT_EQ(checksumsOf(more, true), checksumsOf(more, false)) << more;
+}
+
+// Of all ranks: contacts of nodes, of edges, and areas in flush joints.
+std::array<std::int64_t, 3> numRecords(const miniapp::Simulation& simulation) {
+  const miniapp::ContactRestart data = simulation.restartData().contact;
+  std::array<std::int64_t, 3> counts = {static_cast<std::int64_t>(data.nodes.size()),
+                                        static_cast<std::int64_t>(data.edges.size()),
+                                        static_cast<std::int64_t>(data.joints.size())};
+  allReduce(MPI_COMM_WORLD, counts.data(), 3, MPI_SUM);
+  return counts;
+}
+
+TEST(ElementMove, KeepsEachContactAndJointOnce) {
+  MovingRun run(sliding_bricks);
+  run.simulation->start();
+  run.simulation->step();
+  miniapp::SimulationRestart data = run.simulation->restartData();
+  for (const contact::ContactRecord& record : data.contact.nodes) // these meshes match: no joints
+    data.contact.joints.push_back({record.node, record.pair.body, 1e-4});
+  run.simulation->restore(data);
+  const auto before = numRecords(*run.simulation);
+  EXPECT_GT(before[2], 0);
+  for (int seed = 1; seed <= 3; ++seed) {
+    run.move(run.randomRanks(seed));
+    EXPECT_EQ(numRecords(*run.simulation), before) << seed;
+  }
 }
 
 TEST(ElementBalance, MovesElementsToRanksOfEqualWorkAsSoonAsThatPays) {
