@@ -49,6 +49,11 @@ RankGroup unpackGroup(const std::int64_t* words) {
   return group;
 }
 
+// Of the ranks of a group, as Zoltan's bisection divides them.
+int lowerHalf(int count) {
+  return (count + 1) / 2;
+}
+
 } // namespace
 
 void RankGroup::include(const RankGroup& higher) {
@@ -71,15 +76,31 @@ void RankGroup::include(const RankGroup& higher) {
   }
 }
 
-RankTree::RankTree(int rank, int size) : _rank(rank) {
+RankTree::RankTree(int rank, int size) : _rank(rank), _size(size) {
   while (size >> (_levels + 1) > 0)
     ++_levels;
-  _num_pairs = size - (1 << _levels);
-  _is_uneven = _num_pairs > 0;
-  const bool is_in_pair = rank < 2 * _num_pairs;
-  _is_guest = is_in_pair && rank % 2 == 1;
-  _is_host = is_in_pair && rank % 2 == 0;
-  _position = is_in_pair ? rank / 2 : rank - _num_pairs;
+  _is_uneven = size != 1 << _levels;
+  int first = 0, count = size;
+  for (int level = 0; level < _levels; ++level) {
+    const int lower = lowerHalf(count);
+    const bool is_upper = rank >= first + lower;
+    first += is_upper ? lower : 0;
+    count = is_upper ? count - lower : lower;
+    _position = 2 * _position + (is_upper ? 1 : 0);
+  }
+  _is_guest = rank != first;
+  _is_host = !_is_guest && count == 2;
+}
+
+int RankTree::firstRankAt(int position) const {
+  int first = 0, count = _size;
+  for (int level = _levels - 1; level >= 0; --level) {
+    const int lower = lowerHalf(count);
+    const bool is_upper = (position >> level & 1) == 1;
+    first += is_upper ? lower : 0;
+    count = is_upper ? count - lower : lower;
+  }
+  return first;
 }
 
 RankTree::Place RankTree::placeOf(int round) const {
@@ -94,8 +115,7 @@ RankTree::Place RankTree::placeOf(int round) const {
 }
 
 int RankTree::peerAt(int level) const {
-  const int position = _position ^ (1 << level);
-  return position < _num_pairs ? 2 * position : position + _num_pairs;
+  return firstRankAt(_position ^ (1 << level));
 }
 
 RankTree::Round RankTree::round(int i) const {

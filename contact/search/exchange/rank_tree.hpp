@@ -37,8 +37,9 @@ struct RankGroup {
 
 class RankTree {
 public:
-  // With `size` not a power of two, the first ranks form pairs, of which only the even one takes part
-  // between the first round and the last.
+  // A leaf, or position, of the tree is one rank or, with `size` not a power of two, one or two: the
+  // second one, the guest, takes part in the first round and the last only. Groups are the halves of
+  // halves of the ranks, as in the bisection that places them.
   RankTree(int rank, int size);
 
   // The messages of this rank in each of the rounds, whose number is the same on all ranks: at most
@@ -69,13 +70,14 @@ private:
     int level = 0;
   };
   Place placeOf(int round) const;
+  int firstRankAt(int position) const;
   int peerAt(int level) const; // the rank that stands for the group beside this one's
   bool overlap(const RankRecord& a, const Box& node_box, const Box& face_box);
   void receiveRecords(const std::int64_t* words, std::size_t size);
 
-  int _rank, _levels = 0, _num_pairs = 0;
+  int _rank, _size, _levels = 0;
   bool _is_uneven = false;
-  bool _is_guest = false, _is_host = false; // the odd and the even rank of a pair
+  bool _is_guest = false, _is_host = false; // the second and the first of two ranks
   int _position = 0; // among the 2^levels that take part
   RankRecord _own;
   RankGroup _own_group, _guest;

@@ -110,8 +110,8 @@ TEST(RankTreeTest, CountsOfARankGrowWithTheLogarithmOfTheirNumberOnly) {
       const auto of = [&](auto count) { return overRanks(replay, count); };
       EXPECT_LE(of(&ExchangeCounts::messages).max, 2 * levels + 1) << size;
       EXPECT_LE(of(&ExchangeCounts::partners).mean, is_wall ? 8 : 26) << size;
-      EXPECT_LE(of(&ExchangeCounts::box_tests).mean / levels, is_wall ? 35 : 110) << size;
-      EXPECT_LE(of(&ExchangeCounts::bytes).mean / levels, is_wall ? 700 : 1500) << size;
+      EXPECT_LE(of(&ExchangeCounts::box_tests).mean / levels, is_wall ? 8 : 15) << size;
+      EXPECT_LE(of(&ExchangeCounts::bytes).mean / levels, is_wall ? 360 : 600) << size;
     }
 }
 
