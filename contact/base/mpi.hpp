@@ -133,9 +133,12 @@ inline std::vector<MaxAndSum> maxAndSum(MPI_Comm comm, const std::vector<double>
       b[i] = {std::max(a[i].max, b[i].max), a[i].sum + b[i].sum};
   };
   checkMpi(MPI_Op_create(combine, 1, &op), "MPI_Op_create");
-  checkMpi(
-      MPI_Allreduce(MPI_IN_PLACE, reduced.data(), static_cast<int>(reduced.size()), pair, op, comm),
-      "MPI_Allreduce");
+  {
+    const Region region(waiting_region);
+    checkMpi(MPI_Allreduce(MPI_IN_PLACE, reduced.data(), static_cast<int>(reduced.size()), pair, op,
+                           comm),
+             "MPI_Allreduce");
+  }
   MPI_Op_free(&op);
   MPI_Type_free(&pair);
   return reduced;

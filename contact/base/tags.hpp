@@ -5,6 +5,7 @@ namespace brickwall::tags {
 
 constexpr int shared_nodes = 11; // mechanics: sums at nodes that several ranks share
 constexpr int node_faces = 12; // contact: area vectors of the faces around a node
+constexpr int rank_boxes = 20; // contact: phase 2
 constexpr int node_boxes = 21; // contact: phase 4
 constexpr int face_migration = 22; // contact: phase 6
 constexpr int ghost_reactions = 23; // contact: reverseSum of forces on ghost faces

@@ -161,7 +161,12 @@ private:
     const Stopwatch time;
     {
       const Region region("miniapp::rebalance");
-      _simulation = moveElements(std::move(_simulation), _scene, *ranks);
+      try {
+        _simulation = moveElements(std::move(_simulation), _scene, *ranks);
+      } catch (const PhysicsError& error) {
+        // There is no state that could be written, as after other such errors.
+        throw Error(ExitCode::physics, std::string("elements could not be moved: ") + error.what());
+      }
       observe();
       _output.followElements();
     }

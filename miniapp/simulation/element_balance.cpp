@@ -61,9 +61,11 @@ std::vector<float> ElementBalance::workOfElements(Simulation& simulation, const 
   if (per_contact == HUGE_VAL)
     per_contact = 0;
   work = per_elem * moving + per_contact * contact_work;
+  // If nothing moves or no time has been measured, ranks get equal numbers of elements.
+  const double weight = per_elem > 0 ? per_elem : 1;
   std::vector<float> of_elem(rests.size());
   for (std::size_t elem = 0; elem < of_elem.size(); ++elem)
-    of_elem[elem] = static_cast<float>(per_elem * (rests[elem] ? work_at_rest : 1) +
+    of_elem[elem] = static_cast<float>(weight * (rests[elem] ? work_at_rest : 1) +
                                        per_contact * of_contact[elem]);
   return of_elem;
 }

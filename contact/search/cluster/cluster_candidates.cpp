@@ -62,12 +62,11 @@ struct BlocksNearPartner {
   }
 };
 
-void setReach(const exec_space& space, const std::vector<int>& ranks,
-              const std::vector<Box>& boxes_of_ranks, const Vec3& origin,
+void setReach(const exec_space& space, const NearRanks& partners, const Vec3& origin,
               ClusterCandidates& candidates) {
   candidates.host_reach.clear();
-  for (const int q : ranks)
-    candidates.host_reach.push_back(FloatBounds::of(boxes_of_ranks[q], origin).reach());
+  for (const Box& box : partners.boxes)
+    candidates.host_reach.push_back(FloatBounds::of(box, origin).reach());
   const Region copies("contact::search::host_device_copies");
   copyToDevice(space, candidates.host_reach, candidates.reach);
 }
@@ -95,7 +94,7 @@ void findNodesToSend(const exec_space& space, const SurfaceClusters& clusters,
   if (lists.ranks.empty())
     return;
   const ClusterOrder& order = clusters.order();
-  setReach(space, lists.ranks, rank_boxes.face_boxes, order.origin, candidates);
+  setReach(space, rank_boxes.near_nodes, order.origin, candidates);
   const NodesNearPartner emit{candidates.reach,
                               clusters.clusterBounds(),
                               clusters.nodeBounds(),
@@ -113,7 +112,7 @@ void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
   const BoxTree& faces = clusters.faceTree();
   if (lists.ranks.empty() || faces.num_levels == 0)
     return;
-  setReach(space, lists.ranks, rank_boxes.node_boxes, clusters.order().origin, candidates);
+  setReach(space, rank_boxes.near_faces, clusters.order().origin, candidates);
   const int level = minOf(faces.num_levels - 1, max_chunk_levels);
   const BlocksNearPartner emit{candidates.reach, faces, level, faces.numBlocks(level)};
   listByPartner(space, "contact::ClusterCandidates::faces", emit, candidates, lists);
@@ -124,8 +123,8 @@ void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
   const Region region("contact::findPartnersAndCandidates");
-  candidates.nodes_to_send.ranks = rank_boxes.near_nodes;
-  candidates.blocks_to_test.ranks = rank_boxes.near_faces;
+  candidates.nodes_to_send.ranks = rank_boxes.near_nodes.ranks;
+  candidates.blocks_to_test.ranks = rank_boxes.near_faces.ranks;
   const Region timer("contact::search::searches_0_and_1");
   findNodesToSend(space, clusters, rank_boxes, candidates);
   findBlocksToTest(space, clusters, rank_boxes, candidates);

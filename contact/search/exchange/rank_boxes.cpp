@@ -1,51 +1,45 @@
 #include "contact/search/exchange/rank_boxes.hpp"
 
+#include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "contact/search/exchange/node_box_exchange.hpp"
+#include "contact/base/tags.hpp"
+#include "contact/search/exchange/rank_tree.hpp"
 
 namespace brickwall::contact {
 namespace {
 
-// The data of one rank as message words.
-enum Word : int { node_box, face_box = 6, num_invalid = 12, first_invalid, attributes, num_words };
-constexpr std::int64_t no_faces = -1;
+constexpr std::int64_t no_faces = RankGroup::none;
 
 std::int64_t attributesOf(const SweptBoxes& surface) {
   return surface.num_faces > 0 ? static_cast<std::int64_t>(surface.face_attributes.extent(1))
                                : no_faces;
 }
 
-// All ranks read the same words: all of them throw, or none does.
-void throwIfNotFinite(const std::vector<std::int64_t>& words, int size) {
-  std::int64_t total = 0, node = INT64_MAX;
-  int rank = 0;
-  for (int q = 0; q < size; ++q) {
-    const std::int64_t* of_rank = &words[static_cast<std::size_t>(q) * num_words];
-    total += of_rank[num_invalid];
-    if (of_rank[num_invalid] > 0 && of_rank[first_invalid] < node) {
-      node = of_rank[first_invalid];
-      rank = q;
-    }
+RankGroup groupOf(int rank, const Box& node_box, const Box& face_box, const OwnRankBoxes& own,
+                  std::int64_t attributes) {
+  RankGroup group;
+  group.node_box = node_box;
+  group.face_box = face_box;
+  group.num_invalid = own.num_invalid;
+  group.first_invalid = own.first_invalid;
+  group.invalid_rank = rank;
+  if (attributes != no_faces) {
+    group.rank_with_faces = rank;
+    group.attributes = attributes;
   }
-  if (total > 0)
-    throw PhysicsError("contact search: node " + std::to_string(node) + " on rank " +
-                       std::to_string(rank) + " has a coordinate that is not finite (" +
-                       std::to_string(total) + " such node(s), summed over ranks)");
+  return group;
 }
 
-int agreedAttributes(const std::vector<std::int64_t>& words, int size) {
-  std::int64_t agreed = no_faces;
-  for (int q = 0; q < size; ++q) {
-    const std::int64_t found = words[static_cast<std::size_t>(q) * num_words + attributes];
-    if (found == no_faces)
-      continue;
-    if (agreed != no_faces && found != agreed)
-      throw InputError("contact search: rank " + std::to_string(q) + " has " +
-                       std::to_string(found) + " attributes per face, lower ranks have " +
-                       std::to_string(agreed));
-    agreed = found;
-  }
-  return agreed == no_faces ? 0 : static_cast<int>(agreed);
+// All ranks have the same group of all: all of them throw, or none does.
+void throwIfFaulty(const RankGroup& all) {
+  if (all.num_invalid > 0)
+    throw PhysicsError("contact search: node " + std::to_string(all.first_invalid) + " on rank " +
+                       std::to_string(all.invalid_rank) + " has a coordinate that is not finite (" +
+                       std::to_string(all.num_invalid) + " such node(s), summed over ranks)");
+  if (all.other_rank != RankGroup::none)
+    throw InputError("contact search: rank " + std::to_string(all.other_rank) + " has " +
+                     std::to_string(all.other_attributes) +
+                     " attributes per face, lower ranks have " + std::to_string(all.attributes));
 }
 
 // In the first 600 steps of the default wall on 4 ranks, a surface leaves a box with this margin four
@@ -60,56 +54,95 @@ Box withMargin(Box box) {
   return box;
 }
 
-// The other ranks whose box, in `boxes` [rank], overlaps `own`.
-void findPartners(const Box& own, const std::vector<Box>& boxes, int this_rank,
-                  std::vector<int>& ranks) {
-  ranks.clear();
-  for (int q = 0; q < static_cast<int>(boxes.size()); ++q)
-    if (q != this_rank && own.overlaps(boxes[q]))
-      ranks.push_back(q);
+// The records of the partners, through the tree.
+std::vector<RankRecord> exchangeAlongTree(MPI_Comm comm, const RankRecord& own,
+                                          const RankGroup& group, RankGroup& all) {
+  RankTree tree(own.rank, sizeOf(comm));
+  tree.begin(own, group);
+  std::vector<std::int64_t> sent, received;
+  for (int i = 0; i < tree.numRounds(); ++i) {
+    const RankTree::Round round = tree.round(i);
+    MPI_Request request = MPI_REQUEST_NULL;
+    if (round.sends) {
+      tree.pack(i, sent);
+      checkMpi(MPI_Isend(sent.data(), checkedInt(std::int64_t(sent.size()), "rank boxes"),
+                         MPI_INT64_T, round.peer, tags::rank_boxes, comm, &request),
+               "MPI_Isend");
+    }
+    if (round.receives) {
+      const Region region(waiting_region);
+      MPI_Message message;
+      MPI_Status status;
+      int words = 0;
+      checkMpi(MPI_Mprobe(round.peer, tags::rank_boxes, comm, &message, &status), "MPI_Mprobe");
+      checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
+      received.resize(static_cast<std::size_t>(words));
+      checkMpi(MPI_Mrecv(received.data(), words, MPI_INT64_T, &message, MPI_STATUS_IGNORE),
+               "MPI_Mrecv");
+    }
+    checkMpi(MPI_Wait(&request, MPI_STATUS_IGNORE), "MPI_Wait");
+    if (round.receives)
+      tree.unpack(i, received.data(), received.size());
+  }
+  all = tree.all();
+  return tree.partners();
+}
+
+// The paper's phase 2: the records of all ranks.
+std::vector<RankRecord> gatherAll(MPI_Comm comm, const RankRecord& own, const RankGroup& group,
+                                  RankGroup& all) {
+  static_assert(std::is_trivially_copyable_v<RankGroup>);
+  std::vector<RankGroup> groups(static_cast<std::size_t>(sizeOf(comm)));
+  constexpr int bytes = sizeof(RankGroup);
+  checkMpi(MPI_Allgather(&group, bytes, MPI_BYTE, groups.data(), bytes, MPI_BYTE, comm),
+           "MPI_Allgather");
+  all = groups[0];
+  std::vector<RankRecord> records;
+  for (int q = 0; q < static_cast<int>(groups.size()); ++q) {
+    if (q > 0)
+      all.include(groups[std::size_t(q)]);
+    if (q != own.rank)
+      records.push_back({q, groups[std::size_t(q)].node_box, groups[std::size_t(q)].face_box});
+  }
+  return records;
 }
 
 } // namespace
 
 bool RankBoxes::hold(const SweptBoxes& surface, const OwnRankBoxes& own) const {
-  return !node_boxes.empty() && own.num_invalid == 0 && node_boxes[rank].contains(own.node_box) &&
-         face_boxes[rank].contains(own.face_box) &&
-         _words[static_cast<std::size_t>(rank) * num_words + attributes] == attributesOf(surface);
-}
-
-void RankBoxes::gather(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
-                       bool with_margin) {
-  const Region timer("contact::search::rank_box_exchange");
-  node_boxes.clear(); // nothing holds after a throw
-  rank = rankOf(comm);
-  size = sizeOf(comm);
-  std::int64_t sent[num_words];
-  packBox(with_margin ? withMargin(own.node_box) : own.node_box, sent + node_box);
-  packBox(with_margin ? withMargin(own.face_box) : own.face_box, sent + face_box);
-  sent[num_invalid] = own.num_invalid;
-  sent[first_invalid] = own.first_invalid;
-  sent[attributes] = attributesOf(surface);
-  _words.resize(static_cast<std::size_t>(size) * num_words);
-  checkMpi(MPI_Allgather(sent, num_words, MPI_INT64_T, _words.data(), num_words, MPI_INT64_T, comm),
-           "MPI_Allgather");
-  throwIfNotFinite(_words, size);
-  num_attributes = agreedAttributes(_words, size);
-  node_boxes.resize(static_cast<std::size_t>(size));
-  face_boxes.resize(static_cast<std::size_t>(size));
-  for (int q = 0; q < size; ++q) {
-    const std::int64_t* of_rank = &_words[static_cast<std::size_t>(q) * num_words];
-    node_boxes[q] = unpackBox(of_rank + node_box);
-    face_boxes[q] = unpackBox(of_rank + face_box);
-  }
+  return _are_known && own.num_invalid == 0 && node_box.contains(own.node_box) &&
+         face_box.contains(own.face_box) && _sent_attributes == attributesOf(surface);
 }
 
 void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,
-                       bool with_margin, RankBoxes& all) {
+                       bool keeps, RankBoxes& all) {
   const Region region("contact::exchangeRankBoxes");
-  all.gather(comm, surface, own, with_margin);
+  std::vector<RankRecord> records;
+  {
+    const Region timer("contact::search::rank_box_exchange");
+    all._are_known = false; // nothing holds after a throw
+    all._sent_attributes = attributesOf(surface);
+    all.node_box = keeps ? withMargin(own.node_box) : own.node_box;
+    all.face_box = keeps ? withMargin(own.face_box) : own.face_box;
+    const int rank = rankOf(comm);
+    const RankRecord record{rank, all.node_box, all.face_box};
+    const RankGroup group = groupOf(rank, all.node_box, all.face_box, own, all._sent_attributes);
+    RankGroup of_all;
+    records = keeps ? exchangeAlongTree(comm, record, group, of_all)
+                    : gatherAll(comm, record, group, of_all);
+    throwIfFaulty(of_all);
+    all.num_attributes = static_cast<int>(of_all.attributes);
+    all._are_known = true;
+  }
   const Region timer("contact::search::partners");
-  findPartners(all.node_boxes[all.rank], all.face_boxes, all.rank, all.near_nodes);
-  findPartners(all.face_boxes[all.rank], all.node_boxes, all.rank, all.near_faces);
+  all.near_nodes.clear();
+  all.near_faces.clear();
+  for (const RankRecord& other : records) {
+    if (all.node_box.overlaps(other.face_box))
+      all.near_nodes.add(other.rank, other.face_box);
+    if (all.face_box.overlaps(other.node_box))
+      all.near_faces.add(other.rank, other.node_box);
+  }
 }
 
 } // namespace brickwall::contact

@@ -49,25 +49,21 @@ OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const SweptBox
 void PaperSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                             const RankBoxes& rank_boxes) {
   const Region region("contact::findPartnersAndCandidates");
-  _nodes_to_send.ranks = rank_boxes.near_nodes;
-  _faces_to_test.ranks = rank_boxes.near_faces;
   const Region timer("contact::search::searches_0_and_1");
-  listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.face_boxes, _node_search,
+  listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.near_nodes, _node_search,
                  _nodes_to_send);
-  listCandidates(space, _boxes.face_boxes, surface.num_faces, rank_boxes.node_boxes, _face_search,
+  listCandidates(space, _boxes.face_boxes, surface.num_faces, rank_boxes.near_faces, _face_search,
                  _faces_to_test);
 }
 
-// boxes_of_ranks [rank] are those of the other kind: of faces for nodes, of nodes for faces.
+// The boxes of `partners` are those of the other kind: of faces for nodes, of nodes for faces.
 void PaperSearch::listCandidates(const exec_space& space, const View<const Box*>& boxes,
-                                 int num_rows, const std::vector<Box>& boxes_of_ranks,
-                                 RankBoxSearch& search, PartnerLists& lists) {
+                                 int num_rows, const NearRanks& partners, RankBoxSearch& search,
+                                 PartnerLists& lists) {
+  lists.ranks = partners.ranks;
   lists.offsets.assign(lists.ranks.size() + 1, 0);
-  _partner_boxes.clear();
-  for (const int q : lists.ranks)
-    _partner_boxes.push_back(boxes_of_ranks[q]);
   if (!lists.ranks.empty())
-    findCandidates(space, boxes, num_rows, _partner_boxes, search, lists);
+    findCandidates(space, boxes, num_rows, partners.boxes, search, lists);
 }
 
 void PaperSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes&,

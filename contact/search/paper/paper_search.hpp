@@ -49,10 +49,8 @@ protected:
 
 private:
   void listCandidates(const exec_space& space, const View<const Box*>& boxes, int num_rows,
-                      const std::vector<Box>& boxes_of_ranks, RankBoxSearch& search,
-                      PartnerLists& lists);
+                      const NearRanks& partners, RankBoxSearch& search, PartnerLists& lists);
 
-  std::vector<Box> _partner_boxes;
   RankBoxSearch _node_search, _face_search;
   FaceGhostSearch _ghost_search;
   std::int64_t _overlapping_pairs = 0; // found by search 2

@@ -141,4 +141,21 @@ TEST(ElementBalance, MovesElementsToRanksOfEqualWorkAsSoonAsThatPays) {
               1e-12);
 }
 
+TEST(ElementBalance, WhileAllBodiesRestRanksGetEqualNumbersOfElements) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  if (size == 1)
+    GTEST_SKIP() << "there is no other rank";
+  MovingRun run("[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
+                "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\npoissons_ratio = 0.2\n"
+                "[time]\nend = 1\n");
+  run.simulation->start();
+  run.move(std::vector<int>(run.scene.part.elem_ids.size(), 0));
+  ElementBalance balance(MPI_COMM_WORLD, {Rebalance::always, 1}, 1.0);
+  run.simulation->step();
+  const auto ranks = balance.newRanks(*run.simulation, {1, 0, 0});
+  ASSERT_TRUE(ranks);
+  run.move(*ranks);
+  EXPECT_LE(miniapp::imbalanceOf(MPI_COMM_WORLD, run.scene.part.numElems()), 1 + 8. * size / 96);
+}
+
 } // namespace
