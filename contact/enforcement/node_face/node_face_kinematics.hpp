@@ -71,7 +71,8 @@ struct NodeFaceKinematics {
   // False only if test() at ContactTest::activate is false. mayPenetrate() uses positions only;
   // mayActivate() also the faces around the node.
   KOKKOS_INLINE_FUNCTION bool mayPenetrate(const FaceAccess& faces, int node, int face) const {
-    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
+    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face,
+                            ContactTest::activate);
   }
   KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
     return isOpposed(node, records(recordOf(face)).plane.normal,
@@ -81,15 +82,20 @@ struct NodeFaceKinematics {
   KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     FaceContact contact;
-    return !isSurelyOutside(x, face) &&
+    return !isSurelyOutside(x, face, ContactTest::transfer) &&
            isOpposed(
                node, records(recordOf(face)).plane.normal,
                minOf(opposedCosine(ContactTest::activate), opposedCosine(ContactTest::transfer))) &&
            accept(faces, face, ContactTest::transfer, project(faces.quad(face), x), contact);
   }
-  KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
-    return records(recordOf(face))
-        .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth);
+  // Contacts become active only within lateral_tolerance, where a warped face reaches less far out
+  // of its mean plane. Half of least_depth there is for rounding.
+  KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face,
+                                              ContactTest test_kind) const {
+    const MeanPlane& plane = records(recordOf(face)).plane;
+    return plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth) ||
+           (test_kind == ContactTest::activate &&
+            plane.surelyOutside(x, lateral_tolerance, 0.5 * least_depth));
   }
   KOKKOS_INLINE_FUNCTION void projectPersistent(const FaceAccess& faces,
                                                 const ContactHistory& previous, int count,
@@ -121,7 +127,7 @@ struct NodeFaceKinematics {
   }
   KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face,
                                        ContactTest test_kind) const {
-    return !isSurelyOutside(x, face) &&
+    return !isSurelyOutside(x, face, test_kind) &&
            isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
