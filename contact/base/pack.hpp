@@ -21,6 +21,14 @@ struct VectorsOf<8> {
   typedef unsigned char bytes __attribute__((vector_size(8)));
 };
 
+template <>
+struct VectorsOf<4> {
+  typedef double real __attribute__((vector_size(32)));
+  typedef std::int64_t integer __attribute__((vector_size(32)));
+  typedef std::uint64_t bits __attribute__((vector_size(32)));
+  typedef unsigned char bytes __attribute__((vector_size(4)));
+};
+
 template <int W>
 struct MaskPackOf;
 

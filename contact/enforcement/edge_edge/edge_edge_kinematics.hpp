@@ -16,6 +16,7 @@ struct EdgeEdgeKinematics {
   // projectPersistent() fills last_motion only
   static constexpr bool projects_persistent_contacts = false;
   static constexpr bool tests_rows_at_once = true; // by rowsThatMayActivate()
+  static constexpr bool projects_candidates_at_once = false;
   // Edges at smaller sines, to each other or to a face, are left to node-to-face contact: a node
   // half an element away is inside before the penetration reaches a twentieth of an element.
   static constexpr double least_sine = 0.05;

@@ -7,6 +7,7 @@
 #include "contact/enforcement/node_face/joint_areas.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
+#include "contact/surface/project_at_once.hpp"
 
 namespace brickwall::contact {
 
@@ -17,6 +18,8 @@ struct NodeFaceKinematics {
   // projectPersistent() fills PersistentContact completely
   static constexpr bool projects_persistent_contacts = true;
   static constexpr bool tests_rows_at_once = false;
+  static constexpr bool projects_candidates_at_once = fills_lanes; // by projectCandidates()
+  static constexpr int candidates_at_once = 4; // those of a node at a vertex of the other mesh
 
   // Bodies whose edges overlap by less than this, in half-lengths of a face, pass each other.
   static constexpr double edge_overlap_tolerance = 0.02;
@@ -71,7 +74,8 @@ struct NodeFaceKinematics {
   // False only if test() at ContactTest::activate is false. mayPenetrate() uses positions only;
   // mayActivate() also the faces around the node.
   KOKKOS_INLINE_FUNCTION bool mayPenetrate(const FaceAccess& faces, int node, int face) const {
-    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face);
+    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face,
+                            ContactTest::activate);
   }
   KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
     return isOpposed(node, records(recordOf(face)).plane.normal,
@@ -81,15 +85,20 @@ struct NodeFaceKinematics {
   KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
     FaceContact contact;
-    return !isSurelyOutside(x, face) &&
+    return !isSurelyOutside(x, face, ContactTest::transfer) &&
            isOpposed(
                node, records(recordOf(face)).plane.normal,
                minOf(opposedCosine(ContactTest::activate), opposedCosine(ContactTest::transfer))) &&
            accept(faces, face, ContactTest::transfer, project(faces.quad(face), x), contact);
   }
-  KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face) const {
-    return records(recordOf(face))
-        .plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth);
+  // Contacts become active only within lateral_tolerance, where a warped face reaches less far out
+  // of its mean plane. Half of least_depth there is for rounding.
+  KOKKOS_INLINE_FUNCTION bool isSurelyOutside(const Vec3& x, int face,
+                                              ContactTest test_kind) const {
+    const MeanPlane& plane = records(recordOf(face)).plane;
+    return plane.surelyOutside(x, maxOf(lateral_tolerance, FadeRegion::max_excess), least_depth) ||
+           (test_kind == ContactTest::activate &&
+            plane.surelyOutside(x, lateral_tolerance, 0.5 * least_depth));
   }
   KOKKOS_INLINE_FUNCTION void projectPersistent(const FaceAccess& faces,
                                                 const ContactHistory& previous, int count,
@@ -106,22 +115,33 @@ struct NodeFaceKinematics {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face,
                                    ContactTest test_kind, FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    return isFacing(x, node, face, test_kind) &&
-           accept(faces, face, test_kind, project(faces.quad(face), x), contact) &&
+    return isFacing(faces, node, face, test_kind) &&
+           testPoint(faces, node, face, test_kind, project(faces.quad(face), x), contact);
+  }
+  // test() from the closest points of at most candidates_at_once faces that are facing the node.
+  KOKKOS_INLINE_FUNCTION bool testPoint(const FaceAccess& faces, int node, int face,
+                                        ContactTest test_kind, const FacePoint& point,
+                                        FaceContact& contact) const {
+    return accept(faces, face, test_kind, point, contact) &&
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
              overlapsOnlyAtEdge(faces, node, face, contact));
+  }
+  KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
+                                                const int* candidates, FacePoint* points) const {
+    projectAtOnce<candidates_at_once>(
+        [&](int k) { return faces.quad(candidates[k]); }, count,
+        rowOf(faces.surface.coordinates_new, node), points);
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
                                              const PersistentContact& persistent,
                                              FaceContact& contact) const {
-    const Vec3 x = rowOf(faces.surface.coordinates_new, persistent.node);
-    return isFacing(x, persistent.node, persistent.face, ContactTest::persist) &&
+    return isFacing(faces, persistent.node, persistent.face, ContactTest::persist) &&
            accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
-  KOKKOS_INLINE_FUNCTION bool isFacing(const Vec3& x, int node, int face,
+  KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {
-    return !isSurelyOutside(x, face) &&
+    return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face, test_kind) &&
            isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,

@@ -72,8 +72,7 @@ KOKKOS_INLINE_FUNCTION Separation separationOf(const NodeFaceKinematics& kinemat
   }
   // gap of MeanPlane::surelyOutside(): n . (x - c) - stretch |n . twist|/4 + depth > 0
   const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-  const double lateral = maxOf(kinematics.lateral_tolerance, FadeRegion::max_excess);
-  const double stretch = (1 + lateral) * (1 + lateral);
+  const double stretch = (1 + kinematics.lateral_tolerance) * (1 + kinematics.lateral_tolerance);
   const Vec3 sum = (quad.corner[0] + quad.corner[1]) + (quad.corner[2] + quad.corner[3]);
   const Vec3 twist = (quad.corner[0] - quad.corner[1]) + (quad.corner[2] - quad.corner[3]);
   separation.normal = plane.normal;

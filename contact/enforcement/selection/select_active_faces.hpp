@@ -115,19 +115,45 @@ struct SelectActiveFaces {
                                           FaceContact& contact, double covered) const {
     bool found = false;
     FaceContact nearest, other;
-    for (std::int64_t p = begin; p < end; ++p) {
-      if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once)
-        if (!step.may_touch(p))
-          continue;
-      const int face = step.pairs.faces(p);
+    const auto isExcluded = [&](int face) {
+      return excludes_previous && face == contact.previous_face;
+    };
+    // Takes `other`, if it is in contact with `face`.
+    const auto takeIfNearest = [&](int face) {
       other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;
-      if ((excludes_previous && face == contact.previous_face) ||
-          !isTouching(node, face, test_kind, other) || !hasEnteredThrough(node, other) ||
-          !(leastWeight(other) > covered))
-        continue;
+      if (!step.faces.isOfThisStep(step.pairs.step_test, node, face) ||
+          !hasEnteredThrough(node, other) || !(leastWeight(other) > covered))
+        return;
       if (!found || other.depth < nearest.depth)
         nearest = other;
       found = true;
+    };
+    if constexpr (Kinematics::projects_candidates_at_once) {
+      constexpr int width = Kinematics::candidates_at_once;
+      FacePoint points[width];
+      int faces[width];
+      for (std::int64_t p = begin; p < end;) {
+        int count = 0;
+        for (; p < end && count < width; ++p)
+          if (!isExcluded(step.pairs.faces(p)) &&
+              step.kinematics.isFacing(step.faces, node, step.pairs.faces(p), test_kind))
+            faces[count++] = step.pairs.faces(p);
+        step.kinematics.projectCandidates(step.faces, node, count, faces, points);
+        for (int k = 0; k < count; ++k)
+          if (step.kinematics.testPoint(step.faces, node, faces[k], test_kind, points[k], other))
+            takeIfNearest(faces[k]);
+      }
+    } else {
+      for (std::int64_t p = begin; p < end; ++p) {
+        if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once)
+          if (!step.may_touch(p))
+            continue;
+        const int face = step.pairs.faces(p);
+        // read by the tests of edges
+        other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;
+        if (!isExcluded(face) && step.kinematics.test(step.faces, node, face, test_kind, other))
+          takeIfNearest(face);
+      }
     }
     if (!found)
       return false;
