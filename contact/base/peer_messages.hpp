@@ -1,0 +1,288 @@
+// Messages between ranks that reach each other's memory (peer_memory.hpp). The sender copies its
+// words to a slot that others can open, and sends by MPI where they are and when they will be there;
+// the receiver lets its device wait and copy. Neither host waits for its device. A sender has two
+// slots, taken in turn; a receiver says when it has launched its copy, and the device of the sender
+// waits for that copy before the slot is filled again.
+#pragma once
+
+#include "contact/base/message_path.hpp"
+#include "contact/base/mpi.hpp"
+#include "contact/base/peer_memory.hpp"
+
+#include <cstring>
+#include <exception>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace brickwall {
+
+// Words [begin, end) of a buffer that go to or come from a rank.
+struct MessageRange {
+  int rank;
+  std::int64_t begin, end;
+};
+
+class PeerMessages {
+public:
+  PeerMessages();
+  PeerMessages(const PeerMessages&) = delete;
+  PeerMessages& operator=(const PeerMessages&) = delete;
+  ~PeerMessages() { finish(); }
+
+  // Collective among partners: finds out which of `ranks` and this rank reach each other, where that
+  // is not known.
+  void connect(MPI_Comm comm, int tag, const std::vector<int>& ranks);
+  bool reaches(int rank) const { return at(rank).is_reached; }
+
+  // Sends ranges of `words` to ranks that are reached, also empty ones.
+  void send(const exec_space& space, MPI_Comm comm, int tag, const View<std::int64_t*>& words,
+            const std::vector<MessageRange>& to);
+  // The number of words that a rank has sent and that receive() will take. Waits for its message.
+  std::int64_t announced(MPI_Comm comm, int tag, int rank);
+  // Copies what announced() has told of.
+  void receive(const exec_space& space, MPI_Comm comm, int tag, const View<std::int64_t*>& words,
+               const std::vector<MessageRange>& from);
+
+private:
+  // Added to the tag of an exchange; tags.hpp has no tag above 99.
+  enum Step { greet = 1000, answer = 2000, announce = 3000, confirm = 4000 };
+  struct Greeting {
+    char host[MPI_MAX_PROCESSOR_NAME] = {};
+    peer::Handle memory, event;
+  };
+  struct Announcement {
+    std::int64_t begin = 0, words = 0, capacity = 0;
+    std::int64_t generation = 0; // of the sender's slots
+    std::int64_t slot = 0;
+    peer::Handle memory, event;
+  };
+  struct Confirmation {
+    peer::Handle event; // of the receiver: it has taken all words that it has been told of
+  };
+  // What is open of another rank.
+  struct Peer {
+    bool is_reached = false;
+    Announcement announced;
+    std::int64_t generation[2] = {0, 0};
+    const std::int64_t* memory[2] = {nullptr, nullptr};
+    peer::Event has_words[2] = {}, has_taken = {};
+  };
+  struct Slot {
+    std::int64_t* data = nullptr;
+    std::int64_t capacity = 0, generation = 0;
+    peer::Handle memory, event;
+    peer::Event has_words = {};
+    std::vector<Announcement> announcements;
+    std::vector<int> receivers;
+    std::vector<Confirmation> confirmations; // of the receivers
+    std::vector<MPI_Request> sends, receives;
+  };
+
+  const Peer& at(int rank) const {
+    static const Peer unknown;
+    const auto found = _peers.find(rank);
+    return found == _peers.end() ? unknown : found->second;
+  }
+  static void grow(Slot& slot, std::int64_t words);
+  void awaitReaders(const exec_space& space, Slot& slot);
+  void finish();
+  static void check(bool did, const char* what) {
+    if (!did)
+      throw Error(ExitCode::internal, std::string("peer messages: ") + what +
+                                          " failed; BRICKWALL_MESSAGES=staged does without");
+  }
+  template <class T>
+  static void isend(const T& value, int rank, int tag, MPI_Comm comm, MPI_Request& request) {
+    checkMpi(MPI_Isend(&value, sizeof value, MPI_BYTE, rank, tag, comm, &request), "MPI_Isend");
+  }
+  template <class T>
+  static void irecv(T& value, int rank, int tag, MPI_Comm comm, MPI_Request& request) {
+    checkMpi(MPI_Irecv(&value, sizeof value, MPI_BYTE, rank, tag, comm, &request), "MPI_Irecv");
+  }
+  static void wait(std::vector<MPI_Request>& requests) {
+    if (requests.empty())
+      return;
+    const Region region(waiting_region);
+    checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+             "MPI_Waitall");
+    requests.clear();
+  }
+
+  std::map<int, Peer> _peers;
+  Slot _slots[2]; // [number of the exchange modulo 2]
+  std::int64_t _num_sent = 0; // exchanges
+  peer::Event _has_taken = {};
+  Confirmation _confirmation;
+  std::vector<MPI_Request> _confirms;
+};
+
+inline PeerMessages::PeerMessages() {
+  _has_taken = peer::makeEvent(_confirmation.event);
+  for (Slot& slot : _slots) {
+    slot.has_words = peer::makeEvent(slot.event);
+    if (_has_taken != nullptr && slot.has_words != nullptr)
+      grow(slot, 1);
+  }
+}
+
+// The memory before is kept by those who have opened it, and stays with this process: it cannot be
+// known when all have done with it.
+inline void PeerMessages::grow(Slot& slot, std::int64_t words) {
+  if (words <= slot.capacity)
+    return;
+  const std::int64_t capacity = maxOf(2 * words, +peer::least_words);
+  slot.data = peer::allocate(capacity, slot.memory);
+  slot.capacity = slot.data != nullptr ? capacity : 0;
+  ++slot.generation;
+}
+
+inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>& ranks) {
+  const int rank = rankOf(comm);
+  std::vector<int> unknown;
+  for (const int q : ranks)
+    if (q != rank && _peers.find(q) == _peers.end())
+      unknown.push_back(q);
+  if (unknown.empty())
+    return;
+  const Region region("base::PeerMessages::connect");
+  const std::size_t n = unknown.size();
+  Greeting own;
+  int length = 0;
+  checkMpi(MPI_Get_processor_name(own.host, &length), "MPI_Get_processor_name");
+  own.memory = _slots[0].memory;
+  own.event = _slots[0].event;
+  const bool has_memory = _slots[0].data != nullptr && _slots[1].data != nullptr;
+  std::vector<Greeting> greetings(n);
+  std::vector<int> mine(n), theirs(n);
+  std::vector<MPI_Request> requests(2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    irecv(greetings[i], unknown[i], tag + greet, comm, requests[2 * i]);
+    isend(own, unknown[i], tag + greet, comm, requests[2 * i + 1]);
+  }
+  wait(requests);
+  for (std::size_t i = 0; i < n; ++i)
+    mine[i] = has_memory && std::strcmp(own.host, greetings[i].host) == 0 &&
+              peer::open(greetings[i].memory, peer::least_words) != nullptr &&
+              peer::openEvent(greetings[i].event) != nullptr;
+  requests.resize(2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    irecv(theirs[i], unknown[i], tag + answer, comm, requests[2 * i]);
+    isend(mine[i], unknown[i], tag + answer, comm, requests[2 * i + 1]);
+  }
+  wait(requests);
+  for (std::size_t i = 0; i < n; ++i)
+    _peers[unknown[i]].is_reached = mine[i] != 0 && theirs[i] != 0;
+}
+
+// Waits until the words that the slot holds have been read: the host for messages, the device for
+// copies.
+inline void PeerMessages::awaitReaders(const exec_space& space, Slot& slot) {
+  wait(slot.sends);
+  wait(slot.receives);
+  for (std::size_t i = 0; i < slot.receivers.size(); ++i) {
+    Peer& reader = _peers.at(slot.receivers[i]);
+    if (reader.has_taken == nullptr)
+      reader.has_taken = peer::openEvent(slot.confirmations[i].event);
+    check(reader.has_taken != nullptr && peer::waitFor(space, reader.has_taken),
+          "waiting for a receiver");
+  }
+  slot.receivers.clear();
+}
+
+inline void PeerMessages::send(const exec_space& space, MPI_Comm comm, int tag,
+                               const View<std::int64_t*>& words,
+                               const std::vector<MessageRange>& to) {
+  if (to.empty())
+    return;
+  const std::int64_t number = _num_sent++ % 2;
+  Slot& slot = _slots[number];
+  awaitReaders(space, slot);
+  std::int64_t size = 0;
+  for (const MessageRange& range : to)
+    size += range.end - range.begin;
+  grow(slot, size);
+  check(slot.data != nullptr, "allocating memory");
+  const std::size_t n = to.size();
+  slot.announcements.assign(n, Announcement());
+  slot.confirmations.assign(n, Confirmation());
+  slot.sends.resize(n);
+  slot.receives.resize(n);
+  std::int64_t begin = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int64_t count = to[i].end - to[i].begin;
+    if (count > 0)
+      check(peer::copy(space, slot.data + begin, words.data() + to[i].begin, count), "copying");
+    slot.announcements[i] = {begin,  count,       slot.capacity,   slot.generation,
+                             number, slot.memory, slot.event};
+    begin += count;
+  }
+  check(peer::record(space, slot.has_words), "recording an event");
+  for (std::size_t i = 0; i < n; ++i) {
+    slot.receivers.push_back(to[i].rank);
+    irecv(slot.confirmations[i], to[i].rank, tag + confirm, comm, slot.receives[i]);
+    isend(slot.announcements[i], to[i].rank, tag + announce, comm, slot.sends[i]);
+    messagesSent().add(to[i].end - to[i].begin);
+  }
+}
+
+inline std::int64_t PeerMessages::announced(MPI_Comm comm, int tag, int rank) {
+  const Region region(waiting_region);
+  Announcement& announcement = _peers.at(rank).announced;
+  checkMpi(MPI_Recv(&announcement, sizeof announcement, MPI_BYTE, rank, tag + announce, comm,
+                    MPI_STATUS_IGNORE),
+           "MPI_Recv");
+  return announcement.words;
+}
+
+inline void PeerMessages::receive(const exec_space& space, MPI_Comm comm, int tag,
+                                  const View<std::int64_t*>& words,
+                                  const std::vector<MessageRange>& from) {
+  if (from.empty())
+    return;
+  for (const MessageRange& range : from) {
+    Peer& sender = _peers.at(range.rank);
+    const Announcement& announcement = sender.announced;
+    const std::int64_t number = announcement.slot;
+    if (sender.generation[number] != announcement.generation) {
+      sender.memory[number] = peer::open(announcement.memory, announcement.capacity);
+      sender.generation[number] = announcement.generation;
+    }
+    if (sender.has_words[number] == nullptr)
+      sender.has_words[number] = peer::openEvent(announcement.event);
+    check(sender.memory[number] != nullptr && sender.has_words[number] != nullptr,
+          "opening the memory of a sender");
+    check(announcement.words == range.end - range.begin, "agreeing on the size of a message");
+    if (announcement.words == 0)
+      continue;
+    check(peer::waitFor(space, sender.has_words[number]), "waiting for a sender");
+    check(peer::copy(space, words.data() + range.begin, sender.memory[number] + announcement.begin,
+                     announcement.words),
+          "copying");
+  }
+  check(peer::record(space, _has_taken), "recording an event");
+  wait(_confirms);
+  _confirms.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i)
+    isend(_confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
+}
+
+// The communicator may be freed next: all confirmations are awaited, which their senders have sent
+// when their exchange ended. Where an exception unwinds, they may never come; the communicator then
+// stays (mpi.hpp).
+inline void PeerMessages::finish() {
+  int is_finalized = 0;
+  MPI_Finalized(&is_finalized);
+  if (is_finalized != 0)
+    return;
+  const bool waits = std::uncaught_exceptions() == 0;
+  for (auto* requests : {&_slots[0].receives, &_slots[1].receives, &_slots[0].sends,
+                         &_slots[1].sends, &_confirms}) {
+    for (MPI_Request& request : *requests)
+      if (!waits)
+        MPI_Cancel(&request);
+    MPI_Waitall(static_cast<int>(requests->size()), requests->data(), MPI_STATUSES_IGNORE);
+  }
+}
+
+} // namespace brickwall
