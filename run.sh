@@ -50,6 +50,8 @@ Studies consist of many runs and write tables and plots to their folder (default
   same-bits     the default wall on many ranks and threads, with and without kept lists
   savings       skipped work restored part by part: the same bits, and the time that skipping saves
   step          the time of a coupled step, part by part, over scenes, walls, ranks and threads
+  scale         strong and weak scaling, and a model of it up to 100,000 ranks
+  balance       the load of the ranks over time in three scenes
   FILE.toml     the runs of a study file, such as verification/performance/studies/*.toml
 verification/README.md describes them, miniapp/study/README.md study files.
 
@@ -99,8 +101,10 @@ choose_study() {
     same-bits) driver=("$root/verification/same_bits.py") ;;
     savings) driver=("$root/verification/savings.py") ;;
     step) driver=("$root/verification/performance/step/step_study.py") ;;
+    scale) driver=("$root/verification/performance/scale/scale_study.py") ;;
+    balance) driver=("$root/verification/performance/balance/balance_study.py") ;;
     *.toml) driver=("$root/miniapp/study/brickwall-study" "$1") ;;
-    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step, or a file FILE.toml" ;;
+    *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step, scale, balance, or a file FILE.toml" ;;
   esac
 }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }

@@ -1,7 +1,7 @@
 // The global search on many virtual ranks in one process: the exchange of rank boxes (phase 2) among
 // all of them, by the program's RankTree; boxes, candidates, node boxes and faces to send (1, 3, 4, 5) on a few
 // ranks whose surfaces are built with those of their partners. Prints a CSV row for each scene and
-// number of ranks; scale.md beside this file explains the columns.
+// number of ranks; README.md beside this file explains the columns.
 //   contact_virtual_ranks weak RANKS...           16 bricks of W(8) a rank
 //   contact_virtual_ranks wall N FACTOR RANKS...  the wall W(N) with FACTOR times the bricks along and up
 #include "tests/contact/support/virtual_ranks.hpp"
@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -37,6 +38,7 @@ struct Scene {
   Box domain;
   bool is_numbered_at_random = false;
   bool has_stray = false; // one rank's box reaches over all others
+  int along = 0, up = 0; // bricks; 0: as far as the domain reaches
 
   double edge() const { return 1.0 / n; }
   double tolerance() const { return 0.05 * edge(); }
@@ -59,7 +61,7 @@ bool isIn(const Box& cell, const Vec3& x) {
 // The exterior faces of the elements whose centres are in a cell, with their nodes.
 class CellSurface {
 public:
-  CellSurface(const Box& cell, int n) : _cell(cell), _n(n), _edge(1.0 / n) {
+  CellSurface(const Box& cell, const Scene& scene) : _cell(cell), _n(scene.n), _edge(scene.edge()) {
     int first[3], last[3];
     for (int d = 0; d < 3; ++d) {
       const double length = d == 0 ? 2 : 1;
@@ -69,7 +71,8 @@ public:
     for (int k = first[2]; k < last[2]; ++k)
       for (int j = first[1]; j < last[1]; ++j)
         for (int i = first[0]; i < last[0]; ++i)
-          addBrick(i, j, k);
+          if (scene.along == 0 || (i >= 0 && i < scene.along && j == 0 && k >= 0 && k < scene.up))
+            addBrick(i, j, k);
   }
 
   int numFaces() const { return static_cast<int>(_face_ids.size()); }
@@ -183,7 +186,7 @@ struct BuiltRank {
 
   BuiltRank(const exec_space& space, const Scene& scene, const Box& cell, const RankRecord& own,
             const std::vector<RankRecord>& others)
-      : surface(CellSurface(cell, scene.n).onDevice(space)) {
+      : surface(CellSurface(cell, scene).onDevice(space)) {
     config.node_tolerance = config.face_tolerance = scene.tolerance();
     for (const RankRecord& other : others) {
       if (own.node_box.overlaps(other.face_box))
@@ -227,10 +230,13 @@ public:
     const double begin = MPI_Wtime();
     _replay = replayExchange(_records);
     _tree_seconds = (MPI_Wtime() - begin) / ranks;
-    // Large surfaces take long to build.
     std::vector<int> built = {ranks / 2, 2 * ranks / 3};
-    if (facesInAll() / ranks < 30000)
+    if (ranks <= 16) {
+      built.resize(std::size_t(ranks));
+      std::iota(built.begin(), built.end(), 0);
+    } else if (facesInAll() / ranks < 30000) { // larger surfaces take long to build
       built.insert(built.end(), {0, ranks / 4, 5 * ranks / 7});
+    }
     for (const int q : built)
       addRank(q, 1.0 / static_cast<double>(built.size()));
     countFaces(ranks);
@@ -326,7 +332,7 @@ private:
     std::mt19937_64 engine(1);
     for (int i = 0; i < num_counted; ++i) {
       const auto q = static_cast<std::size_t>(engine() % static_cast<std::uint64_t>(ranks));
-      const double faces = CellSurface(_cells[q], _scene.n).numFaces();
+      const double faces = CellSurface(_cells[q], _scene).numFaces();
       _mean_faces += faces / num_counted;
       _most_faces = std::max(_most_faces, faces);
     }
@@ -352,11 +358,11 @@ void measureWeak(int ranks) {
   const double volume = ranks * bricks_per_rank * volume_of_brick;
   const Box wall = boxOf(std::sqrt(volume), 1, std::sqrt(volume));
   const double side = std::cbrt(volume);
-  measure({"wall", 8, wall, false, false}, ranks);
-  measure({"pile", 8, boxOf(side, side, side), false, false}, ranks);
-  measure({"wall, one stray box", 8, wall, false, true}, ranks);
+  measure({"wall", 8, wall, false, false, 0, 0}, ranks);
+  measure({"pile", 8, boxOf(side, side, side), false, false, 0, 0}, ranks);
+  measure({"wall, one stray box", 8, wall, false, true, 0, 0}, ranks);
   if (ranks <= most_ranks_at_random)
-    measure({"wall, ranks at random", 8, wall, true, false}, ranks);
+    measure({"wall, ranks at random", 8, wall, true, false, 0, 0}, ranks);
 }
 
 void run(const std::vector<std::string>& words) {
@@ -370,9 +376,10 @@ void run(const std::vector<std::string>& words) {
       measureWeak(number(i));
       continue;
     }
-    const int factor = number(2); // the deck's wall is 15 bricks along and 29 up
+    const int factor = number(2); // the deck's wall is 15 bricks along and 29 up, with ragged ends
     measure({"W(" + words[1] + ")" + (factor > 1 ? " x" + std::to_string(factor * factor) : ""),
-             number(1), boxOf(30.0 * factor, 1, 29.0 * factor), false, false},
+             number(1), boxOf(30.0 * factor + 1, 1, 29.0 * factor), false, false, 15 * factor,
+             29 * factor},
             number(i));
   }
 }
