@@ -1,0 +1,151 @@
+#!/usr/bin/python3
+"""The load of the ranks over time in a strike, a wall that flies apart and a collapse: `./run.sh --study balance`.
+
+Runs the scenes of balance.md with contact on the ranks of the elements (primary) and balanced, all in turns, and writes balance.png,
+the largest rank over the mean over the steps, and table.md.
+"""
+import csv
+import json
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # of framework
+from framework.options import study_parser  # framework first: it sets the path of brickwall_study
+
+from brickwall_study import launch, machine
+from brickwall_study.options import positive, positive_list
+from brickwall_study.run_store import digest, finished, now, perform
+from brickwall_study.tables import markdown, number
+
+HERE = Path(__file__).resolve().parent
+PULSE = HERE.parents[2] / "inputs" / "local_pulse.toml"
+SCENES = {
+    "strike in the middle": (PULSE, {}),
+    "strike in a corner": (PULSE, {"load.pressure[0].center": [3.0, 0.0, 3.0], "time.end": 8}),
+    "flying apart": (HERE / "apart.toml", {}),
+    "collapse": (HERE / "collapse.toml", {}),
+}
+VALUES = {"active_contacts": "contacts", "work": "work", "enforcement": "time of enforcement"}
+COLOURS = {"primary": "#35124a", "surface": "#d1603d", "auto": "#3a8a6e"}
+
+
+def parse_arguments():
+    parser = study_parser("balance", __doc__)
+    parser.add_argument("-n", "--ranks", type=positive_list, default=[4], help="MPI ranks (default 4)")
+    parser.add_argument("-t", "--threads", type=positive, default=1, help="threads of each rank (default 1)")
+    parser.add_argument("--scenes", help=f"separated by commas (default all: {', '.join(SCENES)})")
+    parser.add_argument("--decompositions", default=",".join(COLOURS), help="of search.decomposition (default %(default)s)")
+    parser.add_argument("--repetitions", type=positive, default=1, help="turns (default 1)")
+    parser.add_argument("--steps", type=positive, help="of each run (default: to the end of the deck)")
+    parser.add_argument("--limit", type=float, default=3600, help="time limit of a run, s")
+    parser.add_argument("-o", "--output", type=lambda path: Path(path).absolute(), default=Path("out/study_balance").absolute(),
+                        help="folder (default out/study_balance)")
+    arguments = parser.parse_args()
+    arguments.scenes = arguments.scenes.split(",") if arguments.scenes else list(SCENES)
+    arguments.decompositions = arguments.decompositions.split(",")
+    for kind, known in (("scenes", SCENES), ("decompositions", COLOURS)):
+        for name in getattr(arguments, kind):
+            if name not in known:
+                parser.error(f"unknown name {name!r} in --{kind}; known are {', '.join(known)}")
+    return arguments
+
+
+def run(arguments, cores, scene, ranks, decomposition, turn):
+    """(rows of balance.csv, report.json), or the reason of a failure."""
+    deck, settings = SCENES[scene]
+    folder = arguments.output / "runs" / f"{scene.replace(' ', '_')}_n{ranks}_{decomposition}_{turn}"
+    settings = {**settings, "output.balance": True, "output.interval": 0.0, "search.decomposition": decomposition}
+    words = [arguments.program, "run", str(deck), "-o", str(folder)]
+    for key, value in settings.items():
+        words += ["--set", f"{key}={launch.spell(value)}"]
+    words += ["--steps", str(arguments.steps)] if arguments.steps else []
+    key = {"program": digest(arguments.program), "words": words[1:], "ranks": ranks, "threads": arguments.threads}
+    if not finished(folder, key):
+        environment = {**os.environ, **launch.environment(ranks, arguments.threads, cores)}
+        command = [*launch.launcher(arguments.program), "-n", str(ranks), *words]
+        record = perform(folder, key, command, arguments.limit, environment)
+        if record["state"] != "ok":
+            return f"{folder.name}: {record['state']}: {record['message']}"
+    with open(folder / "balance.csv", newline="") as file:
+        return list(csv.DictReader(file)), json.loads((folder / "report.json").read_text())
+
+
+def imbalance(rows, value):
+    """[(step, largest over mean)] where the mean is not 0."""
+    return [(int(row["step"]), float(row[f"{value}_max"]) / float(row[f"{value}_mean"])) for row in rows
+            if float(row[f"{value}_mean"]) > 0]
+
+
+def over_time(rows, value):
+    """The sum of the largest rank over that of the means: what all steps together cost more."""
+    mean = sum(float(row[f"{value}_mean"]) for row in rows)
+    return sum(float(row[f"{value}_max"]) for row in rows) / mean if mean > 0 else None
+
+
+def draw(folder, results, scenes, ranks):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update({"axes.grid": True, "grid.color": "#dddddd", "axes.spines.top": False, "axes.spines.right": False,
+                         "legend.frameon": False, "font.size": 8})
+    figure, panels = plt.subplots(len(VALUES), len(scenes), figsize=(3.6 * len(scenes), 7), sharex="col", squeeze=False)
+    for column, scene in enumerate(scenes):
+        for row, (value, title) in enumerate(VALUES.items()):
+            panel = panels[row][column]
+            for decomposition, colour in COLOURS.items():
+                found = results.get((scene, ranks, decomposition))
+                points = imbalance(found[0][0], value) if found else []
+                panel.plot(*zip(*points) if points else ([], []), color=colour, linewidth=1, label=decomposition)
+            panel.set_ylim(bottom=1)
+            panel.set_title(f"{scene}, {ranks} ranks" if row == 0 else "")
+            panel.set_ylabel(f"{title}: largest over mean" if column == 0 else "")
+            panel.set_xlabel("step" if row == len(VALUES) - 1 else "")
+    panels[0][0].legend()
+    figure.tight_layout()
+    figure.savefig(folder / "balance.png", dpi=110)
+
+
+def table(results, repetitions):
+    rows = []
+    for (scene, ranks, decomposition), found in results.items():
+        last = found[0]
+        seconds = sorted(report["imbalance"]["contact_with_waits"]["max"] for _, report in found)
+        spread = f"{number(seconds[len(seconds) // 2])} ({number(seconds[0])} to {number(seconds[-1])})" if repetitions > 1 \
+            else number(seconds[0])
+        rows.append([scene, ranks, decomposition] + [number(over_time(last[0], value)) for value in VALUES] + [
+            spread, last[1]["search"]["distributions"], last[1]["checksums"]["nodes"]])
+    return markdown(["scene", "ranks", "decomposition", *(f"{title}: largest over mean" for title in VALUES.values()),
+                     "contact with waits, s", "distributions", "checksum of the nodes"], rows)
+
+
+def main():
+    arguments = parse_arguments()
+    place = machine.describe()
+    results, failures = {}, []
+    for turn in range(1, arguments.repetitions + 1):
+        for case in [(scene, ranks, name) for scene in arguments.scenes for ranks in arguments.ranks
+                     for name in arguments.decompositions]:
+            found = run(arguments, place["physical_cores"], *case, turn)
+            if isinstance(found, str):
+                failures.append(found)
+                print(f"FAILED   {found}", file=sys.stderr)
+                continue
+            results.setdefault(case, []).append(found)
+            print(f"{', '.join(map(str, case))}: done", flush=True)
+    for ranks in arguments.ranks:
+        if any(case[1] == ranks for case in results):
+            draw(arguments.output, results, arguments.scenes, ranks)
+    built = next((found[0][1] for found in results.values()), {})
+    (arguments.output / "table.md").write_text(
+        f"# The load of the ranks\n\n{built.get('cpu')}, {place['physical_cores']} cores; commit {built.get('commit')}; {now()}; "
+        f"largest over mean: sums over the rows of balance.csv. The plot is of {arguments.ranks[-1]} ranks.\n\n![Load](balance.png)\n\n"
+        + table(results, arguments.repetitions))
+    print(f"wrote    {arguments.output / 'balance.png'}, {arguments.output / 'table.md'}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
