@@ -12,14 +12,14 @@ def exactly(value):
     return (value, value, value)
 
 
-COSTS = model.Costs(fixed=exactly(3.0), face=(1.0, 2.0, 4.0), element=exactly(5.0), boundary=exactly(0.5), latency=exactly(7.0),
+COSTS = model.Costs(fixed=exactly(3.0), face=(1.0, 2.0, 4.0), edge=exactly(0.1), element=exactly(5.0), boundary=exactly(0.5), latency=exactly(7.0),
                     byte=exactly(0.25), level=exactly(11.0), contention=exactly(1.5))
 
 
 class ScaleModel(unittest.TestCase):
     def test_a_time_is_the_sum_of_counts_times_costs(self):
-        counts = model.Counts(ranks=8, faces=10, elements=100, boundary=6, messages=4, bytes=80, reductions=2)
-        self.assertEqual(model.terms(COSTS, counts), {"compute": 1.5 * (3 + 20 + 500), "boundary": 3, "latency": 28, "bandwidth": 20,
+        counts = model.Counts(ranks=8, faces=10, edges=20, elements=100, boundary=6, messages=4, bytes=80, reductions=2)
+        self.assertEqual(model.terms(COSTS, counts), {"compute": 1.5 * (3 + 20 + 2 + 500), "boundary": 3, "latency": 28, "bandwidth": 20,
                                                       "reductions": 11 * 2 * 3})
         low, usual, high = model.seconds(COSTS, counts)
         self.assertEqual((low, high), (usual - 1.5 * 10, usual + 1.5 * 20))
@@ -28,13 +28,16 @@ class ScaleModel(unittest.TestCase):
         terms = model.terms(COSTS, model.Counts(ranks=1, faces=10, reductions=2))
         self.assertEqual((terms["compute"], terms["reductions"]), (23, 0))
 
-    def test_a_line_is_found_and_has_no_negative_part(self):
-        fixed, slope = model.line([(x, 2 + 0.5 * x) for x in (1, 10, 100)])
-        self.assertAlmostEqual(fixed, 2)
-        self.assertAlmostEqual(slope, 0.5)
-        self.assertEqual(model.line([(1, 0.5), (10, 10)])[0], 0)
-        self.assertEqual(model.line([(1, 2), (10, 1)])[1], 0)
-        self.assertEqual(model.line([(4, 8)]), (0, 2))
+    def test_costs_are_found_and_are_not_negative(self):
+        first, second = model.fit([((x, x * x), 2 * x + 0.5 * x * x) for x in (1, 10, 100)])
+        self.assertAlmostEqual(first, 2)
+        self.assertAlmostEqual(second, 0.5)
+        self.assertEqual(model.fit([((4,), 8)]), (2,))
+        self.assertEqual(model.fit([((1, 1), 0.5), ((1, 10), 10)])[0], 0)
+        self.assertEqual(model.fit([((1, 1), 2), ((1, 10), 1)])[1], 0)
+
+    def test_noise_stays_in_triples_of_costs(self):
+        self.assertEqual(model.fit_triples([((1,), (1, 2, 3)), ((10,), (10, 20, 30))]), ((1, 2, 3),))
 
     def test_a_triple_is_least_median_and_largest(self):
         self.assertEqual(model.triple([3, 1, 2]), (1, 2, 3))

@@ -1,10 +1,10 @@
 """The arithmetic of the scaling model. The time of a step on the rank that has most to do is
 
-    t = k (c0 + c_f F + c_e E) + c_b B + m L + b / W + r A log2(P)
+    t = k (c0 + c_f F + c_l K + c_e E) + c_b B + m L + b / W + r A log2(P)
 
-F faces and, of a coupled step, E elements, B items at the boundary (blocks tested, node boxes and
+F faces and, of a coupled step, E elements and K element edges on edges of bricks, B items at the boundary (blocks tested, node boxes and
 faces sent), m messages, b bytes and r reductions are counts of that rank; P is the number of ranks. The
-costs c0, c_f, c_e, c_b, the latency L, the time of a byte 1/W, of a level of a reduction A, and the factor k by
+costs c0, c_f, c_l, c_e, c_b, the latency L, the time of a byte 1/W, of a level of a reduction A, and the factor k by
 which cores that all compute slow each other down are measured; each has a least, a usual and a largest value.
 """
 import math
@@ -20,6 +20,7 @@ class Costs:
 
     fixed: tuple
     face: tuple
+    edge: tuple
     element: tuple
     boundary: tuple
     latency: tuple
@@ -37,6 +38,7 @@ class Counts:
 
     ranks: int
     faces: float
+    edges: float = 0
     elements: float = 0
     boundary: float = 0
     messages: float = 0
@@ -49,7 +51,7 @@ def terms(costs, counts, place=USUAL):
     c = costs.at(place)
     levels = math.log2(counts.ranks) if counts.ranks > 1 else 0
     contention = c["contention"] if counts.ranks > 1 else 1
-    work = c["fixed"] + c["face"] * counts.faces + c["element"] * counts.elements
+    work = c["fixed"] + c["face"] * counts.faces + c["edge"] * counts.edges + c["element"] * counts.elements
     return {"compute": contention * work, "boundary": c["boundary"] * counts.boundary,
             "latency": c["latency"] * counts.messages, "bandwidth": c["byte"] * counts.bytes,
             "reductions": c["level"] * counts.reductions * levels}
@@ -68,23 +70,27 @@ def triple(values):
     return ordered[0], median, ordered[-1]
 
 
-def line(points):
-    """(c0, c) of y = c0 + c x with the least squares of relative errors; neither is negative."""
-    s = [sum(x**i / y**j for x, y in points) for i, j in ((0, 2), (1, 2), (2, 2), (0, 1), (1, 1))]
-    determinant = s[0] * s[2] - s[1] ** 2
-    if determinant <= 1e-12 * s[0] * s[2]:
-        return 0.0, s[4] / s[2]
-    fixed = (s[3] * s[2] - s[4] * s[1]) / determinant
-    slope = (s[0] * s[4] - s[1] * s[3]) / determinant
-    if fixed < 0:
-        return 0.0, s[4] / s[2]
-    return (fixed, slope) if slope >= 0 else (s[3] / s[0], 0.0)
+def fit(points):
+    """The costs c >= 0 of y = c . x with the least squares of relative errors; x has one or two components."""
+    columns = len(points[0][0])
+    if columns == 1:
+        return (sum(x[0] / y for x, y in points) / sum((x[0] / y) ** 2 for x, y in points),)
+    s = [[sum(x[i] * x[j] / y**2 for x, y in points) for j in range(2)] for i in range(2)]
+    r = [sum(x[i] / y for x, y in points) for i in range(2)]
+    determinant = s[0][0] * s[1][1] - s[0][1] ** 2
+    if determinant > 1e-12 * s[0][0] * s[1][1]:
+        found = ((r[0] * s[1][1] - r[1] * s[0][1]) / determinant, (s[0][0] * r[1] - s[0][1] * r[0]) / determinant)
+        if min(found) >= 0:
+            return found
+    alone = [fit([((x[i],), y) for x, y in points])[0] for i in range(2)]
+    errors = [sum((alone[i] * x[i] / y - 1) ** 2 for x, y in points) for i in range(2)]
+    return (alone[0], 0.0) if errors[0] < errors[1] else (0.0, alone[1])
 
 
-def line_triples(samples):
-    """(c0, c) as triples from samples {x: (least, usual, largest)}: a line through each."""
-    lines = [line([(x, values[place]) for x, values in samples.items()]) for place in range(3)]
-    return tuple(triple([found[i] for found in lines]) for i in range(2))
+def fit_triples(samples):
+    """The costs as triples, from samples [(x, (least, usual, largest))]: a fit to each."""
+    found = [fit([(x, values[place]) for x, values in samples]) for place in range(3)]
+    return tuple(triple([costs[i] for costs in found]) for i in range(len(found[0])))
 
 
 def between(known, ranks, exponent):

@@ -15,7 +15,7 @@ def ms(values):
 def measured_table(study):
     measured, rows = study["measured"], []
     for kind, n, ranks, threads, length in sorted(measured.seconds):
-        if kind not in KINDS:
+        if kind not in KINDS or n == 0:
             continue
         values = measured.triple(kind, n, ranks, threads, length)
         alone = measured.seconds.get((kind, n, 1, 1, 1))
@@ -28,7 +28,7 @@ def measured_table(study):
 
 
 def costs_table(study):
-    names = {"fixed": "of a search or step, s", "face": "of a face, s", "element": "of an element, s", "boundary": "of an item at the boundary, s",
+    names = {"fixed": "of a search or step, s", "face": "of a face, s", "edge": "of an element edge on a brick's edge, s", "element": "of an element, s", "boundary": "of an item at the boundary, s",
              "latency": "latency of a message, s", "byte": "of a byte, s", "level": "of a level of a reduction, s",
              "contention": "slower if all cores compute, factor"}
     rows = [[text] + [f"{getattr(study['costs'][kind], name)[1]:.3g} ({getattr(study['costs'][kind], name)[0]:.3g} to "

@@ -64,6 +64,14 @@ class Runs:
         report = self.wall(n, "run", ranks, threads, {**PRESSED, "time.steps": steps}, turn, length)[1]
         return report["elements"] / report["fom"]["element_steps_per_second"], report
 
+    def smallest(self, turn):
+        """Seconds and reports of a search and of a step of a wall of two bricks of two elements: what they take without work."""
+        bricks = {"wall.bricks": [1, 1, 2]}
+        search = self.wall(1, "search", 1, 1, {**bricks, "search.repetitions": 50, "search.warmup": 2}, f"{turn}_smallest")[1]
+        step = self.wall(1, "run", 1, 1, {**PRESSED, **bricks, "time.steps": 50}, f"{turn}_smallest")[1]
+        return {"search": (search["seconds"]["search"]["median"], search),
+                "step": (step["elements"] / step["fom"]["element_steps_per_second"], step)}
+
     def messages(self, n, command, ranks, steps):
         """What the ranks send in a search or a step: {"messages": {"sum": .., "max": ..}, ...}, and the last report.
         The difference of two runs, so that the set-up is not in it."""

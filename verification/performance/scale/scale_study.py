@@ -21,6 +21,7 @@ from scale_runs import RunFailed, Runs
 
 PAPER_WALLS = (2, 8, 16, 32, 64)
 RANKS = (64, 256, 1000, 4096, 16384, 65536, 100000)
+EDGES = 435 * 16  # element edges on the edges of bricks, of W(1); n times as many of W(n)
 MOST_FACES_REPLAYED = 60000  # of a rank: larger ones follow from the perimeter
 
 
@@ -79,6 +80,8 @@ def measure(arguments, runs, cores):
     cases += [(n, ranks, 1, ranks) for n in arguments.sizes for ranks, threads in layouts if ranks > 1]
     cases += [(largest, *layout, 2 * layout[0]) for layout in layouts if layout[1] == 1]
     for turn in range(1, arguments.repetitions + 1):
+        for kind, (seconds, report) in runs.smallest(turn).items():
+            measured.add(kind, 0, 1, 1, 1, seconds, report)
         for n, ranks, threads, length in dict.fromkeys(cases):
             seconds, report = runs.search_seconds(n, ranks, threads, arguments.searches, turn, length)
             measured.add("search", n, ranks, threads, length, seconds, report)
@@ -96,17 +99,15 @@ def boundary_cost(rows):
 
 
 def costs_of(kind, measured, arguments, cores, boundary, messages):
+    fixed = measured.triple(kind, 0, 1, 1, 1)  # of a wall of four elements
+    edge = element = (0.0, 0.0, 0.0)
     if kind == "search":
-        fixed, face = model.line_triples({measured.faces[n, 1]: measured.triple(kind, n, 1, 1, 1) for n in arguments.sizes})
-        element = (0.0, 0.0, 0.0)
-    else:  # the solver by its elements, search and enforcement by faces
-        of_solver, element = model.line_triples({measured.elements[n, 1]: measured.triple("solver", n, 1, 1, 1)
-                                                 for n in arguments.sizes})
-        of_contact, face = model.line_triples({
-            measured.faces[n, 1]: model.triple([step - solver for step, solver in zip(measured.seconds["step", n, 1, 1, 1],
-                                                                                      measured.seconds["solver", n, 1, 1, 1])])
-            for n in arguments.sizes})
-        fixed = tuple(a + b for a, b in zip(of_solver, of_contact))
+        (face,) = model.fit_triples([((measured.faces[n, 1],), measured.triple(kind, n, 1, 1, 1)) for n in arguments.sizes])
+    else:  # the solver by its elements, search and enforcement by faces and edges
+        solver, whole = [{n: measured.seconds[name, n, 1, 1, 1] for n in arguments.sizes} for name in ("solver", kind)]
+        (element,) = model.fit_triples([((measured.elements[n, 1],), model.triple(solver[n])) for n in arguments.sizes])
+        face, edge = model.fit_triples([((measured.faces[n, 1], EDGES * n), model.triple([a - b for a, b in zip(whole[n], solver[n])]))
+                                        for n in arguments.sizes])
     ranks = max((n for n, _ in layouts_of(arguments, cores)), default=1)
     contention = (1.0, 1.0, 1.0)
     if ranks > 1:  # a wall `ranks` times as long over the time of one alone
@@ -115,7 +116,7 @@ def costs_of(kind, measured, arguments, cores, boundary, messages):
         contention = tuple(max(1.0, value) for value in model.triple(ratios))
     of = {name: tuple(messages[name][part] for part in ("min", "median", "max")) for name in
           ("latency", "seconds_per_byte", "reduction")}
-    return model.Costs(fixed, face, element, boundary, of["latency"], of["seconds_per_byte"],
+    return model.Costs(fixed, face, edge, element, boundary, of["latency"], of["seconds_per_byte"],
                        tuple(value / math.log2(messages["ranks"]) for value in of["reduction"]), contention)
 
 
@@ -147,25 +148,26 @@ def count_messages(arguments, runs, n):
     return found
 
 
-def step_counts(search, counted, elements, ranks):
+def step_counts(search, counted, edges, elements, ranks):
     """Counts of a coupled step with a search: per partner and per ghost as counted in real steps."""
     pairs = [(counted["step", p], counted["search", p]) for kind, p in counted if kind == "step"]
     per_message = model.triple([step["messages"]["max"] / max(1, found["messages"]["max"]) for step, found in pairs])[1]
     per_byte = model.triple([step["bytes"]["sum"] / max(1, found["bytes"]["sum"]) for step, found in pairs])[1]
     reductions = model.triple([step["reductions"]["max"] for step, _ in pairs])[1]
-    return model.Counts(ranks, search.faces, elements, search.boundary * per_byte, search.messages * per_message,
+    return model.Counts(ranks, search.faces, edges * search.faces, elements, search.boundary * per_byte, search.messages * per_message,
                         search.bytes * per_byte, reductions)
 
 
 def predictions(arguments, costs, walls, counted):
     rows = []
     for (n, factor), replayed in walls.items():
-        faces, elements = 4350 * n * n * factor**2, 870 * n**3 * factor**2
+        faces, elements, edges = 4350 * n * n * factor**2, 870 * n**3 * factor**2, EDGES * n * factor**2
         for ranks in [1, 4, 16] + arguments.virtual:
             if faces / ranks < 100:
                 continue
             search = model.search_counts(replayed, ranks) if ranks > 1 else model.Counts(1, faces)
-            step = step_counts(search, counted, elements / ranks, ranks) if ranks > 1 else model.Counts(1, faces, elements)
+            step = step_counts(search, counted, edges / faces, elements / ranks, ranks) if ranks > 1 else \
+                model.Counts(1, faces, edges, elements)
             for kind, counts in (("search", search), ("step", step)):
                 low, usual, high = model.seconds(costs[kind], counts)
                 rows.append({"kind": kind, "wall": f"W({n})" + (f" x{factor**2}" if factor > 1 else ""), "faces": faces,
@@ -184,12 +186,13 @@ def checks_of(arguments, measured, costs, cores, counted, n):
             if threads > 1 or case not in measured.seconds:
                 continue
             faces = measured.faces[largest, 2 * ranks] / ranks
-            elements = measured.elements[largest, 2 * ranks] / ranks if kind == "step" else 0
-            counts = model.Counts(1, faces, elements)
+            elements = measured.elements[largest, 2 * ranks] / ranks
+            edges = 2 * EDGES * largest
+            counts = model.Counts(1, faces, edges, elements)
             if ranks > 1:  # the cut between two ranks is as high and thick as that of the counted wall, with finer elements
                 found = counted[kind, ranks]
                 finer = largest / n
-                counts = model.Counts(ranks, faces, elements, 2 * counted["search", ranks]["node_boxes"] / ranks * finer,
+                counts = model.Counts(ranks, faces, edges, elements, 2 * counted["search", ranks]["node_boxes"] / ranks * finer,
                                       found["messages"]["max"], found["bytes"]["max"] * finer, found["reductions"]["max"])
             low, usual, high = model.seconds(costs[kind], counts)
             run = measured.triple(*case)
