@@ -136,8 +136,8 @@ public:
       growStaging(0, receive_offsets.back());
       space.fence(); // `receive` may be read or freed until then
       for (std::size_t i = 0; i < _received.size(); ++i)
-        _messages.receive(receiveData() + _received[i].begin,
-                          _received[i].end - _received[i].begin, _probed[i]);
+        _messages.receive(receiveData() + _received[i].begin, _received[i].end - _received[i].begin,
+                          _probed[i]);
     }
     _messages.wait();
     unstage(space);
@@ -233,7 +233,7 @@ private:
   std::int64_t* receiveData() { return isStaged() ? _staged_receive.data() : receive.data(); }
 
   MessagePath _path = chooseMessagePath();
-  std::unique_ptr<PeerMessages> _peers; // of the path of that name
+  std::shared_ptr<PeerMessages> _peers; // of the path of that name; copies share it
   staging_view _staged_send, _staged_receive;
   WordMessages _messages;
   std::vector<MPI_Message> _probed;

@@ -14,6 +14,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <new>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -171,6 +172,9 @@ inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) 
   } catch (const Error& error) {
     message = error.what();
     code = static_cast<int>(error.code());
+  } catch (const std::bad_alloc&) {
+    message = "out of memory on rank " + std::to_string(rankOf(comm));
+    code = static_cast<int>(ExitCode::internal);
   } catch (const std::exception& error) {
     message = error.what();
     code = static_cast<int>(ExitCode::internal);

@@ -228,6 +228,19 @@ TEST(TogetherTest, AllRanksThrowWhatTheLowestFailingRankThrew) {
   EXPECT_NO_THROW(rethrowOnAllRanks(comm, [] {}));
 }
 
+TEST(TogetherTest, ARankWithoutMemoryIsNamedOnAll) {
+  const int last = sizeOf(comm) - 1;
+  try {
+    rethrowOnAllRanks(comm, [&] {
+      if (rankOf(comm) == last)
+        throw std::bad_alloc();
+    });
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), "out of memory on rank " + std::to_string(last));
+  }
+}
+
 TEST(MpiTest, ReductionsAndBroadcastsReachAllRanks) {
   const int rank = rankOf(comm), size = sizeOf(comm);
   EXPECT_EQ(allReduce(comm, rank, MPI_MAX), size - 1);
