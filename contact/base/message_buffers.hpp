@@ -52,6 +52,17 @@ private:
 // In 64-bit words. Kernels write `send` and read `receive`; the rest is hidden.
 class MessageBuffers {
 public:
+  MessageBuffers() = default;
+  MessageBuffers(MessageBuffers&&) = default;
+  MessageBuffers& operator=(MessageBuffers&&) = default;
+  // A copy has buffers of its own. Partners copy alike.
+  MessageBuffers(const MessageBuffers&) {}
+  MessageBuffers& operator=(const MessageBuffers& other) {
+    if (this != &other)
+      *this = MessageBuffers();
+    return *this;
+  }
+
   // Words sent to and received from each partner, whose ranks are `partners`; offsets have partners
   // + 1 entries. Collective among partners: each must call it with matching sizes.
   void exchange(const exec_space& space, MPI_Comm comm, int tag, const std::vector<int>& partners,

@@ -90,7 +90,7 @@ inline Event makeEvent(Handle& handle) {
 inline Event openEvent(const Handle& handle) {
   Event event = nullptr;
   return did(cudaIpcOpenEventHandle(&event, fromHandle<cudaIpcEventHandle_t>(handle))) ? event
-                                                                                      : nullptr;
+                                                                                       : nullptr;
 }
 // The event happens when the device has done what was launched before.
 inline bool record(const exec_space& space, Event event) {

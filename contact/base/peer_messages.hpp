@@ -213,7 +213,7 @@ inline void PeerMessages::send(const exec_space& space, MPI_Comm comm, int tag,
     const std::int64_t count = to[i].end - to[i].begin;
     if (count > 0)
       check(peer::copy(space, slot.data + begin, words.data() + to[i].begin, count), "copying");
-    slot.announcements[i] = {begin,  count,       slot.capacity,   slot.generation,
+    slot.announcements[i] = {begin,  count,       slot.capacity, slot.generation,
                              number, slot.memory, slot.event};
     begin += count;
   }
@@ -276,8 +276,8 @@ inline void PeerMessages::finish() {
   if (is_finalized != 0)
     return;
   const bool waits = std::uncaught_exceptions() == 0;
-  for (auto* requests : {&_slots[0].receives, &_slots[1].receives, &_slots[0].sends,
-                         &_slots[1].sends, &_confirms}) {
+  for (auto* requests :
+       {&_slots[0].receives, &_slots[1].receives, &_slots[0].sends, &_slots[1].sends, &_confirms}) {
     for (MPI_Request& request : *requests)
       if (!waits)
         MPI_Cancel(&request);
