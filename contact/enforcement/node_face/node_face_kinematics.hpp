@@ -50,6 +50,10 @@ struct NodeFaceKinematics {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     prefetch(&records(recordOf(face)));
   }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchBody(const FaceAccess& faces, int face) const {
+    if (faces.isOwn(face))
+      prefetch(&faces.surface.face_body(face));
+  }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     prefetch(&adjacent_faces.offsets(node));
   }
@@ -64,8 +68,8 @@ struct NodeFaceKinematics {
   KOKKOS_FORCEINLINE_FUNCTION const FaceRecord& recordOfFace(int face) const {
     return records(recordOf(face));
   }
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int face) const {
-    return records(recordOf(face)).body;
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int face) const {
+    return fills_lanes ? faces.body(face) : records(recordOf(face)).body;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int face) const {
     return records(recordOf(face)).id;
@@ -128,9 +132,8 @@ struct NodeFaceKinematics {
   }
   KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
                                                 const int* candidates, FacePoint* points) const {
-    projectAtOnce<candidates_at_once>(
-        [&](int k) { return faces.quad(candidates[k]); }, count,
-        rowOf(faces.surface.coordinates_new, node), points);
+    projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
+                                      rowOf(faces.surface.coordinates_new, node), points);
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
