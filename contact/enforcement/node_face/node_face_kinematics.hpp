@@ -122,7 +122,7 @@ struct NodeFaceKinematics {
     return isFacing(faces, node, face, test_kind) &&
            testPoint(faces, node, face, test_kind, project(faces.quad(face), x), contact);
   }
-  // test() from the closest points of at most candidates_at_once faces that are facing the node.
+  // test() from the closest point of a face that is facing the node.
   KOKKOS_INLINE_FUNCTION bool testPoint(const FaceAccess& faces, int node, int face,
                                         ContactTest test_kind, const FacePoint& point,
                                         FaceContact& contact) const {
@@ -130,8 +130,9 @@ struct NodeFaceKinematics {
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
              overlapsOnlyAtEdge(faces, node, face, contact));
   }
-  KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
-                                                const int* candidates, FacePoint* points) const {
+  // Host code.
+  void projectCandidates(const FaceAccess& faces, int node, int count, const int* candidates,
+                         FacePoint* points) const {
     projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
                                       rowOf(faces.surface.coordinates_new, node), points);
   }
