@@ -180,11 +180,14 @@ std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
   const auto nodes = _nodes, first_corner = _first_corner, corners = _corners;
   const auto loads = _face_loads;
   const auto values = forces.values;
+  constexpr std::int64_t ahead = 16; // nodes ahead whose forces are prefetched
   Kokkos::parallel_for(
       "mechanics::PressureLoad::add::nodes",
       rangePolicy(space, static_cast<std::int64_t>(nodes.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t n) {
         std::int64_t sum[3] = {};
+        prefetch(&values(nodes(minOf<std::int64_t>(n + ahead, nodes.extent(0) - 1)),
+                         3 * external_force));
         for (int k = first_corner(n); k < first_corner(n + 1); ++k)
           for (int i = 0; i < 3; ++i)
             sum[i] += loads(corners(k) / 4, 3 * (corners(k) % 4) + i);

@@ -52,6 +52,9 @@ struct EdgeEdgeKinematics {
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int edge) const { prefetch(&records.of(edge)); }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchBody(const FaceAccess&, int edge) const {
+    prefetchFace(edge);
+  }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     prefetch(&records.of(edgeOf(node)));
   }

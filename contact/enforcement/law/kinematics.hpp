@@ -10,6 +10,8 @@
 // Constants
 //   records_spring_work           works of springs are summed as ContactTerm::spring_work
 //   projects_persistent_contacts  projectPersistent() fills PersistentContact completely
+//   projects_candidates_at_once   test() in two parts, isFacing() and testPoint(), with up to
+//                                 candidates_at_once points of projectCandidates() between them
 //   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
 //                                 mayPenetrate(), mayActivate() and mayTouch()
 //
@@ -61,7 +63,7 @@
 //                                 node
 //
 // Prefetching, without effect on results
-//   prefetchHead(node), prefetchNode(node), prefetchFace(face)
+//   prefetchHead(node), prefetchNode(node), prefetchFace(face), prefetchBody(faces, face)
 //
 // Dormancy needs two free functions: surroundingsOf(kinematics, faces, node) and
 // separationOf(kinematics, faces, surroundings, node, face); see node_face_separation.hpp and
@@ -98,6 +100,7 @@ struct KinematicsContract {
 
   static_assert(is<decltype(K::records_spring_work), const bool>);
   static_assert(is<decltype(K::projects_persistent_contacts), const bool>);
+  static_assert(is<decltype(K::projects_candidates_at_once), const bool>);
   static_assert(is<decltype(K::tests_rows_at_once), const bool>);
   static_assert(is<decltype(k().bodyOf(faces(), 0)), global_id>);
   static_assert(is<decltype(k().idOf(faces(), 0)), global_id>);

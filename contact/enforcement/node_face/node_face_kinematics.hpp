@@ -50,6 +50,10 @@ struct NodeFaceKinematics {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     prefetch(&records(recordOf(face)));
   }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchBody(const FaceAccess& faces, int face) const {
+    if (faces.isOwn(face))
+      prefetch(&faces.surface.face_body(face));
+  }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     prefetch(&adjacent_faces.offsets(node));
   }
@@ -64,8 +68,8 @@ struct NodeFaceKinematics {
   KOKKOS_FORCEINLINE_FUNCTION const FaceRecord& recordOfFace(int face) const {
     return records(recordOf(face));
   }
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int face) const {
-    return records(recordOf(face)).body;
+  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int face) const {
+    return fills_lanes ? faces.body(face) : records(recordOf(face)).body;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int face) const {
     return records(recordOf(face)).id;
@@ -118,7 +122,7 @@ struct NodeFaceKinematics {
     return isFacing(faces, node, face, test_kind) &&
            testPoint(faces, node, face, test_kind, project(faces.quad(face), x), contact);
   }
-  // test() from the closest points of at most candidates_at_once faces that are facing the node.
+  // test() from the closest point of a face that is facing the node.
   KOKKOS_INLINE_FUNCTION bool testPoint(const FaceAccess& faces, int node, int face,
                                         ContactTest test_kind, const FacePoint& point,
                                         FaceContact& contact) const {
@@ -126,11 +130,11 @@ struct NodeFaceKinematics {
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
              overlapsOnlyAtEdge(faces, node, face, contact));
   }
-  KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
-                                                const int* candidates, FacePoint* points) const {
-    projectAtOnce<candidates_at_once>(
-        [&](int k) { return faces.quad(candidates[k]); }, count,
-        rowOf(faces.surface.coordinates_new, node), points);
+  // Host code.
+  void projectCandidates(const FaceAccess& faces, int node, int count, const int* candidates,
+                         FacePoint* points) const {
+    projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
+                                      rowOf(faces.surface.coordinates_new, node), points);
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,

@@ -40,6 +40,8 @@ struct SelectActiveFaces {
     for (std::int64_t pair = step.pairs.begin(row); pair < end;) {
       const global_id body = step.kinematics.bodyOf(step.faces, step.pairs.faces(pair));
       const std::int64_t begin = pair;
+      if (step.kinematics.bodyOf(step.faces, step.pairs.faces(end - 1)) == body)
+        pair = end;
       while (pair < end && step.kinematics.bodyOf(step.faces, step.pairs.faces(pair)) == body)
         ++pair;
       FaceContact& contact = contacts[num_contacts];

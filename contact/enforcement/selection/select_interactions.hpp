@@ -161,12 +161,17 @@ struct SelectInteractions {
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = step.pairs.node(row);
-    const std::int64_t end = step.pairs.end(row);
-    for (std::int64_t p = step.pairs.begin(row); p < end; ++p)
-      step.kinematics.prefetchFace(step.pairs.faces(p));
     step.faces.prefetchRow(step.faces.surface.coordinates_new, node);
-    if (step.previous.row_count(node) == 0)
+    const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
+    if (step.previous.row_count(node) == 0) {
+      for (std::int64_t p = begin; p < end; ++p)
+        step.kinematics.prefetchFace(step.pairs.faces(p));
       return;
+    }
+    if (begin < end) {
+      step.kinematics.prefetchBody(step.faces, step.pairs.faces(begin));
+      step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
+    }
     step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
     step.previous.prefetch(step.previous.row_begin(node));
     prefetch(&step.faces.surface.node_body(node));
@@ -256,30 +261,36 @@ struct SelectInteractions {
     batch.crowded = &step.workspace.contacts(place);
     return true;
   }
-  // Bodies ascend among the candidates and in the row of the history.
+  // Candidates and the row of the history are in the order of (body, face id).
   KOKKOS_INLINE_FUNCTION void findPersistent(std::int64_t row, int node, int count,
                                              Batch& batch) const {
     const std::int64_t pairs_end = step.pairs.end(row);
-    int i = step.previous.row_begin(node);
-    const int end = i + count;
-    for (std::int64_t p = step.pairs.begin(row); p < pairs_end; ++p) {
-      const global_id body = bodyOf(p);
-      while (i < end && step.previous.interactions(i).body < body)
-        ++i;
-      if (i == end)
-        return;
-      const int face = step.pairs.faces(p);
-      if (step.previous.interactions(i).face != step.kinematics.idOf(step.faces, face))
+    std::int64_t next = step.pairs.begin(row);
+    const int begin = step.previous.row_begin(node);
+    for (int i = begin; i < begin + count; ++i) {
+      const Interaction& last = step.previous.interactions(i);
+      std::int64_t p = next;
+      while (p < pairs_end && !isFaceOf(last, step.pairs.faces(p)))
+        ++p;
+      if (p == pairs_end)
         continue;
-      const int previous = i++;
+      next = p + 1;
+      const int face = step.pairs.faces(p);
       if (!step.faces.isOfThisStep(step.pairs.step_test, node, face))
         continue;
       PersistentContact& contact = batch.persistent[batch.num_persistent++];
       contact.node = node;
-      contact.previous = previous;
+      contact.previous = i;
       contact.face = face;
+      step.kinematics.prefetchFace(face);
       step.faces.prefetchFace(face);
     }
+  }
+  // Indices of own faces are those of the last step.
+  KOKKOS_FORCEINLINE_FUNCTION bool isFaceOf(const Interaction& last, int face) const {
+    return last.face_index >= 0 && step.faces.isOwn(last.face_index)
+               ? face == last.face_index
+               : step.kinematics.idOf(step.faces, face) == last.face;
   }
   KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
     if (batch.num_rows == 0)

@@ -250,6 +250,37 @@ TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
   EXPECT_GT(on_others, n / 10);
 }
 
+TEST(Projection, OfAPointOntoSeveralFacesEqualsThatOntoEachAlone) {
+  Random random;
+  int on_quads = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    constexpr int width = 4;
+    Quad quads[width];
+    for (int k = 0; k < width; ++k)
+      for (int j = 0; j < 4; ++j)
+        quads[k].corner[j] = cornerOf((trial + k) % 7, j, random);
+    const Vec3 x = {random(-0.3, 1.3), random(-0.3, 1.3), random(-0.2, 0.2)};
+    const int count = trial % (width + 1);
+    FacePoint points[width];
+    projectAtOnce<width>([&](int k) { return quads[k]; }, count, x, points);
+    for (int k = 0; k < count; ++k) {
+      const FacePoint alone = project(quads[k], x);
+      ASSERT_EQ(points[k].valid, alone.valid) << trial;
+      ASSERT_EQ(points[k].has_parameters, alone.has_parameters) << trial;
+      on_quads += alone.has_parameters;
+      for (int j = 0; j < 4; ++j)
+        EXPECT_EQ(points[k].weight[j], alone.weight[j]) << trial;
+      for (int d = 0; d < 3; ++d)
+        EXPECT_EQ(points[k].normal[d], alone.normal[d]) << trial;
+      EXPECT_EQ(points[k].gap, alone.gap) << trial;
+      EXPECT_EQ(points[k].excess, alone.excess) << trial;
+      EXPECT_EQ(points[k].xi, alone.xi) << trial;
+      EXPECT_EQ(points[k].eta, alone.eta) << trial;
+    }
+  }
+  EXPECT_GT(on_quads, 1000);
+}
+
 TEST(MeanPlane, RejectsEveryPointInFrontOfAFlatFace) {
   Random random;
   const MeanPlane plane = meanPlane(Quad{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
