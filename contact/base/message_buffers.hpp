@@ -52,6 +52,10 @@ private:
 // In 64-bit words. Kernels write `send` and read `receive`; the rest is hidden.
 class MessageBuffers {
 public:
+  MessageBuffers() = default;
+  MessageBuffers(const MessageBuffers&) {} // a copy has buffers and windows of its own
+  MessageBuffers(MessageBuffers&&) = default;
+  MessageBuffers& operator=(MessageBuffers&&) = default;
   // Words sent to and received from each partner, whose ranks are `partners`; offsets have partners
   // + 1 entries. Collective among partners: each must call it with matching sizes.
   void exchange(const exec_space& space, MPI_Comm comm, int tag, const std::vector<int>& partners,
@@ -136,8 +140,8 @@ public:
       growStaging(0, receive_offsets.back());
       space.fence(); // `receive` may be read or freed until then
       for (std::size_t i = 0; i < _received.size(); ++i)
-        _messages.receive(receiveData() + _received[i].begin,
-                          _received[i].end - _received[i].begin, _probed[i]);
+        _messages.receive(receiveData() + _received[i].begin, _received[i].end - _received[i].begin,
+                          _probed[i]);
     }
     _messages.wait();
     unstage(space);
