@@ -244,7 +244,7 @@ private:
   std::int64_t* receiveData() { return isStaged() ? _staged_receive.data() : receive.data(); }
 
   MessagePath _path = chooseMessagePath();
-  std::shared_ptr<PeerMessages> _peers; // of the path of that name; copies share it
+  std::unique_ptr<PeerMessages> _peers; // of the path of that name
   staging_view _staged_send, _staged_receive;
   WordMessages _messages;
   std::vector<MPI_Message> _probed;

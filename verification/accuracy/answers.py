@@ -1,8 +1,8 @@
 """The answers of the study from its points: sentences and rows with figures."""
 import numpy as np
 from charts import COSTS
-from front import by_setting, cheapest, cost_at, digit_cost, front
-from scene import DEFAULT, EVERY_STEP, KEPT
+from front import by_setting, cheapest, cost_at, digit_cost, error_at, front
+from scene import DEFAULT, EVERY_STEP, KEPT, ROW_SUMS
 
 ELEMENT_STEPS, SECONDS = (cost for _, cost in COSTS)
 LEAST_RANGE = 3  # smallest ratio of errors that gives an order
@@ -71,6 +71,23 @@ def one_digit(result):
             parts.append(f"{digit_cost(series, SECONDS):.3g} times the seconds and {digit_cost(series, ELEMENT_STEPS):.3g} times the "
                          f"element-steps {label}")
     return f"{result.scene.name}: " + ("; ".join(parts) or "the range of errors is too small")
+
+
+def mass_rows(result):
+    """For each mesh of the default: its error, and that of row sums of the mass at the same seconds
+    and on the same mesh."""
+    found = by_setting(result.points)
+    ours, old = found.get(DEFAULT, []), found.get(ROW_SUMS[0], [])
+    by_mesh, rows = {point.mesh: point for point in old}, []
+    for point in ours:
+        other, same = error_at(old, SECONDS, point.seconds), by_mesh.get(point.mesh)
+        rows.append([result.scene.name if not rows else "", point.mesh, f"{point.seconds:.3g}", percent(point.error),
+                     percent(other) if other else "", f"{other / point.error:.2f}" if other else "",
+                     *([f"{same.seconds:.3g}", percent(same.error)] if same else ["", ""])])
+    return rows
+
+
+MASS_HEADER = ["", "mesh", "s", "error", "row sums in the same seconds", "that over the error", "row sums on the same mesh: s", "error"]
 
 
 def reuse_rows(result):

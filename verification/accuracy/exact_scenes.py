@@ -6,7 +6,7 @@ import numpy as np
 from framework.meshes import box
 from framework.signals import fit_frequency, tip_deflection
 from bricks import means_of_bodies
-from scene import COMBINED, DEFAULT, FEW, FULL, HERE, PENALTIES, PLAIN, REUSE, SOFT_AND_LONG, STEPS, Scene, counts_of
+from scene import COMBINED, DEFAULT, FEW, FULL, HERE, PENALTIES, PLAIN, REUSE, ROW_SUMS, SOFT_AND_LONG, STEPS, Scene, counts_of
 
 CASES = HERE.parent / "cases"
 sys.path.insert(0, str(CASES))
@@ -27,7 +27,7 @@ class SmoothWave(Scene):
         self.sizes = {f"{n}x1x1": 1 / n for n in ((50, 100) if quick else (25, 50, 100, 200, 400, 800))}
 
     def variants(self, mesh):
-        return [DEFAULT, *STEPS, FULL]
+        return [DEFAULT, *STEPS, FULL, ROW_SUMS[0]]
 
     def observe(self, run):
         results = run.results
@@ -52,8 +52,8 @@ class TwoBars(Scene):
 
     def variants(self, mesh):
         if self.quick:
-            return [DEFAULT, FEW[2], *REUSE]
-        return [DEFAULT, *STEPS, *PENALTIES, *SOFT_AND_LONG, PLAIN, *REUSE, *COMBINED]
+            return [DEFAULT, FEW[2], *REUSE, ROW_SUMS[0]]
+        return [DEFAULT, *STEPS, *PENALTIES, *SOFT_AND_LONG, PLAIN, *REUSE, *COMBINED, *ROW_SUMS]
 
     def observe(self, run):
         v0 = 1e-3
@@ -79,7 +79,7 @@ class Cantilever(Scene):
         return box((10, 1, 1), counts_of(mesh), name="beam")
 
     def variants(self, mesh):
-        return [DEFAULT, STEPS[0], STEPS[-1], FULL]
+        return [DEFAULT, STEPS[0], STEPS[-1], FULL, ROW_SUMS[0]]
 
     def observe(self, run):
         frequency = fit_frequency(run.results.times, tip_deflection(run.results), CONVERGED)
@@ -101,7 +101,7 @@ class SpinningBlock(Scene):
         return {**super().settings(mesh), "time.end": 500.0, "output.history_interval": 0.0}
 
     def variants(self, mesh):
-        return [DEFAULT, *STEPS, FULL]
+        return [DEFAULT, *STEPS, FULL, ROW_SUMS[0]]
 
     def observe(self, run):
         energy = run.history["total_energy"][1:]

@@ -39,6 +39,16 @@ def cost_at(series, error, cost):
     return float(cost(a) * (cost(b) / cost(a))**share)
 
 
+def error_at(series, cost_of, seconds):
+    """The error of a setting at a cost, by the same interpolation; None outside its meshes."""
+    series = sorted(series, key=cost_of)
+    for a, b in zip(series, series[1:]):
+        if cost_of(a) <= seconds <= cost_of(b):
+            share = np.log(seconds / cost_of(a)) / np.log(cost_of(b) / cost_of(a))
+            return float(a.error * (b.error / a.error)**share)
+    return None
+
+
 def digit_cost(series, cost):
     """The factor of cost for a tenth of the error, by least squares over the meshes."""
     slope = np.polyfit(np.log([point.error for point in series]), np.log([cost(point) for point in series]), 1)[0]

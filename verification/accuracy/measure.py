@@ -3,6 +3,7 @@ deck, settings and evaluation."""
 import hashlib
 import inspect
 import json
+import os
 import statistics
 import subprocess
 from dataclasses import dataclass
@@ -16,8 +17,11 @@ from framework.program import ProgramError
 
 # The keys that the study changes, one or several at a time. Each run sets all of them, so that a
 # deck's own value does not replace the program's default.
-KEYS = ("time.safety", "contact.penalty", "contact.scheme", "contact.edges", "element.formulation", "search.reuse.margin")
+KEYS = ("time.safety", "contact.penalty", "contact.scheme", "contact.edges", "element.formulation", "element.mass",
+        "search.reuse.margin")
 PHYSICS = 3  # exit code of a run that failed physically or exceeded a limit, which is a result
+# CPU time of the time loop: a Kokkos Tools library of the build, and the file that it writes.
+PROBE = "verification/performance/libbrickwall_step_probe.so"
 FIELDS = ("displacement", "velocity", "force_contact", "contact_status", "contact_gap")
 
 
@@ -63,8 +67,9 @@ class Point:
 class Bench:
     """Runs points of scenes through run.sh, one at a time."""
 
-    def __init__(self, program, folder, repetitions):
+    def __init__(self, program, folder, repetitions, cpu_time=False):
         self.program, self.folder, self.repetitions = program, Path(folder), repetitions
+        self.probe = Path(program.binary).parent.parent / PROBE if cpu_time else None
         self.fingerprint = digest(program.binary)
         self.defaults = program_defaults(program.binary)
         self.versions = {}
@@ -89,7 +94,7 @@ class Bench:
         observe = observe or scene.observe
         settings = {**self.defaults, **scene.settings(mesh), **changes}
         repetitions, threads = repetitions or self.repetitions, threads or self.program.threads
-        key = {"program": self.fingerprint, "deck": scene.deck.read_text(), "settings": settings, "threads": threads,
+        key = {"program": self.fingerprint, "deck": scene.deck.read_text(), "settings": settings, "threads": threads, "cpu_time": self.probe is not None,
                "evaluation": inspect.getsource(observe) + inspect.getsource(bricks)}
         folder = self.folder / scene.name.replace(" ", "_") / label
         record = finished(folder, key)
@@ -109,6 +114,9 @@ class Bench:
         for repetition in range(repetitions):
             if repetition == 1:  # further runs are only timed
                 settings = {**settings, "output.interval": 0.0}
+            if self.probe:
+                os.environ.update(KOKKOS_PROFILE_LIBRARY=str(self.probe), KOKKOS_TOOLS_LIBS=str(self.probe),
+                                  BRICKWALL_STEP_PROBE=str(folder / "probe.json"), BRICKWALL_STEP_PROBE_ONLY="1")
             run = self.program.run(scene.deck, folder / "run", settings, mesh=scene.geometry(mesh), threads=threads, expect=None)
             if run.code not in (0, PHYSICS):
                 record["failure"] = run.message
@@ -117,7 +125,8 @@ class Bench:
             record["broken"] = "; ".join(report["failures"])
             if record["broken"]:
                 break
-            record["seconds"].append(report["loop_seconds"])
+            record["seconds"].append(json.loads((folder / "probe.json").read_text()).get("miniapp::step", 0) if self.probe
+                                     else report["loop_seconds"])
             if repetition == 0:
                 record["element_steps"] = report["elements"] * report["steps"]
                 record["observed"] = observe(run)

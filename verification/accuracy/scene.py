@@ -18,7 +18,7 @@ def setting(group, **changes):
 
 
 SHORT = {"safety": "time.safety", "penalty": "contact.penalty", "scheme": "contact.scheme", "edges": "contact.edges",
-         "element": "element.formulation", "margin": "search.reuse.margin"}
+         "element": "element.formulation", "mass": "element.mass", "margin": "search.reuse.margin"}
 STEPS = [setting("time step", safety=value) for value in (0.5, 0.65, 0.95)]
 PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 1.0)]
 SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) for value in (0.05, 0.1, 0.25, 0.5)]
@@ -31,6 +31,9 @@ KEPT = [DEFAULT, *REUSE[1:]]  # the default keeps lists with a margin of 0.1
 COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", safety=0.95, margin=0.25),
             setting("several", penalty=0.75, safety=0.5), setting("several", penalty=0.75, edges=False),
             setting("several", penalty=0.75, edges=False, scheme="penalty", margin=0.25)]
+# The settings that run with both nodal masses; ROW_SUMS are those with the former ones.
+BOTH_MASSES = [DEFAULT, COMBINED[1], COMBINED[2], setting("penalty", penalty=0.75)]
+ROW_SUMS = [Setting((*both.changes, ("element.mass", "row_sum")), "row sums") for both in BOTH_MASSES]
 # The settings on finer meshes.
 FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75)), *COMBINED[:2]]
 

@@ -83,6 +83,9 @@ def answers_text(study, results, general, audits):
              f"{answers.losses_text(answers.losses(results))}; compared with those with edges and the energy-neutral scheme "
              f"{answers.losses_text(answers.losses(results, answers.same_contact))}.\n\n"
              + table(answers.LOSS_HEADER, losses),
+             "**What do nodal masses with the inertia of the bodies gain?** The default beside `element.mass = \"row_sum\"`.\n\n"
+             + table(answers.MASS_HEADER, [row for result in results for row in answers.mass_rows(result)])
+             + "\n![fronts of both masses](plots/masses.png)\n",
              f"**What does reuse of lists gain at zero error?** Of {compared} runs with kept lists, {len(changed)} differ in a bit of the history or "
              f"of the fields from a run with a search in every step. {audit_text(audits)}\n\n" + table(answers.REUSE_HEADER, reuse),
              "**What does the congruent path gain at zero error?** The same wall with an inner node of each brick shifted by 1e-10 of an "
@@ -98,7 +101,7 @@ def audit_text(audits):
 
 def write(path, study, results, growths, general, audits, plots):
     head = (f"# Speed against error\n\nWritten by `./run.sh --study accuracy --keep`. {headline(study)}; load average at the start "
-            f"{study['machine']['load_average']:.2f}; seconds are those of the time loop, median of {study['repetitions']} runs. "
+            f"{study['machine']['load_average']:.2f}; {'CPU ' if study['cpu_time'] else ''}seconds are those of the time loop, median of {study['repetitions']} runs. "
             f"{study['seconds']:.0f} s.{' The quick form.' if study['quick'] else ''}\n")
     path.write_text("\n".join([head, answers_text(study, results, general, audits),
                                *(section(result, plot) for result, plot in zip(results, plots)), growth_text(growths)]))

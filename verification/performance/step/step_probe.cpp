@@ -2,7 +2,8 @@
 // of its phases on the thread that launches. Other processes disturb that time less than wall-clock
 // time, and waits for other threads are not in it if they sleep (OMP_WAIT_POLICY=passive). Rank 0
 // writes JSON to the file BRICKWALL_STEP_PROBE. The first step, which allocates memory, is not
-// counted, nor is anything between steps.
+// counted, nor is anything between steps. With BRICKWALL_STEP_PROBE_ONLY=1 phases are not timed, which
+// takes less time.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -22,12 +23,13 @@ double cpuSeconds() {
 }
 
 struct OpenRegion {
-  std::string name;
+  std::string name; // empty if it is not timed
   double begin;
 };
 std::vector<OpenRegion> open_regions;
 std::map<std::string, double> phases; // CPU seconds of regions in steps
 double setup = 0; // CPU seconds until the first step, without output
+const bool only_steps = std::getenv("BRICKWALL_STEP_PROBE_ONLY") != nullptr;
 bool is_in_step = false;
 int steps = -1; // all but the first
 std::array<long, 3> launches; // of parallel_for, parallel_reduce, parallel_scan
@@ -40,8 +42,10 @@ void count(int kind) {
 
 extern "C" {
 void kokkosp_push_profile_region(const char* name) {
-  open_regions.push_back({name, cpuSeconds()});
-  if (std::strcmp(name, "miniapp::step") != 0)
+  const bool is_step = std::strcmp(name, "miniapp::step") == 0;
+  const bool is_timed = is_step || !only_steps;
+  open_regions.push_back({is_timed ? name : "", is_timed ? cpuSeconds() : 0});
+  if (!is_step)
     return;
   is_in_step = true;
   if (steps < 0)
@@ -49,6 +53,10 @@ void kokkosp_push_profile_region(const char* name) {
 }
 void kokkosp_pop_profile_region() {
   const auto& [name, begin] = open_regions.back();
+  if (name.empty()) {
+    open_regions.pop_back();
+    return;
+  }
   const double seconds = cpuSeconds() - begin;
   if (is_in_step && steps >= 0)
     phases[name] += seconds;
