@@ -128,16 +128,20 @@ struct NodeFaceKinematics {
   }
   KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
                                                 const int* candidates, FacePoint* points) const {
-    projectAtOnce<candidates_at_once>(
-        [&](int k) { return faces.quad(candidates[k]); }, count,
-        rowOf(faces.surface.coordinates_new, node), points);
+    projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
+                                      rowOf(faces.surface.coordinates_new, node), points);
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
                                              const PersistentContact& persistent,
                                              FaceContact& contact) const {
     return isFacing(faces, persistent.node, persistent.face, ContactTest::persist) &&
-           accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
+           acceptPersistent(faces, persistent, contact);
+  }
+  KOKKOS_INLINE_FUNCTION bool acceptPersistent(const FaceAccess& faces,
+                                               const PersistentContact& persistent,
+                                               FaceContact& contact) const {
+    return accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {

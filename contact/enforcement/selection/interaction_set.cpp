@@ -19,17 +19,17 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
 
 ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
   ContactHistory history;
-  history.interactions = View<Interaction*>(label + "::interactions", 0);
-  history.friction = View<FrictionSpring*>(label + "::friction", 0);
-  history.fading = View<FadingForce*>(label + "::fading", 0);
+  history.interactions = StructArray<Interaction>(label + "::interactions");
+  history.friction = StructArray<FrictionSpring>(label + "::friction");
+  history.fading = StructArray<FadingForce>(label + "::fading");
   history.row_begin = allocate<View<int*>>(space, label + "::row_begin", num_nodes);
   history.row_count = View<int*>(label + "::row_count", num_nodes);
   return history;
 }
 
-// Two blocks of threads a multiprocessor of a device, each with 128 registers a thread.
+// Three blocks of threads a multiprocessor of a device, each with 170 registers a thread.
 using CorrectionPolicy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>,
-                                             Kokkos::LaunchBounds<256, 2>, launch_by_argument>;
+                                             Kokkos::LaunchBounds<128, 3>, launch_by_argument>;
 
 // Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
@@ -43,7 +43,7 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
                                                const std::int64_t* numbers, int count) {
   const FaceAccess& faces = correct.faces;
   for (int w = 0; w < count; ++w) {
-    pairs.prefetch(numbers[w]);
+    pairs.interactions.prefetch(numbers[w]);
     faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
@@ -173,8 +173,9 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")},
-      _rows_with_history{View<int*>(label + "::rows_with_history", 0),
-                         View<std::int64_t[2]>(_counts.data() + 1)},
+      _persistent_rows{View<int*>(label + "::persistent_rows", 0),
+                       View<std::int64_t[2]>(_counts.data() + 1)},
+      _persistent_face(label + "::persistent_face", 0),
       _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)},
       _may_touch(label + "::may_touch", 0) {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
@@ -185,7 +186,7 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
 }
 
 bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
-  return sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)) &&
+  return sums.interactions <= _next.interactions.size() &&
          sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
 }
 
@@ -193,7 +194,7 @@ void InteractionSet::growFor(const exec_space& space, const ContactSums& sums) {
   growTo(space, _workspace.persistent, sums.workspace);
   growTo(space, _workspace.contacts, sums.workspace);
   growTo(space, _next.interactions, sums.interactions);
-  const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
+  const auto room = _next.interactions.size();
   if (_config.friction > 0)
     growTo(space, _next.friction, room);
   growTo(space, _next.fading, room);
@@ -218,7 +219,7 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
 void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
                                     const StepLengths& steps, const NodeVectors& accelerations,
                                     const View<const unsigned char*>& has_changed) {
-  growTo(space, _is_corrected, static_cast<std::int64_t>(_next.interactions.extent(0)));
+  growTo(space, _is_corrected, _next.interactions.size());
   growTo(space, _proposals.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
   PairForces add = pairForces(space, faces);

@@ -168,7 +168,7 @@ struct SelectInteractions {
     if (step.previous.row_count(node) == 0)
       return;
     step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
-    step.previous.prefetch(step.previous.row_begin(node));
+    step.previous.interactions.prefetch(step.previous.row_begin(node));
     prefetch(&step.faces.surface.node_body(node));
     step.kinematics.prefetchNode(node);
   }
