@@ -9,29 +9,34 @@
 #include <cstring>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace brickwall {
 
-// The words of several structs.
+// The words of several structs. They are listed, not looped over, so that devices keep those of one
+// in registers.
 template <class T, int pack_size>
 struct StructPack {
-  static constexpr int num_words = sizeof(T) / 8;
-  std::int64_t words[num_words][pack_size];
+  using Numbers = std::make_index_sequence<sizeof(T) / 8>;
+  std::int64_t words[sizeof(T) / 8][pack_size];
 
-  KOKKOS_FORCEINLINE_FUNCTION T of(int lane) const {
-    std::int64_t own[num_words];
-    for (int w = 0; w < num_words; ++w)
-      own[w] = words[w][lane];
+  KOKKOS_FORCEINLINE_FUNCTION T of(int lane) const { return of(lane, Numbers()); }
+  KOKKOS_FORCEINLINE_FUNCTION void set(int lane, const T& value) { set(lane, value, Numbers()); }
+
+private:
+  template <std::size_t... w>
+  KOKKOS_FORCEINLINE_FUNCTION T of(int lane, std::index_sequence<w...>) const {
+    const std::int64_t own[] = {words[w][lane]...};
     T value;
     memcpy(static_cast<void*>(&value), own, sizeof value);
     return value;
   }
-  KOKKOS_FORCEINLINE_FUNCTION void set(int lane, const T& value) {
-    std::int64_t own[num_words];
+  template <std::size_t... w>
+  KOKKOS_FORCEINLINE_FUNCTION void set(int lane, const T& value, std::index_sequence<w...>) {
+    std::int64_t own[sizeof...(w)];
     memcpy(own, &value, sizeof value);
-    for (int w = 0; w < num_words; ++w)
-      words[w][lane] = own[w];
+    ((words[w][lane] = own[w]), ...);
   }
 };
 

@@ -115,48 +115,80 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
 }
 
 // A pass over all interactions. The first lists those that `has_changed` asks for, or all if it is
-// empty, and flags which are to change; the second takes these. `pass` is the number of the first.
-void correctAll(const exec_space& space, const ContactHistory& pairs, const PairForces& add,
-                const CorrectPair& correct, const View<const unsigned char*>& has_changed,
-                const View<unsigned char*>& is_corrected, std::int64_t pass,
-                const View<CorrectionNotes>& notes) {
-  const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
-  const bool lists_changed = correct.isProposal() && !lists_all;
-  Kokkos::parallel_for(
-      correct.isProposal() ? "contact::proposeChanges" : "contact::correctForces",
-      CorrectionPolicy(space, 0, numParts(pairs.count)), KOKKOS_LAMBDA(const std::int64_t part) {
-        Corrections corrections;
-        const std::int64_t begin = part * pairs_at_once;
-        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        std::int64_t listed[pairs_at_once];
-        int num_listed = 0;
-        if (lists_changed)
-          for (std::int64_t i = begin; i < end; ++i)
-            correct.faces.prefetchFace(pairs.interactions(i).face_index);
-        for (std::int64_t i = begin; i < end; ++i)
-          if (lists_all || is_corrected(i) ||
-              (lists_changed && hasChanged(pairs.interactions(i), correct.faces, has_changed)))
-            listed[num_listed++] = i;
-        prefetchPairs(pairs, correct, add, listed, num_listed);
-        std::int64_t springs[pairs_at_once];
-        int num_springs = 0, num_others = 0;
-        for (int w = 0; w < num_listed; ++w) {
-          const Interaction& pair = pairs.interactions(listed[w]);
-          if (pair.first_force == 0)
-            is_corrected(listed[w]) = 0;
-          else if (hasOnlySpring(pair, add))
-            springs[num_springs++] = listed[w];
-          else
-            listed[num_others++] = listed[w];
-        }
-        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
-                                            corrections.changed);
-        for (int w = 0; w < num_others; ++w)
-          correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
-        for (int w = 0; w < num_left; ++w)
-          correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
-        corrections.note(notes(), pass);
-      });
+// empty, and flags which are to change; the second takes these. Kernel functor, for pairs_at_once.
+struct CorrectAll {
+  ContactHistory pairs;
+  PairForces add;
+  CorrectPair correct;
+  View<const unsigned char*> has_changed;
+  View<unsigned char*> is_corrected;
+  std::int64_t pass; // number of the first one
+  View<CorrectionNotes> notes;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part) const {
+    Corrections corrections;
+    if constexpr (pairs_at_once == 1)
+      correctListed(part, corrections);
+    else
+      correctListed(part * pairs_at_once, minOf((part + 1) * pairs_at_once, pairs.count),
+                    corrections);
+    corrections.note(notes(), pass);
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION bool isListed(std::int64_t i) const {
+    const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
+    return lists_all || is_corrected(i) ||
+           (correct.isProposal() && hasChanged(pairs.interactions(i), correct.faces, has_changed));
+  }
+  // One interaction.
+  KOKKOS_INLINE_FUNCTION void correctListed(std::int64_t i, Corrections& corrections) const {
+    if (!isListed(i))
+      return;
+    const Interaction& pair = pairs.interactions(i);
+    std::int64_t number = i;
+    if (pair.first_force == 0)
+      is_corrected(i) = 0;
+    else if (!hasOnlySpring(pair, add) ||
+             correctSprings(pairs, correct, add, &number, 1, is_corrected, corrections.changed) > 0)
+      correctOne(pairs, correct, add, i, is_corrected, corrections);
+  }
+  // Those of [begin, end), with springs in SIMD lanes.
+  KOKKOS_INLINE_FUNCTION void correctListed(std::int64_t begin, std::int64_t end,
+                                            Corrections& corrections) const {
+    std::int64_t listed[pairs_at_once];
+    int num_listed = 0;
+    if (correct.isProposal() && has_changed.extent(0) > 0)
+      for (std::int64_t i = begin; i < end; ++i)
+        correct.faces.prefetchFace(pairs.interactions(i).face_index);
+    for (std::int64_t i = begin; i < end; ++i)
+      if (isListed(i))
+        listed[num_listed++] = i;
+    prefetchPairs(pairs, correct, add, listed, num_listed);
+    std::int64_t springs[pairs_at_once];
+    int num_springs = 0, num_others = 0;
+    for (int w = 0; w < num_listed; ++w) {
+      const Interaction& pair = pairs.interactions(listed[w]);
+      if (pair.first_force == 0)
+        is_corrected(listed[w]) = 0;
+      else if (hasOnlySpring(pair, add))
+        springs[num_springs++] = listed[w];
+      else
+        listed[num_others++] = listed[w];
+    }
+    const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
+                                        corrections.changed);
+    for (int w = 0; w < num_others; ++w)
+      correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
+    for (int w = 0; w < num_left; ++w)
+      correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
+  }
+};
+
+void correctAll(const exec_space& space, const CorrectAll& functor) {
+  Kokkos::parallel_for(functor.correct.isProposal() ? "contact::proposeChanges"
+                                                    : "contact::correctForces",
+                       CorrectionPolicy(space, 0, numParts(functor.pairs.count)), functor);
 }
 
 } // namespace
@@ -224,17 +256,25 @@ void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& f
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
   PairForces add = pairForces(space, faces);
   add.target = _proposals;
-  correctAll(space, _next, add,
-             {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction}, has_changed,
-             _is_corrected, ++_num_proposing, _notes);
+  correctAll(space, {_next,
+                     add,
+                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
+                     has_changed,
+                     _is_corrected,
+                     ++_num_proposing,
+                     _notes});
 }
 
 void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                    const StepLengths& steps, const NodeVectors& accelerations,
                                    const NodeVectors& responses) {
-  correctAll(space, _next, pairForces(space, faces),
-             {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction}, {},
-             _is_corrected, _num_proposing, _notes);
+  correctAll(space, {_next,
+                     pairForces(space, faces),
+                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
+                     {},
+                     _is_corrected,
+                     _num_proposing,
+                     _notes});
 }
 
 CorrectionNotes InteractionSet::noted(const exec_space& space) const {
