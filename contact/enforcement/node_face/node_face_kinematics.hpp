@@ -126,10 +126,12 @@ struct NodeFaceKinematics {
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
              overlapsOnlyAtEdge(faces, node, face, contact));
   }
+  // A template, since devices, which have no packs, cannot compile it.
+  template <int width = candidates_at_once>
   KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
                                                 const int* candidates, FacePoint* points) const {
-    projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
-                                      rowOf(faces.surface.coordinates_new, node), points);
+    projectAtOnce<width>([&](int k) { return faces.quad(candidates[k]); }, count,
+                         rowOf(faces.surface.coordinates_new, node), points);
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
