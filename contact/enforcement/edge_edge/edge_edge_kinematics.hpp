@@ -43,7 +43,7 @@ struct EdgeEdgeKinematics {
   double lateral_tolerance, edge_tolerance;
   int num_corners; // rows below it are ends of edges; row num_corners + e is edge e
   View<const double*> node_mass; // [corner]
-  View<const Interaction*> previous;
+  StructArray<Interaction> previous;
   EdgeRecords records;
 
   // Each pair of edges is tested once: the edge of the lower body pushes.

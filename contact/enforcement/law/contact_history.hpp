@@ -1,16 +1,16 @@
 // The contact history: what a contact of a node (or edge) with an opposing body carries from step
-// to step. One interaction per (owned node or edge, body), in rows by node. Plain Views of plain
-// structs, so that a restart file can hold them. Symbols are those of contact/theory.md.
+// to step. One interaction per (owned node or edge, body), in rows by node. Arrays of plain structs,
+// so that a restart file can hold them. Symbols are those of contact/theory.md.
 #pragma once
 
+#include "contact/base/struct_array.hpp"
 #include "contact/base/vec3.hpp"
 #include "contact/surface/contact_point.hpp"
 
 namespace brickwall::contact {
 
 // One node (or edge) against one body. P is the penetration, n the outward normal of the face.
-// Aligned, so that devices load and store 16 bytes at once.
-struct alignas(16) Interaction {
+struct Interaction {
   global_id body = -1; // opposing body
   global_id face = -1; // global id of the face in contact
   double offset = 0; // e, length: part of the penetration that gives no force; eq. (9)
@@ -100,20 +100,12 @@ struct FadingForce {
 // Rows by surface node. The order of the rows in `interactions` is arbitrary; within a row, bodies
 // ascend.
 struct ContactHistory {
-  View<Interaction*> interactions; // [0, count); the View may be longer
-  View<FrictionSpring*> friction; // [as interactions]; empty without friction
-  View<FadingForce*> fading; // [as interactions]; valid where fade_weight < 1
+  StructArray<Interaction> interactions; // [0, count); the array may be longer
+  StructArray<FrictionSpring> friction; // [as interactions]; empty without friction
+  StructArray<FadingForce> fading; // [as interactions]; valid where fade_weight < 1
   View<int*> row_begin; // [node]
   View<int*> row_count; // [node]
   std::int64_t count = 0;
-
-  // Prefetches an interaction.
-  KOKKOS_FORCEINLINE_FUNCTION void prefetch(std::int64_t i) const {
-    const Interaction& pair = interactions(i);
-    brickwall::prefetch(&pair.body);
-    brickwall::prefetch(&pair.damping);
-    brickwall::prefetch(&pair.first_force);
-  }
 };
 
 } // namespace brickwall::contact

@@ -75,14 +75,14 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
   });
   history.count = static_cast<std::int64_t>(sorted.size());
   growTo(space, history.interactions, history.count);
-  const auto room = static_cast<std::int64_t>(history.interactions.extent(0));
+  const std::int64_t room = history.interactions.size();
   if (has_friction)
     growTo(space, history.friction, room);
   growTo(space, history.fading, room);
   space.fence();
-  const auto interactions = Kokkos::create_mirror_view(history.interactions);
-  const auto friction = Kokkos::create_mirror_view(history.friction);
-  const auto fading = Kokkos::create_mirror_view(history.fading);
+  std::vector<Interaction> interactions;
+  std::vector<FrictionSpring> friction;
+  std::vector<FadingForce> fading;
   const auto row_begin = Kokkos::create_mirror_view(history.row_begin);
   const auto row_count = Kokkos::create_mirror_view(history.row_count);
   Kokkos::deep_copy(row_begin, 0);
@@ -91,14 +91,14 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
     const int row = sorted[i].pair.node;
     if (row_count(row)++ == 0)
       row_begin(row) = static_cast<int>(i);
-    interactions(i) = sorted[i].pair;
+    interactions.push_back(sorted[i].pair);
     if (has_friction)
-      friction(i) = sorted[i].friction;
-    fading(i) = sorted[i].fading;
+      friction.push_back(sorted[i].friction);
+    fading.push_back(sorted[i].fading);
   }
-  Kokkos::deep_copy(history.interactions, interactions);
-  Kokkos::deep_copy(history.friction, friction);
-  Kokkos::deep_copy(history.fading, fading);
+  history.interactions.assign(interactions);
+  history.friction.assign(friction);
+  history.fading.assign(fading);
   Kokkos::deep_copy(history.row_begin, row_begin);
   Kokkos::deep_copy(history.row_count, row_count);
 }

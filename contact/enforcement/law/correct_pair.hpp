@@ -66,12 +66,18 @@ struct CorrectPair {
   }
   KOKKOS_INLINE_FUNCTION void apply(const Correction& corrected, const ContactHistory& pairs,
                                     std::int64_t i) const {
-    pairs.interactions(i).force = corrected.force;
-    pairs.interactions(i).damping = corrected.damping;
-    if (friction_limit > 0)
-      pairs.friction(i).force = corrected.friction;
-    if (corrected.fading != 1)
-      pairs.fading(i).correct(corrected.fading);
+    pairs.interactions.setMember(i, &Interaction::force, corrected.force);
+    pairs.interactions.setMember(i, &Interaction::damping, corrected.damping);
+    if (friction_limit > 0) {
+      FrictionSpring spring = pairs.friction(i);
+      spring.force = corrected.friction;
+      pairs.friction.store(i, spring);
+    }
+    if (corrected.fading != 1) {
+      FadingForce fading = pairs.fading(i);
+      fading.correct(corrected.fading);
+      pairs.fading.store(i, fading);
+    }
   }
 
   KOKKOS_FORCEINLINE_FUNCTION static bool isChange(double change, double of) {

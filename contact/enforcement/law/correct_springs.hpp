@@ -54,11 +54,6 @@ struct Corrected {
     return CorrectPair::isChange(force[lane] - pair.force, pair.first_force) ||
            CorrectPair::isChange(damping[lane] - pair.damping, pair.first_force);
   }
-  KOKKOS_FORCEINLINE_FUNCTION void apply(int lane, Interaction& pair, const PairForces& add) const {
-    pair.force = force[lane];
-    pair.damping = damping[lane];
-    add.add(pair, change, 1, lane);
-  }
 };
 
 template <class Real>
@@ -123,13 +118,13 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
     const int last = minOf(first + width, count) - 1;
     for (int lane = 0; lane < width; ++lane) {
       const std::int64_t number = numbers[minOf(first + lane, last)];
-      pairs.prefetch(minOf(number + pairs_ahead, pairs.count - 1));
+      pairs.interactions.prefetch(minOf(number + pairs_ahead, pairs.count - 1));
       gathered.gather(lane, pairs.interactions(number), correct);
     }
     evaluate(gathered, correct, add, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
-      Interaction& pair = pairs.interactions(number);
+      const Interaction& pair = pairs.interactions(number);
       const bool changes = corrected.changes(lane, pair);
       if (correct.isProposal()) {
         is_changed(number) = changes;
@@ -139,7 +134,9 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
         numbers[num_left++] = number;
         continue;
       } else if (changes) {
-        corrected.apply(lane, pair, add);
+        pairs.interactions.setMember(number, &Interaction::force, corrected.force[lane]);
+        pairs.interactions.setMember(number, &Interaction::damping, corrected.damping[lane]);
+        add.add(pair, corrected.change, 1, lane);
       }
       num_changed += changes;
     }

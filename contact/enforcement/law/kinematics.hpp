@@ -28,7 +28,8 @@
 //   projectPersistent(faces, history, count, contacts)
 //       fills the data of contacts whose face is still a candidate
 //   testPersistent(faces, persistent, contact)
-//       test() at ContactTest::persist, from these data
+//       test() at ContactTest::persist, from these data; where projects_persistent_contacts, it is
+//       isFacing(faces, node, face, persist) && acceptPersistent(faces, persistent, contact)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
 //   isInFront(faces, node, face)

@@ -74,6 +74,9 @@ inline double largestPairForce(const Quantum& quantum) {
 }
 
 struct PairForces {
+  // The bound of loops over corners: with a constant one, devices keep arrays in registers.
+  static constexpr int max_corners = 4;
+
   FaceAccess faces = {{}, GhostFaces::none()};
   ContactForces target;
   double inverse_quantum = 1;
@@ -109,8 +112,8 @@ struct PairForces {
       besides.add(fading.normal);
     }
     largest += std::fabs(besides.on_end);
-    for (int j = 0; j < face_corners; ++j)
-      largest += std::fabs(besides.on_corner[j]);
+    for (int j = 0; j < max_corners; ++j)
+      largest += j < face_corners ? std::fabs(besides.on_corner[j]) : 0.0;
     if (face_corners == 4)
       quanta.set<4>(triple(force), triple(pair.normal), pair.point.share, pair.weight,
                     inverse_quantum, &besides);
@@ -145,8 +148,9 @@ struct PairForces {
       const double whole = std::fabs(inverse_quantum * along[d] * change);
       quanta.on_point[0][d] = toFixed(std::fabs(1 - pair.point.share) * whole);
       quanta.on_point[1][d] = toFixed(std::fabs(pair.point.share) * whole);
-      for (int j = 0; j < face_corners; ++j)
-        quanta.on_corner[j][d] = toFixed(std::fabs(pair.weight[j]) * whole);
+      for (int j = 0; j < max_corners; ++j)
+        if (j < face_corners)
+          quanta.on_corner[j][d] = toFixed(std::fabs(pair.weight[j]) * whole);
     }
     add(pair, quanta, 1);
   }
@@ -170,13 +174,17 @@ private:
       addTo<How>(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign, lane);
     const int face = pair.face_index;
     if (faces.isOwn(face))
-      for (int j = 0; j < face_corners; ++j)
-        addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j], sign,
-                   lane);
+      for (int j = 0; j < max_corners; ++j) {
+        if (j < face_corners)
+          addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j],
+                     sign, lane);
+      }
     else
-      for (int j = 0; j < face_corners; ++j)
-        addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign,
-                   lane);
+      for (int j = 0; j < max_corners; ++j) {
+        if (j < face_corners)
+          addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign,
+                     lane);
+      }
   }
   template <class How, class ViewType, class Integers>
   KOKKOS_FORCEINLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,

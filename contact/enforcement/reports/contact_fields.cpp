@@ -71,7 +71,7 @@ View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
 // Over the interactions, whose memory is read in order; the first one of a row adds the node's slip.
 void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHistory& history,
              const View<double*>& distance) {
-  const bool has_friction = history.friction.extent(0) > 0;
+  const bool has_friction = history.friction.size() > 0;
   Kokkos::parallel_for(
       "contact::addSlip", rangePolicy(space, history.count), KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = history.interactions(i).node;

@@ -59,7 +59,7 @@ std::uint64_t historyChecksum(const exec_space& space, const View<const global_i
                               const ContactHistory& history) {
   std::uint64_t sum = 0;
   Kokkos::parallel_reduce("contact::historyChecksum", rangePolicy(space, history.count),
-                          HashInteraction{node_ids, history, history.friction.extent(0) > 0},
+                          HashInteraction{node_ids, history, history.friction.size() > 0},
                           Kokkos::Sum<std::uint64_t>(sum));
   space.fence();
   return sum;

@@ -124,7 +124,7 @@ struct EnforcementStep {
     return first;
   }
   KOKKOS_INLINE_FUNCTION bool hasSlots(std::int64_t first, int count) const {
-    return first + count <= static_cast<std::int64_t>(next.interactions.extent(0));
+    return first + count <= next.interactions.size();
   }
 };
 

@@ -19,17 +19,17 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
 
 ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
   ContactHistory history;
-  history.interactions = View<Interaction*>(label + "::interactions", 0);
-  history.friction = View<FrictionSpring*>(label + "::friction", 0);
-  history.fading = View<FadingForce*>(label + "::fading", 0);
+  history.interactions = StructArray<Interaction>(label + "::interactions");
+  history.friction = StructArray<FrictionSpring>(label + "::friction");
+  history.fading = StructArray<FadingForce>(label + "::fading");
   history.row_begin = allocate<View<int*>>(space, label + "::row_begin", num_nodes);
   history.row_count = View<int*>(label + "::row_count", num_nodes);
   return history;
 }
 
-// Two blocks of threads a multiprocessor of a device, each with 128 registers a thread.
+// Three blocks of threads a multiprocessor of a device, each with 170 registers a thread.
 using CorrectionPolicy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>,
-                                             Kokkos::LaunchBounds<256, 2>, launch_by_argument>;
+                                             Kokkos::LaunchBounds<128, 3>, launch_by_argument>;
 
 // Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
@@ -43,7 +43,7 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
                                                const std::int64_t* numbers, int count) {
   const FaceAccess& faces = correct.faces;
   for (int w = 0; w < count; ++w) {
-    pairs.prefetch(numbers[w]);
+    pairs.interactions.prefetch(numbers[w]);
     faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
@@ -115,48 +115,80 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
 }
 
 // A pass over all interactions. The first lists those that `has_changed` asks for, or all if it is
-// empty, and flags which are to change; the second takes these. `pass` is the number of the first.
-void correctAll(const exec_space& space, const ContactHistory& pairs, const PairForces& add,
-                const CorrectPair& correct, const View<const unsigned char*>& has_changed,
-                const View<unsigned char*>& is_corrected, std::int64_t pass,
-                const View<CorrectionNotes>& notes) {
-  const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
-  const bool lists_changed = correct.isProposal() && !lists_all;
-  Kokkos::parallel_for(
-      correct.isProposal() ? "contact::proposeChanges" : "contact::correctForces",
-      CorrectionPolicy(space, 0, numParts(pairs.count)), KOKKOS_LAMBDA(const std::int64_t part) {
-        Corrections corrections;
-        const std::int64_t begin = part * pairs_at_once;
-        const std::int64_t end = minOf(begin + pairs_at_once, pairs.count);
-        std::int64_t listed[pairs_at_once];
-        int num_listed = 0;
-        if (lists_changed)
-          for (std::int64_t i = begin; i < end; ++i)
-            correct.faces.prefetchFace(pairs.interactions(i).face_index);
-        for (std::int64_t i = begin; i < end; ++i)
-          if (lists_all || is_corrected(i) ||
-              (lists_changed && hasChanged(pairs.interactions(i), correct.faces, has_changed)))
-            listed[num_listed++] = i;
-        prefetchPairs(pairs, correct, add, listed, num_listed);
-        std::int64_t springs[pairs_at_once];
-        int num_springs = 0, num_others = 0;
-        for (int w = 0; w < num_listed; ++w) {
-          const Interaction& pair = pairs.interactions(listed[w]);
-          if (pair.first_force == 0)
-            is_corrected(listed[w]) = 0;
-          else if (hasOnlySpring(pair, add))
-            springs[num_springs++] = listed[w];
-          else
-            listed[num_others++] = listed[w];
-        }
-        const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
-                                            corrections.changed);
-        for (int w = 0; w < num_others; ++w)
-          correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
-        for (int w = 0; w < num_left; ++w)
-          correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
-        corrections.note(notes(), pass);
-      });
+// empty, and flags which are to change; the second takes these. Kernel functor, for pairs_at_once.
+struct CorrectAll {
+  ContactHistory pairs;
+  PairForces add;
+  CorrectPair correct;
+  View<const unsigned char*> has_changed;
+  View<unsigned char*> is_corrected;
+  std::int64_t pass; // number of the first one
+  View<CorrectionNotes> notes;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part) const {
+    Corrections corrections;
+    if constexpr (pairs_at_once == 1)
+      correctListed(part, corrections);
+    else
+      correctListed(part * pairs_at_once, minOf((part + 1) * pairs_at_once, pairs.count),
+                    corrections);
+    corrections.note(notes(), pass);
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION bool isListed(std::int64_t i) const {
+    const bool lists_all = correct.isProposal() && has_changed.extent(0) == 0;
+    return lists_all || is_corrected(i) ||
+           (correct.isProposal() && hasChanged(pairs.interactions(i), correct.faces, has_changed));
+  }
+  // One interaction.
+  KOKKOS_INLINE_FUNCTION void correctListed(std::int64_t i, Corrections& corrections) const {
+    if (!isListed(i))
+      return;
+    const Interaction& pair = pairs.interactions(i);
+    std::int64_t number = i;
+    if (pair.first_force == 0)
+      is_corrected(i) = 0;
+    else if (!hasOnlySpring(pair, add) ||
+             correctSprings(pairs, correct, add, &number, 1, is_corrected, corrections.changed) > 0)
+      correctOne(pairs, correct, add, i, is_corrected, corrections);
+  }
+  // Those of [begin, end), with springs in SIMD lanes.
+  KOKKOS_INLINE_FUNCTION void correctListed(std::int64_t begin, std::int64_t end,
+                                            Corrections& corrections) const {
+    std::int64_t listed[pairs_at_once];
+    int num_listed = 0;
+    if (correct.isProposal() && has_changed.extent(0) > 0)
+      for (std::int64_t i = begin; i < end; ++i)
+        correct.faces.prefetchFace(pairs.interactions(i).face_index);
+    for (std::int64_t i = begin; i < end; ++i)
+      if (isListed(i))
+        listed[num_listed++] = i;
+    prefetchPairs(pairs, correct, add, listed, num_listed);
+    std::int64_t springs[pairs_at_once];
+    int num_springs = 0, num_others = 0;
+    for (int w = 0; w < num_listed; ++w) {
+      const Interaction& pair = pairs.interactions(listed[w]);
+      if (pair.first_force == 0)
+        is_corrected(listed[w]) = 0;
+      else if (hasOnlySpring(pair, add))
+        springs[num_springs++] = listed[w];
+      else
+        listed[num_others++] = listed[w];
+    }
+    const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
+                                        corrections.changed);
+    for (int w = 0; w < num_others; ++w)
+      correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
+    for (int w = 0; w < num_left; ++w)
+      correctOne(pairs, correct, add, springs[w], is_corrected, corrections);
+  }
+};
+
+void correctAll(const exec_space& space, const CorrectAll& functor) {
+  Kokkos::parallel_for(functor.correct.isProposal() ? "contact::proposeChanges"
+                                                    : "contact::correctForces",
+                       CorrectionPolicy(space, 0, numParts(functor.pairs.count)), functor);
 }
 
 } // namespace
@@ -173,8 +205,9 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")},
-      _rows_with_history{View<int*>(label + "::rows_with_history", 0),
-                         View<std::int64_t[2]>(_counts.data() + 1)},
+      _persistent_rows{View<int*>(label + "::persistent_rows", 0),
+                       View<std::int64_t[2]>(_counts.data() + 1)},
+      _persistent_face(label + "::persistent_face", 0),
       _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)},
       _may_touch(label + "::may_touch", 0) {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
@@ -185,7 +218,7 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
 }
 
 bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
-  return sums.interactions <= static_cast<std::int64_t>(_next.interactions.extent(0)) &&
+  return sums.interactions <= _next.interactions.size() &&
          sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
 }
 
@@ -193,7 +226,7 @@ void InteractionSet::growFor(const exec_space& space, const ContactSums& sums) {
   growTo(space, _workspace.persistent, sums.workspace);
   growTo(space, _workspace.contacts, sums.workspace);
   growTo(space, _next.interactions, sums.interactions);
-  const auto room = static_cast<std::int64_t>(_next.interactions.extent(0));
+  const auto room = _next.interactions.size();
   if (_config.friction > 0)
     growTo(space, _next.friction, room);
   growTo(space, _next.fading, room);
@@ -218,22 +251,30 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
 void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
                                     const StepLengths& steps, const NodeVectors& accelerations,
                                     const View<const unsigned char*>& has_changed) {
-  growTo(space, _is_corrected, static_cast<std::int64_t>(_next.interactions.extent(0)));
+  growTo(space, _is_corrected, _next.interactions.size());
   growTo(space, _proposals.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
   PairForces add = pairForces(space, faces);
   add.target = _proposals;
-  correctAll(space, _next, add,
-             {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction}, has_changed,
-             _is_corrected, ++_num_proposing, _notes);
+  correctAll(space, {_next,
+                     add,
+                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
+                     has_changed,
+                     _is_corrected,
+                     ++_num_proposing,
+                     _notes});
 }
 
 void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                    const StepLengths& steps, const NodeVectors& accelerations,
                                    const NodeVectors& responses) {
-  correctAll(space, _next, pairForces(space, faces),
-             {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction}, {},
-             _is_corrected, _num_proposing, _notes);
+  correctAll(space, {_next,
+                     pairForces(space, faces),
+                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
+                     {},
+                     _is_corrected,
+                     _num_proposing,
+                     _notes});
 }
 
 CorrectionNotes InteractionSet::noted(const exec_space& space) const {

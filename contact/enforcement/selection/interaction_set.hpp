@@ -121,7 +121,9 @@ private:
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded
-  HistoryRows _rows_with_history; // both are empty unless selectListedRows() is used
+  // Empty unless selectListedRows() is used; see ListRows.
+  HistoryRows _persistent_rows;
+  View<int*> _persistent_face;
   RowList _other_rows;
   View<unsigned char*> _may_touch; // [pair], see EnforcementStep; likewise
   ContactForces _forces;
@@ -190,20 +192,22 @@ template <class Kinematics>
 void InteractionSet::selectListedRows(const exec_space& space,
                                       const SelectInteractions<Kinematics>& functor) {
   const std::int64_t num_rows = functor.step.pairs.num_rows;
-  const bool lists_history =
+  const bool lists_persistent =
       Kinematics::projects_persistent_contacts && functor.step.previous.count >= least_history;
-  growTo(space, _rows_with_history.rows, num_rows);
+  growTo(space, _persistent_rows.rows, num_rows);
+  growTo(space, _persistent_face, functor.step.previous.interactions.size());
   growTo(space, _other_rows.rows, num_rows);
-  Kokkos::parallel_for(
-      "contact::selectInteractions::list", range_policy(space, functor.first_row, num_rows),
-      ListRows<Kinematics>{functor, _rows_with_history, _other_rows, lists_history});
+  Kokkos::parallel_for("contact::selectInteractions::list",
+                       range_policy(space, functor.first_row, num_rows),
+                       ListRows<Kinematics>{functor, _persistent_rows, _persistent_face,
+                                            _other_rows, lists_persistent});
   if constexpr (Kinematics::projects_persistent_contacts)
-    if (lists_history) {
+    if (lists_persistent) {
       const auto persist = [&](auto has_friction) {
-        _sums.add<4>("contact::selectInteractions::persist", space, 0,
-                     functor.step.previous.count, // rows with history are not more
+        _sums.add<3>("contact::selectInteractions::persist", space, 0,
+                     functor.step.previous.count, // rows are not more
                      PersistRows<Kinematics, decltype(has_friction)::value>{
-                         functor, _rows_with_history, _other_rows});
+                         functor, _persistent_rows, _persistent_face, _other_rows});
       };
       if (functor.step.law.config.friction > 0)
         persist(std::true_type());

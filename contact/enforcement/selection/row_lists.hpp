@@ -42,22 +42,69 @@ private:
   }
 };
 
-// Lists the rows that may have a contact. Kernel functor, for one row.
+// Lists the rows that may have a contact. Rows whose contacts may all persist on their faces, and
+// which cannot get others, are listed apart: most rows of bodies that are pressed together. Kernel
+// functor, for one row.
 template <class Kinematics>
 struct ListRows {
   SelectInteractions<Kinematics> select;
-  HistoryRows with_history;
+  HistoryRows persistent;
+  View<int*> persistent_face; // [interaction of the last step] candidate index, of these rows
   RowList others;
-  bool lists_history = false; // otherwise all rows are among `others`
+  bool lists_persistent = false; // otherwise all rows are among `others`
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row) const {
     if (!select.mayHaveContact(row))
       return;
-    const int count = select.step.previous.row_count(select.step.pairs.node(row));
-    if (lists_history && count > 0)
-      with_history.add(row, count);
-    else
-      others.add(row);
+    const int node = select.step.pairs.node(row), count = select.step.previous.row_count(node);
+    if constexpr (Kinematics::projects_persistent_contacts)
+      if (lists_persistent && count > 0 &&
+          findFaces(row, node, select.step.previous.row_begin(node), count)) {
+        persistent.add(row, count);
+        return;
+      }
+    others.add(row);
+  }
+
+private:
+  // Finds the candidates that are the faces of the row's contacts. Returns false if one is none, or
+  // does not persist, or if a contact with another body may become active. Bodies ascend among
+  // candidates and contacts.
+  KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count) const {
+    const auto& step = select.step;
+    const SelectActiveFaces<Kinematics> rules{step};
+    const auto& interactions = step.previous.interactions;
+    const global_id own_body = step.faces.surface.node_body(node);
+    const std::int64_t end = step.pairs.end(row);
+    int k = 0;
+    global_id body_of_contact = interactions(first).body, id = interactions(first).face;
+    bool is_found = false; // the face of contact k
+    for (std::int64_t p = step.pairs.begin(row); p < end; ++p) {
+      const int face = step.pairs.faces(p);
+      const global_id body = step.kinematics.bodyOf(step.faces, face);
+      while (body_of_contact < body && k + 1 < count) {
+        if (!is_found)
+          return false;
+        is_found = false;
+        ++k;
+        body_of_contact = interactions(first + k).body;
+        id = interactions(first + k).face;
+      }
+      if (body != body_of_contact) {
+        if (rules.isTested(own_body, body) &&
+            step.kinematics.mayPenetrate(step.faces, node, face) &&
+            step.kinematics.mayActivate(node, face))
+          return false;
+      } else if (!is_found && step.kinematics.idOf(step.faces, face) == id) {
+        if (!(interactions(first + k).depth > 0) ||
+            !step.faces.isOfThisStep(step.pairs.step_test, node, face) ||
+            !step.kinematics.isFacing(step.faces, node, face, ContactTest::persist))
+          return false;
+        persistent_face(first + k) = face;
+        is_found = true;
+      }
+    }
+    return is_found && k + 1 == count;
   }
 };
 
@@ -83,16 +130,14 @@ struct TestListedPairs {
   }
 };
 
-// Writes the contacts of the listed rows whose contacts all persist on their faces, with a force,
-// and which cannot get others: most rows of bodies that are pressed together. The other rows are
-// appended to `others`. Without friction only plain contacts persist here (write_interactions.hpp).
-// Kernel functor, for one place of the list.
+// Writes the contacts of the rows of ListRows::persistent whose contacts all persist, with a force.
+// The other rows are appended to `others`. Without friction only plain contacts persist here
+// (write_interactions.hpp). Kernel functor, for one place of the list.
 template <class Kinematics, bool has_friction>
 struct PersistRows {
-  static constexpr int max_contacts = 4; // of a row
-
   SelectInteractions<Kinematics> select;
   HistoryRows list;
+  View<const int*> persistent_face;
   RowList others;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
@@ -109,9 +154,6 @@ private:
     const WriteInteractions<Kinematics> write{step};
     const int node = step.pairs.node(row), count = step.previous.row_count(node);
     const int first = step.previous.row_begin(node);
-    int faces[max_contacts];
-    if (!findFaces(rules, row, node, first, count, faces))
-      return false;
     // All contacts but the last are tested, then the last one is tested and written, then the first
     // ones are tested again and written.
     std::int64_t begin = 0;
@@ -121,7 +163,7 @@ private:
       PersistentContact persistent;
       persistent.node = node;
       persistent.previous = first + k;
-      persistent.face = faces[k];
+      persistent.face = persistent_face(first + k);
       FaceContact contact;
       if (!continues(rules, write, persistent, contact))
         return false;
@@ -149,63 +191,21 @@ private:
     return true;
   }
 
-  // Finds the candidates that are the faces of the row's contacts. Returns false if one is none, or
-  // if a contact with another body may become active. Bodies ascend among candidates and contacts.
-  KOKKOS_INLINE_FUNCTION bool findFaces(const SelectActiveFaces<Kinematics>& rules,
-                                        std::int64_t row, int node, int first, int count,
-                                        int (&faces)[max_contacts]) const {
-    const auto& step = select.step;
-    const auto& interactions = step.previous.interactions;
-    if (count > max_contacts)
-      return false;
-    const global_id own_body = step.faces.surface.node_body(node);
-    const std::int64_t end = step.pairs.end(row);
-    int k = 0;
-    global_id body_of_contact = interactions(first).body, id = interactions(first).face;
-    bool is_found = false; // the face of contact k
-    for (std::int64_t p = step.pairs.begin(row); p < end; ++p) {
-      const int face = step.pairs.faces(p);
-      const global_id body = step.kinematics.bodyOf(step.faces, face);
-      while (body_of_contact < body && k + 1 < count) {
-        if (!is_found)
-          return false;
-        is_found = false;
-        ++k;
-        body_of_contact = interactions(first + k).body;
-        id = interactions(first + k).face;
-      }
-      if (body != body_of_contact) {
-        if (rules.isTested(own_body, body) &&
-            step.kinematics.mayPenetrate(step.faces, node, face) &&
-            step.kinematics.mayActivate(node, face))
-          return false;
-      } else if (!is_found && step.kinematics.idOf(step.faces, face) == id) {
-        faces[k] = face;
-        is_found = true;
-      }
-    }
-    return is_found && k + 1 == count;
-  }
-
   // Whether the contact stays under load on its face, with a force; completes its data.
   KOKKOS_INLINE_FUNCTION bool continues(const SelectActiveFaces<Kinematics>& rules,
                                         const WriteInteractions<Kinematics>& write,
                                         PersistentContact& persistent, FaceContact& contact) const {
     const auto& step = select.step;
-    const Interaction& last = step.previous.interactions(persistent.previous);
-    if (!(last.depth > 0) ||
-        !step.faces.isOfThisStep(step.pairs.step_test, persistent.node, persistent.face))
-      return false;
     step.kinematics.projectPersistent(step.faces, step.previous, 1, &persistent);
     contact.previous = persistent.previous;
     contact.previous_face = persistent.face;
     contact.persistent = &persistent;
     contact.has_ended = false;
-    if (!step.kinematics.testPersistent(step.faces, persistent, contact) ||
+    if (!step.kinematics.acceptPersistent(step.faces, persistent, contact) ||
         step.kinematics.isBeyondInnerEdge(step.faces, contact) ||
         !rules.isCompressive(persistent.node, contact))
       return false;
-    contact.settles = last.settles;
+    contact.settles = step.previous.interactions(persistent.previous).settles;
     return has_friction || write.isPlain(contact);
   }
 };

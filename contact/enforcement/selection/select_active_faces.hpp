@@ -96,9 +96,8 @@ struct SelectActiveFaces {
   KOKKOS_INLINE_FUNCTION bool isCompressive(int node, FaceContact& contact) const {
     contact.node = node;
     contact.point = step.kinematics.pointOf(step.faces, node, contact);
-    const Interaction* last =
-        contact.previous < 0 ? nullptr : &step.previous.interactions(contact.previous);
-    contact.is_persistent = last != nullptr && !contact.has_ended && last->depth > 0;
+    contact.is_persistent = contact.previous >= 0 && !contact.has_ended &&
+                            step.previous.interactions(contact.previous).depth > 0;
     if (Kinematics::projects_persistent_contacts && contact.persistent != nullptr) {
       contact.motion = contact.persistent->motion;
       contact.inverse_mass = contact.persistent->inverse_mass;
@@ -106,8 +105,10 @@ struct SelectActiveFaces {
       contact.motion = step.faces.relativeMotion(contact.point, contact.face, contact.weight);
       contact.inverse_mass = step.inverseMassOf(contact);
     }
-    return contact.is_persistent ? contact.hasChangedFace(*last) || contact.depth > last->offset
-                                 : dot(contact.unitNormal(), contact.motion) < 0;
+    if (!contact.is_persistent)
+      return dot(contact.unitNormal(), contact.motion) < 0;
+    const Interaction& last = step.previous.interactions(contact.previous);
+    return contact.hasChangedFace(last) || contact.depth > last.offset;
   }
 
   // The least penetrated of the candidates [begin, end) whose smallest weight exceeds `covered`,

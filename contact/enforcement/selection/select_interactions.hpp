@@ -173,7 +173,7 @@ struct SelectInteractions {
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
     }
     step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
-    step.previous.prefetch(step.previous.row_begin(node));
+    step.previous.interactions.prefetch(step.previous.row_begin(node));
     prefetch(&step.faces.surface.node_body(node));
     step.kinematics.prefetchNode(node);
   }

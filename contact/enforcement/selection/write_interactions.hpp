@@ -26,7 +26,7 @@ struct WriteInteractions {
     if (!step.hasSlots(begin, count)) // the step is repeated with more memory
       return;
     for (int i = 0; i < count; ++i)
-      step.next.prefetch(begin + i);
+      step.next.interactions.prefetch(begin + i);
     int plain[width], num_plain = 0;
     for (int i = 0; i < count; ++i) {
       const int node = contacts[i].node;
@@ -69,7 +69,8 @@ struct WriteInteractions {
     law.setSpring(state, softer * cap(state));
     if (contact.is_persistent && state.last_fade_weight[0] < 1)
       limitStoredEnergy(contact, state);
-    Interaction& now = step.next.interactions(index);
+    Interaction local;
+    Interaction& now = step.next.interactions.edit(index, local);
     writeIdentity(contact, now);
     state.write(0, now);
     FadingForce fading;
@@ -89,13 +90,14 @@ struct WriteInteractions {
       sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
     }
     state.write(0, now);
+    step.next.interactions.commit(index, now);
     FrictionSpring friction;
     if (law.config.friction > 0) {
       applyFriction(now, contact, friction, sums);
-      step.next.friction(index) = friction;
+      step.next.friction.store(index, friction);
     }
     if (now.fade_weight < 1)
-      step.next.fading(index) = fading;
+      step.next.fading.store(index, fading);
     if (now.first_force == 0)
       return;
     PairQuanta<double> quanta;
@@ -107,7 +109,7 @@ struct WriteInteractions {
   }
 
 private:
-  KOKKOS_FORCEINLINE_FUNCTION const Interaction& lastOf(const FaceContact& contact) const {
+  KOKKOS_FORCEINLINE_FUNCTION decltype(auto) lastOf(const FaceContact& contact) const {
     return step.previous.interactions(contact.previous);
   }
   // s'/s of a contact that settles, eq. (41); otherwise 1.
@@ -192,9 +194,11 @@ private:
     fits = where(quanta.fits, Lanes(1.0), Lanes(0.0));
     for (int lane = 0; lane < num_lanes; ++lane) {
       const FaceContact& contact = contacts[numbers[lane]];
-      Interaction& now = step.next.interactions(begin + numbers[lane]);
+      Interaction local;
+      Interaction& now = step.next.interactions.edit(begin + numbers[lane], local);
       writeIdentity(contact, now);
       state.write(lane, now);
+      step.next.interactions.commit(begin + numbers[lane], now);
       count(contact, state.depth[lane], sums);
       if (contact.is_persistent)
         sums.terms.add(spring_stored, state.recoverable[lane], step.energy_scale);

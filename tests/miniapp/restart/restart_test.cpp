@@ -176,9 +176,9 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
   of_ended.steps_since = 7;
   records.push_back(of_ended);
   contact::ContactHistory history;
-  history.interactions = View<contact::Interaction*>("interactions", 0);
-  history.friction = View<contact::FrictionSpring*>("friction", 0);
-  history.fading = View<contact::FadingForce*>("fading", 0);
+  history.interactions = StructArray<contact::Interaction>("interactions");
+  history.friction = StructArray<contact::FrictionSpring>("friction");
+  history.fading = StructArray<contact::FadingForce>("fading");
   history.row_begin = View<int*>("row_begin", 3);
   history.row_count = View<int*>("row_count", 3);
   contact::LastContacts last{View<int*>("last_contact", 3)};

@@ -197,7 +197,8 @@ TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
   LoneFaces quads(n, n, words_of<FaceAttributes>);
   View<double*> mass("mass", quads.surface.num_nodes);
   ContactHistory history;
-  history.interactions = View<Interaction*>("interactions", n);
+  history.interactions = StructArray<Interaction>("interactions", n);
+  std::vector<Interaction> last_contacts(n);
   std::vector<PersistentContact> contacts(n);
   for (int f = 0; f < n; ++f) {
     for (int j = 0; j < 4; ++j) {
@@ -205,16 +206,17 @@ TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
       quads.set(4 * f + j, x, x + random.vector(0.01));
       attributesAt<FaceAttributes>(quads.attributes, f).corner_mass[j] =
           f % 7 ? random(0.5, 2) : HUGE_VAL;
-      history.interactions(f).weight[j] = random(0, 1);
+      last_contacts[f].weight[j] = random(0, 1);
     }
     const int node = 4 * n + f;
     const Vec3 x = {random(-0.3, 1.3), random(-0.3, 1.3), random(-0.2, f % 11 ? 0.2 : 3)};
     quads.set(node, x, x + random.vector(0.01));
     mass(node) = random(0.5, 2);
-    history.interactions(f).point = atNode(node);
+    last_contacts[f].point = atNode(node);
     contacts[f].node = node;
     contacts[f].previous = contacts[f].face = f;
   }
+  history.interactions.assign(last_contacts);
   const FaceAccess faces{quads.surface, GhostFaces()};
   projectPersistentContacts(faces, mass, history, n, contacts.data());
   int on_quads = 0, on_others = 0;

@@ -28,12 +28,12 @@ public:
         host_nodes(face, j) = static_cast<int>(_random() % num_nodes);
     Kokkos::deep_copy(face_to_nodes, host_nodes);
     surface.face_to_nodes = face_to_nodes;
-    _pairs.interactions = View<Interaction*>("interactions", num_pairs);
+    _pairs.interactions = StructArray<Interaction>("interactions", num_pairs);
     _pairs.count = num_pairs;
-    const auto host = Kokkos::create_mirror_view(_pairs.interactions);
+    std::vector<Interaction> contacts;
     for (int i = 0; i < num_pairs; ++i)
-      host(i) = randomContact(force_scale);
-    Kokkos::deep_copy(_pairs.interactions, host);
+      contacts.push_back(randomContact(force_scale));
+    _pairs.interactions.assign(contacts);
     _accelerations = randomValues<View<double* [3]>>(num_nodes, 3);
     _ghost_accelerations = randomValues<View<double* [12]>>(3, 12);
     _responses = randomValues<View<double* [3]>>(num_nodes, 3);

@@ -38,7 +38,7 @@ public:
   template <class Value>
   double sumOf(const Value& value) const {
     const ContactHistory& h = _run->enforcement.history();
-    const auto all = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), h.interactions);
+    const auto all = toHost(h.interactions);
     double sum = 0;
     for (std::int64_t i = 0; i < h.count; ++i)
       sum += value(all(i));
