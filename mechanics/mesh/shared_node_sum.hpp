@@ -2,7 +2,7 @@
 // which every sharer holds the same total (int64, so exactly).
 #pragma once
 
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/tags.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 

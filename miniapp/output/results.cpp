@@ -1,6 +1,6 @@
 #include "miniapp/output/results.hpp"
 
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "mechanics/element/stress_measures.hpp"

@@ -130,20 +130,12 @@ struct NodeFaceKinematics {
            !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
              overlapsOnlyAtEdge(faces, node, face, contact));
   }
-<<<<<<< HEAD
-  // Host code.
+  // Host code; a template, since builds for devices have no packs.
+  template <int width = candidates_at_once>
   void projectCandidates(const FaceAccess& faces, int node, int count, const int* candidates,
                          FacePoint* points) const {
-    projectAtOnce<candidates_at_once>([&](int k) { return faces.quad(candidates[k]); }, count,
-                                      rowOf(faces.surface.coordinates_new, node), points);
-=======
-  // A template, since devices, which have no packs, cannot compile it.
-  template <int width = candidates_at_once>
-  KOKKOS_INLINE_FUNCTION void projectCandidates(const FaceAccess& faces, int node, int count,
-                                                const int* candidates, FacePoint* points) const {
     projectAtOnce<width>([&](int k) { return faces.quad(candidates[k]); }, count,
                          rowOf(faces.surface.coordinates_new, node), points);
->>>>>>> 399e291e4f69150dd2b05d91d8fd0d0a0a769f47
   }
   // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,

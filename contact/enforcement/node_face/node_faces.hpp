@@ -2,7 +2,7 @@
 // mean planes of the faces per step. The tributary area A_i and the opposed-normal rule use them.
 #pragma once
 
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/surface/projection.hpp"
 #include "contact/surface/surface.hpp"
 

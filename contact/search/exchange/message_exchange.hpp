@@ -3,7 +3,7 @@
 // later messages can be sent along it in both directions.
 #pragma once
 
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 
 #include <vector>
 

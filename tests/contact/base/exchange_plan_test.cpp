@@ -1,6 +1,6 @@
 // Messages between ranks on each path (message_path.hpp) that this host offers. On a host without a
 // device, or without ranks that reach each other, the tests of the other paths say so.
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/to_device.hpp"
 
 #include <gtest/gtest.h>

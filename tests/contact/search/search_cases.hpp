@@ -2,7 +2,7 @@
 // search but its data types.
 #pragma once
 
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/surface/surface.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // which it has no memory ("out_of_memory"); or every rank fails together ("of_all_ranks"). The test
 // checks its exit code, its message and that it ends (see CMakeLists.txt).
 #include "contact/base/error.hpp"
-#include "contact/base/exchange_plan.hpp"
+#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/mpi.hpp"
 #include "miniapp/commands/failure.hpp"
 

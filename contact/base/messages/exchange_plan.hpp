@@ -1,7 +1,7 @@
 // Pairwise messages over a fixed pattern: the plan is built once and applied to many Views.
 #pragma once
 
-#include "contact/base/message_buffers.hpp"
+#include "contact/base/messages/message_buffers.hpp"
 
 #include <cstring>
 #include <string>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "contact/base/backend.hpp"
-#include "contact/base/message_path.hpp"
+#include "contact/base/messages/message_path.hpp"
+#include "contact/base/messages/peer_messages.hpp"
 #include "contact/base/mpi.hpp"
-#include "contact/base/peer_messages.hpp"
 
 #include <algorithm>
 #include <iterator>

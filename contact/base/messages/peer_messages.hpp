@@ -5,9 +5,9 @@
 // waits for that copy before the slot is filled again.
 #pragma once
 
-#include "contact/base/message_path.hpp"
+#include "contact/base/messages/message_path.hpp"
+#include "contact/base/messages/peer_memory.hpp"
 #include "contact/base/mpi.hpp"
-#include "contact/base/peer_memory.hpp"
 
 #include <cstring>
 #include <exception>
