@@ -5,13 +5,13 @@
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "contact/enforcement/law/kinematics.hpp"
 #include "contact/enforcement/node_face/joint_areas.hpp"
-#include "contact/enforcement/node_face/node_faces.hpp"
+#include "contact/enforcement/node_face/node_surface.hpp"
 #include "contact/enforcement/selection/select_interactions.hpp"
 #include "contact/surface/project_at_once.hpp"
 
 namespace brickwall::contact {
 
-struct NodeFaceKinematics {
+struct NodeFaceKinematics : NodeSurface {
   // the ledger derives it from the total contact work
   static constexpr bool records_spring_work = false;
 
@@ -24,26 +24,12 @@ struct NodeFaceKinematics {
   // Bodies whose edges overlap by less than this, in half-lengths of a face, pass each other.
   static constexpr double edge_overlap_tolerance = 0.02;
 
-  // A node whose faces are all steep with respect to a face sticks out towards it if its mean
-  // normal is within 44.8 degrees. If the angle is larger, a face of the sharpest corner (three
-  // faces 120 degrees apart) opposes: sin 44.8 cos 60 > opposed_cosine.
-  static constexpr double sharp_cosine = 0.71;
-
-  double lateral_tolerance, edge_tolerance, opposed_cosine, shared_cosine, least_depth;
-  NodeFaceLists adjacent_faces;
-  View<const FaceRecord*> records; // own, remote, ghost faces
+  double lateral_tolerance, edge_tolerance, shared_cosine, least_depth;
   int num_faces, num_remote;
   View<const double*> node_mass;
   JointAreas joints;
   View<int*> status;
   View<double*> gap;
-
-  // Tributary area of a node with respect to a direction, A_i, and its mean surface mass; both zero
-  // if no face opposes. Eq. (11).
-  struct Tributary {
-    double area = 0; // length^2
-    double surface_mass = 0; // mass/area
-  };
 
   KOKKOS_INLINE_FUNCTION bool pushes(global_id, global_id) const { return true; }
 
@@ -358,44 +344,6 @@ struct NodeFaceKinematics {
     return test_kind == ContactTest::activate   ? opposed_cosine
            : test_kind == ContactTest::transfer ? 0.1
                                                 : 0;
-  }
-  KOKKOS_INLINE_FUNCTION static bool opposes(const MeanPlane& plane, const Vec3& normal,
-                                             double cosine) {
-    return dot(plane.normal, normal) < -cosine;
-  }
-  // Opposed-normal rule, eq. (8): a face of the node opposes the direction, or the node sticks out
-  // towards it with all its faces steep.
-  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
-    Vec3 outward;
-    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
-      const int row = adjacent_faces.rows(k);
-      const MeanPlane& plane = records(row).plane;
-      if (opposes(plane, normal, cosine))
-        return true;
-      outward += (adjacent_faces.corner_share(row) * plane.area) * plane.normal;
-    }
-    const double along = dot(outward, normal);
-    return along < 0 && along * along > sharp_cosine * sharp_cosine * dot(outward, outward);
-  }
-  KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal) const {
-    const Tributary part = tributary(node, normal, opposed_cosine);
-    return part.area > 0 ? part : tributary(node, normal, 0);
-  }
-  // Sums over the faces that oppose the direction.
-  KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal, double cosine) const {
-    Tributary part;
-    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
-      const int row = adjacent_faces.rows(k);
-      const MeanPlane& plane = records(row).plane;
-      if (!opposes(plane, normal, cosine))
-        continue;
-      const double area = adjacent_faces.corner_share(row) * plane.area;
-      part.area += area;
-      part.surface_mass += adjacent_faces.surface_mass(row) * area;
-    }
-    if (part.area > 0)
-      part.surface_mass /= part.area;
-    return part;
   }
 };
 
