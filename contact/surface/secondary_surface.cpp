@@ -11,9 +11,11 @@ namespace {
 
 struct NodeRecord {
   global_id id, body;
+  std::int64_t may_be_shared; // 0: no other rank is to have it
 };
 struct FaceRecord {
-  global_id id, body, corners[4];
+  global_id id, body;
+  int corners[4]; // places among the nodes that go to the same rank
 };
 
 // What this rank sends to one rank.
@@ -21,13 +23,14 @@ struct Outgoing {
   std::vector<std::vector<NodeRecord>> nodes; // [rank]
   std::vector<std::vector<int>> node_rows; // [rank] the same nodes as rows of the primary surface
   std::vector<std::vector<FaceRecord>> faces; // [rank]
+  std::vector<std::vector<int>> face_rows; // [rank]
   std::vector<std::vector<AttributeWord>>
       attributes; // [rank] words of the faces, one after another
 };
 
 // Nodes without a face on this rank stay on it, so that they have their values back as well.
-Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of_face, int rank,
-                      int num_ranks) {
+Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of_face,
+                      const std::vector<char>& is_shared, int rank, int num_ranks) {
   const auto corners = toHost(primary.face_to_nodes);
   const auto node_ids = toHost(primary.node_ids), node_body = toHost(primary.node_body);
   const auto face_ids = toHost(primary.face_ids), face_body = toHost(primary.face_body);
@@ -36,36 +39,72 @@ Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of
   out.nodes.resize(num_ranks);
   out.node_rows.resize(num_ranks);
   out.faces.resize(num_ranks);
+  out.face_rows.resize(num_ranks);
   out.attributes.resize(num_ranks);
-  std::vector<char> has_face(primary.num_nodes, 0);
-  for (int face = 0; face < primary.num_faces; ++face) {
-    const int to = rank_of_face[face];
-    FaceRecord record{face_ids(face), face_body(face), {}};
-    for (int j = 0; j < 4; ++j) {
-      record.corners[j] = node_ids(corners(face, j));
-      out.node_rows[to].push_back(corners(face, j));
-      has_face[corners(face, j)] = 1;
-    }
-    out.faces[to].push_back(record);
-    for (std::size_t w = 0; w < attributes.extent(1); ++w)
-      out.attributes[to].push_back(attributes(face, w));
-  }
-  for (int node = 0; node < primary.num_nodes; ++node)
-    if (!has_face[node])
-      out.node_rows[rank].push_back(node);
-  for (int q = 0; q < num_ranks; ++q) {
+  for (int face = 0; face < primary.num_faces; ++face)
+    out.face_rows[rank_of_face[face]].push_back(face);
+  std::vector<int> num_ranks_of(primary.num_nodes, 0); // [node] to which it goes
+  std::vector<int> place(primary.num_nodes);
+  for (int pass = 0; pass <= num_ranks; ++pass) {
+    const int q = pass < num_ranks ? pass : rank; // the last: nodes of no face
+    if (pass < num_ranks && out.face_rows[q].empty())
+      continue;
+    std::fill(place.begin(), place.end(), -1);
+    for (const int face : out.face_rows[q])
+      for (int j = 0; j < 4; ++j)
+        place[corners(face, j)] = 0;
     std::vector<int>& rows = out.node_rows[q];
-    std::sort(rows.begin(), rows.end());
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    for (const int row : rows)
-      out.nodes[q].push_back({node_ids(row), node_body(row)});
+    for (int node = 0; node < primary.num_nodes; ++node)
+      if (pass < num_ranks ? place[node] == 0 : num_ranks_of[node] == 0) {
+        place[node] = static_cast<int>(rows.size());
+        ++num_ranks_of[node];
+        rows.push_back(node);
+      }
+    for (std::size_t i = 0; pass < num_ranks && i < out.face_rows[q].size(); ++i) {
+      const int face = out.face_rows[q][i];
+      FaceRecord record{face_ids(face), face_body(face), {}};
+      for (int j = 0; j < 4; ++j)
+        record.corners[j] = place[corners(face, j)];
+      out.faces[q].push_back(record);
+      for (std::size_t w = 0; w < attributes.extent(1); ++w)
+        out.attributes[q].push_back(attributes(face, w));
+    }
   }
+  for (int q = 0; q < num_ranks; ++q)
+    for (const int row : out.node_rows[q])
+      out.nodes[q].push_back({node_ids(row), node_body(row),
+                              num_ranks_of[row] > 1 || is_shared.empty() || is_shared[row]});
   return out;
 }
 
-// The ranks that have each of this rank's nodes, ascending, of nodes that several have; `is_owned`
-// [node] tells whether this rank owns it. The rank chosen by an id knows which ranks have the node,
-// and spreads ownership over them by the id.
+// Entry `index` of what rank `rank` has sent.
+struct Received {
+  int rank, index;
+};
+// All entries in order. Each rank has sent its own in order, or nearly.
+template <class Record, class Less>
+std::vector<Received> mergeReceived(const std::vector<std::vector<Record>>& records,
+                                    const Less& less) {
+  const auto before = [&](const Received& a, const Received& b) {
+    return less(records[a.rank][a.index], records[b.rank][b.index]);
+  };
+  std::vector<Received> merged, both;
+  for (std::size_t q = 0; q < records.size(); ++q) {
+    std::vector<Received> of_rank;
+    for (std::size_t i = 0; i < records[q].size(); ++i)
+      of_rank.push_back({static_cast<int>(q), static_cast<int>(i)});
+    if (!std::is_sorted(of_rank.begin(), of_rank.end(), before))
+      std::sort(of_rank.begin(), of_rank.end(), before);
+    both.resize(merged.size() + of_rank.size());
+    std::merge(merged.begin(), merged.end(), of_rank.begin(), of_rank.end(), both.begin(), before);
+    merged.swap(both);
+  }
+  return merged;
+}
+
+// The ranks that have each of the nodes with these ids, ascending, of nodes that several have;
+// `is_owned` [id] tells whether this rank owns it. The rank chosen by an id knows which ranks have the
+// node, and spreads ownership over them by the id.
 std::vector<std::vector<int>> findSharers(MPI_Comm comm, const std::vector<global_id>& ids,
                                           std::vector<unsigned char>& is_owned) {
   const int num_ranks = sizeOf(comm);
@@ -99,57 +138,74 @@ std::vector<std::vector<int>> findSharers(MPI_Comm comm, const std::vector<globa
   return sharers_of_node;
 }
 
-// The rows that each rank sends and receives, [rank], as a plan between those that have any.
-ExchangePlan planOf(const exec_space& space, MPI_Comm comm, int tag,
-                    const std::vector<std::vector<int>>& send_rows,
-                    const std::vector<std::vector<int>>& receive_rows) {
+} // namespace
+
+SurfaceTransfer::SurfaceTransfer(const exec_space& space, MPI_Comm comm,
+                                 std::vector<std::vector<int>> from_rows,
+                                 std::vector<std::vector<int>> to_rows) {
+  const int rank = rankOf(comm);
+  _from = toDevice(space, "contact::SurfaceTransfer::from", from_rows[rank]);
+  _to = toDevice(space, "contact::SurfaceTransfer::to", to_rows[rank]);
+  from_rows[rank].clear();
+  to_rows[rank].clear();
   std::vector<int> partners;
   std::vector<std::vector<int>> sent, received;
   for (int q = 0; q < sizeOf(comm); ++q)
-    if (!send_rows[q].empty() || !receive_rows[q].empty()) {
+    if (!from_rows[q].empty() || !to_rows[q].empty()) {
       partners.push_back(q);
-      sent.push_back(send_rows[q]);
-      received.push_back(receive_rows[q]);
+      sent.push_back(std::move(from_rows[q]));
+      received.push_back(std::move(to_rows[q]));
     }
-  return ExchangePlan(space, Communicator(comm), tag, partners, sent, received);
+  _plan =
+      ExchangePlan(space, Communicator(comm), tags::secondary_surface, partners, sent, received);
 }
 
-} // namespace
-
 SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
-                                   const SweptBoxes& primary,
-                                   const std::vector<int>& rank_of_face) {
+                                   const SweptBoxes& primary, const std::vector<int>& rank_of_face,
+                                   const std::vector<char>& is_shared) {
   const int num_ranks = sizeOf(comm), rank = rankOf(comm);
-  const Outgoing out = listOutgoing(primary, rank_of_face, rank, num_ranks);
+  Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, num_ranks);
 
-  // Nodes: the first rank that sends one is the source of its values.
+  // Nodes by ids. Of the ranks that send one, this rank or else the first is the source of its values.
   const auto node_records = exchangeByRank(comm, out.nodes);
-  std::unordered_map<global_id, int> node_of_id;
-  std::vector<global_id> node_ids, node_body;
-  std::vector<std::vector<int>> received_rows(num_ranks), wanted_rows(num_ranks), taken(num_ranks);
+  const auto nodes = mergeReceived(
+      node_records, [](const NodeRecord& a, const NodeRecord& b) { return a.id < b.id; });
+  std::vector<global_id> node_ids, node_body, shared_ids;
+  std::vector<int> shared_nodes;
+  std::vector<std::vector<int>> node_of(num_ranks), wanted_rows(num_ranks), taken(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
-    for (std::size_t i = 0; i < node_records[q].size(); ++i) {
-      const NodeRecord& record = node_records[q][i];
-      const auto found = node_of_id.emplace(record.id, static_cast<int>(node_ids.size()));
-      received_rows[q].push_back(found.first->second);
-      if (!found.second)
-        continue;
-      node_ids.push_back(record.id);
-      node_body.push_back(record.body);
-      wanted_rows[q].push_back(found.first->second);
-      taken[q].push_back(static_cast<int>(i));
+    node_of[q].resize(node_records[q].size());
+  for (std::size_t i = 0; i < nodes.size();) {
+    const NodeRecord& record = node_records[nodes[i].rank][nodes[i].index];
+    const int node = static_cast<int>(node_ids.size());
+    node_ids.push_back(record.id);
+    node_body.push_back(record.body);
+    if (record.may_be_shared) {
+      shared_ids.push_back(record.id);
+      shared_nodes.push_back(node);
     }
+    Received source = nodes[i];
+    for (; i < nodes.size() && node_records[nodes[i].rank][nodes[i].index].id == node_ids.back();
+         ++i) {
+      node_of[nodes[i].rank][nodes[i].index] = node;
+      if (nodes[i].rank == rank)
+        source = nodes[i];
+    }
+    wanted_rows[source.rank].push_back(node);
+    taken[source.rank].push_back(source.index);
+  }
   // `taken` and `asked` number the nodes that a rank has sent.
   auto rows_sent = exchangeByRank(comm, taken);
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_sent[q])
       row = out.node_rows[q][row];
-  _to_secondary = planOf(space, comm, tags::secondary_surface, rows_sent, wanted_rows);
+  _to_secondary = SurfaceTransfer(space, comm, rows_sent, wanted_rows);
 
-  // Each primary copy has its values back from the first rank to which it sent the node.
+  // Each primary copy has its values back from this rank if it has a copy, or else from the first rank
+  // to which it sent the node.
   std::vector<char> has_source(primary.num_nodes, 0);
   std::vector<std::vector<int>> returned_rows(num_ranks), asked(num_ranks);
-  for (int q = 0; q < num_ranks; ++q)
+  const auto ask = [&](int q) {
     for (std::size_t i = 0; i < out.node_rows[q].size(); ++i) {
       const int row = out.node_rows[q][i];
       if (has_source[row])
@@ -158,39 +214,57 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
       returned_rows[q].push_back(row);
       asked[q].push_back(static_cast<int>(i));
     }
+  };
+  ask(rank);
+  for (int q = 0; q < num_ranks; ++q)
+    ask(q);
   auto rows_given = exchangeByRank(comm, asked);
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_given[q])
-      row = received_rows[q][row];
-  _to_primary = planOf(space, comm, tags::secondary_surface, rows_given, returned_rows);
+      row = node_of[q][row];
+  _to_primary = SurfaceTransfer(space, comm, rows_given, returned_rows);
 
   // Shared nodes, in the order of their ids on both sides.
-  std::vector<unsigned char> is_owned;
-  const auto sharers = findSharers(comm, node_ids, is_owned);
+  std::vector<unsigned char> is_owned_of_shared, is_owned(node_ids.size(), 1);
+  const auto sharers = findSharers(comm, shared_ids, is_owned_of_shared);
   std::vector<std::vector<int>> rows_shared(num_ranks);
-  for (std::size_t node = 0; node < sharers.size(); ++node)
-    for (const int q : sharers[node])
+  for (std::size_t i = 0; i < sharers.size(); ++i) {
+    is_owned[shared_nodes[i]] = is_owned_of_shared[i];
+    for (const int q : sharers[i])
       if (q != rank)
-        rows_shared[q].push_back(static_cast<int>(node));
-  for (auto& rows : rows_shared)
-    std::sort(rows.begin(), rows.end(), [&](int a, int b) { return node_ids[a] < node_ids[b]; });
-  _shared = planOf(space, comm, tags::secondary_surface, rows_shared, rows_shared);
+        rows_shared[q].push_back(shared_nodes[i]);
+  }
+  _shared = SurfaceTransfer(space, comm, rows_shared, rows_shared);
 
-  // Faces, by sender and in its order.
+  // Faces by bodies and ids, as candidates.
   const auto face_records = exchangeByRank(comm, out.faces);
   const auto attributes = exchangeByRank(comm, out.attributes);
+  const auto faces = mergeReceived(face_records, [](const FaceRecord& a, const FaceRecord& b) {
+    return a.body != b.body ? a.body < b.body : a.id < b.id;
+  });
+  const std::size_t num_words = primary.face_attributes.extent(1);
   std::vector<global_id> face_ids, face_body;
   std::vector<int> face_to_nodes;
-  std::vector<AttributeWord> words;
-  for (int q = 0; q < num_ranks; ++q) {
-    for (const FaceRecord& record : face_records[q]) {
-      face_ids.push_back(record.id);
-      face_body.push_back(record.body);
-      for (const global_id id : record.corners)
-        face_to_nodes.push_back(node_of_id.at(id));
-    }
-    words.insert(words.end(), attributes[q].begin(), attributes[q].end());
+  const auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
+                                              faces.size(), num_words);
+  const auto host = Kokkos::create_mirror_view(words);
+  _face_of.resize(num_ranks);
+  for (int q = 0; q < num_ranks; ++q)
+    _face_of[q].resize(face_records[q].size());
+  for (const Received& from : faces) {
+    const FaceRecord& record = face_records[from.rank][from.index];
+    const std::size_t face = face_ids.size();
+    _face_of[from.rank][from.index] = static_cast<int>(face);
+    for (std::size_t w = 0; w < num_words; ++w)
+      host(face, w) = attributes[from.rank][from.index * num_words + w];
+    face_ids.push_back(record.id);
+    face_body.push_back(record.body);
+    for (const int place : record.corners)
+      face_to_nodes.push_back(node_of[from.rank][place]);
   }
+  Kokkos::deep_copy(space, words, host);
+  space.fence();
+  _sent_faces = std::move(out.face_rows);
 
   _surface.num_nodes = checkedInt(static_cast<std::int64_t>(node_ids.size()), "surface nodes");
   _surface.num_faces = checkedInt(static_cast<std::int64_t>(face_ids.size()), "faces");
@@ -201,15 +275,7 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
   _surface.face_body = toDevice(space, "contact::SecondarySurface::face_body", face_body);
   _surface.face_to_nodes =
       toDevice<View<int* [4]>>(space, "contact::SecondarySurface::face_to_nodes", face_to_nodes);
-  const std::size_t num_words = primary.face_attributes.extent(1);
-  _attributes = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
-                                         face_ids.size(), num_words);
-  const auto host = Kokkos::create_mirror_view(_attributes);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    host(i / num_words, i % num_words) = words[i];
-  Kokkos::deep_copy(space, _attributes, host);
-  space.fence();
-  _surface.face_attributes = _attributes;
+  _surface.face_attributes = words;
 }
 
 } // namespace brickwall::contact

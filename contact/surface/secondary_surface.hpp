@@ -9,21 +9,91 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace brickwall::contact {
+
+// Nodal values of one decomposition at the nodes of another.
+class SurfaceTransfer {
+public:
+  template <class SourceView, class TargetView>
+  struct CopyRow {
+    SourceView source;
+    TargetView target;
+    View<int*> from, to;
+    int width;
+
+    KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+      for (int w = 0; w < width; ++w)
+        target(to(i), w) = source(from(i), w);
+    }
+  };
+
+  SurfaceTransfer() = default;
+  // Of this rank: the rows that go to each rank and that come from each, [rank]. Collective.
+  SurfaceTransfer(const exec_space& space, MPI_Comm comm, std::vector<std::vector<int>> from_rows,
+                  std::vector<std::vector<int>> to_rows);
+
+  template <class SourceView, class TargetView>
+  void forward(const exec_space& space, const SourceView& source, const TargetView& target) {
+    const auto num_rows = static_cast<std::int64_t>(_from.extent(0));
+    Kokkos::parallel_for("contact::SurfaceTransfer::copyRows", rangePolicy(space, num_rows),
+                         CopyRow<SourceView, TargetView>{source, target, _from, _to,
+                                                         static_cast<int>(source.extent(1))});
+    _plan.forward(space, source, target);
+  }
+  // Where both lists are the same, without rows of this rank itself (ExchangePlan::sumShared()).
+  template <class ViewType>
+  void sumShared(const exec_space& space, const ViewType& values) {
+    _plan.sumShared(space, values);
+  }
+
+private:
+  View<int*> _from, _to; // rows that stay on this rank
+  ExchangePlan _plan;
+};
 
 class SecondarySurface {
 public:
   // Collective; `comm` is copied. Face f of `primary` goes to rank_of_face[f], with its attributes;
   // its nodes go along, and one of the ranks that then share a node owns it. Coordinates are not
-  // copied.
+  // copied. Nodes are in the order of their ids, faces in that of candidates. `is_shared` [primary
+  // node]: other ranks may have the node in `primary`; empty: all may, which takes longer.
   SecondarySurface(const exec_space& space, MPI_Comm comm, const SweptBoxes& primary,
-                   const std::vector<int>& rank_of_face);
+                   const std::vector<int>& rank_of_face, const std::vector<char>& is_shared = {});
 
-  // This rank's part. Its coordinates are empty; attributes may be changed.
+  // This rank's part, without coordinates.
   const Surface& surface() const { return _surface; }
-  const AttributeWords& attributes() const { return _attributes; }
+
+  // Records of primary faces at the ranks that have the faces: `face` of each changes from the primary
+  // to the local number. Collective.
+  template <class Record>
+  std::vector<Record> forwardRecords(MPI_Comm comm, const std::vector<Record>& of_primary) const {
+    std::vector<std::pair<int, int>>
+        place; // [primary face] its rank, and its place among those sent
+    for (std::size_t q = 0; q < _sent_faces.size(); ++q)
+      for (std::size_t i = 0; i < _sent_faces[q].size(); ++i) {
+        const auto face = static_cast<std::size_t>(_sent_faces[q][i]);
+        place.resize(std::max(place.size(), face + 1));
+        place[face] = {static_cast<int>(q), static_cast<int>(i)};
+      }
+    std::vector<std::vector<Record>> sent(_sent_faces.size());
+    for (Record record : of_primary) {
+      const auto [rank, index] = place[record.face];
+      record.face = index;
+      sent[rank].push_back(record);
+    }
+    std::vector<Record> all;
+    const auto received = exchangeByRank(comm, sent);
+    for (std::size_t q = 0; q < received.size(); ++q)
+      for (Record record : received[q]) {
+        record.face = _face_of[q][record.face];
+        all.push_back(record);
+      }
+    return all;
+  }
 
   // Values of primary nodes at all copies of the nodes: values [primary node][W] to [node][W].
   // Ranks that share a primary node must hold equal values. Collective.
@@ -44,10 +114,11 @@ public:
 
 private:
   Surface _surface;
-  AttributeWords _attributes;
-  ExchangePlan _to_secondary; // to each copy of a node from one primary copy
-  ExchangePlan _to_primary; // to each primary copy of a node from one copy
-  ExchangePlan _shared; // between the copies of nodes that several ranks have
+  SurfaceTransfer _to_secondary; // to each copy of a node from one primary copy
+  SurfaceTransfer _to_primary; // to each primary copy of a node from one copy
+  SurfaceTransfer _shared; // between the copies of nodes that several ranks have
+  std::vector<std::vector<int>> _sent_faces; // [rank] primary faces
+  std::vector<std::vector<int>> _face_of; // [rank] local numbers of the faces that it has sent
 };
 
 // For each record the rank that lists its id in `held`, which one rank at most does, gets it.

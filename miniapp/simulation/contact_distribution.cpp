@@ -2,6 +2,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/row_of_id.hpp"
 #include "miniapp/simulation/contact_step.hpp"
 #include "miniapp/simulation/stopwatch.hpp"
 
@@ -34,14 +35,17 @@ std::vector<double> toDoubles(const View<std::int64_t**>& words) {
   return values;
 }
 
-std::vector<global_id> ownedNodes(const contact::Surface& surface) {
-  const auto ids = toHost(surface.node_ids);
-  const auto is_owned = toHost(surface.node_is_owned);
-  std::vector<global_id> owned;
-  for (int node = 0; node < surface.num_nodes; ++node)
-    if (is_owned(node))
-      owned.push_back(ids(node));
-  return owned;
+// Records of nodes on this rank to the ranks that own these now; `owners` [node]. Collective.
+template <class Record>
+std::vector<Record> sendToOwners(MPI_Comm comm, const std::vector<Record>& records,
+                                 const contact::RowOfId& row_of, const std::vector<int>& owners) {
+  std::vector<std::vector<Record>> sent(sizeOf(comm));
+  for (const Record& record : records)
+    sent[owners[row_of.find(record.node)]].push_back(record);
+  std::vector<Record> all;
+  for (const auto& some : exchangeByRank(comm, sent))
+    all.insert(all.end(), some.begin(), some.end());
+  return all;
 }
 
 std::vector<global_id> idsOf(const contact::EdgeContact& edges) {
@@ -56,16 +60,12 @@ bool ContactStep::mayBeDistributed() const {
 }
 
 void ContactStep::distributeAtStart(const View<const double* [3]>& displacement) {
-  if (!mayBeDistributed())
+  if (!mayBeDistributed() || _config.search.decomposition != Decomposition::surface)
     return;
-  _initial =
-      allocate<View<double* [3]>>(_space, "miniapp::ContactStep::initial", displacement.extent(0));
-  Kokkos::deep_copy(_space, _initial, displacement);
-  if (_config.search.decomposition == Decomposition::surface) {
-    _coupling.distribute(_space, _comm,
-                         ranksOfFaces(std::vector<float>(_coupling.primary().num_faces, 1)));
-    _coupling.resetCoordinates(_space, displacement);
-  }
+  mechanics::SharedNodeSum shared(_scene.shared);
+  _coupling.distribute(_space, _comm,
+                       ranksOfFaces(std::vector<float>(_coupling.primary().num_faces, 1)), shared);
+  _coupling.resetCoordinates(_space, displacement);
 }
 
 void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement) {
@@ -136,8 +136,8 @@ View<std::int64_t**> ContactStep::sweptBoxesOnMesh() {
   return of_mesh;
 }
 
-// Everything that depends on the decomposition is made as at the start, and the history of contact
-// is moved to the ranks that own its nodes and edges: as in a restart.
+// What depends on the decomposition is made anew, and the history of contact is moved to the ranks
+// that own its nodes and edges.
 void ContactStep::distribute(const std::vector<int>& rank_of_face,
                              const View<const double* [3]>& displacement) {
   if (!mayBeDistributed())
@@ -151,10 +151,11 @@ void ContactStep::distribute(const std::vector<int>& rank_of_face,
   lists.searches = _search.searches();
   lists.updates = _search.updates();
 
-  _coupling.distribute(_space, _comm, rank_of_face);
-  _coupling.resetCoordinates(_space, _initial);
-  makeEnforcement();
+  const contact::RowOfId row_of(surface().node_ids);
+  mechanics::SharedNodeSum shared(_scene.shared);
+  const std::vector<int> owners = _coupling.distribute(_space, _comm, rank_of_face, shared);
   _coupling.resetCoordinates(_space, displacement);
+  makeEnforcement();
   setSlip(slip);
 
   if (boxes.extent(0) > 0) {
@@ -164,15 +165,15 @@ void ContactStep::distribute(const std::vector<int>& rank_of_face,
   }
   _search.forget();
   restoreLists(lists);
-  const auto ofNode = [](const auto& record) { return record.node; };
-  const std::vector<global_id> owned = ownedNodes(surface());
-  nodes.records = contact::sendToHolders(_comm, nodes.records, owned, ofNode);
-  nodes.joints = contact::sendToHolders(_comm, nodes.joints, owned, ofNode);
+  nodes.records = sendToOwners(_comm, nodes.records, row_of, owners);
+  nodes.joints = sendToOwners(_comm, nodes.joints, row_of, owners);
   _enforcement->setReferenceStep(_guard.referenceStep());
   _enforcement->restore(_space, surface(), nodes);
   if (!_edges)
     return;
-  edges.records = contact::sendToHolders(_comm, edges.records, idsOf(*_edges), ofNode);
+  edges.records =
+      contact::sendToHolders(_comm, edges.records, idsOf(*_edges),
+                             [](const contact::ContactRecord& record) { return record.node; });
   _edges->setTolerance(_search_tolerance);
   _edges->setReferenceStep(_guard.referenceStep());
   _edges->restore(_space, edges);

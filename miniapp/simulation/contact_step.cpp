@@ -46,6 +46,7 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
       _guard(config, 2 * _box_tolerance, dt), _balance(comm, 0) {
   _coupling.resetCoordinates(space, displacement);
   refuseDeepOverlaps(space, comm, config, scene, surface(), displacement);
+  _coupling.setFeatureEdges(space, contact::findFeatureEdges(comm, surface()));
   distributeAtStart(displacement);
   const Stopwatch time;
   makeEnforcement();
@@ -54,18 +55,15 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
     _slip = View<double*>("miniapp::ContactStep::slip", surface().num_nodes);
 }
 
-// The surface is at its initial position.
 void ContactStep::makeEnforcement() {
   const contact::EnforcementConfig enforcement =
       enforcementConfig(_config, _scene.shortest_edge, _dt);
-  const contact::FeatureEdges features = contact::findFeatureEdges(_comm, surface());
-  _coupling.setTrueEdges(_space, features.true_edges);
   _enforcement = std::make_unique<contact::Enforcement>(
       _space, _comm, surface(), _coupling.nodeMass(), enforcement, _force_quantum, _energy_scale);
   if (!_config.contact.edges)
     return;
   _edges = std::make_unique<contact::EdgeContact>(
-      _space, _comm, surface(), features, _coupling.nodeMass(),
+      _space, _comm, surface(), _coupling.featureEdges(), _coupling.nodeMass(),
       searchConfig(_config, _box_tolerance, dropsSameBody(_config)),
       maxOf(_search.margin(), edge_margin * _scene.shortest_edge), enforcement, _force_quantum,
       _energy_scale);

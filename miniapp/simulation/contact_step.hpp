@@ -211,7 +211,6 @@ private:
   double _dt; // reference step at the start
   Quantum _force_quantum;
   LimbScale _energy_scale;
-  View<double* [3]> _initial; // displacement at the start, if the surface may be distributed
   double _box_tolerance; // of nodes and of faces, length: that of the deck
   double _search_tolerance; // that in use, not smaller
   SurfaceCoupling _coupling;

@@ -5,6 +5,7 @@
 
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/search/candidate_search.hpp"
+#include "contact/surface/feature_edges.hpp"
 #include "contact/surface/secondary_surface.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
@@ -21,9 +22,12 @@ public:
   SurfaceCoupling(const exec_space& space, const Scene& scene,
                   const mechanics::BoundaryConditions& boundary);
 
-  // Collective. From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of
-  // its element. Coordinates are undefined until resetCoordinates().
-  void distribute(const exec_space& space, MPI_Comm comm, const std::vector<int>& rank_of_face);
+  // From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of its element.
+  // Coordinates are undefined until resetCoordinates(). Returns the rank that then owns each node,
+  // [node of the former surface]. Collective.
+  std::vector<int> distribute(const exec_space& space, MPI_Comm comm,
+                              const std::vector<int>& rank_of_face,
+                              mechanics::SharedNodeSum& shared);
   // That of this rank's elements.
   const contact::Surface& primary() const { return _primary; } // without coordinates
   View<const double* [3]> primaryCoordinates() const { return _new; } // x^{n+1}
@@ -32,8 +36,9 @@ public:
   void gatherCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
   // x^{n+1} := X + u only, after a drift that was repeated.
   void gatherAgain(const exec_space& space, const View<const double* [3]>& displacement);
-  // A bit mask [face] of the edges without coplanar neighbours (contact::findFeatureEdges).
-  void setTrueEdges(const exec_space& space, const std::vector<unsigned char>& true_edges);
+  // Those of the primary surface, before any distribution.
+  void setFeatureEdges(const exec_space& space, contact::FeatureEdges features);
+  const contact::FeatureEdges& featureEdges() const { return _features; } // of surface()
   // Both configurations at X + u, at the start.
   void resetCoordinates(const exec_space& space, const View<const double* [3]>& displacement);
 
@@ -69,6 +74,9 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
+  std::vector<char> sharedNodes(const exec_space& space, mechanics::SharedNodeSum& shared,
+                                const View<std::int64_t**>& of_mesh);
+
   // The surface in another decomposition, with its own nodes.
   struct Secondary {
     contact::SecondarySurface surface;
@@ -85,6 +93,8 @@ private:
   contact::AttributeWords _attributes; // contact::FaceAttributes of each face
   View<std::int64_t**> _contact_forces; // [mesh node][xyz], quanta
   View<double* [3]> _accelerations; // [surface node][xyz]
+  contact::FeatureEdges _primary_features, _features;
+  std::vector<char> _is_shared; // [primary node] other ranks have it; empty before a distribution
   std::unique_ptr<Secondary> _secondary; // null: the surface is the primary one
 };
 

@@ -2,10 +2,10 @@
 
 #include "contact/base/error.hpp"
 #include "contact/enforcement/law/contact_law.hpp"
+#include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>
 #include <string>
-#include <unordered_map>
 
 namespace brickwall::contact {
 
@@ -43,26 +43,23 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
                 const std::vector<ContactRecord>& records, bool has_friction,
                 const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
                 LastContacts& last) {
-  const auto ids = toHost(node_ids);
-  std::unordered_map<global_id, int> row_of;
-  for (std::size_t i = 0; i < ids.extent(0); ++i)
-    row_of.emplace(ids(i), static_cast<int>(i));
+  const RowOfId row_of(node_ids);
   const auto last_step = Kokkos::create_mirror_view(last.step);
   Kokkos::deep_copy(last_step, 0);
   last.num_steps = ContactLaw::settling_steps;
   std::vector<ContactRecord> sorted;
   for (ContactRecord record : records) {
-    const auto found = row_of.find(record.node);
-    if (found == row_of.end())
+    const int row = row_of.find(record.node);
+    if (row == RowOfId::none)
       throw Error(ExitCode::internal, "setHistory: found a contact of node " +
                                           std::to_string(record.node) +
                                           ", which is not on the surface of this rank");
     if (record.steps_since > 0) {
-      last_step(static_cast<std::size_t>(found->second)) = last.num_steps + 1 - record.steps_since;
+      last_step(static_cast<std::size_t>(row)) = last.num_steps + 1 - record.steps_since;
       continue;
     }
     Interaction& pair = record.pair;
-    pair.node = found->second;
+    pair.node = row;
     pair.face_index = -1;
     const double share = pair.point.share;
     pair.point = pointOf(pair.node);

@@ -29,15 +29,18 @@ JointAreas jointAreasOf(const exec_space& space, const View<const global_id*>& n
   const auto before = [](const JointRecord& a, const JointRecord& b) {
     return std::tie(a.node, a.body) < std::tie(b.node, b.body);
   };
-  std::sort(records.begin(), records.end(), before);
+  if (!std::is_sorted(records.begin(), records.end(), before))
+    std::sort(records.begin(), records.end(), before);
   const auto ids = toHost(node_ids);
   std::vector<int> row_begin, row_count;
   std::vector<global_id> bodies;
   std::vector<double> areas;
+  auto record = records.begin();
   for (std::size_t node = 0; node < ids.extent(0); ++node) {
     row_begin.push_back(static_cast<int>(bodies.size()));
-    auto record = std::lower_bound(records.begin(), records.end(),
-                                   JointRecord{ids(node), INT64_MIN, 0}, before);
+    if (record == records.end() || record->node != ids(node)) // otherwise ids follow each other
+      record = std::lower_bound(records.begin(), records.end(),
+                                JointRecord{ids(node), INT64_MIN, 0}, before);
     for (; record != records.end() && record->node == ids(node); ++record) {
       bodies.push_back(record->body);
       areas.push_back(record->area);

@@ -1,10 +1,11 @@
 #include "contact/enforcement/node_face/node_faces.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -48,9 +49,9 @@ struct HostSurface {
   HostCopy<decltype(Surface::face_attributes)> attributes;
 };
 
-// Collective. Rank of the owner of each node that is not owned here. The directory is distributed
-// over ranks by node id.
-std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
+// Collective. [node] the rank of its owner, of nodes that are not owned here. The directory is
+// distributed over ranks by node id.
+std::vector<int> findOwners(MPI_Comm comm, const HostSurface& surface) {
   const int size = sizeOf(comm);
   std::vector<std::vector<global_id>> registered(size), asked(size);
   for (int node = 0; node < surface.num_nodes; ++node) {
@@ -78,10 +79,13 @@ std::map<global_id, int> findOwners(MPI_Comm comm, const HostSurface& surface) {
       }
   });
   const auto replies = exchangeByRank(comm, answers);
-  std::map<global_id, int> owners;
-  for (int q = 0; q < size; ++q)
-    for (std::size_t i = 0; i < asked[q].size(); ++i)
-      owners[asked[q][i]] = replies[q][i];
+  std::vector<int> owners(surface.num_nodes, rankOf(comm));
+  std::vector<std::size_t> next(size, 0);
+  for (int node = 0; node < surface.num_nodes; ++node)
+    if (!surface.owned(node)) {
+      const global_id q = surface.node_ids(node) % size;
+      owners[node] = replies[q][next[q]++];
+    }
   return owners;
 }
 
@@ -94,6 +98,7 @@ struct RemoteCorner {
 };
 
 struct Adjacent {
+  int node;
   global_id face_id;
   int row;
   bool operator<(const Adjacent& b) const { return face_id < b.face_id; }
@@ -109,22 +114,23 @@ NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Su
 
   // Own faces around own nodes; for nodes of others, the records to send and the faces each partner
   // requests.
-  std::vector<std::vector<Adjacent>> around(host.num_nodes);
+  std::vector<Adjacent> around;
+  around.reserve(4 * static_cast<std::size_t>(host.num_faces));
   std::vector<std::vector<RemoteCorner>> records(size);
-  // [rank] own face to its index in the message to that rank
-  std::vector<std::map<int, int>> index_of_face(size);
+  std::vector<std::vector<int>> sent_faces(size); // [rank] own faces, ascending
   std::vector<double> surface_mass, corner_share;
   for (int face = 0; face < host.num_faces; ++face) {
     surface_mass.push_back(host.surfaceMass(face));
     corner_share.push_back(host.cornerShare(face));
     host.forCorners(face, [&](int node) {
       if (host.owned(node)) {
-        around[node].push_back({host.face_ids(face), face});
+        around.push_back({node, host.face_ids(face), face});
         return;
       }
-      const int q = owners.at(host.node_ids(node));
-      const int next = static_cast<int>(index_of_face[q].size());
-      const int index = index_of_face[q].emplace(face, next).first->second;
+      const int q = owners[node];
+      if (sent_faces[q].empty() || sent_faces[q].back() != face)
+        sent_faces[q].push_back(face);
+      const int index = static_cast<int>(sent_faces[q].size()) - 1;
       records[q].push_back({host.node_ids(node), host.face_ids(face), surface_mass.back(),
                             corner_share.back(), index, 0});
     });
@@ -132,19 +138,16 @@ NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Su
   const auto received = exchangeByRank(comm, records);
 
   // Remote rows in the order of (rank, index), as both sides of the plan list them.
-  std::map<global_id, int> owned_node;
-  for (int node = 0; node < host.num_nodes; ++node)
-    if (host.owned(node))
-      owned_node[host.node_ids(node)] = node;
+  const RowOfId node_of(surface.node_ids);
   std::vector<int> partners, border_faces;
   std::vector<std::vector<int>> send_rows, receive_rows;
   for (int q = 0; q < size; ++q) {
-    if (index_of_face[q].empty() && received[q].empty())
+    if (sent_faces[q].empty() && received[q].empty())
       continue;
     partners.push_back(q);
-    std::vector<int> sent(index_of_face[q].size());
-    for (const auto& [face, index] : index_of_face[q]) {
-      sent[index] = static_cast<int>(border_faces.size());
+    std::vector<int> sent;
+    for (const int face : sent_faces[q]) {
+      sent.push_back(static_cast<int>(border_faces.size()));
       border_faces.push_back(face);
     }
     send_rows.push_back(sent);
@@ -156,20 +159,24 @@ NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Su
         surface_mass.push_back(corner.surface_mass);
         corner_share.push_back(corner.corner_share);
       }
-      around[owned_node.at(corner.node_id)].push_back(
-          {corner.face_id, _num_faces + rows[corner.index]});
+      around.push_back(
+          {node_of.find(corner.node_id), corner.face_id, _num_faces + rows[corner.index]});
     }
     receive_rows.push_back(rows);
   }
 
-  std::vector<int> offsets(1, 0), rows;
-  for (auto& faces : around) {
-    std::sort(faces.begin(), faces.end());
-    for (const Adjacent& adjacent : faces)
-      rows.push_back(adjacent.row);
-    offsets.push_back(checkedInt(static_cast<std::int64_t>(rows.size()), "NodeFaces"));
-  }
-  _lists.offsets = toDevice(space, "contact::NodeFaces::offsets", offsets);
+  const int num_adjacent = checkedInt(static_cast<std::int64_t>(around.size()), "NodeFaces");
+  Groups groups = groupByKey("contact::NodeFaces::groups", num_adjacent, host.num_nodes,
+                             [of = around.data()](std::int64_t i) { return of[i].node; });
+  std::vector<int> rows(groups.items.size());
+  parallelOnHost("contact::NodeFaces::rows", host.num_nodes, [&](std::int64_t node) {
+    const auto begin = groups.items.begin() + groups.begin[node];
+    const auto end = groups.items.begin() + groups.begin[node + 1];
+    std::sort(begin, end, [&](int a, int b) { return around[a] < around[b]; });
+    std::transform(begin, end, rows.begin() + groups.begin[node],
+                   [&](int i) { return around[i].row; });
+  });
+  _lists.offsets = toDevice(space, "contact::NodeFaces::offsets", groups.begin);
   _lists.rows = toDevice(space, "contact::NodeFaces::rows", rows);
   _lists.surface_mass = toDevice(space, "contact::NodeFaces::surface_mass", surface_mass);
   _lists.corner_share = toDevice(space, "contact::NodeFaces::corner_share", corner_share);
