@@ -49,7 +49,7 @@ inline MessagePath chooseMessagePath() {
   if (!wanted.empty() && wanted != "auto")
     throw InputError("BRICKWALL_MESSAGES is \"" + wanted +
                      "\"; expected auto, direct, staged or peer");
-  return host_accessible || isDeviceAware() ? MessagePath::direct : MessagePath::staged;
+  return host_accessible || isDeviceAware() ? MessagePath::direct : MessagePath::peer;
 }
 
 // Messages that this rank has sent to others, for reports.
