@@ -107,8 +107,7 @@ public:
   // A copy, one struct after the other. Fences.
   Kokkos::View<T*, Kokkos::HostSpace> toHost() const {
     const auto packs = brickwall::toHost(_packs);
-    const Kokkos::View<T*, Kokkos::HostSpace> values(_packs.label(),
-                                                     static_cast<std::size_t>(size()));
+    Kokkos::View<T*, Kokkos::HostSpace> values(_packs.label(), static_cast<std::size_t>(size()));
     for (std::size_t i = 0; i < values.extent(0); ++i)
       if constexpr (is_plain)
         values(i) = packs(i);
