@@ -93,9 +93,61 @@ Curve layCurve(const exec_space& space, const SweptBoxes& surface, ClusterOrder&
   return curve;
 }
 
+// Sorts the rows (values) stably by an id of the face that each names.
+void sortById(const exec_space& space, const View<const global_id*>& ids, std::int64_t n,
+              SortedKeys& sorted) {
+  global_id least = 0, most = 0;
+  Kokkos::parallel_reduce(
+      "contact::sortById::least", rangePolicy(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = minOf(found, ids(i)); },
+      Kokkos::Min<global_id>(least));
+  Kokkos::parallel_reduce(
+      "contact::sortById::most", rangePolicy(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = maxOf(found, ids(i)); },
+      Kokkos::Max<global_id>(most));
+  space.fence();
+  const auto keys = sorted.keys;
+  const auto values = sorted.values;
+  const auto base = static_cast<std::uint64_t>(least);
+  Kokkos::parallel_for(
+      "contact::sortById::keys", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
+        keys(i) = static_cast<std::uint64_t>(ids(values(i))) - base;
+      });
+  const std::uint64_t range = static_cast<std::uint64_t>(most) - base;
+  sortByKey(space, n, range == UINT64_MAX ? 64 : bitsFor(range + 1), sorted);
+}
+
+// Groups the faces (values), sorted along the curve, by body: the bodies follow each other as their
+// first faces do.
+void groupByBody(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
+                 SortedKeys& sorted) {
+  const std::int64_t n = surface.num_faces;
+  sortById(space, surface.face_body, n, sorted);
+  const auto keys = sorted.keys, first_code = sorted.other_keys;
+  const auto values = sorted.values, index = sorted.other_values;
+  const auto bodies = surface.face_body;
+  const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
+  const View<const double* [3]> x = surface.coordinates_new;
+  Kokkos::parallel_scan(
+      "contact::groupByBody::index", rangePolicy(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i, int& sum, const bool final) {
+        const bool is_first = i == 0 || bodies(values(i)) != bodies(values(i - 1));
+        sum += is_first ? 1 : 0;
+        if (final) {
+          index(i) = sum - 1;
+          if (is_first)
+            first_code(sum - 1) = curve(centroidOf(face_to_nodes, x, values(i)));
+        }
+      });
+  Kokkos::parallel_for(
+      "contact::groupByBody::keys", rangePolicy(space, n),
+      KOKKOS_LAMBDA(const std::int64_t i) { keys(i) = first_code(index(i)); });
+  sortByKey(space, n, 3 * curve.bits, sorted);
+}
+
 // Sets face_order: along the curve.
 void orderFaces(const exec_space& space, const SweptBoxes& surface, const Curve& curve,
-                ClusterOrder& order) {
+                bool by_body, ClusterOrder& order) {
   const std::int64_t n = surface.num_faces;
   const View<const int* [4]> face_to_nodes = surface.face_to_nodes;
   const View<const double* [3]> x = surface.coordinates_new;
@@ -108,6 +160,8 @@ void orderFaces(const exec_space& space, const SweptBoxes& surface, const Curve&
         values(face) = static_cast<int>(face);
       });
   sortByKey(space, n, 3 * curve.bits, sorted);
+  if (by_body)
+    groupByBody(space, surface, curve, sorted);
   order.face_order = sorted.values;
   sortWithin<block_size>(space, order.face_order, n);
   space.fence();
@@ -242,30 +296,6 @@ std::int64_t countDescents(const exec_space& space, const SweptBoxes& surface) {
   return descents;
 }
 
-// Sorts the rows (values) stably by an id of the face that each names.
-void sortById(const exec_space& space, const View<const global_id*>& ids, std::int64_t n,
-              SortedKeys& sorted) {
-  global_id least = 0, most = 0;
-  Kokkos::parallel_reduce(
-      "contact::rankFaces::least", rangePolicy(space, n),
-      KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = minOf(found, ids(i)); },
-      Kokkos::Min<global_id>(least));
-  Kokkos::parallel_reduce(
-      "contact::rankFaces::most", rangePolicy(space, n),
-      KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = maxOf(found, ids(i)); },
-      Kokkos::Max<global_id>(most));
-  space.fence();
-  const auto keys = sorted.keys;
-  const auto values = sorted.values;
-  const auto base = static_cast<std::uint64_t>(least);
-  Kokkos::parallel_for(
-      "contact::rankFaces::keys", rangePolicy(space, n), KOKKOS_LAMBDA(const std::int64_t i) {
-        keys(i) = static_cast<std::uint64_t>(ids(values(i))) - base;
-      });
-  const std::uint64_t range = static_cast<std::uint64_t>(most) - base;
-  sortByKey(space, n, range == UINT64_MAX ? 64 : bitsFor(range + 1), sorted);
-}
-
 // Sets face_rank if the order of the host differs.
 void rankFaces(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
   if (countDescents(space, surface) == 0)
@@ -287,6 +317,50 @@ void rankFaces(const exec_space& space, const SweptBoxes& surface, ClusterOrder&
   Kokkos::parallel_for(
       "contact::rankFaces::by_position", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i) { at_position(i) = rank(face_order(i)); });
+  space.fence();
+}
+
+KOKKOS_FORCEINLINE_FUNCTION void joinBody(global_id body, global_id& of_all, bool& is_first) {
+  of_all = is_first || of_all == body ? body : many_bodies;
+  is_first = false;
+}
+
+// Sets cluster_body and block_body.
+void nameBodies(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
+  const int num_faces = surface.num_faces, num_nodes = surface.num_nodes;
+  const std::int64_t num_blocks = (std::int64_t(num_faces) + block_size - 1) / block_size;
+  order.cluster_body =
+      allocate<View<global_id*>>(space, "contact::ClusterOrder::cluster_body", order.num_clusters);
+  order.block_body =
+      allocate<View<global_id*>>(space, "contact::ClusterOrder::block_body", num_blocks);
+  const auto cluster_body = order.cluster_body, block_body = order.block_body;
+  const auto node_order = order.node_order, face_order = order.face_order;
+  const auto node_body = surface.node_body, face_body = surface.face_body;
+  const auto face_to_nodes = surface.face_to_nodes;
+  Kokkos::parallel_for(
+      "contact::nameBodies::clusters", rangePolicy(space, order.num_clusters),
+      KOKKOS_LAMBDA(const std::int64_t cluster) {
+        global_id body = many_bodies;
+        bool is_first = true;
+        const std::int64_t begin = cluster * cluster_size;
+        for (std::int64_t i = begin; i < minOf<std::int64_t>(begin + cluster_size, num_nodes); ++i)
+          joinBody(node_body(node_order(i)), body, is_first);
+        cluster_body(cluster) = body;
+      });
+  Kokkos::parallel_for(
+      "contact::nameBodies::blocks", rangePolicy(space, num_blocks),
+      KOKKOS_LAMBDA(const std::int64_t block) {
+        global_id body = many_bodies;
+        bool is_first = true;
+        const std::int64_t begin = block * block_size;
+        for (std::int64_t i = begin; i < minOf<std::int64_t>(begin + block_size, num_faces); ++i) {
+          const int face = face_order(i);
+          joinBody(face_body(face), body, is_first);
+          for (int k = 0; k < 4; ++k)
+            joinBody(node_body(face_to_nodes(face, k)), body, is_first);
+        }
+        block_body(block) = body;
+      });
   space.fence();
 }
 
@@ -318,12 +392,14 @@ Box boxWithoutOutliers(const exec_space& space, const View<const Vec3*>& points,
   return box;
 }
 
-ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface) {
+ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface, bool by_body) {
   ClusterOrder order;
   const Curve curve = layCurve(space, surface, order);
-  orderFaces(space, surface, curve, order);
+  orderFaces(space, surface, curve, by_body, order);
   orderNodes(space, surface, curve, order);
   rankFaces(space, surface, order);
+  if (by_body)
+    nameBodies(space, surface, order);
   return order;
 }
 

@@ -1,12 +1,14 @@
 // The order in which the cluster search keeps a surface: faces along a Hilbert curve, in blocks of
-// eight; nodes in the order in which the faces first use them, in clusters. It is made once and
-// kept until it degrades.
+// eight, body by body if pairs within a body are dropped; nodes in the order in which the faces
+// first use them, in clusters. It is made once and kept until it degrades.
 #pragma once
 
 #include "contact/search/spatial/box_tree.hpp"
 #include "contact/surface/surface.hpp"
 
 namespace brickwall::contact {
+
+constexpr global_id many_bodies = INT64_MIN; // no id of a body
 
 // Positions refer to the kept order; nodes and faces are local indices of the host.
 struct ClusterOrder {
@@ -20,12 +22,20 @@ struct ClusterOrder {
   // [face position] rank in the order of (body, face id); empty if the host's faces are in that
   // order
   View<int*> face_rank;
+  // Of orders by body, otherwise empty: the body to which all nodes of a cluster belong, or all
+  // faces of a block and all their corners; many_bodies if there is none.
+  View<global_id*> cluster_body, block_body;
+
+  KOKKOS_INLINE_FUNCTION global_id bodyOfCluster(std::int64_t cluster) const {
+    return cluster_body.extent(0) > 0 ? cluster_body(cluster) : many_bodies;
+  }
 };
 
 // Orders the surface at coordinates_new. Outliers are clipped, so that they do not coarsen the
-// curve; coordinates that are not finite are admissible. Needs scratch memory of 24 bytes per face
-// and 12 per node during the call.
-ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface);
+// curve; coordinates that are not finite are admissible. With by_body the bodies follow each other
+// as their first faces do along the curve. Needs scratch memory of 24 bytes per face and 12 per
+// node during the call.
+ClusterOrder orderSurface(const exec_space& space, const SweptBoxes& surface, bool by_body);
 
 // The box of the curve: that of a sample of the points without outliers (points farther away than
 // the extent of the middle 31/32 of the sample, in each direction).

@@ -148,9 +148,9 @@ void ClusterPairs::growCapacity(const exec_space& space, int num_clusters, Candi
   _used += more;
 }
 
-void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
-                        const GhostFaces& ghosts, const SurfaceClusters& clusters,
-                        const SearchConfig& config, CandidatePairs& pairs) {
+std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
+                                const GhostFaces& ghosts, const SurfaceClusters& clusters,
+                                const SearchConfig& config, CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
   checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
   if (_ordering != clusters.numOrderings())
@@ -180,6 +180,7 @@ void ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
   }
   pairs.count = counts.pairs;
   pairs.num_rows = surface.num_nodes;
+  return counts.blocks;
 }
 
 } // namespace brickwall::contact

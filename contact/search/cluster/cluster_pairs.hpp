@@ -12,12 +12,14 @@ struct PairCounts {
   std::int64_t overflowed = 0; // clusters whose rows exceeded their capacity
   std::int64_t largest = 0; // most pairs of one cluster, among those with long rows or ghosts
   std::int64_t skipped = 0; // rows that FindRowsOfGroups leaves to FindRows
+  std::int64_t blocks = 0; // of the face tree that were tested or found near by groups
 
   KOKKOS_INLINE_FUNCTION PairCounts& operator+=(const PairCounts& b) {
     pairs += b.pairs;
     overflowed += b.overflowed;
     largest = maxOf(largest, b.largest);
     skipped += b.skipped;
+    blocks += b.blocks;
     return *this;
   }
 };
@@ -27,9 +29,11 @@ public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes
   // its rows to the part of pairs.faces that it used in the last search. Its capacity is four faces
   // per node at first, later an eighth more than it needed; clusters that exceed it get a new part
-  // and are searched again. On a device 32 clusters of one node search together (group_rows.hpp).
-  void find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
-            const SurfaceClusters& clusters, const SearchConfig& config, CandidatePairs& pairs);
+  // and are searched again. On a device 32 clusters of one node search together (group_rows.hpp). Returns the number of
+  // blocks of the face tree that were tested.
+  std::int64_t find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
+                    const SurfaceClusters& clusters, const SearchConfig& config,
+                    CandidatePairs& pairs);
 
 private:
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);

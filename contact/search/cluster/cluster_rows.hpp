@@ -31,6 +31,7 @@ struct Hits {
   unsigned lanes[max_hits + block_size]; // the nodes
   int count = 0;
   bool are_own = true; // none of them is a ghost
+  bool are_allowed = true; // without PairRules, by the bodies of blocks and cluster
 };
 
 // Blocks of faces near a group of clusters; their boxes are again in blocks of eight.
@@ -97,9 +98,11 @@ struct FindRows {
       if (isSearched(cluster))
         for (int s = 0; s < 6; ++s)
           all.side[s] = minOf(all.side[s], cluster_bounds(std::int64_t(cluster) * 6 + s));
+    const global_id body = bodyOfClusters(first, end);
     BlockList near_faces, near_ghosts;
-    collect(face_tree, all.reach(), near_faces);
-    collect(ghost_tree, all.reach(), near_ghosts);
+    sums.blocks += collect(face_tree, all.reach(), near_faces,
+                           [&](std::int64_t block) { return !isOfBody(block, body); });
+    collect(ghost_tree, all.reach(), near_ghosts, [](std::int64_t) { return true; });
     for (int cluster = first; cluster < end; ++cluster)
       if (isSearched(cluster))
         findRows(cluster, near_faces, near_ghosts, sums);
@@ -109,15 +112,32 @@ struct FindRows {
     return !repeat || row_begin(std::int64_t(cluster) * row_width) == needs_retry;
   }
 
-  KOKKOS_INLINE_FUNCTION static void collect(const BoxTree& tree, const FloatBounds& reach,
-                                             BlockList& list) {
+  // The body to which all nodes of these clusters belong, or many_bodies.
+  KOKKOS_INLINE_FUNCTION global_id bodyOfClusters(int first, int end) const {
+    const global_id body = test.order.bodyOfCluster(first);
+    for (int cluster = first + 1; cluster < end; ++cluster)
+      if (test.order.bodyOfCluster(cluster) != body)
+        return many_bodies;
+    return body;
+  }
+  KOKKOS_INLINE_FUNCTION bool isOfBody(std::int64_t block, global_id body) const {
+    return body != many_bodies && test.order.block_body(block) == body;
+  }
+
+  // Returns the number of blocks tested and listed.
+  template <class Keep>
+  KOKKOS_INLINE_FUNCTION static std::int64_t collect(const BoxTree& tree, const FloatBounds& reach,
+                                                     BlockList& list, const Keep& keep) {
     if (group_size == 1 || tree.num_levels < 2)
-      return;
-    walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
-      list.add(tree, block);
-      return list.count <= max_near_blocks;
-    });
+      return 0;
+    const int num_tested =
+        walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
+          if (keep(block))
+            list.add(tree, block);
+          return list.count <= max_near_blocks;
+        });
     list.finish();
+    return std::int64_t(num_tested) + list.count;
   }
 
   // Calls visit(block) for the blocks of a tree that the cluster overlaps, ascending; `list` holds
@@ -152,8 +172,9 @@ struct FindRows {
     nodes.load(&node_bounds(std::int64_t(first) * 6), &cluster_bounds(std::int64_t(cluster) * 6),
                owned);
     Hits hits;
+    const global_id body = test.order.bodyOfCluster(cluster);
     visitBlocks(face_tree, nodes.all, near_faces,
-                [&](const std::int64_t block) { testOwnFaces(nodes, first, block, hits); });
+                [&](const std::int64_t block) { testOwnFaces(nodes, first, body, block, hits); });
     visitBlocks(ghost_tree, nodes.all, near_ghosts,
                 [&](const std::int64_t block) { testGhosts(nodes, block, hits); });
     const bool is_long = hits.count > max_hits;
@@ -237,13 +258,18 @@ struct FindRows {
     hits.count += near != 0;
   }
 
-  KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, std::int64_t block,
-                                           Hits& hits) const {
-    if (hits.count > max_hits)
+  // `body`: of the cluster. Blocks of another body have no corner in the cluster.
+  KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, global_id body,
+                                           std::int64_t block, Hits& hits) const {
+    const global_id of_block = body != many_bodies ? test.order.block_body(block) : many_bodies;
+    if (hits.count > max_hits || isOfBody(block, body))
       return;
     const float* const boxes = face_tree.block(0, block);
-    unsigned own[block_size]; // nodes of the cluster that are corners of the faces
-    bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
+    unsigned own[block_size] = {}; // nodes of the cluster that are corners of the faces
+    if (of_block == many_bodies) {
+      bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
+      hits.are_allowed = !test.drop_same_body;
+    }
     for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
       const int lane = lowestBit(lanes);
       append(hits, static_cast<int>(block) * block_size + lane,
@@ -260,6 +286,7 @@ struct FindRows {
       const int lane = lowestBit(lanes);
       const unsigned near = lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size);
       hits.are_own &= near == 0;
+      hits.are_allowed &= near == 0;
       append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane, near);
     }
   }
@@ -278,7 +305,7 @@ struct FindRows {
           (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
       const int face = is_own ? test.order.face_order(item) : item;
       unsigned lanes = hits.lanes[i];
-      if (test.drop_same_body || !is_own)
+      if (!hits.are_allowed && (test.drop_same_body || !is_own))
         lanes = allowed(lanes, first, face);
       const unsigned unsure =
           lanes & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
@@ -314,7 +341,7 @@ struct FindRows {
     Hits hits;
     walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
       hits.count = 0;
-      testOwnFaces(nodes, first, block, hits);
+      testOwnFaces(nodes, first, many_bodies, block, hits);
       visitHits(nodes, first, hits, visit);
     });
     walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {

@@ -46,8 +46,10 @@ struct FindRowsOfGroups {
   struct Nodes {
     int first = 0; // position
     unsigned searching = 0; // the nodes that search together now
+    global_id body = many_bodies; // to which all of these belong
     OfLanes<FloatBounds> reach; // of nodes that are not searched: nothing
     OfLanes<int> count; // faces of the row
+    int num_blocks = 0; // tested
   };
   struct LaneCounts {
     int pairs = 0, overflowed = 0, skipped = 0;
@@ -60,21 +62,22 @@ struct FindRowsOfGroups {
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team, PairCounts& sums) const {
     Scratch& scratch = *static_cast<Scratch*>(
         team.thread_scratch(0).get_shmem_aligned(sizeof(Scratch), alignof(Scratch)));
+    PairCounts all;
     OfLanes<LaneCounts> counts;
     forLanes(team, [&](const int lane) { counts[lane] = LaneCounts(); });
     const int stride = team.league_size() * team.team_size();
     for (int group = team.league_rank() * team.team_size() + team.team_rank(); group < numGroups();
          group += stride)
-      findRows(team, group, scratch, counts);
-    PairCounts all;
+      all.blocks += findRows(team, group, scratch, counts);
     all.pairs = sumOfLanes(team, [&](const int lane) { return counts[lane].pairs; });
     all.overflowed = sumOfLanes(team, [&](const int lane) { return counts[lane].overflowed; });
     all.skipped = sumOfLanes(team, [&](const int lane) { return counts[lane].skipped; });
     Kokkos::single(Kokkos::PerThread(team), [&] { sums += all; });
   }
 
-  KOKKOS_INLINE_FUNCTION void findRows(const Member& team, int group, Scratch& scratch,
-                                       OfLanes<LaneCounts>& counts) const {
+  // Returns the number of blocks tested.
+  KOKKOS_INLINE_FUNCTION int findRows(const Member& team, int group, Scratch& scratch,
+                                      OfLanes<LaneCounts>& counts) const {
     Nodes nodes;
     nodes.first = group * vector_lanes;
     forLanes(team, [&](const int lane) {
@@ -83,8 +86,10 @@ struct FindRowsOfGroups {
       for (int s = 0; s < 6; ++s)
         nodes.reach[lane].side[s] =
             is_searched ? -node_bounds(std::int64_t(position) * 6 + (s + 3) % 6) : -HUGE_VALF;
-      if (is_searched && test.drop_same_body)
-        scratch.body[lane] = test.surface.node_body(test.order.node_order(position));
+      if (test.drop_same_body)
+        scratch.body[lane] = position < num_nodes
+                                 ? test.surface.node_body(test.order.node_order(position))
+                                 : many_bodies;
     });
     // Nodes between which the order jumps are near too many faces together: halves search then.
     int num_nodes_together = vector_lanes;
@@ -106,6 +111,7 @@ struct FindRowsOfGroups {
     forLanes(team, [&](const int lane) {
       writeRow(nodes.first + lane, nodes.count[lane], &scratch.row[0][lane], counts[lane]);
     });
+    return nodes.num_blocks;
   }
 
   // Finds the faces near `count` nodes, from lane `first` on. Returns false if there are too many.
@@ -122,6 +128,12 @@ struct FindRowsOfGroups {
       if ((nodes.searching >> lane & 1u) != 0)
         nodes.count[lane] = 0;
     });
+    const bool have_one_body =
+        test.drop_same_body && lanesWhere(team, [&](const int lane) {
+                                 return (nodes.searching >> lane & 1u) != 0 &&
+                                        scratch.body[lane] != scratch.body[first];
+                               }) == 0;
+    nodes.body = have_one_body ? scratch.body[first] : many_bodies;
     return searchTree<false>(team, face_tree, nodes, scratch) &&
            searchTree<true>(team, ghost_tree, nodes, scratch);
   }
@@ -146,8 +158,10 @@ struct FindRowsOfGroups {
     });
     int count = 1, from = 0;
     for (int level = tree.num_levels - 1; level > 0; --level) {
-      count = listChildren(team, tree, level, scratch.all, scratch.blocks[from], count,
+      const global_id except = level == 1 && !of_ghosts ? nodes.body : many_bodies;
+      count = listChildren(team, tree, level, scratch.all, except, scratch.blocks[from], count,
                            scratch.blocks[1 - from]);
+      nodes.num_blocks += count;
       if (count > max_blocks)
         return false;
       from = 1 - from;
@@ -157,16 +171,20 @@ struct FindRowsOfGroups {
     return true;
   }
 
-  // Lists the boxes of these blocks that overlap the union, ascending. Returns their number.
-  KOKKOS_INLINE_FUNCTION static int listChildren(const Member& team, const BoxTree& tree, int level,
-                                                 const FloatBounds& all, const int* blocks,
-                                                 int count, int* children) {
+  // Lists the boxes of these blocks that overlap the union, ascending, but for blocks of own faces
+  // that all belong to the body `except`. Returns their number.
+  KOKKOS_INLINE_FUNCTION int listChildren(const Member& team, const BoxTree& tree, int level,
+                                          const FloatBounds& all, global_id except,
+                                          const int* blocks, int count, int* children) const {
     int found = 0;
     for (int first = 0; first < count; first += blocks_at_once) {
       const unsigned near = lanesWhere(team, [&](const int lane) {
         const int i = first + lane / block_size;
-        return i < count &&
-               isWithin(boundsOfLane(tree.block(level, blocks[i]), lane % block_size).side, all);
+        if (i >= count)
+          return false;
+        const std::int64_t child = std::int64_t(blocks[i]) * block_size + lane % block_size;
+        return isWithin(boundsOfLane(tree.block(level, blocks[i]), lane % block_size).side, all) &&
+               (except == many_bodies || test.order.block_body(child) != except);
       });
       forLanes(team, [&](const int lane) {
         const int to = found + bitsBelow(near, lane);

@@ -72,15 +72,13 @@ struct RefitCluster : RefitInput {
 };
 
 // Computes the boxes of one block of faces, and their union as an item of the next level. The box
-// of a face is the union of those of its corners, since rounding is monotone. Adds the sum of the
-// extents of the block, at most `most`.
+// of a face is the union of those of its corners, since rounding is monotone.
 struct RefitBlock {
   BoxTree tree;
   View<const int*> corners;
   View<const float*> corner_bounds;
-  double most;
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t block, double& sum) const {
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t block) const {
     const int* const corner = &corners(block * 4 * block_size);
     float* const boxes = tree.block(0, block);
     float all[8];
@@ -114,10 +112,6 @@ struct RefitBlock {
       for (int s = 0; s < 6; ++s)
         parent[s * block_size + block % block_size] = all[s];
     }
-    double extent = 0;
-    for (int d = 0; d < 3; ++d)
-      extent -= double(all[d]) + double(all[3 + d]);
-    sum += minOf(extent > 0 ? extent : 0.0, most);
   }
 };
 
@@ -142,19 +136,15 @@ struct HostRefit {
     space.fence();
   }
   template <class Input>
-  static void refitFaces(const exec_space& space, const Input& input, double most, RefitScratch&,
-                         RefitSums& sums) {
+  static void refitFaces(const exec_space& space, const Input& input, RefitScratch&, RefitSums&) {
     const BoxTree& tree = input.tree;
-    sums.extent = 0;
     if (tree.num_levels == 0)
       return;
     if (tree.num_levels > 1)
       Kokkos::parallel_for("contact::SurfaceClusters::empty_lanes", rangePolicy(space, block_size),
                            EmptyLane{tree});
-    Kokkos::parallel_reduce(
-        "contact::SurfaceClusters::faces", rangePolicy(space, tree.numBlocks(0)),
-        RefitBlock{tree, input.corners, input.corner_bounds, most}, sums.extent);
-    space.fence();
+    Kokkos::parallel_for("contact::SurfaceClusters::faces", rangePolicy(space, tree.numBlocks(0)),
+                         RefitBlock{tree, input.corners, input.corner_bounds});
   }
   static void refitUpperLevels(const exec_space& space, BoxForest& forest, RefitSums& sums) {
     forest.refitUpperLevels(space, 2);

@@ -49,7 +49,7 @@ void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
   _order = ClusterOrder();
   _corner_bounds = _node_bounds = _cluster_bounds = View<float*>();
   _forest = BoxForest();
-  _order = orderSurface(space, surface);
+  _order = orderSurface(space, surface, config.drop_same_body);
   const auto bounds = [&](const char* label, std::int64_t rows) {
     return allocate<View<float*>>(space, label, rows * 6 + 2);
   };
@@ -64,6 +64,7 @@ void SurfaceClusters::order(const exec_space& space, const SweptBoxes& surface,
   _surface = surface;
   _surface.coordinates_old = _surface.coordinates_new = View<const double* [3]>();
   _is_ordered = true;
+  _blocks_when_ordered = 0;
   ++_num_orderings;
 }
 
@@ -80,16 +81,20 @@ void SurfaceClusters::followSurface() {
       _order.origin[d] = centre[d];
 }
 
+void SurfaceClusters::noteSearch(std::int64_t num_blocks) {
+  // Bodies that separate stretch the blocks that span them; a growth by a quarter justifies a sort.
+  constexpr double degraded = 1.25;
+  if (_blocks_when_ordered == 0)
+    _blocks_when_ordered = num_blocks;
+  else if (static_cast<double>(num_blocks) > degraded * static_cast<double>(_blocks_when_ordered))
+    orderAgain();
+}
+
 void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
                              const SearchConfig& config) {
   const Region region("contact::constructBoxes");
-  // Bricks that separate stretch the blocks that span them, which makes queries dearer; a growth by
-  // a quarter justifies a sort.
-  constexpr double degraded = 1.25;
   const bool same_bounds = config.node_tolerance == config.face_tolerance;
-  const bool fresh = !_is_ordered || isNew(surface) || same_bounds != _same_bounds ||
-                     _extent > degraded * _extent_when_ordered;
-  if (fresh)
+  if (!_is_ordered || isNew(surface) || same_bounds != _same_bounds)
     order(space, surface, config);
   else
     followSurface();
@@ -114,23 +119,8 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
     Refit::refitNodes(space, input, _scratch, sums);
   }
   const Region timer("contact::search::face_boxes");
-  double most = fresh ? HUGE_VAL : _max_extent;
-  Refit::refitFaces(space, input, most, _scratch, sums);
-  if (fresh) { // the reference for later steps: without outliers, which would dominate
-    constexpr double outlier = 16; // times the mean extent of a block
-    const double num_blocks = maxOf(surface.num_faces / block_size, 1);
-    double last = HUGE_VAL;
-    while (sums.extent < 0.5 * last) {
-      last = sums.extent;
-      most = outlier * sums.extent / num_blocks;
-      Refit::refitFaces(space, input, most, _scratch, sums);
-    }
-    // A surface that lies in one point gives no measure.
-    _max_extent = most > 0 ? most : HUGE_VAL;
-    _extent_when_ordered = sums.extent;
-  }
+  Refit::refitFaces(space, input, _scratch, sums);
   Refit::refitUpperLevels(space, _forest, sums);
-  _extent = sums.extent;
   _rank_boxes.node_box = boxAround(sums.owned_nodes, _order.origin);
   _rank_boxes.face_box = boxAround(sums.faces, _order.origin);
   _rank_boxes.num_invalid = sums.num_invalid;

@@ -11,13 +11,16 @@ namespace brickwall::contact {
 class SurfaceClusters {
 public:
   // Phase 1. Orders the surface if it is new (sizes or Views differ from those of the last call) or
-  // if its order has degraded, then refits all boxes. Not collective. Nodes that are not finite are
+  // to be ordered again, then refits all boxes. Not collective. Nodes that are not finite are
   // counted; their faces have no box.
   void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
 
   // To be called when something of the surface besides its coordinates has changed in place, or
   // when unmanaged Views have been reallocated.
   void orderAgain() { _is_ordered = false; }
+  // A search in these clusters has tested so many blocks: orders again, in the next update(), if they
+  // have become many.
+  void noteSearch(std::int64_t num_blocks);
 
   const ClusterOrder& order() const { return _order; }
   // [node position][6] FloatBounds sides of every node box, whether the node is owned or not. The
@@ -51,8 +54,7 @@ private:
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
   RefitScratch _scratch;
   OwnRankBoxes _rank_boxes;
-  // Summed extents of the blocks of faces, length; one block contributes at most _max_extent.
-  double _extent = 0, _extent_when_ordered = 0, _max_extent = 0;
+  std::int64_t _blocks_when_ordered = 0; // tested by the first search in this order
   std::int64_t _num_orderings = 0;
   bool _is_ordered = false, _same_bounds = true;
 };

@@ -28,14 +28,12 @@ struct RefitSums {
   std::int64_t num_invalid = 0;
   global_id first_invalid = INT64_MAX;
   FloatBounds faces;
-  double extent = 0; // of the blocks of faces, length
 
   KOKKOS_INLINE_FUNCTION RefitSums& operator+=(const RefitSums& b) {
     owned_nodes.include(b.owned_nodes);
     num_invalid += b.num_invalid;
     first_invalid = minOf(first_invalid, b.first_invalid);
     faces.include(b.faces);
-    extent += b.extent;
     return *this;
   }
 };
@@ -43,7 +41,6 @@ struct RefitSums {
 // Of TeamRefit.
 struct RefitScratch {
   View<RefitSums*> node_sums{"contact::SurfaceClusters::node_sums", 0}; // [thread]
-  View<double*> extents{"contact::SurfaceClusters::extents", 0}; // [tile]
   View<RefitSums> sums{"contact::SurfaceClusters::sums"};
   Kokkos::View<RefitSums, staging_space> host_sums{"contact::SurfaceClusters::host_sums"};
   std::int64_t num_node_sums = 0;

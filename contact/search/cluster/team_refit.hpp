@@ -96,12 +96,9 @@ struct RefitTile {
   View<const int*> corners;
   View<const float*> corner_bounds;
   BoxTree tree;
-  double most; // that one block contributes to the extent
-  View<double*> extents; // [tile]
 
   struct alignas(16) Scratch {
     float boxes[blocks * block_floats], parents[block_size * block_floats], top[block_floats];
-    double extents[block_size];
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
@@ -127,15 +124,9 @@ struct RefitTile {
     if (tree.num_levels > 1)
       copyBlocks(team, scratch.parents, tree.block(1, std::int64_t(tile) * block_size),
                  (num_blocks + block_size - 1) / block_size);
-    Kokkos::parallel_for(
-        Kokkos::TeamThreadRange(team, block_floats + block_size), [&](const int i) {
-          if (i < block_floats)
-            scratch.top[i] =
-                leastOfSide(scratch.parents + i % block_size * block_floats, i / block_size);
-          else
-            scratch.extents[i - block_floats] =
-                extentOf(scratch.parents + (i - block_floats) * block_floats);
-        });
+    Kokkos::parallel_for(Kokkos::TeamThreadRange(team, block_floats), [&](const int i) {
+      scratch.top[i] = leastOfSide(scratch.parents + i % block_size * block_floats, i / block_size);
+    });
     team.team_barrier();
     if (tree.num_levels > 2)
       copyBlocks(team, scratch.top, tree.block(2, tile), 1);
@@ -188,23 +179,7 @@ private:
     return least;
   }
 
-  // Of the boxes of a block.
-  KOKKOS_INLINE_FUNCTION double extentOf(const float* block) const {
-    double sum = 0;
-    for (int lane = 0; lane < block_size; ++lane) {
-      double extent = 0;
-      for (int d = 0; d < 3; ++d)
-        extent -= double(block[d * block_size + lane]) + double(block[(3 + d) * block_size + lane]);
-      sum += minOf(extent > 0 ? extent : 0.0, most);
-    }
-    return sum;
-  }
-
   KOKKOS_INLINE_FUNCTION void finish(const Scratch& scratch, int tile) const {
-    double extent = 0;
-    for (int i = 0; i < block_size; ++i)
-      extent += scratch.extents[i];
-    extents(tile) = extent;
     if (tree.num_levels <= 3)
       return;
     float* const block = tree.block(3, tile / block_size);
@@ -215,7 +190,7 @@ private:
   }
 };
 
-// Computes the levels above RefitTile, and adds the sums of all nodes and tiles, in one team.
+// Computes the levels above RefitTile, and adds the sums of all nodes, in one team.
 struct RefitTop {
   static constexpr int team_size = host_accessible ? 1 : 256;
   static constexpr int num_parts = 256; // of the sums, a power of two
@@ -225,8 +200,7 @@ struct RefitTop {
 
   BoxTree tree;
   View<const RefitSums*> node_sums;
-  View<const double*> extents;
-  std::int64_t num_node_sums, num_tiles;
+  std::int64_t num_node_sums;
   View<RefitSums> sums;
 
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
@@ -242,8 +216,6 @@ struct RefitTop {
       RefitSums part;
       for (std::int64_t k = i; k < num_node_sums; k += num_parts)
         part += node_sums(k);
-      for (std::int64_t k = i; k < num_tiles; k += num_parts)
-        part.extent += extents(k);
       parts[i] = part;
     });
     team.team_barrier();
@@ -276,18 +248,16 @@ struct TeamRefit {
            sizeof(RefitNodes::Scratch), RefitNodes{input, scratch.node_sums});
   }
   template <class Input>
-  static void refitFaces(const exec_space& space, const Input& input, double most,
-                         RefitScratch& scratch, RefitSums& sums) {
+  static void refitFaces(const exec_space& space, const Input& input, RefitScratch& scratch,
+                         RefitSums& sums) {
     const BoxTree& tree = input.tree;
     const int tiles = (tree.num_items + RefitTile::faces - 1) / RefitTile::faces;
-    growTo(space, scratch.extents, tiles);
     launch(space, "contact::SurfaceClusters::faces", tiles, 1,
            sizeof(RefitTile::Scratch) + alignof(RefitTile::Scratch), 0,
-           RefitTile{input.corners, input.corner_bounds, tree, most, scratch.extents});
+           RefitTile{input.corners, input.corner_bounds, tree});
     launch(space, "contact::SurfaceClusters::upper_levels", 1, 1,
            RefitTop::num_parts * sizeof(RefitSums) + alignof(RefitSums), 0,
-           RefitTop{tree, scratch.node_sums, scratch.extents, scratch.num_node_sums, tiles,
-                    scratch.sums});
+           RefitTop{tree, scratch.node_sums, scratch.num_node_sums, scratch.sums});
     Kokkos::deep_copy(space, scratch.host_sums, scratch.sums);
     space.fence();
     sums = scratch.host_sums();

@@ -37,14 +37,16 @@ KOKKOS_INLINE_FUNCTION int numLanes(unsigned lanes) {
 }
 
 // Calls visit(i) for the boxes i of level `last` below block `start` of level `first` >= `last`
-// that overlap the box of this reach, in ascending order, as long as visit() returns true.
+// that overlap the box of this reach, in ascending order, as long as visit() returns true. Returns
+// the number of blocks whose boxes were tested.
 template <class Visit>
-KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int64_t start, int last,
+KOKKOS_INLINE_FUNCTION int walkLevels(const BoxTree& tree, int first, std::int64_t start, int last,
                                        const FloatBounds& reach, const Visit& visit) {
   std::int64_t block[max_levels]; // on the way down
   unsigned lanes[max_levels]; // still to be visited there
-  int level = first;
+  int level = first, num_tested = 0;
   const auto enter = [&](std::int64_t child) {
+    ++num_tested;
     block[level] = child;
     lanes[level] = lanesOverlapping(tree.block(level, child), reach);
     if (level == last && last > 0) // visit() will read these
@@ -55,14 +57,14 @@ KOKKOS_INLINE_FUNCTION void walkLevels(const BoxTree& tree, int first, std::int6
   while (true) {
     if (lanes[level] == 0) {
       if (++level > first)
-        return;
+        return num_tested;
       continue;
     }
     const std::int64_t box = block[level] * block_size + lowestBit(lanes[level]);
     lanes[level] &= lanes[level] - 1;
     if (level == last) {
       if (!visit(box))
-        return;
+        return num_tested;
     } else {
       --level;
       enter(box);

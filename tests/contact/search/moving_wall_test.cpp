@@ -22,7 +22,8 @@ SurfaceCase makeWall(std::uint64_t seed) {
   Random random(seed);
   c.kind = "moving wall";
   c.seed = seed;
-  addWall(c, random, 4);
+  addWall(c, random, seed % 2 == 0 ? 12 : 4);
+  c.drop_same_body = seed > 2;
   moveNodes(c, random, 0.0025, 0);
   c.node_tolerance = c.face_tolerance = 0.0125;
   distribute(c, random, sizeOf(comm));

@@ -1,11 +1,14 @@
 // The kernels of the cluster search for devices, run here: boxes and rows have the bits of those of
-// hosts.
+// hosts. Also the order in which the search keeps a surface.
 #include "contact/search/cluster/cluster_pairs.hpp"
 #include "contact/search/cluster/group_rows.hpp"
 #include "contact/search/cluster/team_refit.hpp"
 #include "tests/contact/search/search_checks.hpp"
 
 #include <gtest/gtest.h>
+
+#include <map>
+#include <set>
 
 namespace brickwall::contact::test {
 namespace {
@@ -75,7 +78,7 @@ TEST(TeamSearch, BoxesHaveTheBitsOfThoseOfHosts) {
     RefitScratch scratch;
     RefitSums sums;
     TeamRefit::refitNodes(space, input, scratch, sums);
-    TeamRefit::refitFaces(space, input, HUGE_VAL, scratch, sums);
+    TeamRefit::refitFaces(space, input, scratch, sums);
     const bool is_same = config.node_tolerance == config.face_tolerance;
     ASSERT_TRUE(
         sameBits((is_same ? corners : nodes).data(), clusters.nodeBounds().data(), num_floats))
@@ -90,10 +93,55 @@ TEST(TeamSearch, BoxesHaveTheBitsOfThoseOfHosts) {
     EXPECT_EQ(sums.num_invalid, clusters.rankBoxes().num_invalid);
     EXPECT_EQ(sums.first_invalid, clusters.rankBoxes().first_invalid);
     EXPECT_EQ(sums.num_invalid, seed % 3 == 1);
-    EXPECT_TRUE(sums.extent > 0 && std::isfinite(sums.extent));
     most_levels = maxOf(most_levels, found.num_levels);
   }
   EXPECT_GT(most_levels, 4); // levels above those of a tile
+}
+
+global_id commonBody(const std::set<global_id>& bodies) {
+  return bodies.size() == 1 ? *bodies.begin() : many_bodies;
+}
+
+TEST(ClusterOrder, KeepsBodiesTogetherIfTheirOwnPairsAreDropped) {
+  const exec_space space;
+  int num_mixed = 0, num_named = 0;
+  for (const int elements : {1, 3, 8}) {
+    SurfaceCase c = makeWall(7, elements);
+    if (elements == 3) // a node that belongs to another body than the faces around it
+      c.nodes[c.faces[0].corners[0]].body = c.nodes.back().body;
+    const Surface surface = localSurface(c, 0).surface;
+    const ClusterOrder order = orderSurface(space, surface, true);
+    const auto face_order = toHost(order.face_order), node_order = toHost(order.node_order);
+    const auto face_body = toHost(surface.face_body), node_body = toHost(surface.node_body);
+    const auto face_to_nodes = toHost(surface.face_to_nodes);
+    const auto block_body = toHost(order.block_body), cluster_body = toHost(order.cluster_body);
+    std::map<global_id, int> last_block; // of a body
+    for (int i = 0; i < surface.num_faces; ++i) {
+      const global_id body = face_body(face_order(i));
+      const int block = i / block_size;
+      const int last = last_block.emplace(body, block).first->second;
+      EXPECT_LE(block, last + 1) << "body " << body << " in two parts";
+      last_block[body] = block;
+    }
+    for (int begin = 0; begin < surface.num_faces; begin += block_size) {
+      std::set<global_id> bodies;
+      for (int i = begin; i < std::min(begin + block_size, surface.num_faces); ++i) {
+        bodies.insert(face_body(face_order(i)));
+        for (int k = 0; k < 4; ++k)
+          bodies.insert(node_body(face_to_nodes(face_order(i), k)));
+      }
+      EXPECT_EQ(block_body(begin / block_size), commonBody(bodies));
+      ++(bodies.size() > 1 ? num_mixed : num_named);
+    }
+    for (int begin = 0; begin < surface.num_nodes; begin += cluster_size) {
+      std::set<global_id> bodies;
+      for (int i = begin; i < std::min(begin + cluster_size, surface.num_nodes); ++i)
+        bodies.insert(node_body(node_order(i)));
+      EXPECT_EQ(cluster_body(begin / cluster_size), commonBody(bodies));
+    }
+  }
+  EXPECT_GT(num_mixed, 3);
+  EXPECT_GT(num_named, 10 * num_mixed);
 }
 
 TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
