@@ -8,6 +8,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/exodus/exodus_slice.hpp"
+#include "io/exodus/id_maps.hpp"
 #include "io/mesh/connected_components.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/local_numbering.hpp"
@@ -206,11 +207,13 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   const int rank = rankOf(comm), size = sizeOf(comm);
   MeshContents contents;
   MeshSlice slice;
+  IdMaps maps;
   rethrowOnAllRanks(comm, [&] {
     try {
       const ExodusFile file = ExodusFile::open(file_name);
       contents = readContents(file);
       slice = readSlice(file, contents, rank, size);
+      maps = readIdMaps(file, contents, rank, size);
     } catch (const std::bad_alloc&) {
       throw InputError(file_name + ": does not fit into memory: damaged, or too large for " +
                        std::to_string(size) + " ranks");
@@ -218,6 +221,9 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
       throw InputError(file_name + ": is damaged: it holds a negative or impossible count");
     }
   });
+
+  refuseRepeatedIds(comm, file_name, contents, maps);
+  maps = {};
 
   MeshPart part;
   NodeHome home(comm, contents, slice);

@@ -273,5 +273,34 @@ TEST(MeshReader, RefusesIdsThatAppearTwice) {
   expectInputError(path, "the ids of blocks contain 10 twice");
 }
 
+TEST(MeshReader, RefusesMapsThatRepeatAnId) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  const auto withMap = [&](const char* name, ex_entity_type type, std::vector<std::int64_t> ids) {
+    std::string path = folder / name;
+    writeRaw(path, 24, {cubes({0, 2, 4}), cubes({1})});
+    if (rankOf(MPI_COMM_WORLD) == 0) {
+      int real_bytes = 8, stored_bytes = 0;
+      float version = 0;
+      const int id =
+          ex_open(path.c_str(), EX_WRITE | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+      EXPECT_GE(id, 0);
+      EXPECT_EQ(ex_put_id_map(id, type, ids.data()), 0);
+      EXPECT_EQ(ex_close(id), 0);
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+    return path;
+  };
+  std::vector<std::int64_t> nodes(24);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    nodes[i] = 1000 - 7 * static_cast<std::int64_t>(i);
+  const auto part = readMesh(MPI_COMM_WORLD, withMap("other.exo", EX_NODE_MAP, nodes));
+  EXPECT_EQ(part.num_global_nodes, 24);
+  nodes[22] = nodes[3];
+  expectInputError(withMap("nodes.exo", EX_NODE_MAP, nodes),
+                   "node_num_map: found the id 979 at nodes 4 and 23, expected every id once");
+  expectInputError(withMap("elems.exo", EX_ELEM_MAP, {8, -5, 9, -5}),
+                   "elem_num_map: found the id -5 at elements 2 and 4, expected every id once");
+}
+
 } // namespace
 } // namespace brickwall::io::testing
