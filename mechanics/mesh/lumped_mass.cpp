@@ -2,7 +2,6 @@
 
 #include "contact/base/mpi.hpp"
 #include "mechanics/element/hex8_geometry.hpp"
-#include "mechanics/mesh/element_failure.hpp"
 
 namespace brickwall::mechanics {
 
@@ -63,8 +62,8 @@ View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& 
   const MassCheck check = checkMasses(space, m, mesh.num_elems);
   const GlobalFailure failure = agreeOnFailure(space, comm, mesh, check.failure);
   if (failure.count > 0)
-    throw InputError("lumpedMass: " + describe(failure) +
-                     "; the mesh needs positive volumes (and density) at all 2x2x2 Gauss points");
+    throw BadElementError(
+        failure, describe(failure) + "; expected J > 0 at all 2x2x2 Gauss points of each element");
   const double largest = allReduce(comm, check.largest, MPI_MAX);
   const Quantum quantum = largest > 0 ? Quantum::forForceScale(largest) : Quantum::powerOfTwo(0);
   View<std::int64_t**> sums("mechanics::lumpedMass::sums", mesh.num_nodes, 1);

@@ -3,13 +3,24 @@
 // the bits do not depend on the number of ranks.
 #pragma once
 
+#include "contact/base/error.hpp"
+#include "mechanics/mesh/element_failure.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/shared_node_sum.hpp"
 
+#include <string>
+
 namespace brickwall::mechanics {
 
-// Mass of every node [node], owned or not. Throws InputError on all ranks, naming the element, if
-// an element's volume is not positive. Collective.
+// An element of the mesh has no positive volume. Thrown on all ranks.
+struct BadElementError : InputError {
+  BadElementError(const GlobalFailure& failure, const std::string& message)
+      : InputError(message), elem(failure.first_elem) {}
+  global_id elem; // the first
+};
+
+// Mass of every node [node], owned or not. Throws BadElementError, naming the element, if an
+// element's volume is not positive. Collective.
 View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                          SharedNodeSum& shared);
 

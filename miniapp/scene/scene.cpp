@@ -3,6 +3,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
+#include "io/exodus/id_maps.hpp"
 #include "io/exodus/mesh_reader.hpp"
 #include "io/wall/wall_generator.hpp"
 #include "mechanics/mesh/body_inertia.hpp"
@@ -192,6 +193,21 @@ std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io
   return warnings;
 }
 
+// An element without a volume is named as other programs know it. Collective.
+View<double*> massesOf(const exec_space& space, MPI_Comm comm, const Config& config, Scene& scene) {
+  try {
+    return mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+  } catch (const mechanics::BadElementError& error) { // on all ranks
+    if (!config.mesh)
+      throw;
+    const std::string& file = config.mesh->file;
+    std::int64_t id = 0;
+    rethrowOnAllRanks(comm, [&] { id = io::idOfElem(file, error.elem); });
+    throw InputError(file + ": the element of id " + std::to_string(id) + " in elem_num_map, " +
+                     error.what());
+  }
+}
+
 } // namespace
 
 void refuseUnknownBodies(const Config& config, global_id num_bodies) {
@@ -241,7 +257,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
 
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
-  scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+  scene.mass = massesOf(space, comm, config, scene);
   if (config.mass == NodalMass::inertia) {
     const auto body_mass = mechanics::massWithInertia(space, comm, scene.mesh, scene.mass);
     scene.mass = body_mass.mass;

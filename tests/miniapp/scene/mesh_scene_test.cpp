@@ -126,6 +126,19 @@ TEST(MeshScene, AnEdgeOfZeroLengthIsReportedWithFileAndElement) {
   EXPECT_NE(fault.find("of the element with 1-based id 2"), std::string::npos) << fault;
 }
 
+TEST(MeshScene, AnInvertedElementIsReportedWithFileAndItsIdThere) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart& part) {
+    for (int corner = 0; corner < 4; ++corner) // bottom and top of the second element
+      std::swap(part.elem_nodes[8 + corner], part.elem_nodes[12 + corner]);
+    part.elem_ids = {40, 70};
+  });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": the element of id 71 in elem_num_map, element 1 (1-based"),
+            std::string::npos)
+      << fault;
+  EXPECT_NE(fault.find("inverted (J <= 0)"), std::string::npos) << fault;
+}
+
 TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
   const MeshFile mesh(oneBrick({3, 1, 1}),
                       [](io::MeshPart& part) { // the third begins where the second does
