@@ -64,10 +64,8 @@ public:
       if (!_checksums.empty())
         print("checksums of the step that failed:" + _checksums);
     }
-    if (_breakdown.empty() && (_config.checkpoint.any() || !_stopped.empty() || _out_of_time))
-      writeCheckpoint();
+    writeLastState();
     _progress.clear();
-    _output.writeState(*_simulation);
     _output.close();
     const RunReport report = makeReport();
     giveToAdiak(_comm, report);
@@ -212,13 +210,30 @@ private:
     }
     const auto& steps = _config.checkpoint.steps;
     const std::int64_t step = _simulation->clock().step;
-    if (requests.checkpoint || (steps && step > 0 && step % *steps == 0))
-      writeCheckpoint();
+    const bool is_due = requests.checkpoint || (steps && step > 0 && step % *steps == 0);
+    if (is_due && _simulation->isDone())
+      _wants_last_checkpoint = true;
+    else if (is_due)
+      writeCheckpoint(_output.restartData());
     return false;
   }
 
+  // The checkpoint of a complete run follows its last state, which no restart writes again; that of
+  // another run precedes it, since little time may be left. A run that is continued drops the state.
+  void writeLastState() {
+    const OutputRestart continued = _output.restartData();
+    const bool is_done = _simulation->isDone();
+    if (is_done)
+      _output.writeState(*_simulation);
+    if (_breakdown.empty() &&
+        (_config.checkpoint.any() || _wants_last_checkpoint || !_stopped.empty() || _out_of_time))
+      writeCheckpoint(continued);
+    if (!is_done)
+      _output.writeState(*_simulation);
+  }
+
   // A checkpoint that cannot be written is a warning while the run goes on.
-  void writeCheckpoint() {
+  void writeCheckpoint(const OutputRestart& output) {
     if (!_options.write_output || _last_checkpoint_step == _simulation->clock().step)
       return;
     const Region region("miniapp::checkpoint");
@@ -227,8 +242,8 @@ private:
     _checkpoint_failure.clear();
     try {
       _output.sync();
-      RunRestart data{_simulation->restartData(), _output.restartData(), _limits.reported(),
-                      _has_large_strain,          _limits.warnings(),    ""};
+      RunRestart data{_simulation->restartData(), output, _limits.reported(), _has_large_strain,
+                      _limits.warnings(),         ""};
       printUnlessQuiet("checkpoint " + _checkpoints.write(data, *_simulation));
     } catch (const OutputError& error) {
       _checkpoint_failure = error.what();
@@ -359,6 +374,7 @@ private:
   std::string _stop_signal; // of this rank
   bool _is_time_up = false; // on rank 0
   std::string _stopped; // why the run ends early
+  bool _wants_last_checkpoint = false; // one was due or requested in the last step
   bool _is_complete = false; // a restart with nothing left to do
   bool _out_of_time = false;
   bool _has_large_strain = false; // in a linear material

@@ -4,7 +4,8 @@ finished rows of history.csv and Exodus steps can be read and are those of the r
 last finished checkpoint continues the run to the same bits, damaged files are refused with a reason,
 no rank hangs, and no process crashes.
 
-Usage: faults.py BRICKWALL MPIEXEC DECK [--count N] [--seed S] [--only KIND,...]
+Usage: faults.py BRICKWALL MPIEXEC LIBRARY DECK [--count N] [--seed S] [--only KIND,...]
+LIBRARY is that of failing_region.cpp.
 With the default count, each kind of fault comes once (the short form); the long form is --count 200 or more.
 Kinds that need a file system of their own (a small disk, a read-only folder) need root and are
 skipped otherwise.
@@ -31,6 +32,7 @@ PATIENCE = 10  # s until all ranks have ended after one has died
 arguments = argparse.ArgumentParser(usage=__doc__)
 arguments.add_argument("program")
 arguments.add_argument("mpiexec")
+arguments.add_argument("library")
 arguments.add_argument("deck")
 arguments.add_argument("--count", type=int)
 arguments.add_argument("--seed", type=int, default=1)
@@ -49,9 +51,9 @@ def demand(condition, text):
         raise Wrong(text)
 
 
-def start(folder, *more, command="run", deck=arguments.deck, ranks=RANKS, program=(arguments.program,)):
+def start(folder, *more, command="run", deck=arguments.deck, ranks=RANKS, program=(arguments.program,), **variables):
     words = [arguments.mpiexec, "-n", str(ranks), "--oversubscribe", *program, command, deck, "-o", folder]
-    return subprocess.Popen(words + OPTIONS + list(more), env=environment, stdout=subprocess.PIPE,
+    return subprocess.Popen(words + OPTIONS + list(more), env={**environment, **variables}, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True, errors="replace")
 
 
@@ -162,6 +164,18 @@ def lose_a_rank(folder):
     else:
         finish(process)
     check_survives(folder)
+
+
+def lose_a_rank_before_the_last_state(folder):
+    """A checkpoint of the last step would call the run complete: it must follow the last state."""
+    seldom = ["--set", "output.history_interval=1", "--set", "output.interval=1"]  # the first state and the last one
+    run(folder + "/straight", *seldom)
+    text = run(folder, *seldom, expected=(1,), KOKKOS_PROFILE_LIBRARY=arguments.library, KOKKOS_TOOLS_LIBS=arguments.library,
+               BRICKWALL_FAULT_RANK="1", BRICKWALL_FAULT_STEP=str(STEPS), BRICKWALL_FAULT_NAME="miniapp::output")
+    demand("out of memory" in text, text[-600:])
+    run(folder, *seldom, "--restart", "latest")
+    demand(history(folder) == history(folder + "/straight"), "history.csv differs after the restart")
+    demand(dict(exodus_steps(folder)) == dict(exodus_steps(folder + "/straight")), "Exodus differs after the restart")
 
 
 def end_by_signal(folder):
@@ -287,7 +301,7 @@ def read_only_folder(folder):
         subprocess.run(["umount", folder], check=True)
 
 
-KINDS = [kill_all, lose_a_rank, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh, quota]
+KINDS = [kill_all, lose_a_rank, lose_a_rank_before_the_last_state, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh, quota]
 if os.geteuid() == 0 and shutil.which("mount"):
     KINDS += [small_disk, read_only_folder]
 if arguments.only:
