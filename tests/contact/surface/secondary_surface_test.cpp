@@ -147,6 +147,66 @@ TEST(SecondarySurface, PassesValuesToAllCopiesAndSumsBack) {
     EXPECT_EQ(back_host(i, 0), expected[grid.node_ids[i] - 100]);
 }
 
+TEST(SecondarySurface, IsTheSameIfItIsKnownWhichNodesRanksShare) {
+  const Grid grid;
+  // The nodes that other ranks may have, of all ranks.
+  std::vector<int> uses((side + 1) * (side + 1), 0);
+  for (const global_id id : grid.node_ids)
+    ++uses[id - 100];
+  allReduce(MPI_COMM_WORLD, uses.data(), static_cast<int>(uses.size()), MPI_SUM);
+  std::vector<char> is_shared;
+  for (const global_id id : grid.node_ids)
+    is_shared.push_back(uses[id - 100] > 1);
+  const SecondarySurface of_all(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  SecondarySurface of_shared(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces(),
+                             is_shared);
+  const Surface &a = of_all.surface(), &b = of_shared.surface();
+  ASSERT_EQ(a.num_nodes, b.num_nodes);
+  ASSERT_EQ(a.num_faces, b.num_faces);
+  const auto ids_a = toHost(a.node_ids), ids_b = toHost(b.node_ids);
+  const auto owned_a = toHost(a.node_is_owned), owned_b = toHost(b.node_is_owned);
+  for (int node = 0; node < a.num_nodes; ++node) {
+    EXPECT_EQ(ids_a(node), ids_b(node));
+    EXPECT_EQ(owned_a(node), owned_b(node)) << ids_a(node);
+  }
+  const View<std::int64_t* [1]> copies("copies", b.num_nodes);
+  Kokkos::deep_copy(copies, 1);
+  of_shared.sumShared(grid.space, copies);
+  std::vector<std::int64_t> expected((side + 1) * (side + 1), 0);
+  for (int node = 0; node < b.num_nodes; ++node)
+    ++expected[ids_b(node) - 100];
+  allReduce(MPI_COMM_WORLD, expected.data(), static_cast<int>(expected.size()), MPI_SUM);
+  const auto found = toHost(copies);
+  for (int node = 0; node < b.num_nodes; ++node)
+    EXPECT_EQ(found(node, 0), expected[ids_b(node) - 100]) << ids_b(node);
+}
+
+TEST(SecondarySurface, ForwardsRecordsToTheRanksOfTheirFaces) {
+  const Grid grid;
+  const SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  struct Record {
+    int face;
+    global_id of_face; // its id
+    int number;
+  };
+  // As many records of a face as its id modulo 3.
+  std::vector<Record> records;
+  for (std::size_t face = grid.face_ids.size(); face-- > 0;)
+    for (int number = 0; number < grid.face_ids[face] % 3; ++number)
+      records.push_back({static_cast<int>(face), grid.face_ids[face], number});
+  const auto face_ids = toHost(moved.surface().face_ids);
+  std::multiset<std::pair<global_id, int>> found, expected;
+  for (const Record& record : moved.forwardRecords(MPI_COMM_WORLD, records)) {
+    ASSERT_LT(record.face, moved.surface().num_faces);
+    EXPECT_EQ(face_ids(record.face), record.of_face);
+    found.emplace(record.of_face, record.number);
+  }
+  for (global_id face = 0; face < side * side; ++face)
+    for (int number = 0; number < face % 3 && grid.rankOfFace(face) == grid.rank; ++number)
+      expected.emplace(face, number);
+  EXPECT_EQ(found, expected);
+}
+
 TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
   const int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
   struct Record {
