@@ -113,6 +113,16 @@ void allReduce(MPI_Comm comm, LimbSums<N>& sums) {
   allReduce(comm, sums.data(), LimbSums<N>::size(), MPI_SUM);
 }
 
+// Waits until all messages are done, and empties the list.
+inline void waitAll(std::vector<MPI_Request>& requests) {
+  if (requests.empty())
+    return;
+  const Region region(waiting_region);
+  checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+           "MPI_Waitall");
+  requests.clear();
+}
+
 // A value of one rank each, over the ranks.
 struct MaxAndSum {
   double max = 0, sum = 0;
@@ -226,8 +236,7 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
                "MPI_Isend");
     });
   }
-  checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-           "MPI_Waitall");
+  waitAll(requests);
   return received;
 }
 

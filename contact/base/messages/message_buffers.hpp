@@ -19,6 +19,7 @@ namespace brickwall {
 class WordMessages {
 public:
   void send(const std::int64_t* data, std::int64_t words, int receiver, int tag, MPI_Comm comm) {
+    messagesSent().add(words);
     _requests.emplace_back();
     checkMpi(MPI_Isend(data, checkedInt(words, "message"), MPI_INT64_T, receiver, tag, comm,
                        &_requests.back()),
@@ -36,14 +37,7 @@ public:
     checkMpi(MPI_Imrecv(data, static_cast<int>(words), MPI_INT64_T, &message, &_requests.back()),
              "MPI_Imrecv");
   }
-  void wait() {
-    if (_requests.empty())
-      return;
-    const Region region(waiting_region);
-    checkMpi(MPI_Waitall(static_cast<int>(_requests.size()), _requests.data(), MPI_STATUSES_IGNORE),
-             "MPI_Waitall");
-    _requests.clear();
-  }
+  void wait() { waitAll(_requests); }
 
 private:
   std::vector<MPI_Request> _requests;
@@ -186,7 +180,6 @@ private:
         (isPeer(ranks[p]) ? to_peers : by_mpi).push_back({ranks[p], offsets[p], offsets[p + 1]});
   }
   void sendOne(const MessageRange& range) {
-    messagesSent().add(range.end - range.begin);
     _messages.send(sendData() + range.begin, range.end - range.begin, range.rank, _tag, _comm);
   }
   std::int64_t probe(int sender) {

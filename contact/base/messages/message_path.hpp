@@ -52,7 +52,7 @@ inline MessagePath chooseMessagePath() {
   return host_accessible || isDeviceAware() ? MessagePath::direct : MessagePath::peer;
 }
 
-// Messages that this rank has sent to others, for reports.
+// Messages of words that this rank has sent to others since its start, for reports.
 struct MessageCounts {
   std::int64_t messages = 0, words = 0;
 

@@ -100,14 +100,6 @@ private:
   static void irecv(T& value, int rank, int tag, MPI_Comm comm, MPI_Request& request) {
     checkMpi(MPI_Irecv(&value, sizeof value, MPI_BYTE, rank, tag, comm, &request), "MPI_Irecv");
   }
-  static void wait(std::vector<MPI_Request>& requests) {
-    if (requests.empty())
-      return;
-    const Region region(waiting_region);
-    checkMpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-             "MPI_Waitall");
-    requests.clear();
-  }
 
   std::map<int, Peer> _peers;
   Slot _slots[2]; // [number of the exchange modulo 2]
@@ -160,7 +152,7 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
     irecv(greetings[i], unknown[i], tag + greet, comm, requests[2 * i]);
     isend(own, unknown[i], tag + greet, comm, requests[2 * i + 1]);
   }
-  wait(requests);
+  waitAll(requests);
   for (std::size_t i = 0; i < n; ++i)
     mine[i] = has_memory && std::strcmp(own.host, greetings[i].host) == 0 &&
               peer::open(greetings[i].memory, peer::least_words) != nullptr &&
@@ -170,7 +162,7 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
     irecv(theirs[i], unknown[i], tag + answer, comm, requests[2 * i]);
     isend(mine[i], unknown[i], tag + answer, comm, requests[2 * i + 1]);
   }
-  wait(requests);
+  waitAll(requests);
   for (std::size_t i = 0; i < n; ++i)
     _peers[unknown[i]].is_reached = mine[i] != 0 && theirs[i] != 0;
 }
@@ -178,8 +170,8 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
 // Waits until the words that the slot holds have been read: the host for messages, the device for
 // copies.
 inline void PeerMessages::awaitReaders(const exec_space& space, Slot& slot) {
-  wait(slot.sends);
-  wait(slot.receives);
+  waitAll(slot.sends);
+  waitAll(slot.receives);
   for (std::size_t i = 0; i < slot.receivers.size(); ++i) {
     Peer& reader = _peers.at(slot.receivers[i]);
     if (reader.has_taken == nullptr)
@@ -261,7 +253,7 @@ inline void PeerMessages::receive(const exec_space& space, MPI_Comm comm, int ta
           "copying");
   }
   check(peer::record(space, _has_taken), "recording an event");
-  wait(_confirms);
+  waitAll(_confirms);
   _confirms.resize(from.size());
   for (std::size_t i = 0; i < from.size(); ++i)
     isend(_confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
