@@ -222,10 +222,11 @@ bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
          sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
 }
 
-void InteractionSet::growFor(const exec_space& space, const ContactSums& sums) {
-  growTo(space, _workspace.persistent, sums.workspace);
-  growTo(space, _workspace.contacts, sums.workspace);
-  growTo(space, _next.interactions, sums.interactions);
+void InteractionSet::makeRoom(const exec_space& space, std::int64_t interactions,
+                              std::int64_t crowded) {
+  growTo(space, _workspace.persistent, crowded);
+  growTo(space, _workspace.contacts, crowded);
+  growTo(space, _next.interactions, interactions);
   const auto room = _next.interactions.size();
   if (_config.friction > 0)
     growTo(space, _next.friction, room);
