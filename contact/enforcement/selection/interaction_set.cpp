@@ -44,7 +44,7 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
   const FaceAccess& faces = correct.faces;
   for (int w = 0; w < count; ++w) {
     pairs.interactions.prefetch(numbers[w]);
-    faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
+    faces.prefetchNumbers(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
@@ -160,7 +160,7 @@ private:
     int num_listed = 0;
     if (correct.isProposal() && has_changed.extent(0) > 0)
       for (std::int64_t i = begin; i < end; ++i)
-        correct.faces.prefetchFace(pairs.interactions(i).face_index);
+        correct.faces.prefetchNumbers(pairs.interactions(i).face_index);
     for (std::int64_t i = begin; i < end; ++i)
       if (isListed(i))
         listed[num_listed++] = i;
