@@ -62,12 +62,17 @@ struct FaceAccess {
       q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
     return q;
   }
-  // Prefetches the corner numbers and attributes of a face; prefetchCorners() then prefetches
-  // values of its corners.
+  // Prefetches the corner numbers of a face; prefetchCorners() then prefetches values of its
+  // corners.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchNumbers(int face) const {
+    if (isOwn(face))
+      prefetch(&surface.face_to_nodes(face, 0));
+  }
+  // The same, and the attributes of the face.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     if (!isOwn(face))
       return;
-    prefetch(&surface.face_to_nodes(face, 0));
+    prefetchNumbers(face);
     prefetch(&surface.face_attributes(face, 0));
     prefetch(&surface.face_attributes(face, surface.face_attributes.extent(1) - 1));
   }

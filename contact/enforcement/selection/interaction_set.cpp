@@ -44,7 +44,7 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
   const FaceAccess& faces = correct.faces;
   for (int w = 0; w < count; ++w) {
     pairs.interactions.prefetch(numbers[w]);
-    faces.prefetchFace(pairs.interactions(numbers[w]).face_index);
+    faces.prefetchNumbers(pairs.interactions(numbers[w]).face_index);
   }
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
@@ -160,7 +160,7 @@ private:
     int num_listed = 0;
     if (correct.isProposal() && has_changed.extent(0) > 0)
       for (std::int64_t i = begin; i < end; ++i)
-        correct.faces.prefetchFace(pairs.interactions(i).face_index);
+        correct.faces.prefetchNumbers(pairs.interactions(i).face_index);
     for (std::int64_t i = begin; i < end; ++i)
       if (isListed(i))
         listed[num_listed++] = i;
@@ -222,10 +222,11 @@ bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
          sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
 }
 
-void InteractionSet::growFor(const exec_space& space, const ContactSums& sums) {
-  growTo(space, _workspace.persistent, sums.workspace);
-  growTo(space, _workspace.contacts, sums.workspace);
-  growTo(space, _next.interactions, sums.interactions);
+void InteractionSet::makeRoom(const exec_space& space, std::int64_t interactions,
+                              std::int64_t crowded) {
+  growTo(space, _workspace.persistent, crowded);
+  growTo(space, _workspace.contacts, crowded);
+  growTo(space, _next.interactions, interactions);
   const auto room = _next.interactions.size();
   if (_config.friction > 0)
     growTo(space, _next.friction, room);

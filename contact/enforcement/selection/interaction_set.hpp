@@ -105,9 +105,9 @@ private:
   void zeroForces(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   CorrectionNotes noted(const exec_space& space) const;
-  // Memory for the interactions and the crowded rows of a step with these sums.
+  // Memory for the interactions of a step, and for the contacts of its crowded rows.
   bool hasRoomFor(const ContactSums& sums) const;
-  void growFor(const exec_space& space, const ContactSums& sums);
+  void makeRoom(const exec_space& space, std::int64_t interactions, std::int64_t crowded);
 
   EnforcementConfig _config;
   Quantum _quantum;
@@ -141,6 +141,10 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
   step.pairs = pairs;
   step.previous = _history;
   step.next_count = _next_count;
+  // Memory that is not used costs less than a repeated step. At first a guess: in flush joints of
+  // matching meshes each contact has four candidates.
+  const bool guesses = _next.interactions.size() == 0 && _face_corners == 4;
+  makeRoom(space, maxOf(_history.count, guesses ? pairs.count / 4 : 0), 0);
   launch(space, functor);
   return [this, space, functor]() mutable {
     while (true) {
@@ -149,7 +153,8 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
       _are_nodes_zero = sums.interactions == 0;
       if (hasRoomFor(sums))
         return sums;
-      growFor(space, sums); // the contact history is unchanged, so the step can be repeated
+      // the contact history is unchanged, so the step can be repeated
+      makeRoom(space, sums.interactions, sums.workspace);
       launch(space, functor);
     }
   };
