@@ -39,18 +39,33 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 }
 
 bool ContactBalance::isDue(double work) {
-  const double imbalance = imbalanceOf(_comm, work);
+  const MaxAndSum all = maxAndSum(_comm, {work}).front();
+  const double imbalance = all.sum > 0 ? all.max * sizeOf(_comm) / all.sum : 1;
   double times[2] = {_time, _cost};
   allReduce(_comm, times, 2, MPI_MAX);
   _time = 0;
-  _lost += times[0] * std::max(0.0, 1 - _reached / imbalance);
+  const double rate = all.max > 0 ? times[0] / all.max : 0;
+  if (_are_home) {
+    _rate_at_home = rate;
+  } else if (_rate_at_home > 0) { // the least, since other programs disturb
+    const double overhead = std::max(1.0, rate / _rate_at_home);
+    _overhead = _is_measured ? std::min(_overhead, overhead) : overhead;
+    _is_measured = true;
+  }
+  const double now = _are_home ? imbalance : _overhead * imbalance;
+  const double best = std::min(_overhead * _reached, _are_home ? HUGE_VAL : _at_home);
+  _lost += times[0] * std::max(0.0, 1 - best / now);
   return _lost > times[1];
 }
 
-void ContactBalance::haveDistributed(double seconds, double imbalance) {
+void ContactBalance::haveDistributed(double seconds, double imbalance, double at_home,
+                                     bool are_home) {
   _cost = seconds;
   _time = _lost = 0;
   _reached = std::max(tolerated, imbalance);
+  _at_home = at_home;
+  _are_home = are_home;
+  _is_measured = are_home;
   ++_distributions;
 }
 

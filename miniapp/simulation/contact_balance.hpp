@@ -7,6 +7,7 @@
 
 #include <mpi.h>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -23,8 +24,10 @@ double imbalanceOf(MPI_Comm comm, const std::vector<float>& work,
 std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
                                const std::vector<float>& work);
 
-// Decides when faces are distributed anew: as soon as the time that ranks have waited for others
-// since the last time exceeds the time that it takes.
+// Decides when faces are distributed anew: as soon as the time that another distribution would have
+// saved since the last one exceeds the time that it takes. Time is expected to be in proportion to the
+// largest work of a rank; away from their home ranks faces cost messages besides, whose share is
+// measured.
 class ContactBalance {
 public:
   static constexpr std::int64_t check_interval = 10; // steps
@@ -39,8 +42,12 @@ public:
   // Whether to distribute now; `work` is that of this rank in the last step. Collective, every
   // check_interval steps.
   bool isDue(double work);
-  // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance.
-  void haveDistributed(double seconds, double imbalance);
+  // Time for equal work away from home over that at home, as measured last; 1 at first.
+  double overhead() const { return _overhead; }
+  // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance;
+  // `at_home`: that of all faces on their home ranks, where they `are_home` now; HUGE_VAL: they do not
+  // return there.
+  void haveDistributed(double seconds, double imbalance, double at_home, bool are_home);
 
   // since the start or the restart
   std::int64_t distributions() const { return _distributions; }
@@ -51,6 +58,11 @@ private:
   double _time = 0; // of contact since the last check, seconds
   double _lost = 0; // by waits since the last distribution, seconds
   double _reached = tolerated; // imbalance after the last distribution, if larger
+  double _at_home = HUGE_VAL; // imbalance with all faces at home, at the last distribution
+  bool _are_home = true;
+  double _rate_at_home = 0; // seconds for a unit of work, when faces were there last
+  double _overhead = 1;
+  bool _is_measured = true; // since the last distribution
   std::int64_t _distributions = 0;
 };
 

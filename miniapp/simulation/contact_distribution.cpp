@@ -77,10 +77,13 @@ void ContactStep::balance(std::int64_t step, const View<const double* [3]>& disp
   const Region region("miniapp::distributeContact");
   const Stopwatch time;
   const std::vector<float> work = workOfFaces(work_of_nodes);
-  const std::vector<int> ranks = ranksOfFaces(work);
+  const double at_home = imbalanceOf(_comm, std::accumulate(work.begin(), work.end(), 0.0));
+  const bool may_return = _config.search.decomposition == Decomposition::automatic;
+  const bool are_home = may_return && at_home <= ContactBalance::tolerated * _balance.overhead();
+  const std::vector<int> ranks = are_home ? std::vector<int>() : ranksOfFaces(work);
   distribute(ranks, displacement);
-  const std::vector<int> home(work.size(), rankOf(_comm));
-  _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, work, ranks.empty() ? home : ranks));
+  _balance.haveDistributed(time.seconds(), are_home ? at_home : imbalanceOf(_comm, work, ranks),
+                           may_return ? at_home : HUGE_VAL, are_home);
 }
 
 View<std::int64_t**> ContactStep::workOfNodes() const {
@@ -113,12 +116,7 @@ std::vector<float> ContactStep::workOfFaces(const View<std::int64_t**>& of_nodes
   return work;
 }
 
-// Empty where the ranks of the elements do as well.
 std::vector<int> ContactStep::ranksOfFaces(const std::vector<float>& work) const {
-  if (_config.search.decomposition == Decomposition::automatic &&
-      imbalanceOf(_comm, std::accumulate(work.begin(), work.end(), 0.0)) <=
-          ContactBalance::tolerated)
-    return {};
   contact::Surface primary = _coupling.primary();
   primary.coordinates_new = _coupling.primaryCoordinates();
   return balancedRanks(_comm, primary, work);

@@ -83,16 +83,43 @@ TEST(ContactBalance, DistributesWhenWaitsHaveCostAsMuchAsADistribution) {
   balance.addTime(0.2 / lost);
   EXPECT_TRUE(balance.isDue(work));
   // An imbalance that stays after a distribution is no reason for another.
-  balance.haveDistributed(0.1, size);
-  balance.addTime(1e3);
+  balance.haveDistributed(0.1, size, size, false);
+  balance.addTime(0.2 / lost);
   EXPECT_FALSE(balance.isDue(work));
-  balance.addTime(1e3);
+  balance.addTime(0.2 / lost);
   EXPECT_FALSE(balance.isDue(work));
   EXPECT_EQ(balance.distributions(), 1);
   // Work that is balanced loses nothing.
   ContactBalance even(MPI_COMM_WORLD, 0);
   even.addTime(1e3);
   EXPECT_FALSE(even.isDue(1));
+}
+
+TEST(ContactBalance, ReturnsFacesWhoseMessagesCostMoreThanBalanceGains) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  if (size == 1)
+    GTEST_SKIP() << "one rank sends no message";
+  const double work = rankOf(MPI_COMM_WORLD) == 0 ? size : 0; // balanced: 1 on each rank
+  ContactBalance balance(MPI_COMM_WORLD, 1.0);
+  balance.addTime(4 * size);
+  EXPECT_TRUE(balance.isDue(work));
+  // A unit of work takes 1.2 times as long away from home: it stays there.
+  balance.haveDistributed(1, 1, size, false);
+  balance.addTime(1.2 * 4);
+  EXPECT_FALSE(balance.isDue(1));
+  EXPECT_DOUBLE_EQ(balance.overhead(), 1.2);
+  // It takes 2 `size` times as long: half of the time would be saved at home.
+  balance.haveDistributed(5 * size, 1, size, false);
+  balance.addTime(8 * size);
+  EXPECT_FALSE(balance.isDue(1));
+  balance.addTime(8 * size);
+  EXPECT_TRUE(balance.isDue(1));
+  // At home the faces stay, since a distribution does not pay.
+  balance.haveDistributed(1, size, size, true);
+  for (int check = 0; check < 10; ++check) {
+    balance.addTime(4 * size);
+    EXPECT_FALSE(balance.isDue(work));
+  }
 }
 
 } // namespace
