@@ -88,9 +88,10 @@ ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_rea
   int computed_real_bytes = 8;
   errno = 0;
   const int id = ex_create(path.c_str(), flags, &computed_real_bytes, &stored_real_bytes);
-  if (id < 0)
-    throw OutputError(path + ": cannot be created: " +
-                      (errno != 0 ? std::string(std::strerror(errno)) : reason()));
+  if (id < 0) // where the disk is full, errno is that of closing a closed file
+    throw OutputError(
+        path + ": cannot be created: " +
+        (errno != 0 && errno != EBADF ? std::string(std::strerror(errno)) : reason()));
   return ExodusFile(path, id, true);
 }
 

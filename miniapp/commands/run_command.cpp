@@ -134,6 +134,7 @@ private:
       if (first) {
         _recorder.reset();
         _searches_before = numSearches(*_simulation);
+        _sent_before = messagesSent();
       } else {
         _recorder.endStep();
       }
@@ -332,6 +333,7 @@ private:
       report.options.push_back("--timing paper");
     report.first_step = _first_step;
     report.counted_steps = maxOf<std::int64_t>(report.counted_steps - _first_step, 0);
+    addMessages(_comm, _sent_before, report);
     report.stopped = _stopped;
     report.setup_seconds = allReduce(_comm, _setup_seconds, MPI_MAX);
     report.counted_searches = numSearches(*_simulation) - _searches_before;
@@ -365,6 +367,7 @@ private:
   double _setup_seconds; // without output
   ElementBalance _element_balance;
   std::int64_t _searches_before = 0; // in steps that are not timed
+  MessageCounts _sent_before; // likewise
   std::int64_t _first_step = 0; // of a restarted run
   double _loop_begin = 0; // s
   double _last_checkpoint = 0; // s

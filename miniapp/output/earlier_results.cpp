@@ -16,11 +16,11 @@ namespace {
 std::vector<int> layoutsOf(const std::string& base) {
   namespace fs = std::filesystem;
   std::vector<int> found;
-  if (fs::exists(base))
+  std::error_code none;
+  if (fs::exists(base, none))
     found.push_back(1);
   const fs::path folder = fs::path(base).has_parent_path() ? fs::path(base).parent_path() : ".";
   const std::string prefix = fs::path(base).filename().string() + ".";
-  std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none)) {
     const std::string name = entry.path().filename().string();
     if (name.compare(0, prefix.size(), prefix) != 0)

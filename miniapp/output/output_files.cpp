@@ -65,7 +65,8 @@ void makeDirectory(MPI_Comm comm, const std::string& path) {
       return;
     std::error_code error;
     std::filesystem::create_directories(path, error);
-    if (!std::filesystem::is_directory(path))
+    std::error_code ignored; // that of create_directories() is the reason
+    if (!std::filesystem::is_directory(path, ignored))
       throw OutputError(path + ": cannot make the output folder: " +
                         (error ? error.message() : "a file has this name"));
   });

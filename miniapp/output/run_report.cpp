@@ -99,6 +99,18 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   return report;
 }
 
+void addMessages(MPI_Comm comm, const MessageCounts& before, RunReport& report) {
+  if (report.counted_steps == 0)
+    return;
+  const auto steps = static_cast<double>(report.counted_steps);
+  const MessageCounts& now = messagesSent();
+  std::vector<RankValue> sent = {
+      {"messages", static_cast<double>(now.messages - before.messages) / steps},
+      {"bytes_sent", 8 * static_cast<double>(now.words - before.words) / steps}};
+  reduceOverRanks(comm, sent);
+  report.over_ranks.insert(report.over_ranks.end(), sent.begin(), sent.end());
+}
+
 void giveToAdiak([[maybe_unused]] MPI_Comm comm, [[maybe_unused]] const RunReport& report) {
 #ifdef BRICKWALL_ADIAK
   adiak::init(&comm);

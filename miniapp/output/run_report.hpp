@@ -1,6 +1,7 @@
 // Fills the report of a run from its simulation.
 #pragma once
 
+#include "contact/base/messages/message_path.hpp"
 #include "miniapp/output/report.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/timing/phase_report.hpp"
@@ -16,6 +17,10 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
 // contact and in the rest of the steps, waits for other ranks excluded; and the first three
 // together with these waits. The same entries on all ranks.
 std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecorder& recorder);
+
+// Adds to `over_ranks` the messages and bytes that a rank has sent in a counted step, if some were
+// counted; `before` is messagesSent() when the first of them began. Collective.
+void addMessages(MPI_Comm comm, const MessageCounts& before, RunReport& report);
 
 // Collective. Gives the texts and numbers of report.json to Adiak, for tools such as Caliper; does
 // nothing without the option BRICKWALL_ADIAK of CMake.

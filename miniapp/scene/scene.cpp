@@ -248,8 +248,6 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   refuseConflictingSets(comm, config, scene.part);
   scene.warnings = emptySets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
-  for (const std::string& warning : checkForceRange(comm, scene.part, materials))
-    scene.warnings.push_back(warning);
   scene.node_is_owned.reserve(scene.part.node_owner.size());
   for (const int owner : scene.part.node_owner)
     scene.node_is_owned.push_back(owner == rankOf(comm));
@@ -258,6 +256,8 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
   scene.mass = massesOf(space, comm, config, scene);
+  for (const std::string& warning : checkForceRange(comm, scene.part, materials))
+    scene.warnings.push_back(warning);
   if (config.mass == NodalMass::inertia) {
     const auto body_mass = mechanics::massWithInertia(space, comm, scene.mesh, scene.mass);
     scene.mass = body_mass.mass;

@@ -91,6 +91,9 @@ for ranks in 1 3; do
   expect "the reference search alone runs" 0 '^PASS' $ranks search "$inputs/brick_wall.toml" "${small[@]}" --set 'search.method="reference"'
   output=/dev/null/x
   expect "an output folder that cannot be made fails" 4 '/dev/null/x' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 2
+  output=$work/$(printf 'a%.0s' {1..300})
+  expect "an output folder whose name is too long fails" 4 'cannot make the output folder: File name too long' $ranks \
+    run "$inputs/brick_wall.toml" "${small[@]}" --steps 2
   output=$work/out program=$limited
   expect "a full disk is found in its step" 4 'brick_wall.exo' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set 'wall.elements=[8,4,4]' --set output.interval=1e-6 --steps 200

@@ -30,7 +30,7 @@ KOKKOS_INLINE_FUNCTION Vec3 tangentialMotion(const FaceAccess& faces, const Inte
 
 ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
                            const ContactHistory& history, const Quantum& quantum) {
-  const ContactForces forces{
+  ContactForces forces{
       View<std::int64_t* [3]>("contact::normalForces::nodes", faces.surface.num_nodes),
       View<std::int64_t* [12]>("contact::normalForces::ghost_corners", faces.ghosts.count)};
   PairForces add;
@@ -52,7 +52,7 @@ ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
 
 View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
                              const ContactHistory& history) {
-  const View<double* [3]> slip("contact::slipMotion", faces.surface.num_nodes);
+  View<double* [3]> slip("contact::slipMotion", faces.surface.num_nodes);
   if (history.count == 0)
     return slip;
   Kokkos::parallel_for(
@@ -92,7 +92,7 @@ void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHist
 
 CandidateCounts countCandidates(const exec_space& space, const FaceAccess& faces,
                                 const CandidatePairs& pairs) {
-  const CandidateCounts counts{
+  CandidateCounts counts{
       View<std::int64_t* [3]>("contact::countCandidates::own", faces.surface.num_faces),
       View<std::int64_t* [12]>("contact::countCandidates::of_ghosts", faces.ghosts.count)};
   Kokkos::parallel_for(

@@ -32,7 +32,7 @@ def main(arguments):
 def run(options):
     files = RunFiles(options.run)
     if options.history or options.phases:
-        figure = draw_history(files.history(), files.title()) if options.history else draw_phases(files.report())
+        figure = draw_history(files.history(), files.title()) if options.history else phases(files)
         path = options.output or files.folder / ("history.png" if options.history else "phases.png")
         writing(path, lambda: save(figure, path))
     else:
@@ -43,6 +43,16 @@ def run(options):
         path = options.output or files.base.with_name(files.base.name + ".png")
         draw(results, options, path)
     print(path)
+
+
+def phases(files):
+    report = files.report()
+    try:
+        return draw_phases(report)
+    except KeyError as error:
+        raise PlotError(f"{files.folder / 'report.json'}: lacks {error}") from None
+    except (TypeError, AttributeError, ValueError) as error:
+        raise PlotError(f"{files.folder / 'report.json'}: a field is of another kind: {error}") from None
 
 
 def draw(results, options, path):

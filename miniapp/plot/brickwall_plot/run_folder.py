@@ -73,22 +73,31 @@ class RunFiles:
     def report(self):
         path = self.folder / "report.json"
         try:
-            return json.loads(path.read_text())
+            report = json.loads(path.read_text())
         except OSError as error:
             raise PlotError(f"{path}: {error.strerror}") from None
         except ValueError as error:
             raise PlotError(f"{path}: no JSON: {error}") from None
+        schema = report.get("schema") if isinstance(report, dict) else None
+        if schema != "brickwall-report-1":
+            raise PlotError(f"{path}: no report of a run: the schema is {json.dumps(schema)}, expected \"brickwall-report-1\"")
+        return report
 
     def history(self):
-        """Columns of history.csv: {name: list}."""
+        """Columns of history.csv: {name: list}. A last row without an end, of a run that was killed, is left out."""
         path = self.folder / "history.csv"
         try:
-            with open(path, newline="") as file:
-                rows = list(csv.reader(file))
+            text = path.read_text()
+            rows = list(csv.reader(text[:text.rfind("\n") + 1].splitlines()))
+            if not rows:
+                raise PlotError(f"{path}: is empty, expected the names of columns and a row")
+            for number, row in enumerate(rows, 1):
+                if len(row) != len(rows[0]):
+                    raise PlotError(f"{path}: line {number} has {len(row)} values, expected {len(rows[0])}")
             columns = {name: [float(row[i]) for row in rows[1:]] for i, name in enumerate(rows[0])}
         except OSError as error:
             raise PlotError(f"{path}: {error.strerror}") from None
-        except (ValueError, IndexError) as error:
+        except ValueError as error:
             raise PlotError(f"{path}: no table of numbers: {error}") from None
         if not columns.get("time"):
             raise PlotError(f"{path}: no rows with a time")

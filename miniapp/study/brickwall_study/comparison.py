@@ -190,11 +190,11 @@ def imbalance(problem):
 
 
 def counts(problem):
-    names = list(problem.first.counts)
+    names = list(dict.fromkeys(name for c in problem.configurations for run in c.runs for name in run.counts))
     header = ["ranks x threads", *names] + (["energy error", "state at the end"] if problem.first.kind == "run" else [])
     rows = []
     for configuration in problem.configurations:
-        row = [configuration.label] + [same(run.counts[name] for run in configuration.runs) for name in names]
+        row = [configuration.label] + [same(run.counts.get(name, "-") for run in configuration.runs) for name in names]
         if problem.first.kind == "run":
             row += [same(f"{run.energy_error:.2e}" for run in configuration.runs), bits(problem, configuration)]
         rows.append(row)

@@ -155,7 +155,7 @@ def read_simulation(fields, common):
         **common, sizes={name: fields.count(name) for name in ("elements", "nodes", "faces")}, steps=steps,
         whole=fields.number("loop_seconds") / counted, phases=found, imbalance=imbalance, missing=missing,
         counts={"steps": fields.get("steps", int), "searches": search.get("searches", int), "ghost faces": search.get("ghost_faces", int),
-                "pairs": search.get("candidate_pairs", int), "contacts": search.get("active_contacts", int)},
+                "pairs": search.get("candidate_pairs", int), "contacts": search.get("active_contacts", int), **messages_of(fields)},
         throughput=fields.object("fom").number("element_steps_per_second"), setup=fields.optional("setup_seconds", None, float, int),
         **memory_of(fields, fields.object("memory")), energy_error=balance.number("energy_error"),
         checksum=fields.optional("checksums", {}, dict).get("nodes", ""),
@@ -210,6 +210,13 @@ def imbalance_of_counts(fields):
     counts = fields.object("imbalance")
     return {name.replace("_", " "): counts.object(name).number("max_over_mean")
             for name in ("faces", "ghost_faces", "candidate_pairs", "active_contacts") if name in counts.values}
+
+
+def messages_of(fields):
+    """Messages and bytes that a rank sends in a step; reports of earlier versions state none."""
+    sent = fields.optional("imbalance", {}, dict)
+    return {name: round(fields.object("imbalance").object(key).number("mean"))
+            for name, key in (("messages a rank and step", "messages"), ("bytes", "bytes_sent")) if key in sent}
 
 
 def options_of(fields):

@@ -4,6 +4,7 @@
 #include "miniapp/output/history.hpp"
 #include "miniapp/output/output_files.hpp"
 #include "miniapp/output/report.hpp"
+#include "miniapp/output/run_report.hpp"
 #include "miniapp/output/search_report.hpp"
 #include "miniapp/timing/phase_report.hpp"
 #include "tests/support/expect_contains.hpp"
@@ -195,6 +196,19 @@ TEST(SearchReport, NamesItsFieldsAsAgreed) {
   printSearchReport(kept, report);
   EXPECT_EQ(kept.str().find("FOM face"), std::string::npos);
   EXPECT_CONTAINS(kept.str(), "\nno FOM");
+}
+
+TEST(Report, StatesTheMessagesOfAStep) {
+  RunReport report = sampleReport(); // 10 counted steps
+  const MessageCounts now = messagesSent();
+  addMessages(MPI_COMM_WORLD, {now.messages - 25, now.words - 400}, report);
+  const auto json = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(json["imbalance"]["messages"]["mean"], 2.5);
+  EXPECT_EQ(json["imbalance"]["bytes_sent"]["max"], 320.0);
+  report = sampleReport();
+  report.counted_steps = 0;
+  addMessages(MPI_COMM_WORLD, {}, report);
+  EXPECT_FALSE(nlohmann::json::parse(reportJson(report))["imbalance"].contains("messages"));
 }
 
 TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {

@@ -217,7 +217,20 @@ class FaultyInput(unittest.TestCase):
     def test_of_history_is_reported_too(self):
         (work / "history.csv").write_text("time,kinetic_energy\n0,1\nx,2\n")
         self.expect("no table of numbers", work / "history.csv", "--history")
+        (work / "history.csv").write_text("")
+        self.expect("history.csv: is empty", work / "history.csv", "--history")
+        (work / "history.csv").write_text("time,kinetic_energy\n0,1\n1\n2,2\n")
+        self.expect("line 3 has 1 values, expected 2", work / "history.csv", "--history")
         (work / "history.csv").unlink()
+
+    def test_of_phases_names_what_the_report_lacks(self):
+        for text, fault in (("[]", "no report of a run: the schema is null"), ("{}", "no report of a run: the schema is null"),
+                            ('{"schema": "brickwall-search-1"}', 'the schema is "brickwall-search-1"'),
+                            ('{"schema": "brickwall-report-1"}', "report.json: lacks 'phases'"),
+                            ('{"schema": "brickwall-report-1", "phases": 3}', "report.json: a field is of another kind")):
+            (work / "report.json").write_text(text)
+            self.expect(fault, work, "--phases")
+        (work / "report.json").unlink()
 
 
 if __name__ == "__main__":

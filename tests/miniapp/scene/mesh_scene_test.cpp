@@ -139,6 +139,16 @@ TEST(MeshScene, AnInvertedElementIsReportedWithFileAndItsIdThere) {
   EXPECT_NE(fault.find("inverted (J <= 0)"), std::string::npos) << fault;
 }
 
+TEST(MeshScene, AnElementWithOneCornerEightTimesIsReportedWithFileAndItsIdThere) {
+  const MeshFile mesh(oneBrick({2, 1, 1}), [](io::MeshPart& part) {
+    for (int corner = 1; corner < 8; ++corner)
+      part.elem_nodes[8 + corner] = part.elem_nodes[8];
+  });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find(mesh.path() + ": the element of id 2 in elem_num_map"), std::string::npos)
+      << fault;
+}
+
 TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
   const MeshFile mesh(oneBrick({3, 1, 1}),
                       [](io::MeshPart& part) { // the third begins where the second does

@@ -120,6 +120,17 @@ class Tables(FolderTest):
         self.assertEqual(rows["2 x 1"], ["11", "12", "0", "500", "70", "2.50e-04", "same bits"])
         self.assertEqual(rows["3 x 1"][-1], "differs")
 
+    def test_messages_of_a_step_are_counted_where_reports_state_them(self):
+        def sent(report):
+            report["imbalance"] = {"messages": {"max": 14, "mean": 12.4, "max_over_mean": 1.13},
+                                   "bytes_sent": {"max": 5e6, "mean": 4e6, "max_over_mean": 1.25}}
+
+        self.write_run("a")
+        self.write_run("b", ranks=2, change=sent)
+        rows = rows_of(self.report(), COUNTS)
+        self.assertEqual(rows[""][5:7], ["messages a rank and step", "bytes"])
+        self.assertEqual((rows["1 x 1"][5:7], rows["2 x 1"][5:7]), (["-", "-"], ["12", "4,000,000"]))
+
     def test_runs_of_different_decks_are_told_apart(self):
         self.write_run("a")
         self.write_run("b", 2.0, change=lambda report: report.update(case="other"))
