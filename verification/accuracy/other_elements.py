@@ -3,9 +3,9 @@
 boxes, by dense eigenvalue solutions: `python3 verification/accuracy/other_elements.py` (10 s).
 
 H8MSGSO is Krysl's mean-strain eight-node hexahedron with optimized energy-sampling stabilization
-(2015, 2016), with the constants of its author's program FinEtools (FEMMDeforLinearMSH8): K = K_1(C) + phi (K_8(C') - K_1(C')), with one and eight points, C' the
-moduli at Poisson's ratio nu for nu < 0.3, otherwise 0.3 + (nu - 0.3)/2, phi = f/(1 + f) and
-f = 2 (1 + nu') (shortest/longest edge)^2.
+(2015, 2016), with the constants of its author's program FinEtools (FEMMDeforLinearMSH8):
+K = K_1(C) + phi (K_8(C') - K_1(C')), with one and eight points, C' the moduli at Poisson's ratio nu
+for nu < 0.3, otherwise 0.3 + (nu - 0.3)/2, phi = f/(1 + f), f = 2 (1 + nu') (shortest/longest edge)^2.
 """
 import sys
 from itertools import product
