@@ -1,4 +1,6 @@
 """The answers of the study from its points: sentences and rows with figures."""
+from dataclasses import replace
+
 import numpy as np
 from charts import COSTS
 from front import by_setting, cheapest, cost_at, digit_cost, error_at, front
@@ -17,8 +19,13 @@ def known_points(result):
     return [point for point in result.points if point.error > 2 * result.uncertainty]
 
 
-def default_cost(result, error, cost):
-    series = by_setting(known_points(result)).get(DEFAULT)
+def bounded_points(result):
+    """All points. An error below twice the uncertainty of the reference counts as that, its bound."""
+    return [replace(point, errors={**point.errors, "error": max(point.error, 2 * result.uncertainty)}) for point in result.points]
+
+
+def default_cost(result, error, cost, setting=DEFAULT):
+    series = by_setting(bounded_points(result)).get(setting)
     return cost_at(series, error, cost) if series else None
 
 
@@ -34,7 +41,7 @@ def targets(result):
 def loss_rows(result):
     """For each error that is reached: the cheapest setting, and the cost of the default relative to
     it."""
-    rows, points = [], known_points(result)
+    rows, points = [], bounded_points(result)
     for error in (error for error in targets(result) if cheapest(points, error, SECONDS)):
         row = [result.scene.name if not rows else "", percent(error)]
         for among, cost in ((points, SECONDS), (same_contact(points), SECONDS), (points, ELEMENT_STEPS)):
@@ -52,10 +59,10 @@ def one_percent(result):
     """The fastest setting with an error of 1 %."""
     if not min(result.scene.targets) <= 0.01 <= max(result.scene.targets):
         return f"{result.scene.name}: less than 1 % with all settings and meshes of the study"
-    best, ours = cheapest(known_points(result), 0.01, SECONDS), default_cost(result, 0.01, SECONDS)
+    best, ours = cheapest(bounded_points(result), 0.01, SECONDS), default_cost(result, 0.01, SECONDS)
     if best is None:
         return f"{result.scene.name}: no setting on the meshes of the study"
-    series = sorted(by_setting(known_points(result))[best[1]], key=SECONDS)
+    series = sorted(by_setting(bounded_points(result))[best[1]], key=SECONDS)
     mesh = next((f" (first mesh below 1 %: {point.mesh})" for point in series if point.error <= 0.01), "")
     default = f"the default takes {ours / best[0]:.2f} times as long" if ours else "the default does not reach it"
     return f"{result.scene.name}: {best[1].name}, {best[0]:.3g} s{mesh}; {default}"
@@ -120,15 +127,21 @@ def changed_by_reuse(results):
     return len(kept), [point for base, point in kept if not same_course(base, point)]
 
 
-def losses(results, choose=lambda points: points):
-    """(default / fastest in seconds, scene, error) for the errors that both reach."""
+def losses(results, choose=lambda points: points, by_rule=False):
+    """(default / fastest in seconds, scene, error) for the errors that both reach; `by_rule`: with
+    the recommended setting of each scene in place of the default."""
     found = []
     for result in results:
         for error in targets(result):
-            best, ours = cheapest(choose(known_points(result)), error, SECONDS), default_cost(result, error, SECONDS)
+            best = cheapest(choose(bounded_points(result)), error, SECONDS)
+            ours = default_cost(result, error, SECONDS, result.scene.rule if by_rule else DEFAULT)
             if best and ours:
                 found.append((ours / best[0], result.scene.name, error))
     return found
+
+
+def rule_text(results):
+    return ", ".join(f"{result.scene.name}: {result.scene.rule.name}" for result in results if result.scene.rule != DEFAULT)
 
 
 def losses_text(found):

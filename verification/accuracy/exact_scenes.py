@@ -21,6 +21,7 @@ class SmoothWave(Scene):
     text = ("A smooth pulse runs along an elastic bar (V1s). Error: root mean square of the stress error at the centres of the elements "
             "at t = 0.5, over that of d'Alembert's solution.")
     deck = DECKS / "v01s_smooth_wave.toml"
+    rule = STEPS[-1]
     targets = (0.03, 0.01, 0.003, 0.001)
 
     def __init__(self, quick):
@@ -66,6 +67,7 @@ class Cantilever(Scene):
     text = ("A clamped beam vibrates (V7). Error: that of the first bending frequency, relative to the converged one. The error of "
             "the one-point element crosses zero between one and two elements through the depth, so that of one is accidentally small.")
     deck = DECKS / "v07_cantilever.toml"
+    rule = ROW_SUMS[0]
     targets = (0.1, 0.03, 0.01, 0.003)
 
     def __init__(self, quick):
@@ -91,6 +93,7 @@ class SpinningBlock(Scene):
     text = ("A free block spins with its corners at 0.1 c (V13). Error: largest minus least energy within 7 revolutions, over the energy. "
             "It falls with the square of the step, on finer meshes and with shorter steps alike.")
     deck = DECKS / "v13_spinning_block.toml"
+    rule = STEPS[-1]
     targets = (1e-3, 3e-4, 1e-4)
 
     def __init__(self, quick):

@@ -44,6 +44,7 @@ class Scene:
     name = ""
     text = ""  # description of the problem and its error
     deck = None
+    rule = DEFAULT  # the setting that README.md recommends
     sizes = {}  # {mesh: element length}
     targets = (0.1, 0.03, 0.01, 0.003, 0.001)  # errors at which settings are compared
 

@@ -42,7 +42,7 @@ def reference_text(scene):
              for name, value in reference.items()]
     return (f"Reference: three meshes at ratio 2, the finest {scene.reference_mesh}, with the same penalty and share of the stable step "
             "(penalty 0.75, 0.5 of the stable step; Richardson with the observed order):\n\n" + "".join(lines)
-            + "\nErrors below twice the uncertainty are drawn, but not used in the answers.\n")
+            + "\nErrors below twice the uncertainty are drawn; in the answers they count as twice the uncertainty, or not at all.\n")
 
 
 def broken_text(result):
@@ -82,6 +82,9 @@ def answers_text(study, results, general, audits):
              f"**What does the default lose against the front?** Compared with all settings it is "
              f"{answers.losses_text(answers.losses(results))}; compared with those with edges and the energy-neutral scheme "
              f"{answers.losses_text(answers.losses(results, answers.same_contact))}.\n\n"
+             f"With the recommended setting of each scene ({answers.rule_text(results)}; the default elsewhere) the first is "
+             f"{answers.losses_text(answers.losses(results, by_rule=True))}; the second "
+             f"{answers.losses_text(answers.losses(results, answers.same_contact, by_rule=True))}.\n\n"
              + table(answers.LOSS_HEADER, losses),
              "**What do nodal masses with the inertia of the bodies gain?** The default beside `element.mass = \"row_sum\"`.\n\n"
              + table(answers.MASS_HEADER, [row for result in results for row in answers.mass_rows(result)])

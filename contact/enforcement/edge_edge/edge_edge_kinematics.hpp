@@ -31,9 +31,9 @@ struct EdgeEdgeKinematics {
   // rotated by `least_sine`, nodes half an element away have let them in by half of that.
   static constexpr double shallow_depth = 0.06;
   // how far the pushing edge continues over the next one, in lengths of the edge
-  static constexpr double overhang = 0.5;
+  static constexpr double overhang = 1.0;
   // an active contact ends when the normal is this far outside a cone
-  static constexpr double max_outside = 0.5;
+  static constexpr double max_outside = 0.8;
   // relative to a node's, since edges act in addition to nodes
   static constexpr double stiffness_share = 0.5;
   // Relative to the shorter edge: a deeper pair did not come through these edges when it is found,
@@ -136,7 +136,7 @@ struct EdgeEdgeKinematics {
     if (continues && previous(contact.previous).is_retained && !crossing.isAcross(parallel_sine))
       return false;
     if (!crossing.isAcross(least_sine) ||
-        crossing.isFarBeyond(start() + 0.5)) // beyond the limits of isOn()
+        crossing.isFarBeyond(start() + overhang)) // beyond the limits of isOn()
       return false;
     const double s = crossing.s, t = crossing.t;
     const Vec3 across = cross(da, db);
@@ -226,7 +226,7 @@ struct EdgeEdgeKinematics {
   }
   // Whether the point at weight `s` is on the edge: exactly at an end where another edge continues,
   // otherwise with a tolerance. An active contact continues a little over the next edge, since
-  // loaded edges bend; the pushing edge continues over half of it, so that a short slide does not
+  // loaded edges bend; the pushing edge continues over all of it, so that a short slide does not
   // end the contact.
   KOKKOS_INLINE_FUNCTION bool isOn(int continued_ends, double s, double depth, double length,
                                    bool has_begun, double inner_tolerance) const {
