@@ -120,7 +120,8 @@ public:
   bool hasGrownTolerance() const { return _search_tolerance != _box_tolerance; }
   // Adapts the tolerance of the search to the deepest contact of the last step. Collective.
   void growSearchTolerance(const contact::EnforcementSums& sums);
-  void findCandidates(); // collective
+  // The surface stays where it is until enforce() if they `are_final`. Collective.
+  void findCandidates(bool are_final);
   // Counts pairs that the lists of candidates lack by testing all pairs. Collective.
   void auditCandidates();
 
