@@ -170,10 +170,11 @@ public:
     }
   }
 
-  void clear(const exec_space& space) {
+  void clear(const exec_space& space) { Kokkos::deep_copy(space, clearLater(), std::int64_t(0)); }
+  // The same if a kernel that is launched next zeroes the words returned; a host has none.
+  const View<std::int64_t*>& clearLater() {
     _sum = Value();
-    if constexpr (on_device)
-      Kokkos::deep_copy(space, _words, std::int64_t(0));
+    return _words;
   }
   // `teams_at_once`: teams of 128 threads that a multiprocessor runs at once, each of which has
   // 512/teams_at_once registers a thread; the number of multiprocessors is counted as if each had

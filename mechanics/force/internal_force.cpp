@@ -34,9 +34,8 @@ void zeroForces(const exec_space& space, const NodalForces& forces) {
   Kokkos::parallel_for(
       "mechanics::zeroForces", rangePolicy(space, forces.values.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t node) {
-        const int num_kinds = static_cast<int>(forces.values.extent(1)) / 3;
-        for (int kind = 0; kind < num_kinds; ++kind)
-          if (forces.acts[kind])
+        for (int kind = 0; kind < num_force_kinds; ++kind)
+          if (forces.hasKind(kind) && forces.acts[kind])
             for (int d = 0; d < 3; ++d)
               forces.values(node, 3 * kind + d) = 0;
       });

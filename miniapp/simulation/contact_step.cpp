@@ -98,14 +98,14 @@ void ContactStep::setSearchTolerance(double tolerance) {
     _edges->setTolerance(_search_tolerance);
 }
 
-void ContactStep::findCandidates(bool are_final) {
+void ContactStep::findCandidates(bool are_final, const std::function<void()>& meanwhile) {
   _has_forces_of_search = false;
   const Stopwatch time;
   if (are_final) // the host reads the motion after its waits for the search
     _enforcement->startMotion(_space, surface());
   if (_edges)
     _edges->gatherCoordinates(_space, surface());
-  _search.update(_space, surface());
+  _search.update(_space, surface(), {}, meanwhile);
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());

@@ -65,7 +65,10 @@ void Simulation::findContactCandidates() {
   const Region region("contact::search");
   if (balance().host_counts[deeper_than_boxes] > 0 || _contact->hasGrownTolerance())
     _contact->growSearchTolerance(_step.contact);
-  _contact->findCandidates(!_step.is_guarded);
+  std::function<void()> meanwhile;
+  if (!host_accessible && !_step.is_guarded) // the positions are final
+    meanwhile = [this] { computeInternalForces(); };
+  _contact->findCandidates(!_step.is_guarded, meanwhile);
 }
 
 // The velocities decide, before the drift, so that the state can be kept bit for bit.
@@ -136,7 +139,10 @@ void Simulation::adaptTimeStep() {
   _steps.shortenIfUnstable(_state.displacement);
 }
 
+// Does nothing if they are under way, launched during the search.
 void Simulation::computeInternalForces() {
+  if (_step.awaits_sums)
+    return;
   _step.has_all_forces = !_free_bricks.any();
   if (_free_bricks.any() && _other_nodes.numRuns() == 0)
     _forces.values = {}; // only output needs them
