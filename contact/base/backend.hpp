@@ -107,13 +107,13 @@ KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
 
 // Reducer for any value type with operator+= whose default value is the neutral element:
 // parallel_reduce(..., PlusReducer<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators;
-// this does not.
-template <class T>
+// this does not. A device writes a result in staging_space without a wait of the host.
+template <class T, class Space = Kokkos::HostSpace>
 class PlusReducer {
 public:
   using reducer = PlusReducer;
   using value_type = T;
-  using result_view_type = Kokkos::View<T, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;
+  using result_view_type = Kokkos::View<T, Space, Kokkos::MemoryUnmanaged>;
 
   KOKKOS_INLINE_FUNCTION explicit PlusReducer(T& result) : _result(&result) {}
   KOKKOS_INLINE_FUNCTION void join(T& to, const T& from) const { to += from; }
@@ -123,7 +123,10 @@ public:
   KOKKOS_INLINE_FUNCTION void init(T& value) const { value = T(); }
   KOKKOS_INLINE_FUNCTION T& reference() const { return *_result.data(); }
   KOKKOS_INLINE_FUNCTION result_view_type view() const { return _result; }
-  KOKKOS_INLINE_FUNCTION bool references_scalar() const { return true; }
+  // Kokkos waits for results of which this is true.
+  KOKKOS_INLINE_FUNCTION bool references_scalar() const {
+    return std::is_same<Space, Kokkos::HostSpace>::value;
+  }
 
 private:
   result_view_type _result;

@@ -36,16 +36,14 @@ struct SumByTeams {
   }
 };
 
-// The sum of what functor(i, Value&) adds for i of [begin, end). Value is as for PlusReducer, and
-// its sums do not depend on the order. Fences. `teams_at_once`: on a device, teams of 256 threads
-// that a multiprocessor runs at once, each of which has 256/teams_at_once registers a thread.
-template <class Value, int teams_at_once = 1, class Functor>
-Value sumOver(const std::string& label, const exec_space& space, std::int64_t begin,
-              std::int64_t end, const Functor& functor) {
-  Value sum;
+// Launches the sum of what functor(i, Value&) adds for i of [begin, end). Value is as for
+// PlusReducer, and its sums do not depend on the order. `teams_at_once`: on a device, teams of 256
+// threads that a multiprocessor runs at once, each of which has 256/teams_at_once registers a thread.
+template <class Value, int teams_at_once = 1, class Space, class Functor>
+void launchSum(const std::string& label, const exec_space& space, std::int64_t begin,
+               std::int64_t end, const Functor& functor, const PlusReducer<Value, Space>& sum) {
   if constexpr (host_accessible) {
-    Kokkos::parallel_reduce(label, range_policy(space, begin, end), functor,
-                            PlusReducer<Value>(sum));
+    Kokkos::parallel_reduce(label, range_policy(space, begin, end), functor, sum);
   } else {
     using Teams = SumByTeams<Value, Functor, teams_at_once>;
     const std::int64_t fitting = // by registers
@@ -54,11 +52,57 @@ Value sumOver(const std::string& label, const exec_space& space, std::int64_t be
     Kokkos::parallel_reduce(
         label,
         typename Teams::policy(space, static_cast<int>(minOf(fitting, needed)), Teams::team_size),
-        Teams{functor, begin, end}, PlusReducer<Value>(sum));
+        Teams{functor, begin, end}, sum);
   }
+}
+// The sum itself. Fences.
+template <class Value, int teams_at_once = 1, class Functor>
+Value sumOver(const std::string& label, const exec_space& space, std::int64_t begin,
+              std::int64_t end, const Functor& functor) {
+  Value sum;
+  launchSum<Value, teams_at_once>(label, space, begin, end, functor, PlusReducer<Value>(sum));
   space.fence();
   return sum;
 }
+
+// Sums of several kernels, each of which stores one, that the host reads when it waits next.
+template <class Value>
+class LaunchedSums {
+public:
+  using Reducer = PlusReducer<Value, staging_space>;
+  static constexpr int max_launched = 64;
+
+  // The place of the sum of the next kernel.
+  Reducer next(const exec_space& space) {
+    if (_stored.extent(0) == 0)
+      _stored = Kokkos::View<Value*, staging_space>(
+          Kokkos::view_alloc(Kokkos::WithoutInitializing, "base::LaunchedSums"), max_launched);
+    if (_num_launched == max_launched)
+      take(space);
+    Value& place = *new (&_stored(_num_launched++)) Value();
+    return Reducer(place);
+  }
+  // The sum of all. Waits for the device if any was launched since the last call.
+  Value read(const exec_space& space) {
+    take(space);
+    const Value sum = _sum;
+    _sum = Value();
+    return sum;
+  }
+
+private:
+  void take(const exec_space& space) {
+    if (_num_launched > 0)
+      space.fence();
+    for (int k = 0; k < _num_launched; ++k)
+      _sum += _stored(k);
+    _num_launched = 0;
+  }
+
+  Value _sum; // of kernels that the host has waited for
+  Kokkos::View<Value*, staging_space> _stored;
+  int _num_launched = 0;
+};
 
 // Adds what functor(i, Value&) adds for i of [begin, end) to `total`, word by word, in teams whose
 // threads keep their sums in scratch memory: registers do not hold them. The words of `Value` are
@@ -126,10 +170,11 @@ public:
     }
   }
 
-  void clear(const exec_space& space) {
+  void clear(const exec_space& space) { Kokkos::deep_copy(space, clearLater(), std::int64_t(0)); }
+  // The same if a kernel that is launched next zeroes the words returned; a host has none.
+  const View<std::int64_t*>& clearLater() {
     _sum = Value();
-    if constexpr (on_device)
-      Kokkos::deep_copy(space, _words, std::int64_t(0));
+    return _words;
   }
   // `teams_at_once`: teams of 128 threads that a multiprocessor runs at once, each of which has
   // 512/teams_at_once registers a thread; the number of multiprocessors is counted as if each had

@@ -1,8 +1,9 @@
-// Copies of host arrays as device Views and back, for set-up.
+// Copies of host arrays as device Views and back.
 #pragma once
 
 #include "contact/base/backend.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,42 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
 template <class T>
 View<T*> toDevice(const exec_space& space, const std::string& label, const std::vector<T>& values) {
   return toDevice<View<T*>>(space, label, values);
+}
+
+// Stores values that travel as arguments of the kernel.
+template <class T>
+struct StoreArguments {
+  static constexpr std::size_t capacity = 2048 / sizeof(T) > 0 ? 2048 / sizeof(T) : 1;
+
+  T values[capacity];
+  View<T*> to;
+  std::int64_t first;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const { to(first + i) = values[i]; }
+};
+
+// Copies a host vector to the first entries of a device View, which is grown where needed. A device
+// gets few values without a wait of the host.
+template <class T>
+void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>& to) {
+  growTo(space, to, static_cast<std::int64_t>(from.size()));
+  if (from.empty())
+    return;
+  using Store = StoreArguments<T>;
+  if (!host_accessible && from.size() <= 4 * Store::capacity) {
+    for (std::size_t first = 0; first < from.size(); first += Store::capacity) {
+      const std::size_t count = std::min(Store::capacity, from.size() - first);
+      Store store{{}, to, static_cast<std::int64_t>(first)};
+      std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(first), count, store.values);
+      Kokkos::parallel_for("base::copyToDevice",
+                           rangePolicy(space, static_cast<std::int64_t>(count)), store);
+    }
+    return;
+  }
+  Kokkos::deep_copy(
+      space, Kokkos::subview(to, std::make_pair(std::size_t(0), from.size())),
+      Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(from.data(), from.size()));
+  space.fence();
 }
 
 // A View that the host can read; `view` itself where it is host-accessible. Fences.

@@ -22,14 +22,18 @@ void accelerate(const exec_space& space, const NodeList& list,
       "contact::accelerate", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = list(i);
         const double per_quantum = quantum.value / node_mass(node);
+        double acceleration[3];
         bool is_same = true;
         for (int d = 0; d < 3; ++d) {
-          const double acceleration =
+          acceleration[d] =
               by_others(node, d) + static_cast<double>(contact_totals(node, d)) * per_quantum;
-          is_same &= sameBits(acceleration, accelerations(node, d));
-          accelerations(node, d) = acceleration;
+          is_same &= sameBits(acceleration[d], accelerations(node, d));
         }
         has_changed(node) = !is_same;
+        if (is_same)
+          return;
+        for (int d = 0; d < 3; ++d)
+          accelerations(node, d) = acceleration[d];
       });
 }
 
@@ -42,8 +46,10 @@ void respond(const exec_space& space, const NodeList& list, const View<std::int6
         const int node = list(i);
         const double per_quantum = quantum.value / node_mass(node);
         for (int d = 0; d < 3; ++d) {
-          responses(node, d) = static_cast<double>(totals(node, d)) * per_quantum;
-          totals(node, d) = 0;
+          const std::int64_t total = totals(node, d);
+          responses(node, d) = static_cast<double>(total) * per_quantum;
+          if (total != 0)
+            totals(node, d) = 0;
         }
       });
 }

@@ -46,6 +46,13 @@ public:
               const View<const double*>& node_mass, const EnforcementConfig& config,
               const Quantum& quantum, const LimbScale& energy_scale);
 
+  // Launches what enforce() will read first of this surface, which stays so until then. May be left
+  // out: the host then waits once more.
+  void startMotion(const exec_space& space, const Surface& surface) {
+    if (_config.skip_stationary)
+      _motion.start(space, surface);
+  }
+
   // Computes the contact forces at coordinates_new. The motion of the step is coordinates_new -
   // coordinates_old, over the time `steps.dt`. Between calls only the coordinates of `surface` may
   // change. Overlaps that exist at the first call become offsets and give no force; then joints of

@@ -87,10 +87,11 @@ void CandidateSearch::applyTolerances() {
 }
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface,
-                                              std::optional<double> motion) {
+                                              std::optional<double> motion,
+                                              const std::function<void()>& meanwhile) {
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
   if (!_has_pairs)
-    _local.findCandidatePairs(space, surface);
+    _local.findCandidatePairs(space, surface, meanwhile);
   _has_pairs = true;
   return _local.pairs();
 }

@@ -8,6 +8,7 @@
 #include "contact/search/local_search.hpp"
 
 #include <cmath>
+#include <functional>
 #include <optional>
 
 namespace brickwall::contact {
@@ -52,8 +53,11 @@ public:
   // `motion`, from a host that reads the coordinates in any case, is the greatest
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
   // any number if there are no such boxes. It is measured if not given.
+  // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
+  // would wait for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
-                               std::optional<double> motion = {});
+                               std::optional<double> motion = {},
+                               const std::function<void()>& meanwhile = {});
   // [node][low xyz, high xyz] of the last search while its lists may be kept, otherwise empty.
   View<const double* [6]> sweptBoxes() const {
     return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();

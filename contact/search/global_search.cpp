@@ -28,10 +28,15 @@ GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
 // one reduction of a call in which nothing is new.
 void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& surface) {
   OwnRankBoxes own;
-  const bool is_same = _check.isSame(space, surface, true);
-  const bool is_known = _has_agreed && is_same;
-  if (is_known)
+  bool is_same = _check.isSame(space, surface);
+  if (is_same)
+    _check.startLook(space, surface);
+  const bool has_boxes = _has_agreed && is_same;
+  if (has_boxes)
     own = _phases->constructBoxes(space, surface, _config);
+  if (is_same) // the host has waited for the boxes
+    is_same = _check.looksSame(space);
+  const bool is_known = has_boxes && is_same;
   int holds[2] = {is_known,
                   is_known && _phases->keepsRankBoxes() && _rank_boxes.hold(surface, own)};
   if (sizeOf(_comm) > 1)

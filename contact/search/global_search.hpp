@@ -85,7 +85,7 @@ public:
   // Not collective. Whether `surface` has the counts of the last findGhosts(), Views that are long
   // enough and, where these are other Views, the same content.
   bool isSame(const exec_space& space, const SweptBoxes& surface) {
-    return _check.isSame(space, surface, false);
+    return _check.isSame(space, surface);
   }
 
 private:

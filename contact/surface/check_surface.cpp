@@ -247,20 +247,6 @@ void throwTogether(MPI_Comm comm, const std::string& function, const Check& chec
   });
 }
 
-// The hash of one sample.
-std::uint64_t hashOf(const exec_space& space, const SweptBoxes& s, int number) {
-  const Samples samples(s);
-  std::uint64_t hash = 0;
-  Kokkos::parallel_reduce(
-      "contact::SurfaceCheck::hash", rangePolicy(space, samples.count()),
-      KOKKOS_LAMBDA(const std::int64_t i, std::uint64_t& sum) {
-        sum += hashOfRow(s, samples.rowOf(i, number));
-      },
-      hash);
-  space.fence();
-  return hash;
-}
-
 } // namespace
 
 void checkSurface(const exec_space& space, MPI_Comm comm, const std::string& function,
@@ -299,21 +285,33 @@ void checkSearchConfig(MPI_Comm comm, const std::string& function, const SearchC
                        "; expected a finite length, 0 or more");
 }
 
-bool SurfaceCheck::isSame(const exec_space& space, const SweptBoxes& surface, bool also_in_place) {
+bool SurfaceCheck::isSame(const exec_space& space, const SweptBoxes& surface) {
   if (!_is_checked || !hasSameCounts(surface) || !problemOfSizes(surface).empty())
     return false;
-  if (hasSameViews(surface)) {
-    if (!also_in_place)
-      return true;
-    const int sample = _next_sample;
-    _next_sample = (sample + 1) % num_samples;
-    return hashOf(space, surface, sample) == _hash[sample];
-  }
+  if (hasSameViews(surface))
+    return true;
   const Content found = inspect(space, surface);
   if (!std::equal(_hash, _hash + num_samples, found.hash))
     return false;
   remember(surface);
   return true;
+}
+
+void SurfaceCheck::startLook(const exec_space& space, const SweptBoxes& surface) {
+  _sample = (_sample + 1) % num_samples;
+  const Samples samples(surface);
+  const int sample = _sample;
+  Kokkos::parallel_reduce(
+      "contact::SurfaceCheck::look", rangePolicy(space, samples.count()),
+      KOKKOS_LAMBDA(const std::int64_t i, std::uint64_t& sum) {
+        sum += hashOfRow(surface, samples.rowOf(i, sample));
+      },
+      Kokkos::Sum<std::uint64_t, staging_space>(_looked));
+}
+
+bool SurfaceCheck::looksSame(const exec_space& space) const {
+  space.fence();
+  return _looked() == _hash[_sample];
 }
 
 void SurfaceCheck::update(const exec_space& space, MPI_Comm comm, const std::string& function,

@@ -28,9 +28,12 @@ void checkSearchConfig(MPI_Comm comm, const std::string& function, const SearchC
 class SurfaceCheck {
 public:
   // Not collective. Whether `surface` has the counts of the one that was checked, Views that are
-  // long enough and, where these are other Views, the same content. `also_in_place` looks at a
-  // sixteenth of the rows of unchanged Views besides, at another one in each call.
-  bool isSame(const exec_space& space, const SweptBoxes& surface, bool also_in_place);
+  // long enough and, where these are other Views, the same content.
+  bool isSame(const exec_space& space, const SweptBoxes& surface);
+  // Launches a look at a sixteenth of the rows, at another one in each call, after isSame().
+  void startLook(const exec_space& space, const SweptBoxes& surface);
+  // Whether these were the same. Waits for the device.
+  bool looksSame(const exec_space& space) const;
 
   // Collective, needed where isSame() is false on any rank; `is_same` is that of this rank. Throws
   // InputError on all ranks as checkSurface() does, and if the surface has changed without
@@ -50,7 +53,8 @@ private:
   bool _is_checked = false;
   SweptBoxes _surface; // keeps managed Views alive, so that their addresses tell surfaces apart
   std::uint64_t _hash[num_samples] = {};
-  int _next_sample = 0;
+  int _sample = 0; // of the last look
+  Kokkos::View<std::uint64_t, staging_space> _looked{"contact::SurfaceCheck::looked"};
 };
 
 } // namespace brickwall::contact

@@ -34,9 +34,8 @@ void zeroForces(const exec_space& space, const NodalForces& forces) {
   Kokkos::parallel_for(
       "mechanics::zeroForces", rangePolicy(space, forces.values.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t node) {
-        const int num_kinds = static_cast<int>(forces.values.extent(1)) / 3;
-        for (int kind = 0; kind < num_kinds; ++kind)
-          if (forces.acts[kind])
+        for (int kind = 0; kind < num_force_kinds; ++kind)
+          if (forces.hasKind(kind) && forces.acts[kind])
             for (int d = 0; d < 3; ++d)
               forces.values(node, 3 * kind + d) = 0;
       });
@@ -120,10 +119,16 @@ InternalForceResult InternalForce::add(const exec_space& space,
                                        const View<const double* [3]>& velocity,
                                        const BulkViscosity& viscosity, const NodalForces& forces,
                                        bool with_energy) {
+  launch(space, displacement, velocity, viscosity, forces, with_energy);
+  return result(space);
+}
+
+void InternalForce::launch(const exec_space& space, const View<const double* [3]>& displacement,
+                           const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
+                           const NodalForces& forces, bool with_energy) {
   if (viscosity.any() && static_cast<int>(forces.values.extent(1)) != numForceColumns(true))
     throw Error(ExitCode::internal, "InternalForce::add: viscosity without columns for its force");
-  InternalForceResult result;
-  result.has_energy = with_energy;
+  _with_energy = with_energy;
   const bool skips_lattices = !viscosity.any() && !hostLattices().empty();
   ForceArguments arguments{_tables,     displacement,     velocity,      forces.values,
                            viscosity,   _quantum.inverse, _energy_scale, 0,
@@ -132,17 +137,23 @@ InternalForceResult InternalForce::add(const exec_space& space,
     if (skips_lattices && _all_in_lattices)
       break;
     arguments.first_chunk = group.first;
-    const ForceSums sums = addPackForces(space, _kind, group, arguments);
-    result.energy += sums.energy;
-    result.failure += sums.failure;
-    result.compression_rate = maxOf(result.compression_rate, sums.compression_rate);
+    addPackForces(space, _kind, group, arguments, _sums);
   }
-  if (skips_lattices) {
-    const ForceSums sums = _tiles.any() ? addTileForces(space, _tiles, arguments)
-                                        : addLatticeForces(space, _lattices, _slabs, arguments);
-    result.energy += sums.energy;
-    result.failure += sums.failure;
-  }
+  if (skips_lattices && _tiles.any())
+    addTileForces(space, _tiles, arguments, _sums);
+  else if (skips_lattices)
+    _lattice_sums = addLatticeForces(space, _lattices, _slabs, arguments);
+}
+
+InternalForceResult InternalForce::result(const exec_space& space) {
+  ForceSums sums = _sums.read(space);
+  sums += _lattice_sums;
+  _lattice_sums = ForceSums();
+  InternalForceResult result;
+  result.has_energy = _with_energy;
+  result.energy = sums.energy;
+  result.failure = sums.failure;
+  result.compression_rate = sums.compression_rate;
   result.energy.carry();
   return result;
 }

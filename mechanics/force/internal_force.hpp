@@ -7,7 +7,7 @@
 
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/force/lattice/lattice_tiles.hpp"
-#include "mechanics/force/packs/element_tables.hpp"
+#include "mechanics/force/packs/pack_forces.hpp"
 #include "mechanics/mesh/brick_lattice.hpp"
 #include "mechanics/mesh/element_failure.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
@@ -67,6 +67,13 @@ public:
                           const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
                           const NodalForces& forces, bool with_energy);
 
+  // The same in two parts: the second waits for the device, if the host has not waited since, and
+  // gives the result.
+  void launch(const exec_space& space, const View<const double* [3]>& displacement,
+              const View<const double* [3]>& velocity, const BulkViscosity& viscosity,
+              const NodalForces& forces, bool with_energy);
+  InternalForceResult result(const exec_space& space);
+
   // add() omits the elements of bodies [row of HexMesh::bodies] whose flag is set at the time of
   // the call: the bodies at rest (resting_bodies.hpp).
   void skipRestingBodies(const View<const int*>& is_resting) { _is_resting = is_resting; }
@@ -111,6 +118,9 @@ private:
   Quantum _quantum;
   LimbScale _energy_scale;
   std::int64_t _num_congruent_elems = 0;
+  LaunchedSums<ForceSums> _sums; // of launch(), until result()
+  ForceSums _lattice_sums; // likewise
+  bool _with_energy = false; // likewise
 };
 
 } // namespace brickwall::mechanics

@@ -8,6 +8,8 @@
 #include "mechanics/loads/pulse_shape.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
+#include <utility>
+
 namespace brickwall::mechanics {
 
 // Velocity of some components of a set of nodes; by default all three are fixed.
@@ -38,6 +40,22 @@ public:
     Vec3 gravity; // length/time^2
     double mass_damping = 0; // 1/time
     bool any = false; // whether any component is prescribed
+
+    // velocity[index] by constant indices, see NodalForces::acts.
+    KOKKOS_INLINE_FUNCTION Vec3 velocityOf(int index) const {
+      return select(index, std::make_integer_sequence<int, max_motions + 1>());
+    }
+
+  private:
+    template <int... number>
+    KOKKOS_INLINE_FUNCTION Vec3 select(int index, std::integer_sequence<int, number...>) const {
+      Vec3 selected;
+      ((selected = number == index
+                       ? Vec3{velocity[number][0], velocity[number][1], velocity[number][2]}
+                       : selected),
+       ...);
+      return selected;
+    }
   };
   DuringStep during(const TimeSpan& drift) const;
 

@@ -158,13 +158,13 @@ void PressureLoad::listNodes(const exec_space& space, const std::vector<int>& fa
   _corners = toDevice(space, "mechanics::PressureLoad::corners", corners);
 }
 
-std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
-                               const View<const double* [3]>& displacement, const TimeSpan& span,
-                               const NodalForces& forces) const {
+void PressureLoad::launch(const exec_space& space, const HexMesh& mesh,
+                          const View<const double* [3]>& displacement, const TimeSpan& span,
+                          const NodalForces& forces) const {
   const MeanPressure mean(_pressure, span);
-  if (span.begin > _end || mean.isZero())
-    return 0;
-  std::int64_t misfits = 0;
+  _has_launched = !(span.begin > _end || mean.isZero());
+  if (!_has_launched)
+    return;
   const ComputeFaceLoads functor{mean,
                                  _pressure.follower,
                                  _pressure.gaussian,
@@ -176,7 +176,7 @@ std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
                                  _face_loads,
                                  forces.quantum.inverse};
   Kokkos::parallel_reduce("mechanics::PressureLoad::add::faces", rangePolicy(space, numPacks()),
-                          functor, Kokkos::Sum<std::int64_t>(misfits));
+                          functor, Kokkos::Sum<std::int64_t, staging_space>(_misfits));
   const auto nodes = _nodes, first_corner = _first_corner, corners = _corners;
   const auto loads = _face_loads;
   const auto values = forces.values;
@@ -194,8 +194,13 @@ std::int64_t PressureLoad::add(const exec_space& space, const HexMesh& mesh,
         for (int i = 0; i < 3; ++i)
           values(nodes(n), 3 * external_force + i) += sum[i];
       });
+}
+
+std::int64_t PressureLoad::misfits(const exec_space& space) const {
+  if (!_has_launched)
+    return 0;
   space.fence();
-  return misfits;
+  return _misfits();
 }
 
 } // namespace brickwall::mechanics

@@ -123,7 +123,15 @@ public:
   // collective.
   std::int64_t add(const exec_space& space, const HexMesh& mesh,
                    const View<const double* [3]>& displacement, const TimeSpan& span,
-                   const NodalForces& forces) const;
+                   const NodalForces& forces) const {
+    launch(space, mesh, displacement, span, forces);
+    return misfits(space);
+  }
+  // The same in two parts: the second waits for the device, if the host has not waited since.
+  void launch(const exec_space& space, const HexMesh& mesh,
+              const View<const double* [3]>& displacement, const TimeSpan& span,
+              const NodalForces& forces) const;
+  std::int64_t misfits(const exec_space& space) const;
   // False if the mean over a span is zero everywhere; the same on all ranks.
   bool acts(const TimeSpan& span) const { return !MeanPressure(_pressure, span).isZero(); }
 
@@ -149,6 +157,8 @@ private:
   View<int* [4]> _face_to_nodes;
   FaceColumns<double, 4> _attenuation, _delay; // [face][QuadPoint]; if gaussian
   FaceColumns<std::int64_t, 12> _face_loads; // [face][3 * corner + xyz], quanta
+  Kokkos::View<std::int64_t, staging_space> _misfits{"mechanics::PressureLoad::misfits"};
+  mutable bool _has_launched = false;
   View<int*> _nodes; // with loads
   View<int*> _first_corner, _corners; // 4 * face + corner, by node of _nodes
 };

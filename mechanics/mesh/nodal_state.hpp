@@ -34,7 +34,13 @@ using ForceColumns = Kokkos::View<std::int64_t**, Kokkos::LayoutLeft, memory_spa
 struct NodalForces {
   ForceColumns values; // numForceColumns() columns
   Quantum quantum; // force of one unit
-  KindFlags acts = {{true, true, true, true}}; // false: the columns of this kind are zero
+  // false: the columns of this kind are zero. A kernel with an index that is not known when it is
+  // compiled copies its arguments in each thread.
+  KindFlags acts = {{true, true, true, true}};
+
+  KOKKOS_INLINE_FUNCTION bool hasKind(int kind) const {
+    return 3 * kind < static_cast<int>(values.extent(1));
+  }
 };
 
 } // namespace brickwall::mechanics

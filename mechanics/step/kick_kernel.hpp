@@ -147,7 +147,7 @@ struct KickNode {
         const int motion = boundary.motion(node, i);
         if (motion == 0)
           continue;
-        v[i] = boundary.velocity[motion][i];
+        v[i] = boundary.velocityOf(motion)[i];
         reaction[i] =
             kick.mass * (v[i] - old[i]) - dt * (total[i] + kick.mass * boundary.gravity[i]);
         if (boundary.mass_damping > 0)
@@ -236,8 +236,11 @@ struct KickNode {
                                             const Vec3& reaction, KickSums& sums) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]}, v = {kick.v[0], kick.v[1], kick.v[2]};
     const Vec3 x = {kick.x[0], kick.x[1], kick.x[2]}, mean = 0.5 * (old + v);
-    for (int kind = contact_force; 3 * kind < static_cast<int>(forces.extent(1)); ++kind)
-      if (acts[kind])
+    unsigned flags = 0; // see NodalForces::acts
+    for (int kind = contact_force; kind < kinds; ++kind)
+      flags |= static_cast<unsigned>(acts[kind]) << kind;
+    for (int kind = contact_force; flags >> kind != 0; ++kind)
+      if ((flags >> kind & 1u) != 0)
         addTermsOf(kind, node, kick, sums);
     if (!isZero(reaction))
       addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,

@@ -13,7 +13,7 @@ void undoKickAndDrift(const exec_space& space, const HexMesh& mesh,
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d) {
           v(node, d) = motion.isPrescribed(node, d)
-                           ? in_drift.velocity[in_drift.motion(node, d)][d]
+                           ? in_drift.velocityOf(in_drift.motion(node, d))[d]
                            : motion.velocityBefore(node, d, v(node, d), dt_kick);
           u(node, d) -= dt_drift * v(node, d);
         }

@@ -28,8 +28,8 @@ struct NodalMotion {
     if (isPrescribed(node, d))
       return 0;
     std::int64_t force = 0;
-    for (int kind = 0; 3 * kind < static_cast<int>(values.extent(1)); ++kind)
-      if (acts[kind])
+    for (int kind = 0; kind < num_force_kinds; ++kind) // a constant: see NodalForces::acts
+      if (3 * kind < static_cast<int>(values.extent(1)) && acts[kind])
         force += values(node, 3 * kind + d);
     return static_cast<double>(force) * quantum / mass(node) + gravity[d];
   }

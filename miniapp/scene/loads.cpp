@@ -108,7 +108,7 @@ void setInitialVelocities(const exec_space& space, const Config& config, const S
       KOKKOS_LAMBDA(const std::int64_t node) {
         for (int d = 0; d < 3; ++d)
           if (at_start.motion(node, d))
-            velocity(node, d) = at_start.velocity[at_start.motion(node, d)][d];
+            velocity(node, d) = at_start.velocityOf(at_start.motion(node, d))[d];
       });
 }
 

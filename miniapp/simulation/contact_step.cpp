@@ -40,7 +40,7 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
     : _comm(comm), _config(config), _scene(scene), _space(space), _dt(dt),
       _force_quantum(force_quantum), _energy_scale(energy_scale),
       _box_tolerance(boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge)),
-      _search_tolerance(_box_tolerance), _coupling(space, scene, boundary),
+      _search_tolerance(_box_tolerance), _coupling(space, comm, scene, boundary),
       _search(comm, searchConfig(config, _box_tolerance, dropsSameBody(config)),
               config.search.margin * scene.shortest_edge),
       _guard(config, 2 * _box_tolerance, dt), _balance(comm, 0) {
@@ -98,12 +98,14 @@ void ContactStep::setSearchTolerance(double tolerance) {
     _edges->setTolerance(_search_tolerance);
 }
 
-void ContactStep::findCandidates() {
+void ContactStep::findCandidates(bool are_final, const std::function<void()>& meanwhile) {
   _has_forces_of_search = false;
   const Stopwatch time;
+  if (are_final) // the host reads the motion after its waits for the search
+    _enforcement->startMotion(_space, surface());
   if (_edges)
     _edges->gatherCoordinates(_space, surface());
-  _search.update(_space, surface());
+  _search.update(_space, surface(), {}, meanwhile);
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());
@@ -142,11 +144,13 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   const Stopwatch time;
   const contact::Surface surface = _coupling.surface();
   const auto sum_forces = [&](const contact::ContactForces& contact_forces) {
-    _coupling.sumContactForces(_space, contact_forces, _search, shared);
+    shared.finish(_space); // its messages have the same tag
+    _coupling.sumContactForces(_space, contact_forces, _search);
   };
   contact::NeutralInput neutral;
   if (_config.contact.scheme == contact::Scheme::energy_neutral) {
     neutral.accelerations = [&](const contact::NodeList& nodes) {
+      shared.finish(_space);
       return _coupling.accelerations(_space, nodes, forces, state, 0.5 * (steps.dt + steps.next_dt),
                                      boundary);
     };

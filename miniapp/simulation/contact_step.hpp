@@ -16,6 +16,7 @@
 #include <mpi.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -120,7 +121,9 @@ public:
   bool hasGrownTolerance() const { return _search_tolerance != _box_tolerance; }
   // Adapts the tolerance of the search to the deepest contact of the last step. Collective.
   void growSearchTolerance(const contact::EnforcementSums& sums);
-  void findCandidates(); // collective
+  // The surface stays where it is until enforce() if they `are_final`. `meanwhile`: see
+  // CandidateSearch::update(). Collective.
+  void findCandidates(bool are_final, const std::function<void()>& meanwhile);
   // Counts pairs that the lists of candidates lack by testing all pairs. Collective.
   void auditCandidates();
 

@@ -65,7 +65,10 @@ void Simulation::findContactCandidates() {
   const Region region("contact::search");
   if (balance().host_counts[deeper_than_boxes] > 0 || _contact->hasGrownTolerance())
     _contact->growSearchTolerance(_step.contact);
-  _contact->findCandidates();
+  std::function<void()> meanwhile;
+  if (!host_accessible && !_step.is_guarded) // the positions are final
+    meanwhile = [this] { computeInternalForces(); };
+  _contact->findCandidates(!_step.is_guarded, meanwhile);
 }
 
 // The velocities decide, before the drift, so that the state can be kept bit for bit.
@@ -136,7 +139,10 @@ void Simulation::adaptTimeStep() {
   _steps.shortenIfUnstable(_state.displacement);
 }
 
+// Does nothing if they are under way, launched during the search.
 void Simulation::computeInternalForces() {
+  if (_step.awaits_sums)
+    return;
   _step.has_all_forces = !_free_bricks.any();
   if (_free_bricks.any() && _other_nodes.numRuns() == 0)
     _forces.values = {}; // only output needs them
@@ -145,14 +151,24 @@ void Simulation::computeInternalForces() {
   _forces.acts[mechanics::contact_force] = false;
   const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
-  _step.internal = _internal_force->add(_space, _state.displacement, _state.velocity,
-                                        _config.viscosity, _forces, true);
+  _internal_force->launch(_space, _state.displacement, _state.velocity, _config.viscosity, _forces,
+                          true);
+  _step.awaits_sums = true;
+}
+
+// What kernels of this step have summed for the host, which has waited for later ones.
+void Simulation::takeSums() {
+  if (!_step.awaits_sums)
+    return;
+  _step.awaits_sums = false;
+  _step.internal = _internal_force->result(_space);
 }
 
 // Quadratic viscosity damps more, and needs a shorter step, the faster elements are compressed.
 void Simulation::limitStepForCompression() {
   if (!(_config.viscosity.quadratic > 0) || _steps.isAtEnd())
     return;
+  takeSums();
   const double rate = allReduce(_comm, _step.internal.compression_rate, MPI_MAX);
   if (!_steps.allowForCompression(rate))
     return;
@@ -169,18 +185,20 @@ void Simulation::addLoads(mechanics::TimeSpan span) {
   const Region region("miniapp::addLoads");
   _step.previous_load_span = _step.load_span;
   _step.load_span = span;
-  _step.load_failures = 0;
   bool& acts = _forces.acts[mechanics::external_force];
   acts = false;
   for (const auto& load : _loads) {
     acts = acts || load.acts(span);
-    _step.load_failures += load.add(_space, _scene.mesh, _state.displacement, span, _forces);
+    load.launch(_space, _scene.mesh, _state.displacement, span, _forces);
   }
 }
 
+// Contacts are selected while the sums travel.
 void Simulation::sumSharedNodes() {
   const Region region("miniapp::sumSharedNodes");
-  _shared.sum(_space, _forces.values);
+  _shared.start(_space, _forces);
+  if (_observer || !_contact)
+    _shared.finish(_space);
 }
 
 void Simulation::enforceContact() {
@@ -208,11 +226,13 @@ void Simulation::kickVelocities(double dt_kick) {
   const mechanics::TimeSpan next_drift{clock().time, clock().time + clock().dt};
   {
     const Region region("miniapp::kickVelocities");
+    _shared.finish(_space);
     _resting.wake(_space, _forces);
     const TunnellingGuard guard = _contact ? _contact->guard() : TunnellingGuard();
     _step.kick =
         mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
                         _scales, guard.speedTest(_ledger.meanVelocity()), movingNodes());
+    takeSums();
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, next_drift);
@@ -243,7 +263,9 @@ void Simulation::bookEnergies() {
   _skipped_element_steps += _step.resting_elems;
   mechanics::StepCounts counts;
   mechanics::ContactEnergySums contact_energies;
-  counts.failures = _step.load_failures + _step.contact.failures();
+  counts.failures = _step.contact.failures();
+  for (const auto& load : _loads)
+    counts.failures += load.misfits(_space);
   if (_contact) {
     _contact->countDeepContacts(_step.contact, counts);
     contact_energies = _contact->energies(_step.contact);
@@ -273,6 +295,8 @@ void Simulation::stepBack() {
   computeInternalForces();
   addLoads(_step.previous_load_span);
   sumSharedNodes();
+  _shared.finish(_space);
+  takeSums();
   forces();
   if (_contact)
     _contact->restoreForces(_forces);

@@ -27,9 +27,9 @@ struct StepState {
   bool free_bricks_have_drifted = true; // otherwise they drift in kickVelocities()
   bool has_all_forces = true; // false: those of free bricks were not stored
   std::int64_t resting_elems = 0;
+  bool awaits_sums = false; // `internal` is under way
   mechanics::InternalForceResult internal;
   mechanics::TimeSpan load_span, previous_load_span; // spans of the last two kicks
-  std::int64_t load_failures = 0;
   contact::EnforcementSums contact;
   mechanics::KickSums kick;
 };
@@ -130,6 +130,7 @@ private:
   void limitStepForCompression();
   void addLoads(mechanics::TimeSpan span);
   void sumSharedNodes();
+  void takeSums();
   void enforceContact();
   void setContactPower();
   void kickVelocities(double dt_kick);

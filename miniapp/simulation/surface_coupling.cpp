@@ -40,6 +40,28 @@ View<double*> contactMass(const exec_space& space, const Scene& scene,
   return contact_mass;
 }
 
+// The shared nodes of the mesh that are on the surface, where they are so on all ranks that share
+// them, by their numbers in the surface.
+mechanics::SharedNodeLists sharedOnSurface(const Scene& scene) {
+  std::vector<int> surface_of(scene.part.node_ids.size(), -1);
+  const auto surface_to_node = toHost(scene.skin.surface_to_node);
+  for (int i = 0; i < scene.skin.num_nodes; ++i)
+    surface_of[surface_to_node(i)] = i;
+  mechanics::SharedNodeLists shared;
+  const mechanics::SharedNodeLists of_mesh = sharedNodes(scene.part);
+  for (std::size_t p = 0; p < of_mesh.ranks.size(); ++p) {
+    std::vector<int> nodes;
+    for (const int node : of_mesh.nodes[p])
+      if (surface_of[node] >= 0)
+        nodes.push_back(surface_of[node]);
+    if (nodes.empty())
+      continue;
+    shared.ranks.push_back(of_mesh.ranks[p]);
+    shared.nodes.push_back(std::move(nodes));
+  }
+  return shared;
+}
+
 // Ids, ownership and bodies of surface nodes.
 void fillNodes(const exec_space& space, const Scene& scene, contact::Surface& surface) {
   std::vector<global_id> bodies(scene.part.node_ids.size());
@@ -130,7 +152,7 @@ View<std::int64_t**> ranksOfOwners(const exec_space& space, MPI_Comm comm,
 
 } // namespace
 
-SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
+SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const Scene& scene,
                                  const mechanics::BoundaryConditions& boundary)
     : _surface_to_node(scene.skin.surface_to_node), _reference(scene.mesh.reference_coordinates),
       _old(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::x_old",
@@ -140,10 +162,9 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, const Scene& scene,
       _node_mass(contactMass(space, scene, boundary)),
       _attributes(contact::allocateAttributes<contact::FaceAttributes>(
           space, "miniapp::SurfaceCoupling::face_attributes", scene.skin.num_faces)),
-      _contact_forces(allocate<View<std::int64_t**>>(
-          space, "miniapp::SurfaceCoupling::contact_forces", scene.mesh.num_nodes, 3)),
       _accelerations(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::accelerations",
-                                                 scene.skin.num_nodes)) {
+                                                 scene.skin.num_nodes)),
+      _shared_nodes(space, comm, sharedOnSurface(scene)) {
   fillNodes(space, scene, _primary);
   fillFaces(space, scene, _node_mass, _attributes, _primary);
 }
@@ -298,17 +319,14 @@ void SurfaceCoupling::takeFromMesh(const exec_space& space,
 
 void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        const contact::ContactForces& forces,
-                                       contact::CandidateSearch& search,
-                                       mechanics::SharedNodeSum& shared) {
+                                       contact::CandidateSearch& search) {
   const auto statistics = search.statistics();
   if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
     search.reverseSum(space, surface().face_to_nodes, forces.ghost_corners, forces.nodes);
-  if (_secondary) {
+  if (_secondary)
     _secondary->surface.sumShared(space, forces.nodes);
-  } else if (!shared.partners().empty()) {
-    sumOnMesh(space, forces.nodes, shared, _contact_forces);
-    takeFromMesh(space, _contact_forces, forces.nodes);
-  }
+  else
+    _shared_nodes.sum(space, forces.nodes);
 }
 
 void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& changed,

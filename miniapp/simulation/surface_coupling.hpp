@@ -19,7 +19,7 @@ namespace brickwall::miniapp {
 class SurfaceCoupling {
 public:
   // Nodes whose three components are all prescribed have infinite mass in contact.
-  SurfaceCoupling(const exec_space& space, const Scene& scene,
+  SurfaceCoupling(const exec_space& space, MPI_Comm comm, const Scene& scene,
                   const mechanics::BoundaryConditions& boundary);
 
   // From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of its element.
@@ -59,7 +59,7 @@ public:
   // Turns this rank's partial contact forces into totals, which are equal on all ranks that share a
   // node: forces on ghosts are summed at their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
-                        contact::CandidateSearch& search, mechanics::SharedNodeSum& shared);
+                        contact::CandidateSearch& search);
   // Stores the totals of sumContactForces() at the listed surface nodes in the columns
   // contact_force. Collective.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
@@ -91,10 +91,10 @@ private:
   View<double*[3]> _old, _new; // x^n and x^{n+1} [surface node][xyz], length
   View<const double*> _node_mass; // [surface node]
   contact::AttributeWords _attributes; // contact::FaceAttributes of each face
-  View<std::int64_t**> _contact_forces; // [mesh node][xyz], quanta
   View<double* [3]> _accelerations; // [surface node][xyz]
   contact::FeatureEdges _primary_features, _features;
   std::vector<char> _is_shared; // [primary node] other ranks have it; empty before a distribution
+  mechanics::SharedNodeSum _shared_nodes; // of the surface
   std::unique_ptr<Secondary> _secondary; // null: the surface is the primary one
 };
 

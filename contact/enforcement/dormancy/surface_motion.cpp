@@ -121,46 +121,6 @@ void measureMotion(const exec_space& space, const Measure& measure) {
   }
 }
 
-struct AddedMotions {
-  double largest = 0; // component of the sums
-  std::int64_t num_moving = 0;
-
-  KOKKOS_INLINE_FUNCTION AddedMotions& operator+=(const AddedMotions& b) {
-    largest = maxOf(largest, b.largest);
-    num_moving += b.num_moving;
-    return *this;
-  }
-};
-
-// Adds the boxes `step` to `sums` if `is_added`, and empties `step`.
-AddedMotions addMotions(const exec_space& space, bool is_added, const View<double* [6]>& step,
-                        const View<double* [6]>& sums) {
-  AddedMotions added;
-  const auto num_bodies = static_cast<std::int64_t>(sums.extent(0));
-  Kokkos::parallel_reduce(
-      "contact::SurfaceMotion::addMotions", rangePolicy(space, num_bodies + 1),
-      KOKKOS_LAMBDA(const std::int64_t body, AddedMotions& all) {
-        if (body == num_bodies) {
-          all.num_moving += static_cast<std::int64_t>(step(body, 0));
-          step(body, 0) = 0;
-          return;
-        }
-        for (int d = 0; d < 3; ++d) {
-          if (is_added) {
-            sums(body, d) = addBound(sums(body, d), step(body, d), -1);
-            sums(body, 3 + d) = addBound(sums(body, 3 + d), step(body, 3 + d), 1);
-          }
-          step(body, d) = HUGE_VAL;
-          step(body, 3 + d) = -HUGE_VAL;
-          const double of_sums = maxOf(std::fabs(sums(body, d)), std::fabs(sums(body, 3 + d)));
-          all.largest = maxOf(all.largest, of_sums);
-        }
-      },
-      PlusReducer<AddedMotions>(added));
-  space.fence();
-  return added;
-}
-
 // Largest coordinate in magnitude.
 double measureExtent(const exec_space& space, const Surface& surface) {
   const auto x = surface.coordinates_new;
@@ -176,6 +136,32 @@ double measureExtent(const exec_space& space, const Surface& surface) {
 }
 
 } // namespace
+
+// Adds the boxes `step` to `sums` if `is_added`, and empties `step`.
+struct AddMotions {
+  View<double*[6]> step, sums;
+  std::int64_t num_bodies;
+  bool is_added;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t body,
+                                         SurfaceMotion::AddedMotions& all) const {
+    if (body == num_bodies) {
+      all.num_moving += static_cast<std::int64_t>(step(body, 0));
+      step(body, 0) = 0;
+      return;
+    }
+    for (int d = 0; d < 3; ++d) {
+      if (is_added) {
+        sums(body, d) = addBound(sums(body, d), step(body, d), -1);
+        sums(body, 3 + d) = addBound(sums(body, 3 + d), step(body, 3 + d), 1);
+      }
+      step(body, d) = HUGE_VAL;
+      step(body, 3 + d) = -HUGE_VAL;
+      const double of_sums = maxOf(std::fabs(sums(body, d)), std::fabs(sums(body, 3 + d)));
+      all.largest = maxOf(all.largest, of_sums);
+    }
+  }
+};
 
 SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
                              const Surface& surface)
@@ -205,27 +191,35 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
   _bodies.bodies = toDevice(space, label + "::bodies", bodies);
   _bodies.sums = _sums;
   Kokkos::deep_copy(space, _last, static_cast<double>(NAN));
-  accumulateMotion(space); // empties the boxes
+  launchSums(space); // empties the boxes
   Kokkos::deep_copy(space, _sums, 0.0);
-  space.fence();
+  _added.read(space);
 }
 
-void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
+void SurfaceMotion::start(const exec_space& space, const Surface& surface) {
   measureMotion<!fills_lanes>(space, MeasureMotion{surface.coordinates_old, surface.coordinates_new,
                                                    _piece_begin, _piece_body, _last,
                                                    _stationary_flags, _step});
-  accumulateMotion(space);
-  if (!_has_last) {
-    _extent = measureExtent(space, surface);
-    _rounding = rounding_share * _extent;
-  }
-  _has_last = true;
+  launchSums(space);
+  _has_started = true;
 }
 
-void SurfaceMotion::accumulateMotion(const exec_space& space) {
-  const AddedMotions added = addMotions(space, _has_last, _step, _sums);
+void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
+  if (!_has_started)
+    start(space, surface);
+  _has_started = false;
+  const AddedMotions added = _added.read(space);
+  if (!_has_last)
+    _extent = measureExtent(space, surface);
+  _has_last = true;
   _num_moving = added.num_moving;
   _rounding = rounding_share * (_extent + added.largest);
+}
+
+void SurfaceMotion::launchSums(const exec_space& space) {
+  const auto num_bodies = static_cast<std::int64_t>(_sums.extent(0));
+  Kokkos::parallel_reduce("contact::SurfaceMotion::addMotions", rangePolicy(space, num_bodies + 1),
+                          AddMotions{_step, _sums, num_bodies, _has_last}, _added.next(space));
 }
 
 } // namespace brickwall::contact

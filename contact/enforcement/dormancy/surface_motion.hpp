@@ -4,6 +4,7 @@
 // rotation and deformation.
 #pragma once
 
+#include "contact/base/sum_over.hpp"
 #include "contact/surface/surface.hpp"
 
 #include <cstring>
@@ -47,11 +48,26 @@ struct BodyMotions {
 
 class SurfaceMotion {
 public:
+  // What the host reads of an update.
+  struct AddedMotions {
+    double largest = 0; // component of the sums
+    std::int64_t num_moving = 0;
+
+    KOKKOS_INLINE_FUNCTION AddedMotions& operator+=(const AddedMotions& b) {
+      largest = maxOf(largest, b.largest);
+      num_moving += b.num_moving;
+      return *this;
+    }
+  };
+
   SurfaceMotion() = default;
   SurfaceMotion(const exec_space& space, const std::string& label, const Surface& surface);
 
-  // Compares coordinates_new with those of the last call. Reads the coordinates once.
+  // Compares coordinates_new with those of the last call. Reads the coordinates once. Waits for the
+  // device.
   void update(const exec_space& space, const Surface& surface);
+  // Launches the next update() earlier, with the same surface.
+  void start(const exec_space& space, const Surface& surface);
 
   // [node] 1: its coordinates are those of the last call, and it has not moved in this step.
   const View<const unsigned char*>& stationaryNodes() const { return _stationary; }
@@ -63,8 +79,10 @@ public:
   double rounding() const { return _rounding; }
 
 private:
-  void accumulateMotion(const exec_space& space);
+  void launchSums(const exec_space& space);
 
+  bool _has_started = false;
+  LaunchedSums<AddedMotions> _added;
   std::int64_t _num_nodes = 0, _num_moving = 0;
   bool _has_last = false;
   double _extent = 0, _rounding = 0;

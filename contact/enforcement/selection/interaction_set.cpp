@@ -17,6 +17,26 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
       });
 }
 
+// Zeroes entry i of each.
+struct ClearStep {
+  View<int*> row_count;
+  View<std::int64_t*> counts, words;
+  View<std::int64_t* [3]> forces;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
+    const auto at = static_cast<std::size_t>(i);
+    if (at < row_count.extent(0))
+      row_count(i) = 0;
+    if (at < forces.extent(0))
+      for (int d = 0; d < 3; ++d)
+        forces(i, d) = 0;
+    if (at < counts.extent(0))
+      counts(i) = 0;
+    if (at < words.extent(0))
+      words(i) = 0;
+  }
+};
+
 ContactHistory emptyHistory(const exec_space& space, const std::string& label, int num_nodes) {
   ContactHistory history;
   history.interactions = StructArray<Interaction>(label + "::interactions");
@@ -233,20 +253,25 @@ void InteractionSet::makeRoom(const exec_space& space, std::int64_t interactions
   growTo(space, _next.fading, room);
 }
 
-void InteractionSet::zeroForces(const exec_space& space, const FaceAccess& faces) {
+// In one kernel, since each launch takes time.
+void InteractionSet::clearStep(const exec_space& space, const FaceAccess& faces) {
   growTo(space, _forces.ghost_corners, faces.ghosts.count);
+  zeroRows(space, "contact::InteractionSet::clearGhosts", _forces.ghost_corners,
+           faces.ghosts.count);
+  ClearStep clear{_next.row_count, _counts, _sums.clearLater(), {}};
   if (!_are_nodes_zero)
-    zeroRows(space, "contact::zeroForces::nodes", _forces.nodes,
-             static_cast<std::int64_t>(_forces.nodes.extent(0)));
-  zeroRows(space, "contact::zeroForces::ghosts", _forces.ghost_corners, faces.ghosts.count);
+    clear.forces = _forces.nodes;
+  const std::size_t longest = maxOf(maxOf(clear.row_count.extent(0), clear.forces.extent(0)),
+                                    maxOf(clear.counts.extent(0), clear.words.extent(0)));
+  Kokkos::parallel_for("contact::InteractionSet::clearStep",
+                       rangePolicy(space, static_cast<std::int64_t>(longest)), clear);
+  _are_nodes_zero = true;
 }
 
 void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces) {
   ++_last.num_steps;
-  Kokkos::deep_copy(space, _next.row_count, 0);
   _next.count = 0;
-  zeroForces(space, faces);
-  _are_nodes_zero = true;
+  clearStep(space, faces);
 }
 
 void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,

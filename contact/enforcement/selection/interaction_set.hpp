@@ -102,7 +102,8 @@ private:
   // The same by lists of rows (row_lists.hpp).
   template <class Kinematics>
   void selectListedRows(const exec_space& space, const SelectInteractions<Kinematics>& functor);
-  void zeroForces(const exec_space& space, const FaceAccess& faces);
+  // Zeroes what the kernels of a step count and add to.
+  void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   CorrectionNotes noted(const exec_space& space) const;
   // Memory for the interactions of a step, and for the contacts of its crowded rows.
@@ -163,10 +164,9 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
 template <class Select>
 void InteractionSet::launch(const exec_space& space, Select& functor) {
   auto& step = functor.step;
-  Kokkos::deep_copy(space, _counts, std::int64_t(0));
   if (_workspace.contacts.extent(0) > 0)
     Kokkos::deep_copy(space, _workspace.num_reserved, std::int64_t(0));
-  zeroForces(space, step.faces);
+  clearStep(space, step.faces);
   step.next = _next;
   step.workspace = _workspace;
   if (!fills_lanes) {
@@ -174,8 +174,6 @@ void InteractionSet::launch(const exec_space& space, Select& functor) {
     step.may_touch = _may_touch;
   }
   step.add = pairForces(space, step.faces);
-  Kokkos::deep_copy(space, _next.row_count, 0);
-  _sums.clear(space);
   _are_nodes_zero = false; // until the sums tell
   selectRows(space, functor);
   _sums.send(space);

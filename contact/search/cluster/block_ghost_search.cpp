@@ -100,8 +100,10 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
   const std::int64_t num_entries = blocks_to_test.size();
   const auto positions = search.positions;
   auto& lists = search.faces_to_send;
-  growTo(space, lists.rows,
-         scanCounts(space, "contact::BlockGhostSearch::scan", positions, num_entries));
+  // Room for all lanes, so that the host does not wait for the number of hits.
+  growTo(space, lists.rows, num_entries * block_size);
+  Kokkos::parallel_scan("contact::BlockGhostSearch::scan", rangePolicy(space, num_entries + 1),
+                        ScanCounts{positions, num_entries});
   const View<const int*> blocks = blocks_to_test.rows;
   const View<const unsigned*> hits = search.hits;
   const auto rows = lists.rows;

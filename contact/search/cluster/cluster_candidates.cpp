@@ -4,6 +4,8 @@
 #include "contact/base/region.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 
+#include <cstring>
+
 namespace brickwall::contact {
 namespace {
 
@@ -62,60 +64,92 @@ struct BlocksNearPartner {
   }
 };
 
-void setReach(const exec_space& space, const NearRanks& partners, const Vec3& origin,
-              ClusterCandidates& candidates) {
-  candidates.host_reach.clear();
+// The device keeps them as long as rank boxes hold.
+View<FloatBounds*> reachOf(const exec_space& space, const NearRanks& partners, const Vec3& origin,
+                           ClusterCandidates::Scratch& scratch) {
+  std::vector<FloatBounds> reach;
   for (const Box& box : partners.boxes)
-    candidates.host_reach.push_back(FloatBounds::of(box, origin).reach());
-  const Region copies("contact::search::host_device_copies");
-  copyToDevice(space, candidates.host_reach, candidates.reach);
+    reach.push_back(FloatBounds::of(box, origin).reach());
+  if (reach.size() != scratch.host_reach.size() ||
+      std::memcmp(reach.data(), scratch.host_reach.data(), reach.size() * sizeof(FloatBounds)) !=
+          0) {
+    const Region copies("contact::search::host_device_copies");
+    copyToDevice(space, reach, scratch.reach);
+    scratch.host_reach = reach;
+  }
+  return scratch.reach;
 }
 
-// Lists the results of `emit` for each partner, chunk by chunk.
+std::int64_t numPartners(const PartnerLists& lists) {
+  return static_cast<std::int64_t>(lists.ranks.size());
+}
+
+// Counts the results of `emit` for each partner, chunk by chunk; starts(first + partner) will be the
+// offset of those of a partner.
 template <class Emit>
-void listByPartner(const exec_space& space, const std::string& label, const Emit& emit,
-                   ClusterCandidates& candidates, PartnerLists& lists) {
-  const auto num_partners = static_cast<std::int64_t>(lists.ranks.size());
-  const std::int64_t num_chunks = emit.num_chunks;
-  countScanFill(space, label, num_partners * num_chunks, emit, candidates.offsets, lists.rows);
-  growTo(space, candidates.starts, num_partners + 1);
-  const auto offsets = candidates.offsets, starts = candidates.starts;
+void count(const exec_space& space, const std::string& label, const Emit& emit,
+           const PartnerLists& lists, std::int64_t first, const View<std::int64_t*>& starts,
+           ClusterCandidates::Scratch& scratch) {
+  const std::int64_t n = numPartners(lists), num_chunks = emit.num_chunks;
+  countAndScan<int>(space, label, n * num_chunks, emit, scratch.offsets);
+  const auto offsets = scratch.offsets;
   Kokkos::parallel_for(
-      label + "::starts", rangePolicy(space, num_partners + 1),
-      KOKKOS_LAMBDA(const std::int64_t p) { starts(p) = offsets(p * num_chunks); });
-  const Region copies("contact::search::host_device_copies");
-  copyToHost(space, candidates.starts, num_partners + 1, lists.offsets);
+      label + "::starts", rangePolicy(space, n + 1),
+      KOKKOS_LAMBDA(const std::int64_t p) { starts(first + p) = offsets(p * num_chunks); });
+}
+template <class Emit>
+void fill(const exec_space& space, const std::string& label, const Emit& emit,
+          const std::int64_t* starts, const ClusterCandidates::Scratch& scratch,
+          PartnerLists& lists) {
+  const std::int64_t n = numPartners(lists);
+  lists.offsets.assign(starts, starts + n + 1);
+  fillEmitted(space, label, n * emit.num_chunks, emit, scratch.offsets, starts[n], lists.rows);
 }
 
-void findNodesToSend(const exec_space& space, const SurfaceClusters& clusters,
-                     const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
-  auto& lists = candidates.nodes_to_send;
-  lists.offsets.assign(lists.ranks.size() + 1, 0);
-  if (lists.ranks.empty())
-    return;
+// Lists both; the host waits once, for all counts.
+void findCandidates(const exec_space& space, const SurfaceClusters& clusters,
+                    const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
+  auto& nodes = candidates.nodes_to_send;
+  auto& blocks = candidates.blocks_to_test;
+  nodes.offsets.assign(nodes.ranks.size() + 1, 0);
+  blocks.offsets.assign(blocks.ranks.size() + 1, 0);
   const ClusterOrder& order = clusters.order();
-  setReach(space, rank_boxes.near_nodes, order.origin, candidates);
-  const NodesNearPartner emit{candidates.reach,
-                              clusters.clusterBounds(),
-                              clusters.nodeBounds(),
-                              order.owned,
-                              order.node_order,
-                              order.num_clusters,
-                              (order.num_clusters + clusters_per_chunk - 1) / clusters_per_chunk};
-  listByPartner(space, "contact::ClusterCandidates::nodes", emit, candidates, lists);
-}
-
-void findBlocksToTest(const exec_space& space, const SurfaceClusters& clusters,
-                      const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
-  auto& lists = candidates.blocks_to_test;
-  lists.offsets.assign(lists.ranks.size() + 1, 0);
   const BoxTree& faces = clusters.faceTree();
-  if (lists.ranks.empty() || faces.num_levels == 0)
+  const bool has_nodes = !nodes.ranks.empty();
+  const bool has_blocks = !blocks.ranks.empty() && faces.num_levels > 0;
+  if (!has_nodes && !has_blocks)
     return;
-  setReach(space, rank_boxes.near_faces, clusters.order().origin, candidates);
   const int level = minOf(faces.num_levels - 1, max_chunk_levels);
-  const BlocksNearPartner emit{candidates.reach, faces, level, faces.numBlocks(level)};
-  listByPartner(space, "contact::ClusterCandidates::faces", emit, candidates, lists);
+  const NodesNearPartner emit_nodes{
+      reachOf(space, rank_boxes.near_nodes, order.origin, candidates.of_nodes),
+      clusters.clusterBounds(),
+      clusters.nodeBounds(),
+      order.owned,
+      order.node_order,
+      order.num_clusters,
+      (order.num_clusters + clusters_per_chunk - 1) / clusters_per_chunk};
+  const BlocksNearPartner emit_blocks{
+      reachOf(space, rank_boxes.near_faces, order.origin, candidates.of_blocks), faces, level,
+      has_blocks ? faces.numBlocks(level) : 0};
+  const char* const name_of_nodes = "contact::ClusterCandidates::nodes";
+  const char* const name_of_blocks = "contact::ClusterCandidates::faces";
+  const std::int64_t first_block = numPartners(nodes) + 1;
+  const std::int64_t num_starts = first_block + numPartners(blocks) + 1;
+  growTo(space, candidates.starts, num_starts);
+  if (has_nodes)
+    count(space, name_of_nodes, emit_nodes, nodes, 0, candidates.starts, candidates.of_nodes);
+  if (has_blocks)
+    count(space, name_of_blocks, emit_blocks, blocks, first_block, candidates.starts,
+          candidates.of_blocks);
+  {
+    const Region copies("contact::search::host_device_copies");
+    copyToHost(space, candidates.starts, num_starts, candidates.host_starts);
+  }
+  const std::int64_t* const starts = candidates.host_starts.data();
+  if (has_nodes)
+    fill(space, name_of_nodes, emit_nodes, starts, candidates.of_nodes, nodes);
+  if (has_blocks)
+    fill(space, name_of_blocks, emit_blocks, starts + first_block, candidates.of_blocks, blocks);
 }
 
 } // namespace
@@ -126,8 +160,7 @@ void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& c
   candidates.nodes_to_send.ranks = rank_boxes.near_nodes.ranks;
   candidates.blocks_to_test.ranks = rank_boxes.near_faces.ranks;
   const Region timer("contact::search::searches_0_and_1");
-  findNodesToSend(space, clusters, rank_boxes, candidates);
-  findBlocksToTest(space, clusters, rank_boxes, candidates);
+  findCandidates(space, clusters, rank_boxes, candidates);
 }
 
 } // namespace brickwall::contact

@@ -16,10 +16,14 @@ struct ClusterCandidates {
   PartnerLists blocks_to_test; // Q_rcv; rows are blocks of the face tree's level 0, ascending
 
   // Scratch.
-  std::vector<FloatBounds> host_reach;
-  View<FloatBounds*> reach{"contact::ClusterCandidates::reach", 0}; // [partner] of its rank box
-  View<std::int64_t*> offsets{"contact::ClusterCandidates::offsets", 0}; // [partner][chunk]
-  View<std::int64_t*> starts{"contact::ClusterCandidates::starts", 0}; // [partner + 1]
+  struct Scratch {
+    std::vector<FloatBounds> host_reach;
+    View<FloatBounds*> reach{"contact::ClusterCandidates::reach", 0}; // [partner] of its rank box
+    View<std::int64_t*> offsets{"contact::ClusterCandidates::offsets", 0}; // [partner][chunk]
+  };
+  Scratch of_nodes, of_blocks;
+  View<std::int64_t*> starts{"contact::ClusterCandidates::starts", 0}; // [partner + 1] of both
+  std::vector<std::int64_t> host_starts;
 };
 
 // Not collective. r is in Q_snd(q) if and only if q is in Q_rcv(r), since both read the same rank

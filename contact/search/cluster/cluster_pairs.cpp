@@ -79,12 +79,17 @@ PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
 
 // The search of a step, with rows of some clusters possibly too long for their capacity.
 template <bool by_groups>
-PairCounts searchAll(const exec_space& space, FindRows find) {
+PairCounts searchAll(const exec_space& space, FindRows find, const std::function<void()>& meanwhile,
+                     LaunchedSums<PairCounts>& sums) {
   if constexpr (by_groups) {
-    PairCounts counts = searchByGroups(
-        space, FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
-                                find.capacity, find.block_begin, find.row_begin, find.faces,
-                                find.changed, find.num_clusters});
+    launchByGroups(space,
+                   FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
+                                    find.capacity, find.block_begin, find.row_begin, find.faces,
+                                    find.changed, find.num_clusters},
+                   sums.next(space));
+    if (meanwhile)
+      meanwhile();
+    PairCounts counts = sums.read(space);
     if (counts.skipped > 0) {
       find.repeat = true;
       counts += searchByClusters(space, find);
@@ -150,7 +155,8 @@ void ClusterPairs::growCapacity(const exec_space& space, int num_clusters, Candi
 
 std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
                                 const GhostFaces& ghosts, const SurfaceClusters& clusters,
-                                const SearchConfig& config, CandidatePairs& pairs) {
+                                const SearchConfig& config, const std::function<void()>& meanwhile,
+                                CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
   checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
   if (_ordering != clusters.numOrderings())
@@ -172,7 +178,7 @@ std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surfa
                     repeat};
   };
   ++pairs.version;
-  const PairCounts counts = searchAll<cluster_size == 1>(space, rows(false));
+  const PairCounts counts = searchAll<cluster_size == 1>(space, rows(false), meanwhile, _counts);
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     growCapacity(space, order.num_clusters, pairs);

@@ -2,7 +2,10 @@
 // of the ghosts once.
 #pragma once
 
+#include "contact/base/sum_over.hpp"
 #include "contact/search/cluster/surface_clusters.hpp"
+
+#include <functional>
 
 namespace brickwall::contact {
 
@@ -29,16 +32,18 @@ public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes
   // its rows to the part of pairs.faces that it used in the last search. Its capacity is four faces
   // per node at first, later an eighth more than it needed; clusters that exceed it get a new part
-  // and are searched again. On a device 32 clusters of one node search together (group_rows.hpp). Returns the number of
-  // blocks of the face tree that were tested.
+  // and are searched again. On a device 32 clusters of one node search together (group_rows.hpp),
+  // and `meanwhile`, if any, is called before the host waits for them. Returns the number of blocks
+  // of the face tree that were tested.
   std::int64_t find(const exec_space& space, const SweptBoxes& surface, const GhostFaces& ghosts,
                     const SurfaceClusters& clusters, const SearchConfig& config,
-                    CandidatePairs& pairs);
+                    const std::function<void()>& meanwhile, CandidatePairs& pairs);
 
 private:
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
   void growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
+  LaunchedSums<PairCounts> _counts;
   BoxForest _ghost_forest;
   View<int*> _capacity{"contact::ClusterPairs::capacity", 0}; // [cluster] entries of pairs.faces
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]

@@ -31,7 +31,8 @@ void ClusterSearch::searchLocalFacesAgainstRemoteNodes(const exec_space& space,
 
 void ClusterSearch::findPairs(const exec_space& space, const SweptBoxes& surface,
                               const GhostFaces& ghosts, const SearchConfig& config) {
-  _clusters.noteSearch(_cluster_pairs.find(space, surface, ghosts, _clusters, config, _pairs));
+  _clusters.noteSearch(
+      _cluster_pairs.find(space, surface, ghosts, _clusters, config, meanwhile, _pairs));
 }
 
 SearchStatistics ClusterSearch::countWork() const {

@@ -311,9 +311,10 @@ struct FindRowsOfGroups {
   }
 };
 
-// Searches all nodes with FindRowsOfGroups. Fences.
-template <class Find>
-PairCounts searchByGroups(const exec_space& space, const Find& find) {
+// Launches the search of all nodes with FindRowsOfGroups.
+template <class Find, class Space>
+void launchByGroups(const exec_space& space, const Find& find,
+                    const PlusReducer<PairCounts, Space>& counts) {
   constexpr int team_size = Find::team_size;
   const int fitting = // by registers, threads of `vector_lanes` lanes
       host_accessible ? concurrency(space) : concurrency(space) / (2 * vector_lanes);
@@ -322,9 +323,13 @@ PairCounts searchByGroups(const exec_space& space, const Find& find) {
   typename Find::Policy policy(space, num_teams, team_size, vector_lanes);
   policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),
                           Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
+  Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find, counts);
+}
+// The search itself. Fences.
+template <class Find>
+PairCounts searchByGroups(const exec_space& space, const Find& find) {
   PairCounts counts;
-  Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find,
-                          PlusReducer<PairCounts>(counts));
+  launchByGroups(space, find, PlusReducer<PairCounts>(counts));
   space.fence();
   return counts;
 }

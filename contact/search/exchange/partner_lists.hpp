@@ -3,6 +3,7 @@
 
 #include "contact/base/backend.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <vector>
 
@@ -39,17 +40,6 @@ void copyToHost(const exec_space& space, const View<T*>& from, std::int64_t n, s
     Kokkos::deep_copy(
         space, Kokkos::View<T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(to.data(), to.size()),
         Kokkos::subview(from, std::make_pair(std::size_t(0), static_cast<std::size_t>(n))));
-  space.fence();
-}
-
-// Copies a host vector to the first entries of a device View, which is grown where needed. Fences.
-template <class T>
-void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>& to) {
-  growTo(space, to, static_cast<std::int64_t>(from.size()));
-  if (!from.empty())
-    Kokkos::deep_copy(space, Kokkos::subview(to, std::make_pair(std::size_t(0), from.size())),
-                      Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
-                          from.data(), from.size()));
   space.fence();
 }
 

@@ -6,6 +6,8 @@
 #include "contact/search/exchange/partner_lists.hpp"
 #include "contact/search/exchange/rank_boxes.hpp"
 
+#include <functional>
+
 namespace brickwall::contact {
 
 // One implementation for each SearchMethod; an object holds the buffers of its method only. Every
@@ -49,6 +51,10 @@ public:
   // Something of the surface besides its coordinates has changed in place.
   virtual void forget() {}
   virtual std::int64_t numOrderings() const { return 0; } // of the surface, since the start
+
+  // Launches work that does not need the pairs; findPairs() may call it before it waits for the
+  // device.
+  std::function<void()> meanwhile;
 
   CandidatePairs& pairs() { return _pairs; }
   const CandidatePairs& pairs() const { return _pairs; }

@@ -1,6 +1,7 @@
 #include "contact/search/spatial/box_tree.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <algorithm>
 
@@ -41,16 +42,7 @@ void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& 
     tree.blocks = next;
     next += tree.level_begin[max_levels] * block_floats;
   }
-  const auto num_trees = static_cast<std::int64_t>(_trees.size());
-  growTo(space, _device_trees, num_trees);
-  if (num_trees > 0)
-    Kokkos::deep_copy(
-        space,
-        Kokkos::subview(_device_trees,
-                        std::make_pair(std::size_t(0), static_cast<std::size_t>(num_trees))),
-        Kokkos::View<const BoxTree*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(_trees.data(),
-                                                                                 _trees.size()));
-  space.fence();
+  copyToDevice(space, _trees, _device_trees);
 }
 
 void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {

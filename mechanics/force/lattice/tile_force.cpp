@@ -220,28 +220,29 @@ struct TileForces {
 };
 
 template <MaterialModel model, class Shape>
-ForceSums launch(const exec_space& space, const TileGroup& group, const TileForceArguments& a) {
+void launch(const exec_space& space, const TileGroup& group, const TileForceArguments& a,
+            LaunchedSums<ForceSums>& sums) {
   using Functor = TileForces<model, Shape>;
-  ForceSums sums;
   auto policy =
       typename Functor::policy(space, group.count, host_accessible ? 1 : LatticeTile::max_columns);
   policy.set_scratch_size(0, Kokkos::PerTeam(sizeof(TileScratch<Shape>)));
   Kokkos::parallel_reduce("mechanics::InternalForce::add::tiles", policy, Functor{a, group.first},
-                          PlusReducer<ForceSums>(sums));
-  space.fence();
-  return sums;
+                          sums.next(space));
 }
 
 template <MaterialModel model>
-ForceSums launch(const exec_space& space, const TileGroup& group, const TileForceArguments& a) {
-  return group.is_brick ? launch<model, OnePointBrick>(space, group, a)
-                        : launch<model, OnePointBox>(space, group, a);
+void launch(const exec_space& space, const TileGroup& group, const TileForceArguments& a,
+            LaunchedSums<ForceSums>& sums) {
+  if (group.is_brick)
+    launch<model, OnePointBrick>(space, group, a, sums);
+  else
+    launch<model, OnePointBox>(space, group, a, sums);
 }
 
 } // namespace
 
-ForceSums addTileForces(const exec_space& space, const LatticeTiles& tiles,
-                        const ForceArguments& arguments) {
+void addTileForces(const exec_space& space, const LatticeTiles& tiles,
+                   const ForceArguments& arguments, LaunchedSums<ForceSums>& sums) {
   const TileForceArguments a{tiles.tiles,
                              tiles.lattices,
                              arguments.tables.boxes,
@@ -253,19 +254,17 @@ ForceSums addTileForces(const exec_space& space, const LatticeTiles& tiles,
                              arguments.inverse_quantum,
                              SplitScale::of(arguments.energy_scale),
                              arguments.with_energy};
-  ForceSums sums;
   for (const TileGroup& group : tiles.groups)
     switch (group.model) {
     case MaterialModel::neo_hookean:
-      sums += launch<MaterialModel::neo_hookean>(space, group, a);
+      launch<MaterialModel::neo_hookean>(space, group, a, sums);
       break;
     case MaterialModel::svk:
-      sums += launch<MaterialModel::svk>(space, group, a);
+      launch<MaterialModel::svk>(space, group, a, sums);
       break;
     default:
-      sums += launch<MaterialModel::linear>(space, group, a);
+      launch<MaterialModel::linear>(space, group, a, sums);
     }
-  return sums;
 }
 
 } // namespace brickwall::mechanics

@@ -9,8 +9,8 @@ namespace brickwall::mechanics {
 
 // Computes the forces of the tiles' elements in the columns internal_force: stores them at nodes of
 // one tile, and adds them at the seam nodes, where the columns have to be zero before. Tiles of
-// bodies at rest are left out. Not collective; fences.
-ForceSums addTileForces(const exec_space& space, const LatticeTiles& tiles,
-                        const ForceArguments& arguments);
+// bodies at rest are left out. Not collective.
+void addTileForces(const exec_space& space, const LatticeTiles& tiles,
+                   const ForceArguments& arguments, LaunchedSums<ForceSums>& sums);
 
 } // namespace brickwall::mechanics

@@ -3,7 +3,6 @@
 // (equation (23)).
 #include "mechanics/force/packs/pack_forces.hpp"
 
-#include "contact/base/sum_over.hpp"
 #include "mechanics/force/packs/round_forces.hpp"
 
 namespace brickwall::mechanics {
@@ -187,35 +186,40 @@ struct ForceFunctor {
 };
 
 template <ElementKind kind, MaterialModel model, bool with_viscosity>
-ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
-  return sumOver<ForceSums>("mechanics::InternalForce::add::packs", space, 0, group.count,
-                            ForceFunctor<kind, model, with_viscosity>{a});
+void launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a,
+                  LaunchedSums<ForceSums>& sums) {
+  launchSum<ForceSums>("mechanics::InternalForce::add::packs", space, 0, group.count,
+                       ForceFunctor<kind, model, with_viscosity>{a}, sums.next(space));
 }
 template <ElementKind kind, MaterialModel model>
-ForceSums launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a) {
-  return a.viscosity.any() ? launchForces<kind, model, true>(space, group, a)
-                           : launchForces<kind, model, false>(space, group, a);
+void launchForces(const exec_space& space, const ChunkGroup& group, const ForceArguments& a,
+                  LaunchedSums<ForceSums>& sums) {
+  if (a.viscosity.any())
+    launchForces<kind, model, true>(space, group, a, sums);
+  else
+    launchForces<kind, model, false>(space, group, a, sums);
 }
 
 template <MaterialModel model>
-ForceSums launchForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
-                       const ForceArguments& a) {
-  return kind == ElementKind::one_point
-             ? launchForces<ElementKind::one_point, model>(space, group, a)
-             : launchForces<ElementKind::full, model>(space, group, a);
+void launchForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
+                  const ForceArguments& a, LaunchedSums<ForceSums>& sums) {
+  if (kind == ElementKind::one_point)
+    launchForces<ElementKind::one_point, model>(space, group, a, sums);
+  else
+    launchForces<ElementKind::full, model>(space, group, a, sums);
 }
 
 } // namespace
 
-ForceSums addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
-                        const ForceArguments& a) {
+void addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
+                   const ForceArguments& a, LaunchedSums<ForceSums>& sums) {
   switch (group.model) {
   case MaterialModel::neo_hookean:
-    return launchForces<MaterialModel::neo_hookean>(space, kind, group, a);
+    return launchForces<MaterialModel::neo_hookean>(space, kind, group, a, sums);
   case MaterialModel::svk:
-    return launchForces<MaterialModel::svk>(space, kind, group, a);
+    return launchForces<MaterialModel::svk>(space, kind, group, a, sums);
   default:
-    return launchForces<MaterialModel::linear>(space, kind, group, a);
+    return launchForces<MaterialModel::linear>(space, kind, group, a, sums);
   }
 }
 

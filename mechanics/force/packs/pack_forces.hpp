@@ -1,6 +1,7 @@
 // Forces of elements in packs: arguments, sums and launch of the force kernels.
 #pragma once
 
+#include "contact/base/sum_over.hpp"
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/force/packs/element_tables.hpp"
 #include "mechanics/mesh/element_failure.hpp"
@@ -47,8 +48,8 @@ KOKKOS_INLINE_FUNCTION int failureReason(double J, double largest) {
 }
 
 // Adds the forces of one group of chunks, and those of bulk viscosity if viscosity.any(). Not
-// collective; fences.
-ForceSums addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
-                        const ForceArguments& arguments);
+// collective; a host waits.
+void addPackForces(const exec_space& space, ElementKind kind, const ChunkGroup& group,
+                   const ForceArguments& arguments, LaunchedSums<ForceSums>& sums);
 
 } // namespace brickwall::mechanics

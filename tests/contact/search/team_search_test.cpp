@@ -157,7 +157,7 @@ TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
     clusters.update(space, surface, config);
     CandidatePairs pairs;
     ClusterPairs search;
-    search.find(space, surface, ghosts, clusters, config, pairs);
+    search.find(space, surface, ghosts, clusters, config, {}, pairs);
 
     constexpr int room = FindRowsOfGroups::max_row;
     const auto n = static_cast<std::size_t>(surface.num_nodes);

@@ -27,7 +27,7 @@ TEST(SurfaceCoupling, SurfaceMassesAreThoseOfTheLightestNode) {
         "case.toml");
     const Scene scene = makeScene(space, MPI_COMM_SELF, config);
     const mechanics::BoundaryConditions free(space, scene.mesh.num_nodes, {}, {});
-    const contact::Surface surface = SurfaceCoupling(space, scene, free).surface();
+    const contact::Surface surface = SurfaceCoupling(space, MPI_COMM_SELF, scene, free).surface();
     const auto attributes = toHost(surface.face_attributes);
     const auto nodes = toHost(scene.skin.face_to_nodes);
     const auto sides = toHost(scene.skin.face_to_side);
