@@ -61,13 +61,17 @@ struct SelectActiveFaces {
                                         const Accept& accept) const {
     const auto& interactions = step.previous.interactions;
     const global_id own_body = step.faces.surface.node_body(node);
-    const std::int64_t end = step.pairs.end(row);
+    const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
+    if (begin == end)
+      return false;
+    const global_id last_body = step.kinematics.bodyOf(step.faces, step.pairs.faces(end - 1));
     int k = 0;
-    global_id body_of_contact = interactions(first).body;
+    global_id body_of_contact = interactions(first).body, body = -1;
     bool is_found = false; // the face of contact k
-    for (std::int64_t p = step.pairs.begin(row); p < end; ++p) {
+    for (std::int64_t p = begin; p < end; ++p) {
       const int face = step.pairs.faces(p);
-      const global_id body = step.kinematics.bodyOf(step.faces, face);
+      if (body != last_body)
+        body = step.kinematics.bodyOf(step.faces, face);
       while (body_of_contact < body && k + 1 < count) {
         if (!is_found)
           return false;
