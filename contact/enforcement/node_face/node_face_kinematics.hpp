@@ -135,6 +135,17 @@ struct NodeFaceKinematics : NodeSurface {
                                                FaceContact& contact) const {
     return accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
+  // True only where a contact with a facing node persists without fading: acceptPersistent() is
+  // true, isBeyondInnerEdge() and mayFade() are false.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION auto staysInside(const persistent_contact::Found<Real>& found) const {
+    FadeRegion region;
+    region.edge_tolerance = edge_tolerance;
+    const Real outermost = maxOf(magnitude(Real(found.xi)), magnitude(Real(found.eta)));
+    return (Real(found.is_found) == Real(1.0)) & (Real(found.gap) < Real(-least_depth)) &
+           (Real(found.excess) <= Real(lateral_tolerance)) &
+           (outermost <= Real(minOf(past_edge, region.start())));
+  }
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face, test_kind) &&
@@ -241,7 +252,10 @@ struct NodeFaceKinematics : NodeSurface {
     return 1.0 / node_mass(point.node[0]);
   }
   KOKKOS_INLINE_FUNCTION double relativeDepth(const FaceAccess&, const FaceContact& contact) const {
-    return contact.depth / std::sqrt(records(recordOf(contact.face)).plane.area);
+    return contact.depth / std::sqrt(areaOf(contact.face));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double areaOf(int face) const {
+    return records(recordOf(face)).plane.area;
   }
   // Nodes that are never recorded keep status 0 and gap -0.
   KOKKOS_INLINE_FUNCTION void record(int node, int num_contacts, double deepest) const {

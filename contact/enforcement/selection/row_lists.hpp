@@ -58,53 +58,19 @@ struct ListRows {
       return;
     const int node = select.step.pairs.node(row), count = select.step.previous.row_count(node);
     if constexpr (Kinematics::projects_persistent_contacts)
-      if (lists_persistent && count > 0 &&
-          findFaces(row, node, select.step.previous.row_begin(node), count)) {
-        persistent.add(row, count);
-        return;
+      if (lists_persistent && count > 0) {
+        const auto& step = select.step;
+        const int first = step.previous.row_begin(node);
+        const auto accept = [&](int k, int face) {
+          persistent_face(first + k) = face;
+          return step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
+        };
+        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
+          persistent.add(row, count);
+          return;
+        }
       }
     others.add(row);
-  }
-
-private:
-  // Finds the candidates that are the faces of the row's contacts. Returns false if one is none, or
-  // does not persist, or if a contact with another body may become active. Bodies ascend among
-  // candidates and contacts.
-  KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count) const {
-    const auto& step = select.step;
-    const SelectActiveFaces<Kinematics> rules{step};
-    const auto& interactions = step.previous.interactions;
-    const global_id own_body = step.faces.surface.node_body(node);
-    const std::int64_t end = step.pairs.end(row);
-    int k = 0;
-    global_id body_of_contact = interactions(first).body, id = interactions(first).face;
-    bool is_found = false; // the face of contact k
-    for (std::int64_t p = step.pairs.begin(row); p < end; ++p) {
-      const int face = step.pairs.faces(p);
-      const global_id body = step.kinematics.bodyOf(step.faces, face);
-      while (body_of_contact < body && k + 1 < count) {
-        if (!is_found)
-          return false;
-        is_found = false;
-        ++k;
-        body_of_contact = interactions(first + k).body;
-        id = interactions(first + k).face;
-      }
-      if (body != body_of_contact) {
-        if (rules.isTested(own_body, body) &&
-            step.kinematics.mayPenetrate(step.faces, node, face) &&
-            step.kinematics.mayActivate(node, face))
-          return false;
-      } else if (!is_found && step.kinematics.idOf(step.faces, face) == id) {
-        if (!(interactions(first + k).depth > 0) ||
-            !step.faces.isOfThisStep(step.pairs.step_test, node, face) ||
-            !step.kinematics.isFacing(step.faces, node, face, ContactTest::persist))
-          return false;
-        persistent_face(first + k) = face;
-        is_found = true;
-      }
-    }
-    return is_found && k + 1 == count;
   }
 };
 

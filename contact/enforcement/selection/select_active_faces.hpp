@@ -52,6 +52,53 @@ struct SelectActiveFaces {
     return num_contacts;
   }
 
+  // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a row
+  // of the history. Returns false if a contact is not under load or its face is none of the
+  // candidates, if accept() is false, or if a contact with another body may become active. Bodies
+  // ascend among candidates and contacts.
+  template <class Accept>
+  KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count,
+                                        const Accept& accept) const {
+    const auto& interactions = step.previous.interactions;
+    const global_id own_body = step.faces.surface.node_body(node);
+    const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
+    if (begin == end)
+      return false;
+    const global_id last_body = step.kinematics.bodyOf(step.faces, step.pairs.faces(end - 1));
+    int k = 0;
+    global_id body_of_contact = interactions(first).body, body = -1;
+    bool is_found = false; // the face of contact k
+    for (std::int64_t p = begin; p < end; ++p) {
+      const int face = step.pairs.faces(p);
+      if (body != last_body)
+        body = step.kinematics.bodyOf(step.faces, face);
+      while (body_of_contact < body && k + 1 < count) {
+        if (!is_found)
+          return false;
+        is_found = false;
+        ++k;
+        body_of_contact = interactions(first + k).body;
+      }
+      if (body != body_of_contact) {
+        if (isTested(own_body, body) && step.kinematics.mayPenetrate(step.faces, node, face) &&
+            step.kinematics.mayActivate(node, face))
+          return false;
+      } else if (!is_found && isFaceOf(interactions(first + k), face)) {
+        if (!(interactions(first + k).depth > 0) ||
+            !step.faces.isOfThisStep(step.pairs.step_test, node, face) || !accept(k, face))
+          return false;
+        is_found = true;
+      }
+    }
+    return is_found && k + 1 == count;
+  }
+  // Indices of own faces are those of the last step.
+  KOKKOS_FORCEINLINE_FUNCTION bool isFaceOf(const Interaction& last, int face) const {
+    return fills_lanes && last.face_index >= 0 && step.faces.isOwn(last.face_index)
+               ? face == last.face_index
+               : step.kinematics.idOf(step.faces, face) == last.face;
+  }
+
   KOKKOS_INLINE_FUNCTION bool isTested(global_id own_body, global_id body) const {
     return (body != own_body || step.law.config.self_contact) &&
            step.kinematics.pushes(own_body, body);

@@ -7,6 +7,7 @@
 
 #include "contact/enforcement/dormancy/sleeping_blocks.hpp"
 #include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/selection/persist_in_lanes.hpp"
 #include "contact/enforcement/selection/select_active_faces.hpp"
 #include "contact/enforcement/selection/write_interactions.hpp"
 
@@ -75,6 +76,9 @@ struct SelectInteractions {
       if (num_awake_rows == 0)
         return;
     }
+    if constexpr (simd_width > 1 && Kinematics::projects_persistent_contacts)
+      num_awake_rows = PersistInLanes<Kinematics, rows_at_once>{step, stationary.known_apart}(
+          awake_rows, num_awake_rows, sums);
     selectBatches(awake_rows, num_awake_rows, sums);
   }
   // Calls body(row) for the rows of a part whose blocks are awake.
@@ -267,10 +271,11 @@ struct SelectInteractions {
     const std::int64_t pairs_end = step.pairs.end(row);
     std::int64_t next = step.pairs.begin(row);
     const int begin = step.previous.row_begin(node);
+    const SelectActiveFaces<Kinematics> rules{step};
     for (int i = begin; i < begin + count; ++i) {
       const Interaction& last = step.previous.interactions(i);
       std::int64_t p = next;
-      while (p < pairs_end && !isFaceOf(last, step.pairs.faces(p)))
+      while (p < pairs_end && !rules.isFaceOf(last, step.pairs.faces(p)))
         ++p;
       if (p == pairs_end)
         continue;
@@ -285,12 +290,6 @@ struct SelectInteractions {
       step.kinematics.prefetchFace(face);
       step.faces.prefetchFace(face);
     }
-  }
-  // Indices of own faces are those of the last step.
-  KOKKOS_FORCEINLINE_FUNCTION bool isFaceOf(const Interaction& last, int face) const {
-    return last.face_index >= 0 && step.faces.isOwn(last.face_index)
-               ? face == last.face_index
-               : step.kinematics.idOf(step.faces, face) == last.face;
   }
   KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
     if (batch.num_rows == 0)

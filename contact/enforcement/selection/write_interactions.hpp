@@ -108,6 +108,24 @@ struct WriteInteractions {
       ++sums.invalid;
   }
 
+  // The contact law of plain contacts, and their forces in quanta.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION void apply(ContactState<Real>& state, const Real& share,
+                                    const Real (&weights)[4], PairQuanta<Real>& quanta) const {
+    const ContactLaw& law = step.law;
+    law.setSpring(state, cap(state));
+    law.setDamping(state);
+    state.spring_energy = ContactLaw::springEnergy(state);
+    law.followEnergy(state);
+    step.add.round(Real(state.first_force) + Real(state.first_damping), Triple<Real>(state.normal),
+                   share, weights, quanta);
+  }
+  // cap_factor of a persistent contact.
+  KOKKOS_FORCEINLINE_FUNCTION double capFactor(int node, int face, double stiffness,
+                                               double bound) const {
+    return stiffness > bound ? step.kinematics.capFactor(node, face) : 1;
+  }
+
 private:
   KOKKOS_FORCEINLINE_FUNCTION decltype(auto) lastOf(const FaceContact& contact) const {
     return step.previous.interactions(contact.previous);
@@ -136,9 +154,9 @@ private:
     const Interaction& last = lastOf(contact);
     state.recall(lane, last);
     state.has_changed_face[lane] = contact.hasChangedFace(last);
-    if (last.stiffness >
-        softnessOf(contact) * step.kinematics.stiffnessCap(step.law.config, contact.inverse_mass))
-      state.cap_factor[lane] = step.kinematics.capFactor(contact.node, contact.face);
+    state.cap_factor[lane] = capFactor(
+        contact.node, contact.face, last.stiffness,
+        softnessOf(contact) * step.kinematics.stiffnessCap(step.law.config, contact.inverse_mass));
   }
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real cap(const ContactState<Real>& state) const {
@@ -172,7 +190,6 @@ private:
                                          int num_lanes, std::int64_t begin,
                                          ContactSums& sums) const {
     constexpr int width = NumLanes<Lanes>::value;
-    const ContactLaw& law = step.law;
     ContactState<Lanes> state;
     LaneArray<Lanes> share, weight[4];
     for (int lane = 0; lane < width; ++lane) {
@@ -182,14 +199,9 @@ private:
       for (int j = 0; j < 4; ++j)
         weight[j][lane] = contact.weight[j];
     }
-    law.setSpring(state, cap(state));
-    law.setDamping(state);
-    state.spring_energy = ContactLaw::springEnergy(state);
-    law.followEnergy(state);
     PairQuanta<Lanes> quanta;
     const Lanes weights[4] = {weight[0], weight[1], weight[2], weight[3]};
-    step.add.round(Lanes(state.first_force) + Lanes(state.first_damping),
-                   Triple<Lanes>(state.normal), Lanes(share), weights, quanta);
+    apply(state, Lanes(share), weights, quanta);
     LaneArray<Lanes> fits;
     fits = where(quanta.fits, Lanes(1.0), Lanes(0.0));
     for (int lane = 0; lane < num_lanes; ++lane) {
