@@ -53,6 +53,8 @@ class Runner:
         key = {"program": self.programs[case.program], "deck": self.decks[case.deck], "options": words, "ranks": case.ranks,
                "threads": case.threads, "environment": variables}
         record = finished(place, key)
+        if repetition >= 1 and not any((place / name).is_file() for name in FILES):
+            record = None  # its report was removed
         done = Done(order, case, repetition, record, record is not None)
         if record is None:
             command = [*launch.launcher(program), "-n", str(case.ranks), str(program), case.command, str(case.deck), "-o", str(place),

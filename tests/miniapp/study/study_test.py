@@ -94,6 +94,11 @@ class Order(StudyTest):
 
 
 class Resume(StudyTest):
+    def test_a_run_whose_report_was_removed_is_made_again(self):
+        self.study(TWO_CASES)
+        next(self.out.glob("runs/*/run-1/*report.json")).unlink()
+        self.assertEqual(self.study(TWO_CASES).count("(finished before)"), 15)
+
     def test_an_interrupted_study_continues_without_repeating_finished_runs(self):
         (self.folder / "stop_at").write_text("6")
         (self.folder / "study.toml").write_text(TWO_CASES)
