@@ -4,8 +4,6 @@
 #include "contact/base/region.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 
-#include <cstring>
-
 namespace brickwall::contact {
 namespace {
 
@@ -70,9 +68,7 @@ View<FloatBounds*> reachOf(const exec_space& space, const NearRanks& partners, c
   std::vector<FloatBounds> reach;
   for (const Box& box : partners.boxes)
     reach.push_back(FloatBounds::of(box, origin).reach());
-  if (reach.size() != scratch.host_reach.size() ||
-      std::memcmp(reach.data(), scratch.host_reach.data(), reach.size() * sizeof(FloatBounds)) !=
-          0) {
+  if (reach != scratch.host_reach) {
     const Region copies("contact::search::host_device_copies");
     copyToDevice(space, reach, scratch.reach);
     scratch.host_reach = reach;

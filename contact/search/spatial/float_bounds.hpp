@@ -7,6 +7,7 @@
 
 #include "contact/base/box.hpp"
 
+#include <algorithm>
 #include <cfloat>
 
 namespace brickwall::contact {
@@ -45,6 +46,9 @@ struct FloatBounds {
       reach.side[3 + d] = -side[d];
     }
     return reach;
+  }
+  friend bool operator==(const FloatBounds& a, const FloatBounds& b) {
+    return std::equal(a.side, a.side + 6, b.side);
   }
 };
 

@@ -41,7 +41,7 @@ KOKKOS_INLINE_FUNCTION int numLanes(unsigned lanes) {
 // the number of blocks whose boxes were tested.
 template <class Visit>
 KOKKOS_INLINE_FUNCTION int walkLevels(const BoxTree& tree, int first, std::int64_t start, int last,
-                                       const FloatBounds& reach, const Visit& visit) {
+                                      const FloatBounds& reach, const Visit& visit) {
   std::int64_t block[max_levels]; // on the way down
   unsigned lanes[max_levels]; // still to be visited there
   int level = first, num_tested = 0;
