@@ -1,7 +1,6 @@
 #include "miniapp/simulation/contact_balance.hpp"
 
 #include "contact/base/mpi.hpp"
-#include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "io/mesh/partition.hpp"
 
@@ -9,10 +8,16 @@
 
 namespace brickwall::miniapp {
 
-double imbalanceOf(MPI_Comm comm, double work) {
-  const Region region(waiting_region);
-  const MaxAndSum all = maxAndSum(comm, {work}).front();
+namespace {
+
+double imbalanceOf(MPI_Comm comm, const MaxAndSum& all) {
   return all.sum > 0 ? all.max * sizeOf(comm) / all.sum : 1;
+}
+
+} // namespace
+
+double imbalanceOf(MPI_Comm comm, double work) {
+  return imbalanceOf(comm, maxAndSum(comm, {work}).front());
 }
 
 double imbalanceOf(MPI_Comm comm, const std::vector<float>& work,
@@ -39,12 +44,10 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 }
 
 bool ContactBalance::isDue(double work) {
-  const MaxAndSum all = maxAndSum(_comm, {work}).front();
-  const double imbalance = all.sum > 0 ? all.max * sizeOf(_comm) / all.sum : 1;
-  double times[2] = {_time, _cost};
-  allReduce(_comm, times, 2, MPI_MAX);
+  const std::vector<MaxAndSum> all = maxAndSum(_comm, {work, _time, _cost});
+  const double imbalance = imbalanceOf(_comm, all[0]), time = all[1].max, cost = all[2].max;
   _time = 0;
-  const double rate = all.max > 0 ? times[0] / all.max : 0;
+  const double rate = all[0].max > 0 ? time / all[0].max : 0;
   if (_are_home) {
     _rate_at_home = rate;
   } else if (_rate_at_home > 0) { // the least, since other programs disturb
@@ -54,8 +57,8 @@ bool ContactBalance::isDue(double work) {
   }
   const double now = _are_home ? imbalance : _overhead * imbalance;
   const double best = std::min(_overhead * _reached, _are_home ? HUGE_VAL : _at_home);
-  _lost += times[0] * std::max(0.0, 1 - best / now);
-  return _lost > times[1];
+  _lost += time * std::max(0.0, 1 - best / now);
+  return _lost > cost;
 }
 
 void ContactBalance::haveDistributed(double seconds, double imbalance, double at_home,

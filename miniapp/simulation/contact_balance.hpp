@@ -46,8 +46,9 @@ public:
   double overhead() const { return _overhead; }
   // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance;
   // `at_home`: that of all faces on their home ranks, where they `are_home` now; HUGE_VAL: they do not
-  // return there.
-  void haveDistributed(double seconds, double imbalance, double at_home, bool are_home);
+  // return there. Elements have no other home than their ranks.
+  void haveDistributed(double seconds, double imbalance, double at_home = HUGE_VAL,
+                       bool are_home = true);
 
   // since the start or the restart
   std::int64_t distributions() const { return _distributions; }

@@ -94,7 +94,7 @@ std::optional<std::vector<int>> ElementBalance::newRanks(Simulation& simulation,
 }
 
 void ElementBalance::haveMoved(double seconds, const PartSeconds& now) {
-  _decision.haveDistributed(seconds, _expected_imbalance, HUGE_VAL, true); // elements have no home
+  _decision.haveDistributed(seconds, _expected_imbalance);
   _rebalancings.back().seconds = seconds;
   _before = now;
 }
