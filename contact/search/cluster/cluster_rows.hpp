@@ -31,7 +31,7 @@ struct Hits {
   unsigned lanes[max_hits + block_size]; // the nodes
   int count = 0;
   bool are_own = true; // none of them is a ghost
-  bool are_allowed = true; // without PairRules, by the bodies of blocks and cluster
+  bool may_be_same_body = false; // some own faces may belong to the body of some of the nodes
 };
 
 // Blocks of faces near a group of clusters; their boxes are again in blocks of eight.
@@ -261,14 +261,13 @@ struct FindRows {
   // `body`: of the cluster. Blocks of another body have no corner in the cluster.
   KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, global_id body,
                                            std::int64_t block, Hits& hits) const {
-    const global_id of_block = body != many_bodies ? test.order.block_body(block) : many_bodies;
     if (hits.count > max_hits || isOfBody(block, body))
       return;
     const float* const boxes = face_tree.block(0, block);
     unsigned own[block_size] = {}; // nodes of the cluster that are corners of the faces
-    if (of_block == many_bodies) {
+    if (body == many_bodies || test.order.block_body(block) == many_bodies) {
       bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
-      hits.are_allowed = !test.drop_same_body;
+      hits.may_be_same_body = true;
     }
     for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
       const int lane = lowestBit(lanes);
@@ -286,7 +285,6 @@ struct FindRows {
       const int lane = lowestBit(lanes);
       const unsigned near = lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size);
       hits.are_own &= near == 0;
-      hits.are_allowed &= near == 0;
       append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane, near);
     }
   }
@@ -305,7 +303,7 @@ struct FindRows {
           (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
       const int face = is_own ? test.order.face_order(item) : item;
       unsigned lanes = hits.lanes[i];
-      if (!hits.are_allowed && (test.drop_same_body || !is_own))
+      if (!is_own || (test.drop_same_body && hits.may_be_same_body))
         lanes = allowed(lanes, first, face);
       const unsigned unsure =
           lanes & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);

@@ -325,13 +325,5 @@ void launchByGroups(const exec_space& space, const Find& find,
                           Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
   Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find, counts);
 }
-// The search itself. Fences.
-template <class Find>
-PairCounts searchByGroups(const exec_space& space, const Find& find) {
-  PairCounts counts;
-  launchByGroups(space, find, PlusReducer<PairCounts>(counts));
-  space.fence();
-  return counts;
-}
 
 } // namespace brickwall::contact

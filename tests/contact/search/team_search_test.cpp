@@ -179,7 +179,9 @@ TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
         changed,
         surface.num_nodes};
     for (int step = 0; step < 2; ++step) {
-      const PairCounts counts = searchByGroups(space, find);
+      PairCounts counts;
+      launchByGroups(space, find, PlusReducer<PairCounts>(counts));
+      space.fence();
       EXPECT_EQ(counts.overflowed, 0);
       const HostRows expected(pairs);
       const auto rows = toHost(begin), found = toHost(faces);
