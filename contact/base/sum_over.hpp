@@ -170,9 +170,8 @@ public:
     }
   }
 
-  void clear(const exec_space& space) { Kokkos::deep_copy(space, clearLater(), std::int64_t(0)); }
-  // The same if a kernel that is launched next zeroes the words returned; a host has none.
-  const View<std::int64_t*>& clearLater() {
+  // Empties the sum if a kernel that is launched next zeroes the words returned; a host has none.
+  const View<std::int64_t*>& clear() {
     _sum = Value();
     return _words;
   }

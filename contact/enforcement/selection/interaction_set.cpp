@@ -258,7 +258,7 @@ void InteractionSet::clearStep(const exec_space& space, const FaceAccess& faces)
   growTo(space, _forces.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::InteractionSet::clearGhosts", _forces.ghost_corners,
            faces.ghosts.count);
-  ClearStep clear{_next.row_count, _counts, _sums.clearLater(), {}};
+  ClearStep clear{_next.row_count, _counts, _sums.clear(), {}};
   if (!_are_nodes_zero)
     clear.forces = _forces.nodes;
   const std::size_t longest = maxOf(maxOf(clear.row_count.extent(0), clear.forces.extent(0)),

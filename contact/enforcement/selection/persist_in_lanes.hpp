@@ -190,11 +190,8 @@ private:
       if (last.damping != 0)
         sums.terms.add(damping_work, -last.damping * closing[lane], step.energy_scale);
       sums.terms.add(spring_stored, state.recoverable[lane], step.energy_scale);
-      if (now.depth > 0) {
-        ++sums.active;
-        sums.max_penetration = maxOf(sums.max_penetration, relative_depth[lane]);
-        sums.deepest = maxOf(sums.deepest, state.penetration[lane]);
-      }
+      if (now.depth > 0)
+        write.count(state.penetration[lane], relative_depth[lane], sums);
       if (fits[lane] != 0)
         step.add.add(now, quanta, 1, lane);
       else

@@ -125,6 +125,13 @@ struct WriteInteractions {
                                                double bound) const {
     return stiffness > bound ? step.kinematics.capFactor(node, face) : 1;
   }
+  // Counts a contact under load.
+  KOKKOS_FORCEINLINE_FUNCTION static void count(double penetration, double relative_depth,
+                                                ContactSums& sums) {
+    ++sums.active;
+    sums.max_penetration = maxOf(sums.max_penetration, relative_depth);
+    sums.deepest = maxOf(sums.deepest, penetration);
+  }
 
 private:
   KOKKOS_FORCEINLINE_FUNCTION decltype(auto) lastOf(const FaceContact& contact) const {
@@ -178,12 +185,8 @@ private:
   }
   KOKKOS_INLINE_FUNCTION void count(const FaceContact& contact, double depth,
                                     ContactSums& sums) const {
-    if (!(depth > 0))
-      return;
-    ++sums.active;
-    sums.max_penetration =
-        maxOf(sums.max_penetration, step.kinematics.relativeDepth(step.faces, contact));
-    sums.deepest = maxOf(sums.deepest, contact.depth);
+    if (depth > 0)
+      count(contact.depth, step.kinematics.relativeDepth(step.faces, contact), sums);
   }
 
   KOKKOS_INLINE_FUNCTION void writeLanes(const FaceContact* contacts, const int* numbers,

@@ -30,7 +30,7 @@ void expectSumsOfBothKernels() {
   const exec_space space;
   LateSum<CountAndLargest, on_device> late("test::late");
   for (int round = 0; round < 2; ++round) { // the second starts from zero
-    late.clear(space);
+    Kokkos::deep_copy(space, late.clear(), std::int64_t(0));
     late.send(space);
     EXPECT_EQ(late.read(space).count, 0);
     late.template add<4>("test::first", space, 5, 5, AddItem());

@@ -20,15 +20,6 @@ protected:
   const int rank = rankOf(comm), size = sizeOf(comm);
 };
 
-// A brick pressed into another one.
-Scene pressed() {
-  Scene scene;
-  scene.addBox({0, 0, 0}, {1, 1, 1}, {3, 3, 3});
-  const int upper = scene.addBox({0.11, 0.07, 0.98}, {1, 1, 1}, {3, 3, 3});
-  scene.cameBy(upper, {0, 0, -0.03});
-  return scene;
-}
-
 // The message with which `act` throws InputError on all ranks; empty if it does not.
 std::string messageOf(const std::function<void()>& act) {
   std::string message;

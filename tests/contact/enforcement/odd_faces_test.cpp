@@ -11,15 +11,6 @@ namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-// A brick pressed into another one.
-Scene pressed() {
-  Scene scene;
-  scene.addBox({0, 0, 0}, {1, 1, 1}, {3, 3, 3});
-  const int upper = scene.addBox({0.11, 0.07, 0.98}, {1, 1, 1}, {3, 3, 3});
-  scene.cameBy(upper, {0, 0, -0.03});
-  return scene;
-}
-
 // Faces with the corners of each face in the order of `corners`, with new ids.
 void addFaces(Scene& scene, const std::array<int, 4>& corners) {
   const std::size_t count = scene.faces.size();

@@ -77,6 +77,15 @@ struct SceneRun {
   ContactSums sums;
 };
 
+// A brick pressed into another one.
+inline Scene pressed() {
+  Scene scene;
+  scene.addBox({0, 0, 0}, {1, 1, 1}, {3, 3, 3});
+  const int upper = scene.addBox({0.11, 0.07, 0.98}, {1, 1, 1}, {3, 3, 3});
+  scene.cameBy(upper, {0, 0, -0.03});
+  return scene;
+}
+
 inline int onOneRank(int) {
   return 0;
 }
