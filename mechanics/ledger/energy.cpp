@@ -72,7 +72,6 @@ void EnergyLedger::bookStep(MPI_Comm comm, double dt_kick, double dt,
   else if (_steps == 0) // there is no half step before the start
     _balance.total_half = _balance.kinetic + _balance.stored_material + _balance.stored_hourglass;
 
-  bookContactChange(dt_kick, dt, step.kick);
   const double shadow = step.kick.sum[kick_shadow].value(_scales.energy);
   // over the drift that led to this step; 0 at the start
   _first_moment += _dt * _balance.momentum;
@@ -138,21 +137,12 @@ void EnergyLedger::bookContact(const ContactEnergySums& contact) {
   b.work_edge = value(contact_edge_work);
 }
 
-// As StoredGauge::change() for contact springs, whose stored energy changes at the rate -F . v.
-void EnergyLedger::bookContactChange(double dt_kick, double dt, const KickSums& kick) {
-  if (_steps == 0 || dt == _dt)
-    return;
-  const double work = kick.sum[kickWork(contact_force)].value(_scales.energy);
-  const double power_after = 2 * work / dt_kick - _contact_power;
-  _contact_change -= 0.25 * (dt - _dt) * (power_after - _contact_power);
-}
-
 void EnergyLedger::gaugeHalfStep() {
   EnergyBalance& b = _balance;
   const double in_contact = b.stored_contact + b.stored_friction + b.stored_edge;
   b.stored_half = _stored.half();
   const double held = b.stored_half + in_contact;
-  b.total_half = b.kinetic + held + b.dissipated.total() - _stored.change() - _contact_change;
+  b.total_half = b.kinetic + held + b.dissipated.total() - _stored.change();
   if (_has_initial_energy && _steps == 1) // a correction of the start has changed its gauge
     _initial_energy = _initial_kinetic + _stored.initial();
   if (!_has_initial_energy) {
@@ -168,8 +158,7 @@ void EnergyLedger::gaugeHalfStep() {
 
   raise(_stored_gap,
         std::fabs(_stored.half() - _stored.initial() - _stored.change() + b.work[internal_force]));
-  raise(_contact_gap,
-        std::fabs(in_contact + b.dissipated.inContact() - _contact_change + b.work[contact_force]));
+  raise(_contact_gap, std::fabs(in_contact + b.dissipated.inContact() + b.work[contact_force]));
   b.stored_error = quotient(_stored_gap, size);
   b.contact_error = quotient(_contact_gap, size);
 }

@@ -158,11 +158,6 @@ public:
                 const ContactEnergySums& contact, const KickSums& kick,
                 const StepCounts& counts = {});
 
-  // Sets the power of the contact forces at the velocities before the kick, over all ranks. Call
-  // before bookStep() of a step whose drift differs in length from the last one. The contact's part
-  // of a step that bookCorrection() shortens is not known.
-  void setContactPower(double contact_power) { _contact_power = contact_power; }
-
   // Adds a further kick by the same forces at step n: the next drift is `dt` long, so the kick
   // changes by `dt_kick` (negative if the step is shortened). Collective; failures as in
   // bookStep().
@@ -175,7 +170,6 @@ private:
   void bookStored(double dt_kick, double dt, const InternalForceResult& internal,
                   const LimbSums<num_stored_energies>& stored, const KickSums& kick);
   void gaugeHalfStep();
-  void bookContactChange(double dt_kick, double dt, const KickSums& kick);
   void bookContact(const ContactEnergySums& contact);
   void bookWorks(double dt_kick, const KickSums& kick);
   void bookImpulses(double dt_kick, const KickSums& kick);
@@ -194,8 +188,6 @@ private:
   StoredGauge _stored;
   double _initial_hourglass = 0; // energy
   double _dt = 0; // of the drift after the last kick
-  double _contact_power = 0; // at a step that changes in length
-  double _contact_change = 0; // energy; as StoredGauge::change()
   // Largest absolute errors and scales since the start.
   double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
   double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;

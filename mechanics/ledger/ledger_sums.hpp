@@ -78,12 +78,6 @@ using MotionSums = LimbSums<num_motion_terms>;
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,
                     const LedgerScales& scales);
 
-// The power of the nodal forces of one kind, the sum of f . v over all nodes of all ranks. `forces`
-// are totals (after the shared-node sum). The bits do not depend on the partition. Collective.
-double forcePower(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                  const NodalForces& forces, const NodalState& state, ForceKind kind,
-                  const LedgerScales& scales);
-
 // Contact's part of the balance at step n+1, this rank's share, on the scale LedgerScales::energy.
 // "Half" terms belong to the half step n+1/2, the others are totals since the start up to the kick
 // of step n. Terms without contact are 0.

@@ -27,7 +27,6 @@ void Simulation::runVerbs(bool moves) {
   finish(StepPart::forces);
   enforceContact();
   finish(StepPart::contacts);
-  setContactPower();
   kickVelocities(clock().kickLength());
   finish(StepPart::velocity);
   bookEnergies();
@@ -208,13 +207,6 @@ void Simulation::enforceContact() {
   const double dt = clock().isAtStart() ? clock().dt : clock().dt_before;
   _step.contact = _contact->enforce({dt, clock().dt}, _forces, _state, _boundary, _shared);
   _forces.acts[mechanics::contact_force] = _contact->hasForces();
-}
-
-// The gauges need the power of contact before the kick if the step changes its length.
-void Simulation::setContactPower() {
-  if (_contact && !clock().isAtStart() && clock().dt != clock().dt_before)
-    _ledger.setContactPower(mechanics::forcePower(_space, _comm, _scene.mesh, _forces, _state,
-                                                  mechanics::contact_force, _scales));
 }
 
 // All nodes but those of free bricks and of bodies at rest.

@@ -132,7 +132,6 @@ private:
   void sumSharedNodes();
   void takeSums();
   void enforceContact();
-  void setContactPower();
   void kickVelocities(double dt_kick);
   void bookEnergies();
 

@@ -2,7 +2,7 @@
 times, with closing speeds of 0.002 to 0.006 c (6 to 19 m/s in brick). There are no external forces
 and no dissipation: momentum, angular momentum and energy stay. The first two are exact by
 construction; the energy shows the error of contact at activations, transfers between faces and
-slips off edges. The gauge is that of the half step, which central differences conserve to rounding
+slips off edges, and where the step changes in contact. The gauge is that of the half step, which central differences conserve to rounding
 for linear springs."""
 from dataclasses import dataclass
 
@@ -13,6 +13,7 @@ NAME = "V17"
 TITLE = "40 oblique impacts of two blocks"
 DECK = "v17_oblique_impact.toml"
 SECONDS = 60
+CUT_IN_CONTACT = (20, 25, 26, 35)  # the bodies touch when the step is cut, since they stiffen
 
 
 def random_impact(seed, speed=0.002):
@@ -74,8 +75,8 @@ def final_errors(impacts):
 
 
 def evaluate(lab):
-    impacts = [impact(lab, seed, "seed") for seed in range(4 if lab.quick else 40)]
-    lab.check(final_errors(impacts)[1], 0, 1e-3)
+    impacts = [impact(lab, seed, "seed") for seed in (CUT_IN_CONTACT if lab.quick else range(40))]
+    lab.check(final_errors(impacts)[1], 0, 5e-5)
     lab.check(max(np.abs(one.energy).max() for one in impacts), 0, 5e-3, "energy_over_time")
     lab.check(max(one.momentum for one in impacts), 0, 1e-13, "momentum")
     lab.check(max(one.angular_momentum for one in impacts), 0, 1e-13, "angular_momentum")

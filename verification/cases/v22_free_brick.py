@@ -21,9 +21,9 @@ COUNT = 9
 class Ritz:
     """Natural frequencies and modes of the free brick about the origin, for unit density."""
 
-    def __init__(self, youngs, poisson, degree=10):
+    def __init__(self, youngs, poisson, degree=10, size=SIZE):
         lame, mu = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson)), youngs / (2 * (1 + poisson))
-        self.degree = degree
+        self.degree, self.size = degree, np.asarray(size)
         self.powers = np.array([p for p in product(range(degree + 1), repeat=3) if sum(p) <= degree + 2])
         points, weights = np.polynomial.legendre.leggauss(degree + 2)
         values, slopes = self.polynomials(points), self.polynomials(points, derivative=True)
@@ -39,7 +39,7 @@ class Ritz:
                 for j in range(3):
                     a, b = (slopes if d == j else values), (slopes if e == j else values)
                     p = self.powers[number, j]
-                    scale = SIZE[j] / 2 / (SIZE[j] / 2) ** ((d == j) + (e == j))
+                    scale = size[j] / 2 / (size[j] / 2) ** ((d == j) + (e == j))
                     table = table * scale * ((a * weights) @ b.T)[np.ix_(p, p)]
                 tables[d, e] = table
             same = axis[:, None] == axis
@@ -47,7 +47,7 @@ class Ritz:
             for d, e in product(range(3), repeat=2):
                 here = (axis[:, None] == d) & (axis == e)
                 stiffness = stiffness + here * (lame * tables[d, e] + mu * tables[e, d])
-            square, shapes = np.linalg.eigh(stiffness / np.prod(SIZE / 2))  # the mass matrix is diagonal
+            square, shapes = np.linalg.eigh(stiffness / np.prod(self.size / 2))  # the mass matrix is diagonal
             for value, shape in zip(square[:COUNT + 6], shapes.T):
                 self.omega.append(np.sqrt(max(value, 0)))
                 self.modes.append((axis, number, shape))
@@ -66,7 +66,7 @@ class Ritz:
     def mode(self, k, nodes):
         """Mode k at the nodes [node][xyz]."""
         axis, number, shape = self.modes[k]
-        values = np.prod([self.polynomials(2 * nodes[:, j] / SIZE[j])[self.powers[:, j]] for j in range(3)], axis=0)
+        values = np.prod([self.polynomials(2 * nodes[:, j] / self.size[j])[self.powers[:, j]] for j in range(3)], axis=0)
         mode = np.zeros(nodes.shape)
         np.add.at(mode.T, axis, shape[:, None] * values[number])
         return mode

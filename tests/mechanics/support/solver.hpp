@@ -88,9 +88,6 @@ struct Solver {
     pushed_until = time + 0.5 * dt;
     blocks.sum.sum(space, forces.values);
     const ContactEnergySums in_contact = contact ? contact() : ContactEnergySums();
-    if (contact)
-      ledger.setContactPower(
-          forcePower(space, comm, blocks.mesh, forces, state, contact_force, scales));
     const KickSums sums =
         kick(space, blocks.mesh, *boundary, {time, time + dt}, kick_dt, forces, state, scales);
     ledger.bookStep(comm, kick_dt, dt, result, in_contact, sums, {misfits});
