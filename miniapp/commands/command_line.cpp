@@ -124,7 +124,8 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
                  "end the run after this wall clock time, with output and a checkpoint")
       ->type_name("HH:MM:SS");
   app.add_option("--restart", options.restart,
-                 "continue from a checkpoint: latest (in the output folder), or the path of one")
+                 "continue from a checkpoint: latest (in the output folder), or the path of one or "
+                 "of a run")
       ->type_name("latest|PATH");
   auto* extend_option = app.add_option("--extend-to", extend_to,
                                        "with --restart: run on to this time of the simulation")

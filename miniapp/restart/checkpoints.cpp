@@ -208,14 +208,19 @@ std::string Checkpoints::pathOf(const std::string& which) const {
   rethrowOnAllRanks(_comm, [&] {
     if (rankOf(_comm) != 0)
       return;
-    if (which == "latest") {
-      const auto paths = all(_folder);
-      if (paths.empty())
-        throw InputError("--restart latest: there is no checkpoint in " + _folder);
-      path = paths.back();
-    } else if (fs::path(path).filename() == manifest_name) {
+    const bool is_latest = which == "latest";
+    const std::vector<std::string> places =
+        is_latest ? std::vector<std::string>{_folder}
+                  : std::vector<std::string>{which, which + "/checkpoints"};
+    for (const std::string& folder : places)
+      if (const auto paths = all(folder); !paths.empty()) {
+        path = paths.back();
+        return;
+      }
+    if (is_latest)
+      throw InputError("--restart latest: there is no checkpoint in " + _folder);
+    if (fs::path(path).filename() == manifest_name)
       path = fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".";
-    }
   });
   return broadcast(_comm, path);
 }

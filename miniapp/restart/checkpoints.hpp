@@ -24,9 +24,10 @@ public:
   // others are then as they were. Collective.
   std::string write(const RunRestart& data, const Simulation& simulation);
 
-  // Reads the checkpoint `which`: "latest", or the folder of one or its manifest. Throws InputError
-  // on all ranks with the reason why it cannot be used, and with the path of the one before it if
-  // that can be used. Collective.
+  // Reads the checkpoint `which`: "latest", the folder of one or its manifest, or a folder of
+  // several or of a run, which stands for the latest of them. Throws InputError on all ranks with
+  // the reason why it cannot be used, and with the path of the one before it if that can be used.
+  // Collective.
   RunRestart read(const std::string& which, const Simulation& simulation);
 
 private:

@@ -89,7 +89,7 @@ def run_legs(folder, legs):
             assert process.returncode not in (0, 2), f"the run ended before it was killed: {legs}"
         else:
             run(folder, ranks, threads, more + (["--steps", end] if end != "end" else []))
-        more = ["--restart", "latest"]
+        more = ["--restart", "latest" if more else folder]
     join(folder, ranks)
 
 
