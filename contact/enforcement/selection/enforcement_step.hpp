@@ -85,15 +85,21 @@ struct EnforcementStep {
       sums.terms.add(spring_work, -on_spring, energy_scale);
     if (last.damping != 0)
       sums.terms.add(damping_work, -last.damping * closing, energy_scale);
-    if (law.config.friction > 0) {
-      const FrictionSpring& friction = previous.friction(index);
-      sums.terms.add(friction_work,
-                     kick * 0.5 *
-                         (dot(friction.force, friction.motion) / law.previous_dt +
-                          dot(friction.force, slipOf(friction, motion, last, last_face)) / law.dt),
-                     energy_scale);
-    }
+    if (law.config.friction > 0)
+      recordFrictionWork(index, motion, last_face, sums);
     return on_spring;
+  }
+  // The part of friction: of contact `index` of the history, whose pair moves by `motion`.
+  KOKKOS_INLINE_FUNCTION void recordFrictionWork(int index, const Vec3& motion, int last_face,
+                                                 ContactSums& sums) const {
+    const Interaction& last = previous.interactions(index);
+    const FrictionSpring& friction = previous.friction(index);
+    const double kick = 0.5 * (law.previous_dt + law.dt);
+    sums.terms.add(friction_work,
+                   kick * 0.5 *
+                       (dot(friction.force, friction.motion) / law.previous_dt +
+                        dot(friction.force, slipOf(friction, motion, last, last_face)) / law.dt),
+                   energy_scale);
   }
 
   // Whether a contact of this node returns: the node had none in the last step, but one shortly

@@ -1,7 +1,7 @@
 // Rows whose contacts all stay under load on their faces and cannot get others: most rows of bodies
-// that are pressed together. Without friction, their contacts are projected, tested and written in
-// SIMD lanes, straight from the contact history. Kernel part of SelectInteractions on processors;
-// PersistRows (row_lists.hpp) is that of devices.
+// that are pressed together. Their contacts are projected, tested and written in SIMD lanes,
+// straight from the contact history; friction is added one by one. Kernel part of
+// SelectInteractions on processors; PersistRows (row_lists.hpp) is that of devices.
 #pragma once
 
 #include "contact/enforcement/selection/select_active_faces.hpp"
@@ -21,8 +21,6 @@ struct PersistInLanes {
 
   // Writes the contacts of such rows. Moves the other rows to the front, and returns their number.
   int operator()(std::int64_t* rows, int num_rows, ContactSums& sums) const {
-    if (step.law.config.friction > 0)
-      return num_rows;
     Batch batch;
     int num_kept = 0;
     for (int r = 0; r < num_rows; ++r)
@@ -130,10 +128,15 @@ private:
       step.next.row_count(row.node) = row.count;
       for (int i = row.first; i < row.first + row.count; ++i) {
         step.next.interactions.prefetch(next);
+        if (step.law.config.friction > 0) {
+          step.previous.friction.prefetch(batch.places[i].previous);
+          step.next.friction.prefetch(next);
+        }
         deepest = maxOf(deepest, -batch.found[i / width].gap[i % width]);
         batch.places[i].next = next++;
       }
       step.kinematics.record(row.node, row.count, deepest);
+      step.returns(row.node);
       known_apart(row.node) = 0;
     }
     for (int first = 0; first < batch.count; first += width)
@@ -192,10 +195,15 @@ private:
       sums.terms.add(spring_stored, state.recoverable[lane], step.energy_scale);
       if (now.depth > 0)
         write.count(state.penetration[lane], relative_depth[lane], sums);
-      if (fits[lane] != 0)
+      if (step.law.config.friction > 0) {
+        step.recordFrictionWork(place.previous, found.last_motion.of(lane), place.face, sums);
+        write.addForces(now, place.next, state.penetration[lane], found.motion.of(lane),
+                        place.previous, {}, sums);
+      } else if (fits[lane] != 0) {
         step.add.add(now, quanta, 1, lane);
-      else
+      } else {
         ++sums.invalid;
+      }
     }
   }
 };

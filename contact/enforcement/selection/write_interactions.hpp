@@ -91,13 +91,21 @@ struct WriteInteractions {
     }
     state.write(0, now);
     step.next.interactions.commit(index, now);
-    FrictionSpring friction;
-    if (law.config.friction > 0) {
-      applyFriction(now, contact, friction, sums);
-      step.next.friction.store(index, friction);
-    }
     if (now.fade_weight < 1)
       step.next.fading.store(index, fading);
+    const int previous = contact.is_persistent ? contact.previous : -1;
+    addForces(now, index, contact.depth, contact.motion, previous, fading, sums);
+  }
+  // Adds the forces of a contact whose normal ones are known, and applies friction. `previous`: in the
+  // history, or -1.
+  KOKKOS_INLINE_FUNCTION void addForces(const Interaction& now, std::int64_t index,
+                                        double penetration, const Vec3& motion, int previous,
+                                        const FadingForce& fading, ContactSums& sums) const {
+    FrictionSpring friction;
+    if (step.law.config.friction > 0) {
+      applyFriction(now, penetration, motion, previous, friction, sums);
+      step.next.friction.store(index, friction);
+    }
     if (now.first_force == 0)
       return;
     PairQuanta<double> quanta;
@@ -261,17 +269,18 @@ private:
            0.25 * (last_work - work);
   }
 
-  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, const FaceContact& contact,
+  KOKKOS_INLINE_FUNCTION void applyFriction(const Interaction& now, double penetration,
+                                            const Vec3& motion, int previous,
                                             FrictionSpring& friction, ContactSums& sums) const {
     friction.stiffness = step.law.config.friction_stiffness * now.stiffness;
     if (!(now.depth > 0 && friction.stiffness > 0) || now.is_retained)
       return; // nearly parallel edges could not balance the couple of a force across both
-    step.kinematics.setLevers(step.faces, now, contact.depth, friction.lever);
+    step.kinematics.setLevers(step.faces, now, penetration, friction.lever);
     friction.motion =
-        tangentialPart(step.slipOf(friction, contact.motion, now, contact.face), now.normal);
+        tangentialPart(step.slipOf(friction, motion, now, now.face_index), now.normal);
     Vec3 rotated;
-    if (contact.is_persistent) {
-      const FrictionSpring& last = step.previous.friction(contact.previous);
+    if (previous >= 0) {
+      const FrictionSpring& last = step.previous.friction(previous);
       rotated = rotateToPlane(last.force, now.normal);
       if (friction.stiffness < last.stiffness) // at equal stored energy
         rotated = std::sqrt(friction.stiffness / last.stiffness) * rotated;
