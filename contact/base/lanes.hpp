@@ -5,7 +5,7 @@
 
 #include "contact/base/backend.hpp"
 
-#if defined(__AVX512F__) && defined(__AVX512VL__) && !defined(__CUDACC__)
+#if defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(__CUDACC__)
 #define BRICKWALL_LANES_AVX512
 #include <immintrin.h>
 #elif defined(__AVX2__) && !defined(__CUDACC__)
@@ -15,76 +15,131 @@
 
 namespace brickwall {
 
-// Bit l: box[s * stride] <= reach[s][l] for all six sides (with Strict: <). `reach` is [6][Width],
-// unaligned: one box against the reaches of many.
-template <int Width, bool Strict = false>
-KOKKOS_INLINE_FUNCTION unsigned lanesReaching(const float* reach, const float* box, int stride) {
+// Lanes as bits: those where something holds with <= and with <.
+struct LanesReached {
+  unsigned all, surely;
+};
+
+// Bit l: box[s * stride] <= reach[s][l] for all six sides. `reach` is [6][Width], unaligned: one box
+// against the reaches of many. No difference of a reach and a side may be NaN.
+template <int Width>
+KOKKOS_INLINE_FUNCTION LanesReached lanesReaching(const float* reach, const float* box,
+                                                  int stride) {
+  // a - b >= 0 if and only if a >= b, and a - b > 0 if and only if a > b
 #if defined(BRICKWALL_LANES_AVX512)
-  constexpr int predicate = Strict ? _CMP_GT_OQ : _CMP_GE_OQ;
   if constexpr (Width == 16) {
-    __mmask16 lanes = 0xffff;
-    for (int s = 0; s < 6; ++s)
-      lanes = _mm512_mask_cmp_ps_mask(lanes, _mm512_loadu_ps(reach + s * 16),
-                                      _mm512_set1_ps(box[s * stride]), predicate);
-    return lanes;
+    __m512 least = _mm512_sub_ps(_mm512_loadu_ps(reach), _mm512_set1_ps(box[0]));
+    for (int s = 1; s < 6; ++s)
+      least = _mm512_maskz_min_ps(
+          0xffff, least,
+          _mm512_sub_ps(_mm512_loadu_ps(reach + s * 16), _mm512_set1_ps(box[s * stride])));
+    const __m512 zero = _mm512_setzero_ps();
+    return {_mm512_cmp_ps_mask(least, zero, _CMP_GE_OQ),
+            _mm512_cmp_ps_mask(least, zero, _CMP_GT_OQ)};
   }
 #elif defined(BRICKWALL_LANES_AVX2)
-  constexpr int predicate = Strict ? _CMP_GT_OQ : _CMP_GE_OQ;
   if constexpr (Width % 8 == 0) {
-    unsigned lanes = 0;
+    LanesReached lanes = {0, 0};
+    const __m256 zero = _mm256_setzero_ps();
     for (int part = 0; part < Width; part += 8) {
-      __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(reach + part), _mm256_set1_ps(box[0]), predicate);
+      __m256 least = _mm256_sub_ps(_mm256_loadu_ps(reach + part), _mm256_set1_ps(box[0]));
       for (int s = 1; s < 6; ++s)
-        all = _mm256_and_ps(all, _mm256_cmp_ps(_mm256_loadu_ps(reach + s * Width + part),
-                                               _mm256_set1_ps(box[s * stride]), predicate));
-      lanes |= static_cast<unsigned>(_mm256_movemask_ps(all)) << part;
+        least = _mm256_min_ps(least, _mm256_sub_ps(_mm256_loadu_ps(reach + s * Width + part),
+                                                   _mm256_set1_ps(box[s * stride])));
+      const auto bits = [&](__m256 which) {
+        return static_cast<unsigned>(_mm256_movemask_ps(which)) << part;
+      };
+      lanes.all |= bits(_mm256_cmp_ps(least, zero, _CMP_GE_OQ));
+      lanes.surely |= bits(_mm256_cmp_ps(least, zero, _CMP_GT_OQ));
     }
     return lanes;
   }
 #endif
-  unsigned lanes = 0;
+  LanesReached lanes = {0, 0};
   for (int l = 0; l < Width; ++l) {
-    bool within = true;
-    for (int s = 0; s < 6; ++s)
-      within &=
-          Strict ? box[s * stride] < reach[s * Width + l] : box[s * stride] <= reach[s * Width + l];
-    lanes |= static_cast<unsigned>(within) << l;
+    bool within = true, surely = true;
+    for (int s = 0; s < 6; ++s) {
+      within &= box[s * stride] <= reach[s * Width + l];
+      surely &= box[s * stride] < reach[s * Width + l];
+    }
+    lanes.all |= static_cast<unsigned>(within) << l;
+    lanes.surely |= static_cast<unsigned>(surely) << l;
   }
   return lanes;
 }
 
-// Bit l: sides[s][l] <= reach[s] for all six sides (with Strict: <). `sides` is [6][Width],
-// unaligned: many boxes against the reach of one.
-template <int Width, bool Strict = false>
-KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, const float (&reach)[6]) {
+// Bit l of eight: sides[s * stride + l] <= reach[s] for all six sides (with Strict: <): many boxes
+// against the reach of one.
+template <bool Strict = false>
+KOKKOS_INLINE_FUNCTION unsigned lanesWithin(const float* sides, int stride,
+                                            const float (&reach)[6]) {
 #if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
   constexpr int predicate = Strict ? _CMP_LT_OQ : _CMP_LE_OQ;
 #endif
 #if defined(BRICKWALL_LANES_AVX512)
-  if constexpr (Width == 8) {
-    __mmask8 lanes = 0xff;
-    for (int s = 0; s < 6; ++s)
-      lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * 8),
-                                      _mm256_set1_ps(reach[s]), predicate);
-    return lanes;
-  }
+  __mmask8 lanes = 0xff;
+  for (int s = 0; s < 6; ++s)
+    lanes = _mm256_mask_cmp_ps_mask(lanes, _mm256_loadu_ps(sides + s * stride),
+                                    _mm256_set1_ps(reach[s]), predicate);
+  return lanes;
 #elif defined(BRICKWALL_LANES_AVX2)
-  if constexpr (Width == 8) {
-    __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides), _mm256_set1_ps(reach[0]), predicate);
-    for (int s = 1; s < 6; ++s)
-      all = _mm256_and_ps(
-          all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * 8), _mm256_set1_ps(reach[s]), predicate));
-    return static_cast<unsigned>(_mm256_movemask_ps(all));
-  }
-#endif
+  __m256 all = _mm256_cmp_ps(_mm256_loadu_ps(sides), _mm256_set1_ps(reach[0]), predicate);
+  for (int s = 1; s < 6; ++s)
+    all = _mm256_and_ps(all, _mm256_cmp_ps(_mm256_loadu_ps(sides + s * stride),
+                                           _mm256_set1_ps(reach[s]), predicate));
+  return static_cast<unsigned>(_mm256_movemask_ps(all));
+#else
   unsigned lanes = 0;
-  for (int l = 0; l < Width; ++l) {
+  for (int l = 0; l < 8; ++l) {
     bool within = true;
     for (int s = 0; s < 6; ++s)
-      within &= Strict ? sides[s * Width + l] < reach[s] : sides[s * Width + l] <= reach[s];
+      within &= Strict ? sides[s * stride + l] < reach[s] : sides[s * stride + l] <= reach[s];
     lanes |= static_cast<unsigned>(within) << l;
   }
   return lanes;
+#endif
+}
+
+// lanes[s][l] = -rows[l][(s + 3) % 6]: the reaches of `Width` boxes.
+template <int Width>
+KOKKOS_INLINE_FUNCTION void reachOfRows(const float* rows, float* lanes) {
+#if defined(BRICKWALL_LANES_AVX512)
+  if constexpr (Width == 16) {
+    const __m512i six =
+        _mm512_set_epi32(90, 84, 78, 72, 66, 60, 54, 48, 42, 36, 30, 24, 18, 12, 6, 0);
+    const auto part = [&](int i) { return _mm512_loadu_ps(rows + 16 * i); };
+    for (int s = 0; s < 6; ++s) {
+      const __m512i at = _mm512_add_epi32(six, _mm512_set1_epi32((s + 3) % 6));
+      const __mmask16 from_32 = _mm512_cmpge_epi32_mask(at, _mm512_set1_epi32(32));
+      const __mmask16 from_64 = _mm512_cmpge_epi32_mask(at, _mm512_set1_epi32(64));
+      __m512 side = _mm512_permutex2var_ps(part(0), at, part(1));
+      side = _mm512_mask_mov_ps(side, from_32, _mm512_permutex2var_ps(part(2), at, part(3)));
+      side = _mm512_mask_mov_ps(side, from_64, _mm512_permutex2var_ps(part(4), at, part(5)));
+      _mm512_storeu_ps(lanes + s * 16, _mm512_xor_ps(side, _mm512_set1_ps(-0.0f)));
+    }
+    return;
+  }
+#endif
+  for (int s = 0; s < 6; ++s)
+    for (int l = 0; l < Width; ++l)
+      lanes[s * Width + l] = -rows[l * 6 + (s + 3) % 6];
+}
+
+// Writes those of eight numbers of 32 bits whose bit is set, in order. Up to 8 entries of `to` are
+// overwritten.
+template <class Number>
+KOKKOS_INLINE_FUNCTION void selectLanes(const Number* numbers, unsigned bits, Number* to) {
+  static_assert(sizeof(Number) == 4, "");
+#if defined(BRICKWALL_LANES_AVX512)
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                      _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), all));
+#else
+  for (int l = 0; l < 8; ++l) {
+    *to = numbers[l];
+    to += bits >> l & 1u;
+  }
+#endif
 }
 
 // bits[l]: for each of four numbers numbers[k][l], bit numbers[k][l] - first, if that is in [0,
@@ -111,28 +166,28 @@ KOKKOS_INLINE_FUNCTION void bitsOfNumbers(const int* numbers, int first, unsigne
 
 // The box of the points a and b (xyz), larger by `tolerance` and relative to `origin`, as floats:
 // lower xyz, then minus upper xyz, clamped to the range of floats. Returns whether all six
-// coordinates are finite; otherwise the box is meaningless. May read a[3] and b[3].
+// coordinates are finite; otherwise the box is meaningless. May read a[3] and b[3]; sides[6] and
+// sides[7] have no meaning.
 KOKKOS_INLINE_FUNCTION bool sweptBox(const double* a, const double* b, double tolerance,
-                                     const double (&origin)[4], float (&sides)[6]) {
+                                     const double (&origin)[4], float (&sides)[8]) {
 #if defined(BRICKWALL_LANES_AVX512) || defined(BRICKWALL_LANES_AVX2)
   const __m256d x = _mm256_loadu_pd(a), y = _mm256_loadu_pd(b), from = _mm256_loadu_pd(origin);
   const __m256d inflate = _mm256_set1_pd(tolerance);
   const __m256d zero = _mm256_add_pd(_mm256_sub_pd(x, x), _mm256_sub_pd(y, y)); // or NaN
   const __m256d low = _mm256_sub_pd(_mm256_sub_pd(_mm256_min_pd(x, y), inflate), from);
   const __m256d high = _mm256_sub_pd(_mm256_add_pd(_mm256_max_pd(x, y), inflate), from);
-  const __m128 most = _mm_set1_ps(3.40282347e+38f), least = _mm_set1_ps(-3.40282347e+38f);
-  const auto clamp = [&](__m128 f) { return _mm_min_ps(_mm_max_ps(f, least), most); };
-  const __m128 lower = _mm_add_ps(clamp(_mm256_cvtpd_ps(low)), _mm_setzero_ps());
-  const __m128 upper = _mm_add_ps(clamp(_mm256_cvtpd_ps(high)), _mm_setzero_ps());
-  float negative[4];
-  _mm_storeu_ps(sides, lower); // the fourth is overwritten
-  _mm_storeu_ps(negative, _mm_xor_ps(upper, _mm_set1_ps(-0.0f)));
-  for (int d = 0; d < 3; ++d)
-    sides[3 + d] = negative[d];
+  const __m256 most = _mm256_set1_ps(3.40282347e+38f), least = _mm256_set1_ps(-3.40282347e+38f);
+  const __m256 both = _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low));
+  const __m256 box =
+      _mm256_add_ps(_mm256_min_ps(_mm256_max_ps(both, least), most), _mm256_setzero_ps());
+  const __m256 minus = _mm256_setr_ps(0, 0, 0, 0, -0.0f, -0.0f, -0.0f, -0.0f);
+  _mm256_storeu_ps(sides, _mm256_permutevar8x32_ps(_mm256_xor_ps(box, minus),
+                                                   _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7)));
   return (_mm256_movemask_pd(_mm256_cmp_pd(zero, _mm256_setzero_pd(), _CMP_EQ_OQ)) & 7) == 7;
 #else
   constexpr double most = 3.40282346638528859812e+38;
   double zero = 0; // or NaN
+  sides[6] = sides[7] = 0;
   for (int d = 0; d < 3; ++d) {
     zero += (a[d] - a[d]) + (b[d] - b[d]);
     const double low = (b[d] < a[d] ? b[d] : a[d]) - tolerance - origin[d];

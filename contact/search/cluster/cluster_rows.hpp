@@ -22,38 +22,43 @@ constexpr int max_sorted_hits = 64; // most hits that selectRows() sorts
 // Clusters that traverse the upper levels of the tree together, and the most blocks that they keep.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;
 constexpr int max_near_blocks = cluster_size > 1 ? 512 : block_size;
+// Blocks whose faces a cluster tests one after another.
+constexpr int blocks_at_once = cluster_size > 1 ? 32 : 1;
 
 // Faces whose boxes overlap those of some nodes of a cluster. An item is the position of an own
 // face, or num_faces + ghost index.
 struct Hits {
-  int item[max_hits + block_size];
+  int item[max_hits + blocks_at_once * block_size];
   int key[max_hits]; // of own faces: rank in the order of rows, set by resolveFloatTies()
-  unsigned lanes[max_hits + block_size]; // the nodes
+  unsigned lanes[max_hits + blocks_at_once * block_size]; // the nodes
+  unsigned surely[max_hits + blocks_at_once * block_size]; // those without a tie in floats
   int count = 0;
   bool are_own = true; // none of them is a ghost
   bool may_be_same_body = false; // some own faces may belong to the body of some of the nodes
 };
 
-// Blocks of faces near a group of clusters; their boxes are again in blocks of eight.
+// Blocks of faces near a group of clusters, with their boxes.
 struct BlockList {
-  float boxes[max_near_blocks / block_size * block_floats];
-  int block[max_near_blocks];
+  float boxes[6][max_near_blocks + block_size];
+  int block[max_near_blocks + block_size];
   int count = 0; // more than max_near_blocks: the list is incomplete
 
-  KOKKOS_INLINE_FUNCTION void add(const BoxTree& tree, std::int64_t near) {
-    if (count < max_near_blocks) {
-      const float* const from = tree.block(1, near / block_size) + near % block_size;
-      float* const to = boxes + count / block_size * block_floats + count % block_size;
+  // Adds those of the eight blocks, from `first` on, whose bit is set; `of` holds their boxes.
+  KOKKOS_INLINE_FUNCTION void add(const float* of, std::int64_t first, unsigned bits) {
+    int number[block_size];
+    for (int lane = 0; lane < block_size; ++lane)
+      number[lane] = static_cast<int>(first) + lane;
+    if (count <= max_near_blocks) {
       for (int s = 0; s < 6; ++s)
-        to[s * block_size] = from[s * block_size];
-      block[count] = static_cast<int>(near);
+        selectLanes(of + s * block_size, bits, boxes[s] + count);
+      selectLanes(number, bits, block + count);
     }
-    ++count;
+    count += countBits(bits);
   }
-  // Sets the lanes after the last block to the empty box.
+  // Empties the lanes after the last block.
   KOKKOS_INLINE_FUNCTION void finish() {
-    for (int i = count; i < max_near_blocks && i % block_size != 0; ++i)
-      storeLane(boxes + i / block_size * block_floats, i % block_size, FloatBounds());
+    for (int i = count; i % block_size != 0 && i < max_near_blocks; ++i)
+      boxes[0][i] = HUGE_VALF;
   }
 };
 
@@ -100,9 +105,8 @@ struct FindRows {
           all.side[s] = minOf(all.side[s], cluster_bounds(std::int64_t(cluster) * 6 + s));
     const global_id body = bodyOfClusters(first, end);
     BlockList near_faces, near_ghosts;
-    sums.blocks += collect(face_tree, all.reach(), near_faces,
-                           [&](std::int64_t block) { return !isOfBody(block, body); });
-    collect(ghost_tree, all.reach(), near_ghosts, [](std::int64_t) { return true; });
+    sums.blocks += collect<false>(all.reach(), body, near_faces);
+    collect<true>(all.reach(), body, near_ghosts);
     for (int cluster = first; cluster < end; ++cluster)
       if (isSearched(cluster))
         findRows(cluster, near_faces, near_ghosts, sums);
@@ -124,37 +128,64 @@ struct FindRows {
     return body != many_bodies && test.order.block_body(block) == body;
   }
 
-  // Returns the number of blocks tested and listed.
-  template <class Keep>
-  KOKKOS_INLINE_FUNCTION static std::int64_t collect(const BoxTree& tree, const FloatBounds& reach,
-                                                     BlockList& list, const Keep& keep) {
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION const BoxTree& treeOf() const {
+    return of_ghosts ? ghost_tree : face_tree;
+  }
+
+  // Lists the blocks of faces near a group, but for those of the body to which it belongs. Returns
+  // the number of blocks tested and listed.
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION std::int64_t collect(const FloatBounds& reach, global_id body,
+                                              BlockList& list) const {
+    const BoxTree& tree = treeOf<of_ghosts>();
     if (group_size == 1 || tree.num_levels < 2)
       return 0;
-    const int num_tested =
-        walkLevels(tree, tree.num_levels - 1, 0, 1, reach, [&](const std::int64_t block) {
-          if (keep(block))
-            list.add(tree, block);
-          return list.count <= max_near_blocks;
-        });
+    int num_tested = 0;
+    const auto addChildren = [&](const std::int64_t parent) {
+      const float* const boxes = tree.block(1, parent);
+      unsigned near = lanesOverlapping(boxes, reach);
+      if (!of_ghosts && body != many_bodies)
+        for (unsigned rest = near; rest != 0; rest &= rest - 1)
+          if (isOfBody(parent * block_size + lowestBit(rest), body))
+            near &= ~(rest & (~rest + 1));
+      list.add(boxes, parent * block_size, near);
+      ++num_tested;
+      return list.count <= max_near_blocks;
+    };
+    if (tree.num_levels > 2)
+      num_tested += walkLevels(tree, tree.num_levels - 1, 0, 2, reach, addChildren);
+    else
+      addChildren(0);
     list.finish();
+    for (int i = 0; i < minOf(list.count, max_near_blocks); ++i)
+      prefetchBlock(tree.block(0, list.block[i]));
     return std::int64_t(num_tested) + list.count;
   }
 
-  // Calls visit(block) for the blocks of a tree that the cluster overlaps, ascending; `list` holds
-  // those near its group.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION static void visitBlocks(const BoxTree& tree, const FloatBounds& reach,
-                                                 const BlockList& list, const Visit& visit) {
-    if constexpr (group_size > 1)
-      if (tree.num_levels >= 2 && list.count <= max_near_blocks) {
-        for (int begin = 0; begin < list.count; begin += block_size)
-          for (unsigned lanes =
-                   lanesOverlapping(list.boxes + begin / block_size * block_floats, reach);
-               lanes != 0; lanes &= lanes - 1)
-            visit(std::int64_t(list.block[begin + lowestBit(lanes)]));
-        return;
+  // Tests a cluster against the blocks of a tree that it overlaps, ascending; `list` holds those
+  // near its group.
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION void testTree(const NodeCluster& nodes, int first, global_id body,
+                                       const BlockList& list, Hits& hits) const {
+    const BoxTree& tree = treeOf<of_ghosts>();
+    if (group_size > 1 && tree.num_levels >= 2 && list.count <= max_near_blocks) {
+      int near[max_near_blocks + block_size];
+      int count = 0;
+      for (int i = 0; i < list.count; i += block_size) {
+        const unsigned bits =
+            lanesWithin(list.boxes[0] + i, max_near_blocks + block_size, nodes.all.side);
+        selectLanes(list.block + i, bits, near + count);
+        count += countBits(bits);
       }
-    walkBlocks(tree, reach, visit);
+      for (int i = 0; i < count; i += blocks_at_once)
+        testBlocks<of_ghosts>(nodes, first, body, near + i, minOf(count - i, blocks_at_once), hits);
+      return;
+    }
+    walkBlocks(tree, nodes.all, [&](const std::int64_t block) {
+      const int number = static_cast<int>(block);
+      testBlocks<of_ghosts>(nodes, first, body, &number, 1, hits);
+    });
   }
 
   KOKKOS_INLINE_FUNCTION void findRows(int cluster, const BlockList& near_faces,
@@ -173,13 +204,11 @@ struct FindRows {
                owned);
     Hits hits;
     const global_id body = test.order.bodyOfCluster(cluster);
-    visitBlocks(face_tree, nodes.all, near_faces,
-                [&](const std::int64_t block) { testOwnFaces(nodes, first, body, block, hits); });
-    visitBlocks(ghost_tree, nodes.all, near_ghosts,
-                [&](const std::int64_t block) { testGhosts(nodes, block, hits); });
+    testTree<false>(nodes, first, body, near_faces, hits);
+    testTree<true>(nodes, first, body, near_ghosts, hits);
     const bool is_long = hits.count > max_hits;
     if (!is_long)
-      resolveFloatTies(nodes, first, hits);
+      resolveFloatTies(first, hits);
     if (!is_long && hits.are_own && hits.count <= max_sorted_hits && cluster_size > 1)
       selectRows(hits, cluster, begin, sums);
     else
@@ -251,62 +280,61 @@ struct FindRows {
               [&](const int a, const int b) { return test.before(a, b); });
   }
 
-  // Appends without branching, since whether a face is near is unpredictable.
-  KOKKOS_INLINE_FUNCTION static void append(Hits& hits, int item, unsigned near) {
-    hits.item[hits.count] = item;
-    hits.lanes[hits.count] = near;
-    hits.count += near != 0;
-  }
-
+  // Tests a cluster against the faces of these blocks: its union against each block, then its nodes
+  // against the faces found, without branching, since whether a face is near is unpredictable.
   // `body`: of the cluster. Blocks of another body have no corner in the cluster.
-  KOKKOS_INLINE_FUNCTION void testOwnFaces(const NodeCluster& nodes, int first, global_id body,
-                                           std::int64_t block, Hits& hits) const {
-    if (hits.count > max_hits || isOfBody(block, body))
-      return;
-    const float* const boxes = face_tree.block(0, block);
-    unsigned own[block_size] = {}; // nodes of the cluster that are corners of the faces
-    if (body == many_bodies || test.order.block_body(block) == many_bodies) {
-      bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own);
-      hits.may_be_same_body = true;
-    }
-    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
-      const int lane = lowestBit(lanes);
-      append(hits, static_cast<int>(block) * block_size + lane,
-             lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size) & ~own[lane]);
-    }
-  }
-
-  KOKKOS_INLINE_FUNCTION void testGhosts(const NodeCluster& nodes, std::int64_t block,
-                                         Hits& hits) const {
+  template <bool of_ghosts>
+  KOKKOS_INLINE_FUNCTION void testBlocks(const NodeCluster& nodes, int first, global_id body,
+                                         const int* blocks, int count, Hits& hits) const {
     if (hits.count > max_hits)
       return;
-    const float* const boxes = ghost_tree.block(0, block);
-    for (unsigned lanes = lanesOverlapping(boxes, nodes.all); lanes != 0; lanes &= lanes - 1) {
-      const int lane = lowestBit(lanes);
-      const unsigned near = lanesReaching<cluster_size>(nodes.lanes, boxes + lane, block_size);
-      hits.are_own &= near == 0;
-      append(hits, test.surface.num_faces + static_cast<int>(block) * block_size + lane, near);
+    const BoxTree& tree = treeOf<of_ghosts>();
+    constexpr int most = (blocks_at_once + 1) * block_size;
+    int near[most];
+    unsigned own[most]; // nodes of the cluster that are corners of the face
+    int num_near = 0;
+    for (int i = 0; i < count; ++i) {
+      const std::int64_t block = blocks[i];
+      if (!of_ghosts && isOfBody(block, body))
+        continue;
+      const unsigned lanes = lanesOverlapping(tree.block(0, block), nodes.all);
+      unsigned own_of_lanes[block_size] = {};
+      if (!of_ghosts && (body == many_bodies || test.order.block_body(block) == many_bodies)) {
+        bitsOfNumbers(&test.order.corners(block * 4 * block_size), first, own_of_lanes);
+        hits.may_be_same_body = true;
+      }
+      int number[block_size];
+      for (int lane = 0; lane < block_size; ++lane)
+        number[lane] = blocks[i] * block_size + lane;
+      selectLanes(number, lanes, near + num_near);
+      selectLanes(own_of_lanes, lanes, own + num_near);
+      num_near += countBits(lanes);
+    }
+    for (int i = 0; i < num_near; ++i) {
+      const float* const box = tree.block(0, near[i] / block_size) + near[i] % block_size;
+      const LanesReached reached = lanesReaching<cluster_size>(nodes.lanes, box, block_size);
+      const unsigned lanes = reached.all & ~own[i];
+      hits.item[hits.count] = (of_ghosts ? test.surface.num_faces : 0) + near[i];
+      hits.lanes[hits.count] = lanes;
+      hits.surely[hits.count] = reached.surely;
+      hits.count += lanes != 0;
+      hits.are_own &= !of_ghosts || lanes == 0;
     }
   }
 
   // Resolves ties in floats and applies the rules: items become faces, lanes those of the nodes
   // that may touch them.
-  KOKKOS_INLINE_FUNCTION void resolveFloatTies(const NodeCluster& nodes, int first,
-                                               Hits& hits) const {
+  KOKKOS_INLINE_FUNCTION void resolveFloatTies(int first, Hits& hits) const {
     const bool is_ranked = test.order.face_rank.extent(0) > 0;
     int kept = 0;
     for (int i = 0; i < hits.count; ++i) {
       const int item = hits.item[i];
       const bool is_own = item < test.surface.num_faces;
-      const int at = is_own ? item : item - test.surface.num_faces;
-      const float* const box =
-          (is_own ? face_tree : ghost_tree).block(0, at / block_size) + at % block_size;
       const int face = is_own ? test.order.face_order(item) : item;
       unsigned lanes = hits.lanes[i];
       if (!is_own || (test.drop_same_body && hits.may_be_same_body))
         lanes = allowed(lanes, first, face);
-      const unsigned unsure =
-          lanes & ~lanesReaching<cluster_size, true>(nodes.lanes, box, block_size);
+      const unsigned unsure = lanes & ~hits.surely[i];
       if (unsure != 0)
         lanes = (lanes & ~unsure) | overlapping(unsure, first, face);
       hits.item[kept] = face;
@@ -336,24 +364,21 @@ struct FindRows {
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
                                           const Visit& visit) const {
-    Hits hits;
-    walkBlocks(face_tree, nodes.all, [&](const std::int64_t block) {
-      hits.count = 0;
-      testOwnFaces(nodes, first, many_bodies, block, hits);
-      visitHits(nodes, first, hits, visit);
-    });
-    walkBlocks(ghost_tree, nodes.all, [&](const std::int64_t block) {
-      hits.count = 0;
-      testGhosts(nodes, block, hits);
-      visitHits(nodes, first, hits, visit);
-    });
+    forAllPairs<false>(nodes, first, visit);
+    forAllPairs<true>(nodes, first, visit);
   }
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void visitHits(const NodeCluster& nodes, int first, Hits& hits,
-                                        const Visit& visit) const {
-    resolveFloatTies(nodes, first, hits);
-    for (int i = 0; i < hits.count; ++i)
-      visit(hits.item[i], hits.lanes[i]);
+  template <bool of_ghosts, class Visit>
+  KOKKOS_INLINE_FUNCTION void forAllPairs(const NodeCluster& nodes, int first,
+                                          const Visit& visit) const {
+    Hits hits;
+    walkBlocks(treeOf<of_ghosts>(), nodes.all, [&](const std::int64_t block) {
+      const int number = static_cast<int>(block);
+      hits.count = 0;
+      testBlocks<of_ghosts>(nodes, first, many_bodies, &number, 1, hits);
+      resolveFloatTies(first, hits);
+      for (int i = 0; i < hits.count; ++i)
+        visit(hits.item[i], hits.lanes[i]);
+    });
   }
 };
 

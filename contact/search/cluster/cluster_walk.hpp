@@ -16,12 +16,9 @@ struct NodeCluster {
   // Takes the lanes in `used` from `bounds` [node position][6]; `of_used` is the union of their
   // bounds.
   KOKKOS_INLINE_FUNCTION void load(const float* bounds, const float* of_used, unsigned used) {
-    for (int s = 0; s < 6; ++s) {
-      const float* const side = bounds + (s + 3) % 6;
-      for (int lane = 0; lane < cluster_size; ++lane)
-        lanes[s * cluster_size + lane] = -side[lane * 6];
+    reachOfRows<cluster_size>(bounds, lanes);
+    for (int s = 0; s < 6; ++s)
       all.side[s] = -of_used[(s + 3) % 6];
-    }
     if (used != all_lanes)
       for (int lane = 0; lane < cluster_size; ++lane)
         for (int s = 0; s < 6; ++s)

@@ -15,28 +15,31 @@ struct RefitCluster : RefitInput {
     prefetchNodes(first + 4 * cluster_size); // the host's rows are scattered
     const double from[4] = {origin.x, origin.y, origin.z, 0};
     const unsigned is_owned = owned(cluster);
-    FloatBounds of_owned;
+    float of_owned[8]; // eight, not six: one SIMD register
+    for (float& side : of_owned)
+      side = HUGE_VALF;
     for (int lane = 0; lane < cluster_size && first + lane < num_nodes; ++lane) {
       const int node = node_order(first + lane);
       double rows[2][4];
       const double* const a = rowOfFour(x_old, node, rows[0]);
       const double* const b = rowOfFour(x_new, node, rows[1]);
-      FloatBounds bounds;
-      const bool is_finite = sweptBox(a, b, face_tolerance, from, bounds.side);
+      float sides[8];
+      const bool is_finite = sweptBox(a, b, face_tolerance, from, sides);
       if (!is_finite)
-        skip(node, bounds, all);
-      storeRow(bounds, &corner_bounds((first + lane) * 6));
+        skip(node, sides, all);
+      storeRow(sides, &corner_bounds((first + lane) * 6));
       if (!same_bounds) {
         if (is_finite)
-          sweptBox(a, b, node_tolerance, from, bounds.side);
-        storeRow(bounds, &node_bounds((first + lane) * 6));
+          sweptBox(a, b, node_tolerance, from, sides);
+        storeRow(sides, &node_bounds((first + lane) * 6));
       }
-      for (int s = 0; s < 6; ++s)
-        of_owned.side[s] =
-            minOf(of_owned.side[s], is_owned >> lane & 1u ? bounds.side[s] : HUGE_VALF);
+      if ((is_owned >> lane & 1u) != 0)
+        for (int s = 0; s < 8; ++s)
+          of_owned[s] = sides[s] < of_owned[s] ? sides[s] : of_owned[s];
     }
     storeRow(of_owned, &cluster_bounds(cluster * 6));
-    all.owned_nodes.include(of_owned);
+    for (int s = 0; s < 6; ++s)
+      all.owned_nodes.side[s] = minOf(all.owned_nodes.side[s], of_owned[s]);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNodes(std::int64_t first) const {
@@ -59,13 +62,14 @@ struct RefitCluster : RefitInput {
     copy[3] = 0;
     return copy;
   }
-  KOKKOS_INLINE_FUNCTION static void storeRow(const FloatBounds& bounds, float* row) {
+  KOKKOS_INLINE_FUNCTION static void storeRow(const float (&sides)[8], float* row) {
     for (int s = 0; s < 6; ++s)
-      row[s] = bounds.side[s];
+      row[s] = sides[s];
   }
   // Counts a node that is not finite, which has no box.
-  KOKKOS_INLINE_FUNCTION void skip(int node, FloatBounds& bounds, RefitSums& all) const {
-    bounds = FloatBounds();
+  KOKKOS_INLINE_FUNCTION void skip(int node, float (&sides)[8], RefitSums& all) const {
+    for (float& side : sides)
+      side = HUGE_VALF;
     ++all.num_invalid;
     all.first_invalid = minOf(all.first_invalid, ids(node));
   }

@@ -63,24 +63,26 @@ struct RefitNodes {
       b[d] = input.x_new(node, d);
     }
     a[3] = 0;
-    FloatBounds bounds;
-    const bool is_finite = sweptBox(a, b, input.face_tolerance, origin, bounds.side);
+    float sides[8];
+    const bool is_finite = sweptBox(a, b, input.face_tolerance, origin, sides);
     if (!is_finite) {
-      bounds = FloatBounds();
+      for (int s = 0; s < 6; ++s)
+        sides[s] = HUGE_VALF;
       ++of_lane.num_invalid;
       of_lane.first_invalid = minOf(of_lane.first_invalid, input.ids(node));
     }
     for (int s = 0; s < 6; ++s)
-      corner_row[s] = bounds.side[s];
+      corner_row[s] = sides[s];
     if (!input.same_bounds) {
       if (is_finite)
-        sweptBox(a, b, input.node_tolerance, origin, bounds.side);
+        sweptBox(a, b, input.node_tolerance, origin, sides);
       for (int s = 0; s < 6; ++s)
-        node_row[s] = bounds.side[s];
+        node_row[s] = sides[s];
     }
     if ((input.owned(position / cluster_size) >> static_cast<int>(position % cluster_size) & 1u) !=
         0)
-      of_lane.owned_nodes.include(bounds);
+      for (int s = 0; s < 6; ++s)
+        of_lane.owned_nodes.side[s] = minOf(of_lane.owned_nodes.side[s], sides[s]);
   }
 };
 

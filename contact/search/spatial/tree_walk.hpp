@@ -13,7 +13,7 @@ namespace brickwall::contact {
 // others overlap in doubles, too.
 template <bool Strict = false>
 KOKKOS_INLINE_FUNCTION unsigned lanesOverlapping(const float* block, const FloatBounds& reach) {
-  return lanesWithin<block_size, Strict>(block, reach.side);
+  return lanesWithin<Strict>(block, block_size, reach.side);
 }
 
 KOKKOS_FORCEINLINE_FUNCTION void prefetchBlock(const float* block) {
