@@ -145,7 +145,13 @@ while [[ $# -gt 0 ]]; do
       ;;
     run | check | mesh | search | report) die "the command $1 must be the first argument" ;;
     *) # the value of an option of the program, or a deck without the suffix .toml
-      if [[ -z $deck && -f $1 && ${#program_options[@]} -eq 0 ]]; then deck=$1; else program_options+=("$1"); fi
+      if [[ ${#program_options[@]} -gt 0 ]]; then
+        program_options+=("$1")
+      elif [[ -z $deck && -f $1 ]]; then
+        deck=$1
+      else
+        die "found \"$1\", expected run, check, mesh, search, report, an option or the path of a deck"
+      fi
       shift
       ;;
   esac

@@ -4,6 +4,10 @@
 # the format if it is wrong.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then
+  sed -n '2,4s/^# //p' test.sh
+  exit 0
+fi
 
 cmake/setup.sh --with-format
 

@@ -42,6 +42,8 @@ expect 0 check "$inputs/one_brick.toml" -o checked
 expect 2 run "$inputs/one_brick.toml" --set wall.brics=1
 expect 2 run no_such_deck.toml
 expect 2 run -n none
+expect 2 serach "$inputs/one_brick.toml"
+grep -q '^run.sh: found "serach", expected run, check' log || fail "an unknown command is not named"
 
 # Many more ranks than cores are refused unless the user insists; a few more give a warning.
 too_many=$((8 * $(nproc) + 1))
