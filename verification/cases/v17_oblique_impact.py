@@ -2,8 +2,8 @@
 times, with closing speeds of 0.002 to 0.006 c (6 to 19 m/s in brick). There are no external forces
 and no dissipation: momentum, angular momentum and energy stay. The first two are exact by
 construction; the energy shows the error of contact at activations, transfers between faces and
-slips off edges, and where the step changes in contact. The gauge is that of the half step, which central differences conserve to rounding
-for linear springs."""
+slips off edges, and where the step changes in contact. The gauge is that of the half step, which
+central differences conserve to rounding for linear springs."""
 from dataclasses import dataclass
 
 import numpy as np
