@@ -20,11 +20,12 @@ program=$brickwall
 output=$work/out
 
 # expect NAME CODE PATTERN RANKS arguments...: runs $program and checks the exit code and that its
-# output matches the pattern.
+# output matches the pattern. Standard error is kept apart: mpiexec may mix both within a line.
 expect() {
   local name=$1 code=$2 pattern=$3 ranks=$4 found=0
   shift 4
-  timeout 120 "$mpiexec" -n "$ranks" --oversubscribe "$program" "$@" -o "$output" >"$work/log" 2>&1 || found=$?
+  timeout 120 "$mpiexec" -n "$ranks" --oversubscribe "$program" "$@" -o "$output" >"$work/log" 2>"$work/errors" || found=$?
+  cat "$work/errors" >>"$work/log"
   if [[ $found -ne $code ]]; then
     echo "FAILED $name on $ranks ranks: exit code $found, expected $code"; tail -n 5 "$work/log"; failures=$((failures + 1))
   elif ! grep -Eq "$pattern" "$work/log"; then

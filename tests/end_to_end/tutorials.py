@@ -39,9 +39,8 @@ def main():
         run_sh.chmod(0o755)
         for kind, block in blocks:
             if kind == "sh":
-                result = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, text=True)
-                output = result.stdout
+                result = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, capture_output=True, text=True)
+                output = result.stdout + result.stderr  # one after the other: mpiexec may mix both within a line
                 print(block + output)
                 assert result.returncode == 0, f"exit code {result.returncode} of\n{block}"
             else:
