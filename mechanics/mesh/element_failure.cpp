@@ -26,6 +26,8 @@ const char* textOf(int reason) {
     return "force is not a number";
   case force_overflow:
     return "force beyond the fixed-point range";
+  case mass_out_of_range:
+    return "mass beyond the range of numbers";
   default:
     return "no failure";
   }

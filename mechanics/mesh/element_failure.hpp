@@ -9,7 +9,13 @@
 
 namespace brickwall::mechanics {
 
-enum FailureReason : int { no_failure, inverted_element, not_a_number, force_overflow };
+enum FailureReason : int {
+  no_failure,
+  inverted_element,
+  not_a_number,
+  force_overflow,
+  mass_out_of_range
+};
 
 // Reduced with PlusReducer<ElementFailure>: counts add, the lowest global id is kept.
 struct ElementFailure {

@@ -3,6 +3,9 @@
 #include "contact/base/mpi.hpp"
 #include "mechanics/element/hex8_geometry.hpp"
 
+#include <cfloat>
+#include <cmath>
+
 namespace brickwall::mechanics {
 
 namespace {
@@ -24,6 +27,15 @@ KOKKOS_INLINE_FUNCTION double cornerMass(const MeshViews& mesh, int elem, HexVol
   return 0.125 * mesh.materials(mesh.elem_block(elem)).density * volume.volume;
 }
 
+// Products of large coordinates are infinite or, as differences, not a number.
+KOKKOS_INLINE_FUNCTION int failureReason(const HexVolume& volume, double mass) {
+  if (!(std::fabs(mass) <= DBL_MAX))
+    return mass_out_of_range;
+  if (!(volume.min_determinant > 0))
+    return inverted_element;
+  return mass > 0 ? no_failure : mass_out_of_range;
+}
+
 MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems) {
   MassCheck check;
   Kokkos::parallel_reduce(
@@ -31,10 +43,11 @@ MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems
       KOKKOS_LAMBDA(const std::int64_t elem, MassCheck& sum) {
         HexVolume volume;
         const double mass = cornerMass(m, static_cast<int>(elem), volume);
-        if (volume.min_determinant > 0 && mass > 0)
+        const int reason = failureReason(volume, mass);
+        if (reason == no_failure)
           sum.largest = maxOf(sum.largest, mass);
         else
-          sum.failure.add(m.elem_ids(elem), inverted_element);
+          sum.failure.add(m.elem_ids(elem), reason);
       },
       PlusReducer<MassCheck>(check));
   space.fence();
@@ -63,7 +76,8 @@ View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& 
   const GlobalFailure failure = agreeOnFailure(space, comm, mesh, check.failure);
   if (failure.count > 0)
     throw BadElementError(
-        failure, describe(failure) + "; expected J > 0 at all 2x2x2 Gauss points of each element");
+        failure, describe(failure) + "; expected J > 0 at all 2x2x2 Gauss points of each element, "
+                                     "and a finite mass > 0");
   const double largest = allReduce(comm, check.largest, MPI_MAX);
   const Quantum quantum = largest > 0 ? Quantum::forForceScale(largest) : Quantum::powerOfTwo(0);
   View<std::int64_t**> sums("mechanics::lumpedMass::sums", mesh.num_nodes, 1);

@@ -292,6 +292,22 @@ TEST(Mass, IsDensityTimesVolumeAndNamesABadElement) {
   }
 }
 
+TEST(Mass, CountsEveryElementWhoseMassIsBeyondTheRangeOfNumbers) {
+  const exec_space space;
+  BlockMesh blocks = makeBlocks(
+      space, world, {cube(3)}, {steelLike()}, [](const Vec3& x) { return 1e150 * distorted(x); },
+      scattered);
+  try {
+    lumpedMass(space, world, blocks.mesh, blocks.sum);
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("mass beyond the range of numbers; 27 element(s) failed"),
+              std::string::npos)
+        << text;
+  }
+}
+
 TEST(Skin, OfACutBlockIsThatOfTheWhole) {
   const exec_space space;
   BlockMesh blocks =
