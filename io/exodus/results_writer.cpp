@@ -9,8 +9,6 @@
 #include <netcdf.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -354,14 +352,6 @@ void ResultsWriter::writeStep(double time, const std::vector<std::vector<double>
         -std::abs(nc_put_att_double(id, NC_GLOBAL, last_time_attribute, NC_DOUBLE, 1, &time)),
         "the time of the last step");
     s.flush();
-  });
-}
-
-void ResultsWriter::rename() {
-  rethrowOnAllRanks(_state->comm, [&] {
-    const std::string& from = _state->file.path();
-    if (std::rename(from.c_str(), _state->path.c_str()) != 0)
-      throw OutputError(from + ": cannot be renamed: " + std::strerror(errno));
   });
 }
 

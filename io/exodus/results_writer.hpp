@@ -28,7 +28,7 @@ struct ResultsConfig {
   bool write_brick_id = true; // adds the element variable brick_id (body number + 1), last
   bool write_processor_id = false; // adds the element variable processor_id, after it
   bool single_precision = false; // store floats
-  // The files carry this suffix until rename(), so that those of an earlier run stay as they are.
+  // The names end with it until the caller renames the files, so that earlier ones stay as they are.
   std::string temporary_suffix = {};
   FileFormat format = FileFormat::offset64;
 };
@@ -55,12 +55,8 @@ public:
                  const std::vector<std::vector<double>>& element,
                  const std::vector<double>& global);
 
-  // Removes the temporary suffix: the file replaces one of an earlier run. Collective; throws as
-  // above.
-  void rename();
-
   int numSteps() const;
-  const std::string& fileName() const; // of this rank
+  const std::string& fileName() const; // of this rank, without the temporary suffix
 
   // Closes the file and reports errors. Collective; throws as above.
   void close();

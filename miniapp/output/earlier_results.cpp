@@ -6,27 +6,39 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 
 namespace brickwall::miniapp {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+std::string folderOf(const std::string& base) {
+  return fs::path(base).has_parent_path() ? fs::path(base).parent_path().string() : ".";
+}
+
+// Files get their names one by one. While this note is there, which holds the numbers of new and of
+// replaced files, all of the new ones are on the disk, with or without their suffix.
+std::string noteOf(const std::string& base) {
+  return base + EarlierResults::new_suffix + ".ranks";
+}
+
 // The numbers of ranks for which there is a file of rank 0: N of base.N.0, and 1 for base itself.
-std::vector<int> layoutsOf(const std::string& base) {
-  namespace fs = std::filesystem;
+std::vector<int> layoutsOf(const std::string& base, const std::string& suffix = "") {
   std::vector<int> found;
   std::error_code none;
-  if (fs::exists(base, none))
+  if (fs::exists(base + suffix, none))
     found.push_back(1);
-  const fs::path folder = fs::path(base).has_parent_path() ? fs::path(base).parent_path() : ".";
   const std::string prefix = fs::path(base).filename().string() + ".";
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
+  for (const auto& entry : fs::directory_iterator(folderOf(base), none)) {
     const std::string name = entry.path().filename().string();
     if (name.compare(0, prefix.size(), prefix) != 0)
       continue;
     const int ranks = std::atoi(name.c_str() + prefix.size());
-    if (ranks > 1 && fs::path(io::rankFileName(base, ranks, 0)).filename() == name)
+    if (ranks > 1 &&
+        fs::path(io::rankFileName(base, ranks, 0)).filename().string() + suffix == name)
       found.push_back(ranks);
   }
   std::sort(found.begin(), found.end());
@@ -157,12 +169,45 @@ void EarlierResults::copyTo(io::ResultsWriter& writer, const io::MeshPart& part)
   }
 }
 
-void EarlierResults::removeReplaced() const {
-  if (_ranks != sizeOf(_comm) && rankOf(_comm) == 0)
-    for (int r = 0; r < _ranks; ++r) {
-      std::error_code ignored;
-      std::filesystem::remove(io::rankFileName(_base, _ranks, r), ignored);
+void EarlierResults::replaceBy(const io::ResultsWriter& writer) const {
+  rethrowOnAllRanks(_comm, [&] { io::syncToDisk(writer.fileName() + new_suffix); });
+  rethrowOnAllRanks(_comm, [&] {
+    if (rankOf(_comm) != 0)
+      return;
+    const std::string note = noteOf(_base);
+    std::ofstream file(note);
+    file << sizeOf(_comm) << ' ' << _ranks << std::endl;
+    if (!file)
+      throw OutputError(note + ": could not be written");
+    io::syncToDisk(note);
+    io::syncToDisk(folderOf(_base));
+  });
+  endReplacement(_comm, _base);
+}
+
+void EarlierResults::endReplacement(MPI_Comm comm, const std::string& base) {
+  rethrowOnAllRanks(comm, [&] {
+    if (rankOf(comm) != 0)
+      return;
+    int ranks = 0, replaced = 0;
+    std::ifstream(noteOf(base)) >> ranks >> replaced;
+    for (int r = 0; r < ranks; ++r) {
+      const std::string path = io::rankFileName(base, ranks, r);
+      std::error_code error;
+      fs::rename(path + new_suffix, path, error);
+      if (error && error != std::errc::no_such_file_or_directory)
+        throw OutputError(path + new_suffix + ": cannot be renamed: " + error.message());
     }
+    if (ranks > 0)
+      io::syncToDisk(folderOf(base));
+    std::error_code ignored;
+    for (int r = 0; r < replaced && replaced != ranks; ++r)
+      fs::remove(io::rankFileName(base, replaced, r), ignored);
+    fs::remove(noteOf(base), ignored);
+    for (const int layout : layoutsOf(base, new_suffix)) // of a run that was killed before the note
+      for (int r = layout; r-- > 0;)
+        fs::remove(io::rankFileName(base, layout, r) + new_suffix, ignored);
+  });
 }
 
 } // namespace brickwall::miniapp

@@ -26,8 +26,14 @@ public:
   // Appends all steps to `writer`, whose mesh is `part`. Collective. Throws as the writer, and
   // InputError on all ranks for a file that cannot be read.
   void copyTo(io::ResultsWriter& writer, const io::MeshPart& part) const;
-  // Removes the files, unless `writer` has replaced them. Collective.
-  void removeReplaced() const;
+  // The files of `writer`, which carry new_suffix, take the place of these once all are on the disk.
+  // Collective. Throws OutputError on all ranks.
+  void replaceBy(const io::ResultsWriter& writer) const;
+  static constexpr const char* new_suffix = ".new";
+
+  // Ends a replacement during which a run was killed: files that were complete on all ranks get their
+  // names, others are removed. Collective. Throws OutputError on all ranks.
+  static void endReplacement(MPI_Comm comm, const std::string& base);
 
 private:
   std::string open(int ranks); // returns why these files are not suitable; collective

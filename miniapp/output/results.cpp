@@ -46,7 +46,7 @@ Variables variablesOf(OutputField field) {
 }
 
 io::ResultsConfig asTemporary(io::ResultsConfig config) {
-  config.temporary_suffix = ".new";
+  config.temporary_suffix = EarlierResults::new_suffix;
   return config;
 }
 
@@ -80,8 +80,7 @@ Results::Results(MPI_Comm comm, const std::string& base, const Config& config, c
                  const PhaseRecorder& recorder, const EarlierResults& earlier)
     : Results(comm, base, asTemporary(resultsConfig(config)), config, scene, recorder) {
   earlier.copyTo(_writer, scene.part);
-  _writer.rename();
-  earlier.removeReplaced();
+  earlier.replaceBy(_writer);
 }
 
 Results::Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig& results,

@@ -53,6 +53,7 @@ void RunOutput::begin(const Simulation& simulation) {
 void RunOutput::lock() {
   makeDirectory(_comm, _directory);
   _lock = FolderLock(_comm, _directory);
+  EarlierResults::endReplacement(_comm, path(_case_name) + ".exo");
 }
 
 void RunOutput::create(const Simulation& simulation) {

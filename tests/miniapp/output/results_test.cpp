@@ -2,12 +2,15 @@
 #include "contact/base/mpi.hpp"
 #include "io/exodus/results_reader.hpp"
 #include "mechanics/element/stress_measures.hpp"
+#include "miniapp/output/earlier_results.hpp"
 #include "miniapp/output/results.hpp"
 #include "tests/miniapp/simulation/case.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 namespace brickwall::miniapp::testing {
@@ -308,6 +311,42 @@ TEST(StressMeasures, OfKnownStresses) {
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(principal[i], (i == 0 ? 4 : i == 1 ? 2 : 1), 1e-14);
   EXPECT_NEAR(vonMises(turned), std::sqrt(7.0), 1e-14);
+}
+
+// A run of three ranks was killed among the renames of its files, or before them; it continues one of
+// two ranks. A file of another deck is none of its files.
+TEST(EarlierResults, AreReplacedAsAWholeOrNotAtAll) {
+  const auto textOf = [](const std::string& path) {
+    std::string text;
+    std::ifstream(path) >> text;
+    return text;
+  };
+  for (const bool were_complete : {true, false}) {
+    const TemporaryFolder folder(world);
+    const std::string base = folder / "a.exo", foreign = base + ".b.exo.new";
+    const std::vector<std::string> before = {base + ".2.0", base + ".2.1"},
+                                   after = {base + ".3.0", base + ".3.1", base + ".3.2"};
+    if (rankOf(world) == 0) {
+      for (const std::string& file : before)
+        std::ofstream(file) << "before";
+      for (const std::string& file : after)
+        std::ofstream(file + ".new") << "after";
+      std::ofstream(foreign) << "foreign";
+      if (were_complete) {
+        std::ofstream(base + ".new.ranks") << "3 2\n";
+        std::filesystem::rename(after[1] + ".new", after[1]);
+      }
+    }
+    EarlierResults::endReplacement(world, base);
+    for (const std::string& file : before)
+      EXPECT_EQ(textOf(file), were_complete ? "" : "before");
+    for (const std::string& file : after) {
+      EXPECT_EQ(textOf(file), were_complete ? "after" : "");
+      EXPECT_FALSE(std::filesystem::exists(file + ".new"));
+    }
+    EXPECT_EQ(textOf(foreign), "foreign");
+    EXPECT_FALSE(std::filesystem::exists(base + ".new.ranks"));
+  }
 }
 
 } // namespace
