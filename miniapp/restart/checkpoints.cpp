@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -203,6 +205,26 @@ std::vector<std::string> Checkpoints::all(const std::string& folder) const {
   return paths;
 }
 
+std::string Checkpoints::nearest(const std::string& path) const {
+  const fs::path given(path);
+  const fs::path place = given.has_filename() ? given : given.parent_path();
+  const fs::path parent = place.has_parent_path() ? place.parent_path() : ".";
+  const auto stepOf = [](const fs::path& checkpoint) { // step-77 and step-000000000077 alike
+    const std::string name = checkpoint.filename().string();
+    return name.compare(0, 5, "step-") == 0 ? std::atoll(name.c_str() + 5) : INT64_MAX;
+  };
+  for (const std::string& folder : {parent.string(), (parent / "checkpoints").string(), _folder}) {
+    std::string best;
+    std::error_code none;
+    for (const std::string& other : all(folder))
+      if (!fs::equivalent(other, place, none) && (best.empty() || stepOf(other) <= stepOf(place)))
+        best = other;
+    if (!best.empty())
+      return best;
+  }
+  return "";
+}
+
 std::string Checkpoints::pathOf(const std::string& which) const {
   std::string path = which;
   rethrowOnAllRanks(_comm, [&] {
@@ -285,20 +307,13 @@ RunRestart Checkpoints::read(const std::string& which, const Simulation& simulat
     return data;
   } catch (const InputError& error) {
     std::string message = "the checkpoint " + path + " cannot be used: " + error.what();
-    std::string before;
-    if (rankOf(_comm) == 0) {
-      const std::string folder = fs::path(path).parent_path().string();
-      for (const std::string& other : all(folder.empty() ? "." : folder))
-        if (fs::path(other).filename() < fs::path(path).filename())
-          before = other;
-    }
-    before = broadcast(_comm, before);
-    if (!before.empty())
+    const std::string other = broadcast(_comm, rankOf(_comm) == 0 ? nearest(path) : "");
+    if (!other.empty())
       try {
-        open(before, false);
-        message += "; the one before it can: --restart " + before;
+        open(other, false);
+        message += "; the nearest one can: --restart " + other;
       } catch (const InputError&) {
-        message += "; nor can the one before it, " + before;
+        message += "; nor can the nearest one, " + other;
       }
     throw InputError(message);
   }

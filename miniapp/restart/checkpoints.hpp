@@ -26,8 +26,8 @@ public:
 
   // Reads the checkpoint `which`: "latest", the folder of one or its manifest, or a folder of
   // several or of a run, which stands for the latest of them. Throws InputError on all ranks with
-  // the reason why it cannot be used, and with the path of the one before it if that can be used.
-  // Collective.
+  // the reason why it cannot be used, and with the path of the nearest one that can be used: the one
+  // before it, or else after it, in its folder or that of the run. Collective.
   RunRestart read(const std::string& which, const Simulation& simulation);
 
 private:
@@ -37,6 +37,7 @@ private:
   Opened open(const std::string& path, bool reads_tables) const; // collective
   void checkManifest(const std::string& path, const nlohmann::ordered_json& manifest) const;
   std::vector<std::string> all(const std::string& folder) const; // on rank 0; oldest first
+  std::string nearest(const std::string& path) const; // on rank 0; "" without any
 
   MPI_Comm _comm;
   const Config& _config;

@@ -112,6 +112,10 @@ expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]
 expect "a restarted run knows its warnings" 0 '^PASS' 1 run "${rotation[@]}" --restart latest --extend-to 1.1e-3
 { [[ $(grep -c 'has rotated' "$work/out/report.json") -eq 1 ]] && ! grep -q 'has rotated' "$work/log"; } ||
   { echo "FAILED: a restarted run does not report its warning once"; failures=$((failures + 1)); }
+expect "a checkpoint that is not there names the nearest one" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
+  1 run "${rotation[@]}" --restart "$work/out/checkpoints/step-5"
+expect "a folder without checkpoints names those of the run" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
+  1 run "${rotation[@]}" --restart "$work"
 expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
   code=0

@@ -217,8 +217,8 @@ def damaged_checkpoint(folder):
     last = checkpoints(folder)[-1]
     damage(f"{last}/{random.choice(sorted(os.listdir(last)))}")
     text = run(folder, "--restart", "latest", expected=(2,))
-    demand("cannot be used: " in text and "the one before it can: --restart " in text, text[-600:])
-    check_continues(folder, text.split("the one before it can: --restart ")[1].split()[0])
+    demand("cannot be used: " in text and "the nearest one can: --restart " in text, text[-600:])
+    check_continues(folder, text.split("the nearest one can: --restart ")[1].split()[0])
 
 
 def damaged_results(folder):
