@@ -45,7 +45,8 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 
 bool ContactBalance::isDue(double work) {
   const std::vector<MaxAndSum> all = maxAndSum(_comm, {work, _time, _cost});
-  const double imbalance = imbalanceOf(_comm, all[0]), time = all[1].max, cost = all[2].max;
+  _imbalance = imbalanceOf(_comm, all[0]);
+  const double time = all[1].max, cost = all[2].max;
   _time = 0;
   const double rate = all[0].max > 0 ? time / all[0].max : 0;
   if (_are_home) {
@@ -55,7 +56,7 @@ bool ContactBalance::isDue(double work) {
     _overhead = _is_measured ? std::min(_overhead, overhead) : overhead;
     _is_measured = true;
   }
-  const double now = _are_home ? imbalance : _overhead * imbalance;
+  const double now = _are_home ? _imbalance : _overhead * _imbalance;
   const double best = std::min(_overhead * _reached, _are_home ? HUGE_VAL : _at_home);
   _lost += time * std::max(0.0, 1 - best / now);
   return _lost > cost;

@@ -42,6 +42,7 @@ public:
   // Whether to distribute now; `work` is that of this rank in the last step. Collective, every
   // check_interval steps.
   bool isDue(double work);
+  double imbalance() const { return _imbalance; } // of the work at the last isDue()
   // Time for equal work away from home over that at home, as measured last; 1 at first.
   double overhead() const { return _overhead; }
   // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance;
@@ -58,6 +59,7 @@ private:
   double _cost; // seconds
   double _time = 0; // of contact since the last check, seconds
   double _lost = 0; // by waits since the last distribution, seconds
+  double _imbalance = 1;
   double _reached = tolerated; // imbalance after the last distribution, if larger
   double _at_home = HUGE_VAL; // imbalance with all faces at home, at the last distribution
   bool _are_home = true;

@@ -81,12 +81,12 @@ std::optional<std::vector<int>> ElementBalance::newRanks(Simulation& simulation,
       simulation, {0, now.elements - _before.elements, now.contact - _before.contact}, work);
   _decision.addTime(now.step - _before.step);
   _before = now;
-  // Reduced only where it is reported: in checks between, isDue() makes the one reduction of it.
+  const bool is_due = _decision.isDue(work);
   if (!_rebalancings.empty() && _rebalancings.back().imbalance_after == 0)
-    _rebalancings.back().imbalance_after = imbalanceOf(_comm, work);
-  if (!_decision.isDue(work) && _config.rebalance == Rebalance::automatic)
+    _rebalancings.back().imbalance_after = _decision.imbalance();
+  if (!is_due && _config.rebalance == Rebalance::automatic)
     return {};
-  _rebalancings.push_back({step, 0, imbalanceOf(_comm, work), 0});
+  _rebalancings.push_back({step, 0, _decision.imbalance(), 0});
   std::vector<int> ranks = io::partitionPoints(_comm, simulation.scene().part.elem_ids,
                                                presentCentroids(simulation), of_elem);
   _expected_imbalance = imbalanceOf(_comm, of_elem, ranks);
