@@ -97,7 +97,7 @@ def locked(folder):
         folder.mkdir(parents=True, exist_ok=True)
         file = open(folder / ".lock", "w")
     except OSError as error:
-        raise OutputError(f"{folder}: {error.strerror}") from None
+        raise OutputError(f"{error.filename}: cannot be made: {error.strerror}") from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
