@@ -30,6 +30,8 @@ constexpr Units known_units[] = {{"m and s", 9.81, 1},
                                  {"cm and s", 981, 1e2},
                                  {"cm and us", 9.81e-10, 1e-4}};
 constexpr double slowest = 20, fastest = 20000; // m/s
+// Solids from foams to osmium, kg/m3: there is hardly such a number in another set of units.
+constexpr double least_density = 100, greatest_density = 25000;
 
 const Units* unitsOf(double gravity) {
   for (const Units& units : known_units)
@@ -87,6 +89,20 @@ double impulseOf(const PulseConfig& pulse, double end) {
   return duration > 0 ? duration * toPulseShape(pulse).mean({0, duration}) : 0;
 }
 
+// Of a wall, above z = 0; HUGE_VAL if its foot is not fixed.
+double fixedHeight(const Config& config) {
+  double height = HUGE_VAL;
+  for (const FixedConfig& fixed : config.fixed) {
+    if (!(fixed.components[1] && fixed.components[2]))
+      continue;
+    if (fixed.node_set == io::WallLayout::nodeSetName(io::wall_base_course))
+      return config.wall->brick[2] + config.wall->gap;
+    if (fixed.node_set == io::WallLayout::nodeSetName(io::wall_base))
+      height = 0;
+  }
+  return height;
+}
+
 void addWall(const Config& config, Magnitudes& result) {
   const WallConfig& wall = *config.wall;
   const io::WallLayout layout(wall);
@@ -101,9 +117,10 @@ void addWall(const Config& config, Magnitudes& result) {
   const auto extent = [&](int d) {
     return static_cast<double>(wall.bricks[d]) * (wall.brick[d] + wall.gap) - wall.gap;
   };
-  const double height = extent(2), root = 1.8751040687;
-  result.frequency = root * root / (2 * pi) * extent(1) / std::sqrt(12.0) *
-                     std::sqrt(material.youngs / material.density) / (height * height);
+  const double height = extent(2), free_height = height - fixedHeight(config), root = 1.8751040687;
+  if (free_height > 0)
+    result.frequency = root * root / (2 * pi) * extent(1) / std::sqrt(12.0) *
+                       std::sqrt(material.youngs / material.density) / (free_height * free_height);
   for (const PressureConfig& load : config.pressures) {
     const auto acts_on = [&](io::WallSide a, io::WallSide b) {
       return load.side_set == io::WallLayout::sideSetName(a) ||
@@ -134,9 +151,10 @@ void addJoints(const Config& config, const Scene& scene, double dt, Magnitudes& 
   for (const InitialVelocityConfig& initial : config.initial_velocities)
     raisePressure(result, impedance * norm(toVec3(initial.velocity)), "impact");
   const double edge = scene.shortest_edge;
+  const double softness = jointSoftness(config.mass, result.elements_through);
   result.penetration =
-      2 * dt * dt * result.joint_pressure / (config.contact.penalty * density * edge);
-  result.joint_compliance = 2 * std::pow(speed * dt / edge, 2) / config.contact.penalty;
+      softness * 2 * dt * dt * result.joint_pressure / (config.contact.penalty * density * edge);
+  result.joint_compliance = softness * 2 * std::pow(speed * dt / edge, 2) / config.contact.penalty;
 }
 
 } // namespace
@@ -152,6 +170,16 @@ Magnitudes magnitudesOf(MPI_Comm comm, const Config& config, const Scene& scene,
   return result;
 }
 
+std::string usualValues(const Config& config) {
+  std::ostringstream text;
+  text
+      << "density and wave speed, kg/m3 and m/s: plastic 1000 2300, brick 1900 3000, concrete 2400 "
+         "4000, steel 7850 5900";
+  if (const Units* units = unitsOf(norm(toVec3(config.gravity))); units && units->speed != 1)
+    text << "; 1 m/s is " << units->speed << " in " << units->names;
+  return text.str();
+}
+
 std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes& magnitudes,
                                           std::int64_t steps) {
   std::vector<std::string> warnings;
@@ -164,13 +192,20 @@ std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes
   const Units* units = unitsOf(gravity);
   double least_modulus = HUGE_VAL, least_speed = HUGE_VAL;
   for (const MaterialConfig& entry : config.materials) {
-    const double speed = entry.material.dilatationalSpeed();
+    const double speed = entry.material.dilatationalSpeed(), density = entry.material.density;
+    const bool is_usual = speed >= slowest && speed <= fastest; // m/s
     least_speed = minOf(least_speed, speed);
-    least_modulus = minOf(least_modulus, entry.material.density * speed * speed);
+    least_modulus = minOf(least_modulus, density * speed * speed);
     if (units && !(speed >= slowest * units->speed && speed <= fastest * units->speed))
       warn("material.", entry.block, " has the wave speed ", speed, ", and gravity ", gravity,
            " suggests ", units->names, ": expected ", slowest * units->speed, " to ",
            fastest * units->speed);
+    else if (!units && density >= least_density && density <= greatest_density && !is_usual)
+      warn("material.", entry.block, " has the wave speed ", speed, ", and the density ", density,
+           " suggests kg/m3: expected ", slowest, " to ", fastest, " m/s");
+    else if (density > greatest_density)
+      warn("material.", entry.block, " has the density ", density, ": expected at most ",
+           greatest_density, ", in kg/m3");
     else if (!units && speed > fastest * 1e3)
       warn("material.", entry.block, " has the wave speed ", speed,
            ": expected at most 20000 m/s, which are 2e7 mm/s");
