@@ -37,7 +37,8 @@ public:
         _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
                 options.write_output),
         _setup_seconds(_clock.seconds()), _element_balance(comm, config.partition, _setup_seconds) {
-    for (const std::string& warning : loadWarnings(comm, config, _scene.part))
+    for (const std::string& warning :
+         loadWarnings(comm, config, _scene.part, _simulation->clock().dt))
       _scene.warnings.push_back(warning);
     for (const std::string& warning : _scene.warnings)
       print("warning: " + warning);

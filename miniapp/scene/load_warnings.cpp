@@ -106,7 +106,7 @@ Target targetOf(MPI_Comm comm, const io::MeshPart& part, const PressureConfig& l
 }
 
 // The reason why a load cannot act as intended; "" if there is none.
-std::string doubtOf(const PressureConfig& load, const Target& target, double end) {
+std::string doubtOf(const PressureConfig& load, const Target& target, double end, double dt) {
   constexpr double max_force_error = 0.05, min_share_of_peak = 1e-9;
   std::ostringstream doubt;
   const bool is_gaussian = load.distribution == Distribution::gaussian;
@@ -117,6 +117,9 @@ std::string doubtOf(const PressureConfig& load, const Target& target, double end
   else if (!(load.pulse.start + delay < end))
     doubt << "does nothing: its wave reaches the nearest face of \"" << load.side_set << "\" at "
           << load.pulse.start + delay << ", but time.end is " << end;
+  else if (load.pulse.duration && *load.pulse.duration < dt)
+    doubt << "lasts " << *load.pulse.duration << ", less than a step of " << dt
+          << ": its impulse is exact, its peak and shape are not resolved";
   else if (is_gaussian && target.force_error > max_force_error)
     doubt << "is finer than the mesh: found radius " << load.radius << " on faces of up to "
           << target.longest_edge << ", where its force may err by more than 5 %; expected at least "
@@ -142,8 +145,8 @@ double gaussianForceError(double a, double b, double radius) {
   return (1 + along(a)) * (1 + along(b)) - 1;
 }
 
-std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
-                                      const io::MeshPart& part) {
+std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
+                                      double dt) {
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < config.pressures.size(); ++i) {
     const PressureConfig& load = config.pressures[i];
@@ -152,7 +155,7 @@ std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
       target = config.wall ? targetOf(*config.wall, load) : targetOf(comm, part, load);
     if (load.distribution == Distribution::gaussian && target.nearest == HUGE_VAL)
       continue; // an empty set has its own warning
-    const std::string doubt = doubtOf(load, target, config.time.end);
+    const std::string doubt = doubtOf(load, target, config.time.end, dt);
     if (!doubt.empty())
       warnings.push_back("load.pressure[" + std::to_string(i) + "] " + doubt);
   }

@@ -1,5 +1,5 @@
 // Warnings for pressures and prescribed velocities that cannot act as intended: they begin too
-// late, act too far away, or in a spot that the faces do not resolve.
+// late, act too far away, or in a spot or a time that faces or steps do not resolve.
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"
@@ -17,8 +17,9 @@ namespace brickwall::miniapp {
 double gaussianForceError(double a, double b, double radius);
 
 // At most one warning for each [[load.pressure]] and [[boundary.velocity]], the same on all ranks.
-// Those of a wall depend on the deck only, so `part` may be a smaller wall. Collective.
-std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config,
-                                      const io::MeshPart& part);
+// Those of a wall depend on the deck only, so `part` may be a smaller wall. `dt` is the step.
+// Collective.
+std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
+                                      double dt);
 
 } // namespace brickwall::miniapp

@@ -7,8 +7,8 @@
 namespace brickwall::miniapp::testing {
 namespace {
 
-// Warnings for one load on the front of a brick of 4 x 4 x 4 unit elements until time 8, as a mesh
-// and as a wall.
+// Warnings for one load on the front of a brick of 4 x 4 x 4 unit elements until time 8 in steps of
+// 0.1, as a mesh and as a wall.
 std::vector<std::string> warningsOf(const std::string& load, bool as_wall) {
   const std::string block = "[[load.pressure]]\npeak = 1.0\nside_set = \"front\"\n" + load;
   const MeshFile mesh(oneBrick({4, 4, 4}), [](io::MeshPart&) {});
@@ -19,7 +19,7 @@ std::vector<std::string> warningsOf(const std::string& load, bool as_wall) {
                                 block,
                             "deck.toml")
               : mesh.config(block);
-  return loadWarnings(MPI_COMM_WORLD, config, makeMeshPart(MPI_COMM_WORLD, config));
+  return loadWarnings(MPI_COMM_WORLD, config, makeMeshPart(MPI_COMM_WORLD, config), 0.1);
 }
 void expectWarning(const std::string& load, const std::string& words) {
   for (const bool as_wall : {false, true}) {
@@ -41,6 +41,11 @@ TEST(LoadWarnings, ReportPulsesThatBeginTooLate) {
   expectWarning(away + "wave_speed = 0.4\n", "");
   expectWarning(away + "wave_speed = 0.4\nstart = 0.6\n", "its wave reaches");
   expectWarning(away + "wave_speed = 1e-320\n", "its wave reaches");
+}
+
+TEST(LoadWarnings, ReportPulsesThatAStepDoesNotResolve) { // of 0.1
+  expectWarning("duration = 0.1\n", "");
+  expectWarning("duration = 0.099\n", "lasts 0.099, less than a step of 0.1");
 }
 
 TEST(LoadWarnings, ReportPrescribedVelocitiesThatBeginTooLate) {
