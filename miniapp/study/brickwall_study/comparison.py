@@ -57,6 +57,9 @@ def build_of(runs):
 def section_of(problem):
     blocks = [problem.first.title] if problem.first.title else []
     blocks += [f"{run.path.parent}: {run.ended}" for run in (run for c in problem.configurations for run in c.runs) if run.ended]
+    if len({c.first.settings.get("restart") for c in problem.configurations}) > 1:
+        blocks.append("A restarted run has timed only the steps since its restart, in which other bodies may touch: its changes of "
+                      "times are not those of the program alone.")
     blocks += [overview(problem), phases(problem), *charts(problem), *imbalance(problem), counts(problem)]
     return [block for block in blocks if block]
 

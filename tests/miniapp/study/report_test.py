@@ -52,6 +52,9 @@ class Tables(FolderTest):
         self.write_run("b", 3.0, deck="time.steps = 11\n", change=lambda report: report.update(first_step=6))
         rows = rows_of(self.report(), SPEED)
         self.assertEqual((rows["1 x 1, restart none"][:2], rows["1 x 1, restart at step 6"][:2]), (["1", "100"], ["1", "300"]))
+        note = "has timed only the steps since its restart"
+        self.assertIn(note, self.report())
+        self.assertNotIn(note, self.command(main, self.folder / "b", "--markdown")[0])
 
     def test_runs_with_options_that_change_the_times_are_no_repetitions(self):
         self.write_run("a", 1.0, deck="time.steps = 11\n")
