@@ -124,6 +124,10 @@ nlohmann::ordered_json partitionJson(const RunReport& r) {
   return {{"rebalance", r.rebalance}, {"rebalancings", rebalancings}};
 }
 
+std::string counted(int count, const char* what) {
+  return format("%d %s%s", count, what, count == 1 ? "" : "s");
+}
+
 void printRebalancings(std::ostream& out, const RunReport& r) {
   if (!r.rebalancings.empty())
     out << format(
@@ -250,8 +254,9 @@ void printTable(std::ostream& out, const char* title, const std::vector<PhaseTim
 void printHeading(std::ostream& out, const std::string& case_name, const std::string& counts,
                   const Provenance& provenance, std::int64_t max_rank_bytes) {
   out << "\n" << case_name << ": " << counts << "\n";
-  out << format("%d ranks x %d threads, %s, Kokkos %s, largest rank %.1f MB\n", provenance.ranks,
-                provenance.threads_per_rank, provenance.execution_space.c_str(),
+  out << counted(provenance.ranks, "rank") << " x "
+      << counted(provenance.threads_per_rank, "thread")
+      << format(", %s, Kokkos %s, largest rank %.1f MB\n", provenance.execution_space.c_str(),
                 provenance.kokkos.c_str(), static_cast<double>(max_rank_bytes) / 1e6);
   if (const Device& device = provenance.device; device.bytes > 0)
     out << format("%s, %s, %.1f of %.1f MB in use\n", device.name.c_str(), device.versions.c_str(),
@@ -341,13 +346,16 @@ void printTables(std::ostream& out, const RunReport& r) {
   printTable(out, "phase", r.phases);
   out << "\n";
   printTable(out, "global search (own time)", r.search_timers);
-  out << "\nsearch: " << r.search.method
-      << (r.search.drops_same_body ? ", pairs within one body dropped"
-                                   : ", pairs within one body kept")
-      << format(", %lld searches, one in %.3g steps, median %.3e s per step; last step: %lld "
-                "ghost faces, %lld candidate pairs, %lld active contacts\n",
-                r.contact.searches, stepsPerSearch(r.contact), r.search.seconds_per_step,
-                r.contact.ghost_faces, r.contact.candidate_pairs, r.contact.active);
+  out << "\nsearch: " << r.search.method << ", pairs within one body "
+      << (r.search.drops_same_body ? "dropped" : "kept")
+      << format(", %lld searches, %s, median %.3e s per step; last step: %lld ghost faces, %lld "
+                "candidate pairs, %lld active contacts\n",
+                r.contact.searches,
+                r.contact.searches >= r.contact.updates
+                    ? "in every step"
+                    : format("one in %.3g steps", stepsPerSearch(r.contact)).c_str(),
+                r.search.seconds_per_step, r.contact.ghost_faces, r.contact.candidate_pairs,
+                r.contact.active);
   if (r.contact.distributions > 0)
     out << format("faces distributed anew: %lld times (search.decomposition = %s)\n",
                   r.contact.distributions, r.search.decomposition.c_str());
@@ -366,7 +374,7 @@ void printTables(std::ostream& out, const RunReport& r) {
   printBalance(out, r);
   for (const SkippedPart& part : r.skipped)
     if (part.share > 0)
-      out << format("skipped: %s, %.3g %% %s\n", part.what.c_str(), 100 * part.share,
+      out << format("skipped: %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                     part.of.c_str());
 }
 

@@ -36,16 +36,15 @@ std::vector<SkippedPart> skippedWork(const Config& config, const Simulation& sim
   const SpecialElements special = specialElements(simulation);
   std::vector<SkippedPart> parts = {
       {"element geometry", shareOf(special.congruent, elems),
-       "of the elements are copies within their brick and store no geometry (370 B per one-point "
+       "of the elements are copies within their brick, and store none (370 B per one-point "
        "element)",
        ""},
       {"connectivity", shareOf(special.in_lattices, elems),
-       "of the elements are computed plane by plane without connectivity", "skip.lattices"},
+       "of the elements are computed plane by plane without it", "skip.lattices"},
       {"ledger terms", shareOfAbsentTerms(config), "of the kinds of energy and work do not occur",
        ""},
       {"steps", 1 - 1 / simulation.steps().gain().step,
-       "of the steps that the bound of the worst element requires are not made (Lanczos)",
-       "time.bound"},
+       "of those that the stability of the worst element would require (Lanczos)", "time.bound"},
   };
   if (!config.contact.enabled) {
     parts.push_back({"force storage", shareOf(special.free, elems),
@@ -64,10 +63,10 @@ std::vector<SkippedPart> skippedWork(const Config& config, const Simulation& sim
   parts.push_back({"contact of a body with itself", dropsSameBody(config) ? 1.0 : 0.0,
                    "of the bodies cannot touch themselves", "contact.self"});
   parts.push_back({"friction history", config.contact.friction > 0 ? 0.0 : 1.0,
-                   "of the contacts store none (contact.friction = 0)", "contact.friction"});
+                   "of the contacts store none, as contact.friction is 0", "contact.friction"});
   parts.push_back({"searches",
                    counts.updates > 0 ? 1 - shareOf(counts.searches, counts.updates) : 0,
-                   "of the steps keep their lists", "search.reuse.margin"});
+                   "of the steps keep the lists of an earlier one", "search.reuse.margin"});
   return parts;
 }
 

@@ -117,6 +117,7 @@ TEST(ContactMassFraction, IsThatOfSpringsAndDampers) {
   for (const bool edges : {false, true})
     EXPECT_DOUBLE_EQ(contactMassFraction(penaltyForMassFraction(0.9, 0.2), 0.2, edges),
                      contactMassFraction(0.9, 0, edges));
+  EXPECT_THROW(contactMassFraction(0), InputError);
   EXPECT_THROW(contactMassFraction(-1), InputError);
   EXPECT_THROW(contactMassFraction(2), InputError);
   EXPECT_THROW(contactMassFraction(0.5, -1), InputError);
