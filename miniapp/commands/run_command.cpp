@@ -159,16 +159,20 @@ private:
     if (!ranks)
       return;
     const Stopwatch time;
-    {
+    const std::string present = presentStep();
+    try {
       const Region region("miniapp::rebalance");
-      try {
-        _simulation = moveElements(std::move(_simulation), _scene, *ranks);
-      } catch (const PhysicsError& error) {
-        // There is no state that could be written, as after other such errors.
-        throw Error(ExitCode::physics, std::string("elements could not be moved: ") + error.what());
-      }
+      _simulation = moveElements(std::move(_simulation), _scene, *ranks);
       observe();
       _output.followElements();
+    } catch (const Error& error) {
+      // There may be no state to write, as after errors of steps. The deck has been accepted before.
+      std::string how;
+      if (_last_checkpoint_step >= 0 && _checkpoint_failure.empty())
+        how = format("; --restart latest continues at step %lld", _last_checkpoint_step);
+      throw Error(error.code() == ExitCode::bad_input ? ExitCode::internal : error.code(),
+                  "elements could not be moved to other ranks after step " + present + ": " +
+                      error.what() + how);
     }
     const double seconds = allReduce(_comm, time.seconds(), MPI_MAX);
     PartSeconds now = partSeconds();

@@ -116,6 +116,17 @@ expect "a checkpoint that is not there names the nearest one" 2 'no manifest.jso
   1 run "${rotation[@]}" --restart "$work/out/checkpoints/step-5"
 expect "a folder without checkpoints names those of the run" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
   1 run "${rotation[@]}" --restart "$work"
+# The name of the new file of rank 0 is taken when elements move.
+rm -rf "$work/out"
+mkdir -p "$work/out/brick_wall.exo.2.0.new/taken"
+expect "a move of elements that fails says after which step, and how to continue" 4 \
+  'elements could not be moved to other ranks after step 50 of 60.*brick_wall.exo.2.0.new.*--restart latest continues at step 40' \
+  2 run "$inputs/brick_wall.toml" "${small[@]}" --steps 60 --set output.checkpoint.steps=40 --set 'partition.rebalance="always"' \
+  --set partition.interval=50
+rm -r "$work/out/brick_wall.exo.2.0.new"
+expect "a run continues after such a failure" 0 '^PASS' 2 run "$inputs/brick_wall.toml" "${small[@]}" --steps 60 \
+  --set output.checkpoint.steps=40 --set 'partition.rebalance="always"' --set partition.interval=50 --restart latest
+rm -rf "$work/out"
 expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
   code=0

@@ -178,6 +178,19 @@ def lose_a_rank_before_the_last_state(folder):
     demand(dict(exodus_steps(folder)) == dict(exodus_steps(folder + "/straight")), "Exodus differs after the restart")
 
 
+def lose_memory_while_elements_move(folder):
+    """There is then no state to write; the files are those of the steps before, whichever part of the move fails."""
+    moves = ["--set", "partition.rebalance='always'", "--set", f"partition.interval={EVERY + EVERY // 2}"]
+    part = random.choice(["miniapp::rebalance", "mechanics::lumpedMass::sums", "miniapp::ResultsWriter::contact_words"])
+    text = run(folder, *moves, expected=(1,), KOKKOS_PROFILE_LIBRARY=arguments.library, KOKKOS_TOOLS_LIBS=arguments.library,
+               BRICKWALL_FAULT_RANK="1", BRICKWALL_FAULT_STEP=str(EVERY + 2), BRICKWALL_FAULT_NAME=part)
+    demand(text.count("brickwall: error") == 1 and "out of memory" in text, text[-600:])
+    check_written(folder)
+    run(folder, *moves, "--restart", "latest")
+    demand(history(folder) == reference_history, "history.csv differs after the restart")
+    demand(not [file for file in os.listdir(folder) if ".new" in file], "files of the move are left")
+
+
 def end_by_signal(folder):
     process = start(folder)
     ranks = wait_and_find_ranks(process)
@@ -301,7 +314,8 @@ def read_only_folder(folder):
         subprocess.run(["umount", folder], check=True)
 
 
-KINDS = [kill_all, lose_a_rank, lose_a_rank_before_the_last_state, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh, quota]
+KINDS = [kill_all, lose_a_rank, lose_a_rank_before_the_last_state,
+         lose_memory_while_elements_move, end_by_signal, damaged_checkpoint, damaged_results, damaged_deck, damaged_mesh, quota]
 if os.geteuid() == 0 and shutil.which("mount"):
     KINDS += [small_disk, read_only_folder]
 if arguments.only:
