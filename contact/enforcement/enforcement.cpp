@@ -139,7 +139,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     _has_sought_joints = true;
   }
   if (_has_forces || had_forces)
-    findTouched(space, faces, edges);
+    findTouched(space, faces, neutral, edges);
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
     correctEnergy(space, faces, steps, neutral, edges, sums);
   if (_has_forces || had_forces)
@@ -270,18 +270,21 @@ void Enforcement::clearStatus(const exec_space& space) {
   Kokkos::deep_copy(space, _gap, -0.0);
 }
 
-// On several ranks, other ranks may act on any node.
 void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
-                              EdgeContact* edges) {
-  if (sizeOf(_comm) > 1) {
-    _touched.listAll(space);
-  } else {
+                              const NeutralInput* neutral, EdgeContact* edges) {
+  const bool were_all = _touched.list().isAll();
+  if (!were_all)
     zeroListed(space, "contact::zeroTotals", _touched.list(), _totals);
-    _touched.clear(space);
-  }
+  _touched.clear(space);
   _touched.add(space, faces.surface, _set.next());
+  if (sizeOf(_comm) > 1 && (neutral == nullptr || !neutral->list_shared))
+    _touched.listAll(space);
+  else if (sizeOf(_comm) > 1)
+    neutral->list_shared(_touched);
   if (edges != nullptr)
     edges->addTouched(space, _touched);
+  if (were_all && !_touched.list().isAll())
+    zeroListed(space, "contact::zeroTotals", NodeList::allOf(_num_nodes), _totals);
 }
 
 // forces() = those of the nodes and edges of this rank.

@@ -73,8 +73,7 @@ public:
   // Whether any rank had contact forces in the last enforce(). If not, forces() are zero on all
   // ranks and need no sums.
   bool hasForces() const { return _has_forces; }
-  // The nodes where forces() may differ from 0: on one rank, those that its contacts act on; on
-  // several ranks, all.
+  // The nodes where forces() may differ from 0, also after sums over ranks.
   const NodeList& touched() const { return _touched.list(); }
   // [surface node] number of bodies that the node penetrates, loaded or not; 0 if not owned.
   const View<int*>& status() const { return _status; }
@@ -101,7 +100,8 @@ public:
 
 private:
   void collectForces(const exec_space& space, EdgeContact* edges);
-  void findTouched(const exec_space& space, const FaceAccess& faces, EdgeContact* edges);
+  void findTouched(const exec_space& space, const FaceAccess& faces, const NeutralInput* neutral,
+                   EdgeContact* edges);
   void clearStatus(const exec_space& space);
   bool canSkipAll() const;
   NodeFaceKinematics kinematicsOf(const FaceAccess& faces) const;

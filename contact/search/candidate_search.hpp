@@ -106,6 +106,8 @@ public:
     return contact::countMissedPairs(space, _comm, surface, ghosts(), pairs(), _config);
   }
 
+  // Those of which the last search sent ghosts, by rank.
+  const PartnerLists& facesToSend() const { return _global.facesToSend(); }
   // The faces of this rank that the last search sent as ghosts, with their destinations, copied to
   // the host. Not collective.
   std::vector<SentFace> sentFaces(const exec_space& space, const SweptBoxes& surface) const {

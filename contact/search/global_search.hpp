@@ -58,6 +58,8 @@ public:
   // surfaces to ghosts(); all else of the surfaces must be as in the last findGhosts().
   void forwardCoordinates(const exec_space& space, const SweptBoxes& surface);
 
+  // Own faces of which the last findGhosts() sent ghosts, by rank.
+  const PartnerLists& facesToSend() const { return _phases->facesToSend(); }
   // The faces that the last findGhosts() sent, by destination, and for each destination in the
   // order of its ghosts; `surface` as in that call. Not collective; copies the faces sent to the
   // host.

@@ -49,6 +49,7 @@ public:
   void sumShared(const exec_space& space, const ViewType& values) {
     _plan.sumShared(space, values);
   }
+  const View<int*>& sentRows() const { return _plan.sendRows(); } // to other ranks; some repeat
 
 private:
   View<int*> _from, _to; // rows that stay on this rank
@@ -106,6 +107,7 @@ public:
   void sumShared(const exec_space& space, const ViewType& values) {
     _shared.sumShared(space, values);
   }
+  const View<int*>& sharedNodes() const { return _shared.sentRows(); } // some repeat
   // Values [node][W], equal on all copies of a node, to all primary copies of it. Collective.
   template <class SourceView, class TargetView>
   void giveBack(const exec_space& space, const SourceView& values, const TargetView& of_primary) {

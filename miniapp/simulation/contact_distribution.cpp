@@ -6,7 +6,9 @@
 #include "miniapp/simulation/contact_step.hpp"
 #include "miniapp/simulation/stopwatch.hpp"
 
+#include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace brickwall::miniapp {
 
@@ -53,7 +55,77 @@ std::vector<global_id> idsOf(const contact::EdgeContact& edges) {
   return {ids.data(), ids.data() + ids.extent(0)};
 }
 
+// [surface node][1] this rank at nodes that it owns, and 0.
+View<std::int64_t**> ranksOfOwners(const exec_space& space, MPI_Comm comm,
+                                   const contact::Surface& surface) {
+  View<std::int64_t**> ranks("miniapp::SurfaceCoupling::ranks", surface.num_nodes, 1);
+  const auto is_owned = surface.node_is_owned;
+  const int rank = rankOf(comm);
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::ranksOfOwners", rangePolicy(space, surface.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) { ranks(i, 0) = is_owned(i) ? rank : 0; });
+  return ranks;
+}
+
 } // namespace
+
+std::vector<int> SurfaceCoupling::distribute(const exec_space& space, MPI_Comm comm,
+                                             const std::vector<int>& rank_of_face,
+                                             mechanics::SharedNodeSum& shared) {
+  const std::int64_t num_mesh_nodes = static_cast<std::int64_t>(_reference.extent(0));
+  const View<std::int64_t**> of_mesh("miniapp::SurfaceCoupling::of_mesh", num_mesh_nodes, 1);
+  std::unique_ptr<Secondary> former = std::move(_secondary);
+  if (_is_shared.empty())
+    _is_shared = sharedNodes(space, shared, of_mesh);
+  _features = _primary_features;
+  if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
+    contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
+    _features.convex = surface.forwardRecords(comm, _primary_features.convex);
+    std::sort(_features.convex.begin(), _features.convex.end(),
+              [](const contact::FeatureEdge& a, const contact::FeatureEdge& b) {
+                return a.face != b.face ? a.face < b.face : a.edge < b.edge;
+              });
+    const int num_nodes = surface.surface().num_nodes;
+    const auto vectors = [&](const char* label) {
+      return allocate<View<double* [3]>>(
+          space, std::string("miniapp::SurfaceCoupling::secondary_") + label, num_nodes);
+    };
+    const auto node_mass =
+        allocate<View<double*>>(space, "miniapp::SurfaceCoupling::secondary_node_mass", num_nodes);
+    surface.forward(space, View<const double* [1]>(_node_mass.data(), _node_mass.extent(0)),
+                    View<double* [1]>(node_mass.data(), num_nodes));
+    _secondary = std::make_unique<Secondary>(Secondary{
+        std::move(surface), vectors("x_old"), vectors("x_new"), vectors("accelerations"), node_mass,
+        allocate<View<std::int64_t* [3]>>(space, "miniapp::SurfaceCoupling::forces",
+                                          _primary.num_nodes),
+        View<std::int64_t**>("miniapp::SurfaceCoupling::is_needed", num_nodes, 1),
+        View<std::int64_t**>("miniapp::SurfaceCoupling::is_needed_of_primary", _primary.num_nodes,
+                             1)});
+  }
+
+  sumOnMesh(space, ranksOfOwners(space, comm, surface()), shared, of_mesh);
+  std::swap(former, _secondary);
+  const View<std::int64_t**> owners("miniapp::SurfaceCoupling::owners", surface().num_nodes, 1);
+  takeFromMesh(space, of_mesh, owners);
+  std::swap(former, _secondary);
+  const auto host = toHost(owners);
+  return {host.data(), host.data() + host.extent(0)};
+}
+
+// Whether each node of the primary surface is on that of another rank, too.
+std::vector<char> SurfaceCoupling::sharedNodes(const exec_space& space,
+                                               mechanics::SharedNodeSum& shared,
+                                               const View<std::int64_t**>& of_mesh) {
+  const View<std::int64_t**> uses("miniapp::SurfaceCoupling::uses", _primary.num_nodes, 1);
+  Kokkos::deep_copy(space, uses, 1);
+  sumOnMesh(space, uses, shared, of_mesh);
+  takeFromMesh(space, of_mesh, uses);
+  const auto host = toHost(uses);
+  std::vector<char> is_shared(_primary.num_nodes);
+  for (std::size_t node = 0; node < is_shared.size(); ++node)
+    is_shared[node] = host(node, 0) > 1;
+  return is_shared;
+}
 
 bool ContactStep::mayBeDistributed() const {
   return sizeOf(_comm) > 1 && _config.search.decomposition != Decomposition::primary;

@@ -148,6 +148,9 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     _coupling.sumContactForces(_space, contact_forces, _search);
   };
   contact::NeutralInput neutral;
+  neutral.list_shared = [&](contact::TouchedNodes& list) {
+    _coupling.listShared(_space, _search, list);
+  };
   if (_config.contact.scheme == contact::Scheme::energy_neutral) {
     neutral.accelerations = [&](const contact::NodeList& nodes) {
       shared.finish(_space);

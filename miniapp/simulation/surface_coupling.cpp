@@ -1,10 +1,8 @@
 #include "miniapp/simulation/surface_coupling.hpp"
 
-#include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "mechanics/step/nodal_motion.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace brickwall::miniapp {
@@ -60,6 +58,15 @@ mechanics::SharedNodeLists sharedOnSurface(const Scene& scene) {
     shared.nodes.push_back(std::move(nodes));
   }
   return shared;
+}
+
+// flags [node][1] = 1 at the listed nodes, 0 at others.
+void flagListed(const exec_space& space, const contact::NodeList& list,
+                const View<std::int64_t**>& flags) {
+  Kokkos::deep_copy(space, flags, 0);
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::flagListed", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i), 0) = 1; });
 }
 
 // Ids, ownership and bodies of surface nodes.
@@ -138,18 +145,6 @@ void fillFaces(const exec_space& space, const Scene& scene, const View<const dou
   surface.face_attributes = attributes;
 }
 
-// [surface node][1] this rank at nodes that it owns, and 0.
-View<std::int64_t**> ranksOfOwners(const exec_space& space, MPI_Comm comm,
-                                   const contact::Surface& surface) {
-  View<std::int64_t**> ranks("miniapp::SurfaceCoupling::ranks", surface.num_nodes, 1);
-  const auto is_owned = surface.node_is_owned;
-  const int rank = rankOf(comm);
-  Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::ranksOfOwners", rangePolicy(space, surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) { ranks(i, 0) = is_owned(i) ? rank : 0; });
-  return ranks;
-}
-
 } // namespace
 
 SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const Scene& scene,
@@ -167,61 +162,6 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const S
       _shared_nodes(space, comm, sharedOnSurface(scene)) {
   fillNodes(space, scene, _primary);
   fillFaces(space, scene, _node_mass, _attributes, _primary);
-}
-
-std::vector<int> SurfaceCoupling::distribute(const exec_space& space, MPI_Comm comm,
-                                             const std::vector<int>& rank_of_face,
-                                             mechanics::SharedNodeSum& shared) {
-  const std::int64_t num_mesh_nodes = static_cast<std::int64_t>(_reference.extent(0));
-  const View<std::int64_t**> of_mesh("miniapp::SurfaceCoupling::of_mesh", num_mesh_nodes, 1);
-  std::unique_ptr<Secondary> former = std::move(_secondary);
-  if (_is_shared.empty())
-    _is_shared = sharedNodes(space, shared, of_mesh);
-  _features = _primary_features;
-  if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
-    contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
-    _features.convex = surface.forwardRecords(comm, _primary_features.convex);
-    std::sort(_features.convex.begin(), _features.convex.end(),
-              [](const contact::FeatureEdge& a, const contact::FeatureEdge& b) {
-                return a.face != b.face ? a.face < b.face : a.edge < b.edge;
-              });
-    const int num_nodes = surface.surface().num_nodes;
-    const auto vectors = [&](const char* label) {
-      return allocate<View<double* [3]>>(
-          space, std::string("miniapp::SurfaceCoupling::secondary_") + label, num_nodes);
-    };
-    const auto node_mass =
-        allocate<View<double*>>(space, "miniapp::SurfaceCoupling::secondary_node_mass", num_nodes);
-    surface.forward(space, View<const double* [1]>(_node_mass.data(), _node_mass.extent(0)),
-                    View<double* [1]>(node_mass.data(), num_nodes));
-    _secondary = std::make_unique<Secondary>(Secondary{
-        std::move(surface), vectors("x_old"), vectors("x_new"), vectors("accelerations"), node_mass,
-        allocate<View<std::int64_t* [3]>>(space, "miniapp::SurfaceCoupling::forces",
-                                          _primary.num_nodes)});
-  }
-
-  sumOnMesh(space, ranksOfOwners(space, comm, surface()), shared, of_mesh);
-  std::swap(former, _secondary);
-  const View<std::int64_t**> owners("miniapp::SurfaceCoupling::owners", surface().num_nodes, 1);
-  takeFromMesh(space, of_mesh, owners);
-  std::swap(former, _secondary);
-  const auto host = toHost(owners);
-  return {host.data(), host.data() + host.extent(0)};
-}
-
-// Whether each node of the primary surface is on that of another rank, too.
-std::vector<char> SurfaceCoupling::sharedNodes(const exec_space& space,
-                                               mechanics::SharedNodeSum& shared,
-                                               const View<std::int64_t**>& of_mesh) {
-  const View<std::int64_t**> uses("miniapp::SurfaceCoupling::uses", _primary.num_nodes, 1);
-  Kokkos::deep_copy(space, uses, 1);
-  sumOnMesh(space, uses, shared, of_mesh);
-  takeFromMesh(space, of_mesh, uses);
-  const auto host = toHost(uses);
-  std::vector<char> is_shared(_primary.num_nodes);
-  for (std::size_t node = 0; node < is_shared.size(); ++node)
-    is_shared[node] = host(node, 0) > 1;
-  return is_shared;
 }
 
 void SurfaceCoupling::setFeatureEdges(const exec_space& space, contact::FeatureEdges features) {
@@ -329,6 +269,13 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
     _shared_nodes.sum(space, forces.nodes);
 }
 
+void SurfaceCoupling::listShared(const exec_space& space, const contact::CandidateSearch& search,
+                                 contact::TouchedNodes& list) const {
+  list.addNodes(space, _secondary ? _secondary->surface.sharedNodes() : _shared_nodes.nodes());
+  const contact::PartnerLists& sent = search.facesToSend();
+  list.addCorners(space, sent.rows, sent.size(), surface().face_to_nodes);
+}
+
 void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& changed,
                                          const contact::ContactForces& forces,
                                          const mechanics::NodalForces& target) {
@@ -350,10 +297,24 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
       });
 }
 
+// [primary surface node][1] 1 at the listed nodes of the secondary surface, which are listed on all
+// ranks that share them.
+View<std::int64_t**> SurfaceCoupling::flagOnPrimary(const exec_space& space,
+                                                    const contact::NodeList& list) {
+  flagListed(space, list, _secondary->is_needed);
+  _secondary->surface.giveBack(space, _secondary->is_needed, _secondary->is_needed_of_primary);
+  return _secondary->is_needed_of_primary;
+}
+
 const View<double* [3]>& SurfaceCoupling::accelerations(
     const exec_space& space, const contact::NodeList& needed, const mechanics::NodalForces& forces,
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
-  const contact::NodeList list = _secondary ? contact::NodeList::allOf(_primary.num_nodes) : needed;
+  contact::NodeList list = needed;
+  View<const std::int64_t**> is_needed;
+  if (_secondary) {
+    list = contact::NodeList::allOf(_primary.num_nodes);
+    is_needed = flagOnPrimary(space, needed);
+  }
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
   const auto motion = nodalMotion(forces, forces.values, state.mass, boundary.motion(), boundary);
@@ -363,6 +324,8 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
+        if (is_needed.extent(0) > 0 && is_needed(at, 0) == 0)
+          return;
         motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)
           acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);

@@ -60,6 +60,9 @@ public:
   // node: forces on ghosts are summed at their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search);
+  // Lists the nodes to which sumContactForces() adds forces of other ranks, and corners of ghosts.
+  void listShared(const exec_space& space, const contact::CandidateSearch& search,
+                  contact::TouchedNodes& list) const;
   // Stores the totals of sumContactForces() at the listed surface nodes in the columns
   // contact_force. Collective.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
@@ -74,6 +77,7 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
+  View<std::int64_t**> flagOnPrimary(const exec_space& space, const contact::NodeList& list);
   std::vector<char> sharedNodes(const exec_space& space, mechanics::SharedNodeSum& shared,
                                 const View<std::int64_t**>& of_mesh);
 
@@ -83,6 +87,7 @@ private:
     View<double*[3]> x_old, x_new, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
+    View<std::int64_t**> is_needed, is_needed_of_primary; // [node][1], [primary surface node][1]
   };
 
   contact::Surface _primary; // all but the coordinates

@@ -262,12 +262,18 @@ void EdgeContact::toCorners(const exec_space& space, const View<double* [3]>& of
   _search.forward(space, _edges, own, of_ghosts);
 }
 
-// With ghosts, other ranks may act on any corner.
+// Besides those of this rank's contacts, the corners whose values are sent.
 void EdgeContact::findTouched(const exec_space& space) {
   _touched.clear(space);
-  if (hasOtherRanks())
-    _touched.listAll(space);
   _touched.add(space, _edges, _set.next());
+  const PartnerLists& sent = _search.facesToSend();
+  _touched.addCorners(space, sent.rows, sent.size(), _edges.face_to_nodes);
+}
+
+void EdgeContact::addTouched(const exec_space& space, TouchedNodes& of_surface) const {
+  of_surface.add(space, _edges, _set.next(), _corner_to_node);
+  const PartnerLists& sent = _search.facesToSend();
+  of_surface.addCorners(space, sent.rows, sent.size(), _edge_to_nodes);
 }
 
 bool EdgeContact::hasOtherRanks() const {

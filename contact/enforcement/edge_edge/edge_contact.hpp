@@ -45,7 +45,8 @@ public:
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
   // and correctForces() are collective; `has_changed` [surface node], hasProposals() and
   // takeInvalid(): see InteractionSet.
-  // addTouched() adds the surface nodes that contacts of this rank act on.
+  // addTouched() adds the surface nodes that contacts of this rank act on, and those of edges that
+  // other ranks have as ghosts.
   std::function<ContactSums()> select(const exec_space& space, double dt,
                                       const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
@@ -62,9 +63,7 @@ public:
   std::int64_t takeInvalid(const exec_space& space) {
     return canSkipCorrection() ? 0 : _set.takeInvalid(space);
   }
-  void addTouched(const exec_space& space, TouchedNodes& of_surface) const {
-    of_surface.add(space, _edges, _set.next(), _corner_to_node);
-  }
+  void addTouched(const exec_space& space, TouchedNodes& of_surface) const;
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement

@@ -19,6 +19,9 @@ struct NeutralInput {
   // Collective. ghost_values(ghost, 3 * corner + xyz) = the owner's values(its surface node, xyz).
   std::function<void(const View<const double* [3]>& values, const View<double* [12]>& ghost_values)>
       share_with_ghosts;
+  // Lists the nodes to which sum_forces adds forces of other ranks, and those whose values
+  // share_with_ghosts sends. Optional, for any scheme: without it several ranks visit all nodes.
+  std::function<void(TouchedNodes&)> list_shared;
 
   bool isComplete() const { return accelerations && sum_forces && share_with_ghosts; }
 };

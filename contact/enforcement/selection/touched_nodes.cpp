@@ -6,6 +6,16 @@ namespace {
 constexpr int nodes_of_pair = 6;
 constexpr int most_share = 3; // a list of more than a third of the nodes costs more than it saves
 
+struct InsertNode {
+  View<int*> nodes, is_listed;
+  View<int> count;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int node) const {
+    if (is_listed(node) == 0 && Kokkos::atomic_exchange(&is_listed(node), 1) == 0)
+      nodes(Kokkos::atomic_fetch_add(&count(), 1)) = node;
+  }
+};
+
 } // namespace
 
 void zeroListed(const exec_space& space, const std::string& label, const NodeList& list,
@@ -53,9 +63,7 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
     listAll(space);
     return;
   }
-  const auto nodes = _nodes;
-  const auto is_listed = _is_listed;
-  const auto count = _count;
+  const InsertNode insert{_nodes, _is_listed, _count};
   const auto interactions = pairs.interactions;
   const bool is_mapped = to_node.data() != nullptr;
   Kokkos::parallel_for(
@@ -67,14 +75,43 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
           if (k >= 2 && !is_own)
             break;
           const int at = k < 2 ? pair.point.node[k] : surface.face_to_nodes(pair.face_index, k - 2);
-          const int node = is_mapped ? to_node(at) : at;
-          if (Kokkos::atomic_exchange(&is_listed(node), 1) == 0)
-            nodes(Kokkos::atomic_fetch_add(&count(), 1)) = node;
+          insert(is_mapped ? to_node(at) : at);
         }
       });
+  finishInsertion(space);
+}
+
+void TouchedNodes::addNodes(const exec_space& space, const View<const int*>& nodes) {
+  const auto count = static_cast<std::int64_t>(nodes.extent(0));
+  if (count == 0 || _list.isAll())
+    return;
+  const InsertNode insert{_nodes, _is_listed, _count};
+  Kokkos::parallel_for(
+      "contact::TouchedNodes::addNodes", rangePolicy(space, count),
+      KOKKOS_LAMBDA(const std::int64_t i) { insert(nodes(i)); });
+  finishInsertion(space);
+}
+
+void TouchedNodes::addCorners(const exec_space& space, const View<const int*>& faces,
+                              std::int64_t count, const View<const int* [4]>& face_to_nodes) {
+  if (count == 0 || _list.isAll())
+    return;
+  const InsertNode insert{_nodes, _is_listed, _count};
+  Kokkos::parallel_for(
+      "contact::TouchedNodes::addCorners", rangePolicy(space, count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int j = 0; j < 4; ++j)
+          insert(face_to_nodes(faces(i), j));
+      });
+  finishInsertion(space);
+}
+
+void TouchedNodes::finishInsertion(const exec_space& space) {
   Kokkos::deep_copy(space, _num_listed, _count);
   space.fence();
   _list.count = _num_listed;
+  if (most_share * _num_listed > _num_nodes)
+    listAll(space);
 }
 
 } // namespace brickwall::contact

@@ -39,10 +39,16 @@ public:
   // many, all nodes are listed.
   void add(const exec_space& space, const SweptBoxes& surface, const ContactHistory& pairs,
            const View<const int*>& to_node = {});
+  // Adds `nodes`, and the corners of the `count` first of `faces`; likewise.
+  void addNodes(const exec_space& space, const View<const int*>& nodes);
+  void addCorners(const exec_space& space, const View<const int*>& faces, std::int64_t count,
+                  const View<const int* [4]>& face_to_nodes);
 
   const NodeList& list() const { return _list; }
 
 private:
+  void finishInsertion(const exec_space& space);
+
   int _num_nodes = 0;
   View<int*> _nodes; // [place]
   View<int*> _is_listed; // [node] 1: it is in _nodes

@@ -62,6 +62,41 @@ TEST(ContactDistribution, ChangesNoBitWhereverFacesAreAndWheneverTheyMove) {
   }
 }
 
+// Of all parts of 30 steps of a row of eight bricks, the first of which strikes the next one. Counts the
+// steps with contact in which this rank has visited some nodes only.
+std::vector<std::uint64_t> checksumsOfRow(const std::string& search, MPI_Comm comm,
+                                          bool moves_faces, int& listed_steps) {
+  Case row("[wall]\nbricks = [8, 1, 1]\nbrick = [0.2, 0.1, 0.1]\nelements = [8, 4, 4]\n"
+           "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\npoissons_ratio = 0.2\n"
+           "[[initial.velocity]]\nbody = 0\nvelocity = [1, 0, 0]\n"
+           "[time]\nend = 1\n" +
+               search,
+           comm);
+  std::vector<std::uint64_t> sums;
+  row.simulation.observe([&](StepPart part) { sums.push_back(checksumOf(row.simulation, part)); });
+  row.simulation.start();
+  for (int step = 0; step < 30; ++step) {
+    if (moves_faces && step % 10 == 5)
+      row.simulation.distributeContact(randomRanks(row, step));
+    row.simulation.step();
+    const auto& enforcement = row.simulation.contact()->enforcement();
+    listed_steps += enforcement.hasForces() && !enforcement.touched().isAll();
+  }
+  return sums;
+}
+
+TEST(ContactDistribution, ChangesNoBitWhereOnlyNodesThatContactsMayActOnAreVisited) {
+  int listed_steps = 0;
+  const auto alone = checksumsOfRow("", MPI_COMM_SELF, false, listed_steps);
+  EXPECT_GT(listed_steps, 5);
+  listed_steps = 0;
+  EXPECT_EQ(checksumsOfRow("", MPI_COMM_WORLD, false, listed_steps), alone);
+  EXPECT_GT(allReduce(MPI_COMM_WORLD, listed_steps, MPI_MAX), 5);
+  const std::string surface = "[search]\ndecomposition = \"surface\"\n";
+  EXPECT_EQ(checksumsOfRow(surface, MPI_COMM_WORLD, false, listed_steps), alone);
+  EXPECT_EQ(checksumsOfRow(surface, MPI_COMM_WORLD, true, listed_steps), alone);
+}
+
 TEST(ContactDistribution, GivesRanksEqualWork) {
   Case wall(std::string(sliding_bricks) + "[search]\ndecomposition = \"surface\"\n");
   const int size = sizeOf(MPI_COMM_WORLD);
