@@ -2,11 +2,13 @@
 """The load of the ranks over time in a strike, a wall that flies apart and a collapse: `./run.sh --study balance`.
 
 Runs the scenes of balance.md with contact on the ranks of the elements (primary) and balanced, all in turns, and writes balance.png,
-the largest rank over the mean over the steps, and table.md.
+the largest rank over the mean over the steps, and table.md. With --cpu-time, ranks that share cores measure the CPU time of their own
+work, and the table's critical path says what contact would take with a core for each rank and messages without latency.
 """
 import csv
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -23,6 +25,7 @@ PULSE = HERE.parents[2] / "inputs" / "local_pulse.toml"
 SCENES = {
     "strike in the middle": (PULSE, {}),
     "strike in a corner": (PULSE, {"load.pressure[0].center": [3.0, 0.0, 3.0], "time.end": 8}),
+    "strike in a corner, W(16)": (PULSE, {"load.pressure[0].center": [3.0, 0.0, 3.0], "time.end": 8, "wall.elements": [32, 16, 16]}),
     "flying apart": (HERE / "apart.toml", {}),
     "collapse": (HERE / "collapse.toml", {}),
 }
@@ -34,15 +37,16 @@ def parse_arguments():
     parser = study_parser("balance", __doc__)
     parser.add_argument("-n", "--ranks", type=positive_list, default=[4], help="MPI ranks (default 4)")
     parser.add_argument("-t", "--threads", type=positive, default=1, help="threads of each rank (default 1)")
-    parser.add_argument("--scenes", help=f"separated by commas (default all: {', '.join(SCENES)})")
+    parser.add_argument("--scenes", help=f"separated by semicolons (default all: {'; '.join(SCENES)})")
     parser.add_argument("--decompositions", default=",".join(COLOURS), help="of search.decomposition (default %(default)s)")
     parser.add_argument("--repetitions", type=positive, default=1, help="turns (default 1)")
+    parser.add_argument("--cpu-time", action="store_true", help="CPU times, each step in a row: for more ranks than cores")
     parser.add_argument("--steps", type=positive, help="of each run (default: to the end of the deck)")
     parser.add_argument("--limit", type=float, default=3600, help="time limit of a run, s")
     parser.add_argument("-o", "--output", type=lambda path: Path(path).absolute(), default=Path("out/study_balance").absolute(),
                         help="folder (default out/study_balance)")
     arguments = parser.parse_args()
-    arguments.scenes = arguments.scenes.split(",") if arguments.scenes else list(SCENES)
+    arguments.scenes = [name.strip() for name in arguments.scenes.split(";")] if arguments.scenes else list(SCENES)
     arguments.decompositions = arguments.decompositions.split(",")
     for kind, known in (("scenes", SCENES), ("decompositions", COLOURS)):
         for name in getattr(arguments, kind):
@@ -54,16 +58,19 @@ def parse_arguments():
 def run(arguments, cores, scene, ranks, decomposition, turn):
     """(rows of balance.csv, report.json), or the reason of a failure."""
     deck, settings = SCENES[scene]
-    folder = arguments.output / "runs" / f"{scene.replace(' ', '_')}_n{ranks}_{decomposition}_{turn}"
+    folder = arguments.output / "runs" / f"{''.join(c if c.isalnum() else '_' for c in scene)}_n{ranks}_{decomposition}_{turn}"
     settings = {**settings, "output.balance": True, "output.interval": 0.0, "search.decomposition": decomposition}
+    if arguments.cpu_time:
+        settings["output.history_interval"] = 1e-9
     words = [arguments.program, "run", str(deck), "-o", str(folder)]
     for key, value in settings.items():
         words += ["--set", f"{key}={launch.spell(value)}"]
     words += ["--steps", str(arguments.steps)] if arguments.steps else []
-    key = {"program": digest(arguments.program), "words": words[1:], "ranks": ranks, "threads": arguments.threads}
+    preload = ["-x", f"LD_PRELOAD={arguments.clock}"] if arguments.cpu_time else []
+    key = {"clock": arguments.cpu_time, "program": digest(arguments.program), "words": words[1:], "ranks": ranks, "threads": arguments.threads}
     if not finished(folder, key):
         environment = {**os.environ, **launch.environment(ranks, arguments.threads, cores)}
-        command = [*launch.launcher(arguments.program), "-n", str(ranks), *words]
+        command = [*launch.launcher(arguments.program), "-n", str(ranks), *preload, *words]
         record = perform(folder, key, command, arguments.limit, environment)
         if record["state"] != "ok":
             return f"{folder.name}: {record['state']}: {record['message']}"
@@ -81,6 +88,11 @@ def over_time(rows, value):
     """The sum of the largest rank over that of the means: what all steps together cost more."""
     mean = sum(float(row[f"{value}_mean"]) for row in rows)
     return sum(float(row[f"{value}_max"]) for row in rows) / mean if mean > 0 else None
+
+
+def critical_path(rows):
+    """Search, enforcement and distribution of the slowest rank of each row, s: without waits. In the first row times begin."""
+    return sum(float(row[f"{part}_max"]) for row in rows[1:] for part in ("search", "enforcement", "distribution"))
 
 
 def draw(folder, results, scenes, ranks):
@@ -116,14 +128,19 @@ def table(results, repetitions):
         spread = f"{number(seconds[len(seconds) // 2])} ({number(seconds[0])} to {number(seconds[-1])})" if repetitions > 1 \
             else number(seconds[0])
         rows.append([scene, ranks, decomposition] + [number(over_time(last[0], value)) for value in VALUES] + [
-            spread, last[1]["search"]["distributions"], last[1]["checksums"]["nodes"]])
+            number(sorted(critical_path(rows) for rows, _ in found)[len(found) // 2]), spread, last[1]["search"]["distributions"],
+            last[1]["checksums"]["nodes"]])
     return markdown(["scene", "ranks", "decomposition", *(f"{title}: largest over mean" for title in VALUES.values()),
-                     "contact with waits, s", "distributions", "checksum of the nodes"], rows)
+                     "critical path, s", "contact with waits, s", "distributions", "checksum of the nodes"], rows)
 
 
 def main():
     arguments = parse_arguments()
     place = machine.describe()
+    if arguments.cpu_time:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        arguments.clock = arguments.output / "cpu_clock.so"
+        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", arguments.clock, HERE / "cpu_clock.c"], check=True)
     results, failures = {}, []
     for turn in range(1, arguments.repetitions + 1):
         for case in [(scene, ranks, name) for scene in arguments.scenes for ranks in arguments.ranks
