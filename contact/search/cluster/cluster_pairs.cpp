@@ -115,6 +115,13 @@ void ClusterPairs::startAnew(const exec_space& space, const SurfaceClusters& clu
   };
   exactly(_capacity, num_clusters);
   exactly(_places, num_clusters + 1);
+  if (cluster_size > 1) {
+    exactly(_num_kept_hits, num_clusters);
+    const std::size_t num_words = num_clusters * 2 * max_sorted_hits;
+    if (_kept_hits.extent(0) != num_words)
+      _kept_hits = allocate<View<unsigned*>>(space, "contact::ClusterPairs::kept_hits",
+                                             static_cast<std::int64_t>(num_words));
+  }
   exactly(pairs.block_begin, num_clusters);
   exactly(pairs.row_begin, num_clusters * row_width);
   exactly(pairs.changed, num_clusters);
@@ -174,6 +181,7 @@ std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surfa
                     pairs.row_begin,
                     pairs.faces,
                     pairs.changed,
+                    {_num_kept_hits, _kept_hits},
                     order.num_clusters,
                     repeat};
   };

@@ -47,6 +47,8 @@ private:
   BoxForest _ghost_forest;
   View<int*> _capacity{"contact::ClusterPairs::capacity", 0}; // [cluster] entries of pairs.faces
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]
+  View<int*> _num_kept_hits{"contact::ClusterPairs::num_kept_hits", 0}; // KeptHits
+  View<unsigned*> _kept_hits{"contact::ClusterPairs::kept_hits", 0};
   std::int64_t _used = 0; // entries of pairs.faces that belong to a cluster
   std::int64_t _ordering = -1; // of the clusters for which the rows are laid out
 };

@@ -29,7 +29,7 @@ constexpr int blocks_at_once = cluster_size > 1 ? 32 : 1;
 // face, or num_faces + ghost index.
 struct Hits {
   int item[max_hits + blocks_at_once * block_size];
-  int key[max_hits]; // of own faces: rank in the order of rows, set by resolveFloatTies()
+  int key[max_hits]; // of own faces: rank in the order of rows, set by applyRules()
   unsigned lanes[max_hits + blocks_at_once * block_size]; // the nodes
   unsigned surely[max_hits + blocks_at_once * block_size]; // those without a tie in floats
   int count = 0;
@@ -59,6 +59,35 @@ struct BlockList {
   KOKKOS_INLINE_FUNCTION void finish() {
     for (int i = count; i % block_size != 0 && i < max_near_blocks; ++i)
       boxes[0][i] = HUGE_VALF;
+  }
+};
+
+// The hits of the last search from which a cluster made its rows, in the order of the tree and
+// without ties. Equal hits give the same rows while the order is kept, since rules look at ids only.
+struct KeptHits {
+  View<int*> count; // [cluster], plus 1; 0: none are kept. Empty where clusters have one node.
+  View<unsigned*> words; // [cluster][item, lanes][max_sorted_hits]
+
+  KOKKOS_INLINE_FUNCTION unsigned* wordsOf(int cluster) const {
+    return words.data() + std::int64_t(cluster) * (2 * max_sorted_hits);
+  }
+  KOKKOS_INLINE_FUNCTION bool areEqual(int cluster, const Hits& hits) const {
+    if (count(cluster) != hits.count + 1)
+      return false;
+    const unsigned* const items = wordsOf(cluster);
+    const unsigned* const lanes = items + max_sorted_hits;
+    unsigned difference = 0;
+    for (int i = 0; i < hits.count; ++i)
+      difference |= (items[i] ^ static_cast<unsigned>(hits.item[i])) | (lanes[i] ^ hits.lanes[i]);
+    return difference == 0;
+  }
+  KOKKOS_INLINE_FUNCTION void keep(int cluster, const Hits& hits) const {
+    unsigned* const items = wordsOf(cluster);
+    for (int i = 0; i < hits.count; ++i) {
+      items[i] = static_cast<unsigned>(hits.item[i]);
+      items[max_sorted_hits + i] = hits.lanes[i];
+    }
+    count(cluster) = hits.count + 1;
   }
 };
 
@@ -92,6 +121,7 @@ struct FindRows {
   View<const std::int64_t*> block_begin;
   View<int*> row_begin, faces;
   View<unsigned char*> changed; // [cluster] 0: the rows are the same as in the last search
+  KeptHits kept;
   int num_clusters;
   bool repeat; // search only the clusters marked needs_retry
 
@@ -207,12 +237,26 @@ struct FindRows {
     testTree<false>(nodes, first, body, near_faces, hits);
     testTree<true>(nodes, first, body, near_ghosts, hits);
     const bool is_long = hits.count > max_hits;
-    if (!is_long)
+    if constexpr (cluster_size > 1) {
+      if (hits.are_own && hits.count <= max_sorted_hits) {
+        resolveFloatTies(first, hits);
+        if (!repeat && kept.areEqual(cluster, hits)) {
+          sums.pairs += begin[cluster_size];
+          changed(cluster) = 0;
+          return;
+        }
+        kept.keep(cluster, hits);
+        applyRules(first, hits);
+        selectRows(hits, cluster, begin, sums);
+        return;
+      }
+      kept.count(cluster) = 0;
+    }
+    if (!is_long) {
       resolveFloatTies(first, hits);
-    if (!is_long && hits.are_own && hits.count <= max_sorted_hits && cluster_size > 1)
-      selectRows(hits, cluster, begin, sums);
-    else
-      fillRows(nodes, first, hits, is_long, cluster, begin, sums);
+      applyRules(first, hits);
+    }
+    fillRows(nodes, first, hits, is_long, cluster, begin, sums);
   }
 
   // Rows of few own faces: the faces are sorted once, and each node selects its own.
@@ -231,6 +275,7 @@ struct FindRows {
     begin[cluster_size] = total;
     sums.pairs += total;
     if (total > capacity(cluster)) {
+      kept.count(cluster) = 0; // no rows are written
       ++sums.overflowed;
       return;
     }
@@ -322,27 +367,37 @@ struct FindRows {
     }
   }
 
-  // Resolves ties in floats and applies the rules: items become faces, lanes those of the nodes
-  // that may touch them.
+  // Removes the lanes whose boxes overlap in floats only.
   KOKKOS_INLINE_FUNCTION void resolveFloatTies(int first, Hits& hits) const {
+    unsigned any = 0;
+    for (int i = 0; i < hits.count; ++i)
+      any |= hits.lanes[i] & ~hits.surely[i];
+    if (any == 0)
+      return;
+    for (int i = 0; i < hits.count; ++i)
+      if (const unsigned unsure = hits.lanes[i] & ~hits.surely[i]; unsure != 0)
+        hits.lanes[i] ^= unsure ^ overlapping(unsure, first, faceOf(hits.item[i]));
+  }
+  KOKKOS_INLINE_FUNCTION int faceOf(int item) const {
+    return item < test.surface.num_faces ? test.order.face_order(item) : item;
+  }
+  // Items become faces, lanes those of the nodes that may touch them.
+  KOKKOS_INLINE_FUNCTION void applyRules(int first, Hits& hits) const {
     const bool is_ranked = test.order.face_rank.extent(0) > 0;
-    int kept = 0;
+    int num_kept = 0;
     for (int i = 0; i < hits.count; ++i) {
       const int item = hits.item[i];
       const bool is_own = item < test.surface.num_faces;
-      const int face = is_own ? test.order.face_order(item) : item;
+      const int face = faceOf(item);
       unsigned lanes = hits.lanes[i];
       if (!is_own || (test.drop_same_body && hits.may_be_same_body))
         lanes = allowed(lanes, first, face);
-      const unsigned unsure = lanes & ~hits.surely[i];
-      if (unsure != 0)
-        lanes = (lanes & ~unsure) | overlapping(unsure, first, face);
-      hits.item[kept] = face;
-      hits.key[kept] = is_own && is_ranked ? test.order.face_rank(item) : face;
-      hits.lanes[kept] = lanes;
-      kept += lanes != 0;
+      hits.item[num_kept] = face;
+      hits.key[num_kept] = is_own && is_ranked ? test.order.face_rank(item) : face;
+      hits.lanes[num_kept] = lanes;
+      num_kept += lanes != 0;
     }
-    hits.count = kept;
+    hits.count = num_kept;
   }
   KOKKOS_INLINE_FUNCTION unsigned allowed(unsigned lanes, int first, int face) const {
     unsigned kept = 0;
@@ -376,6 +431,7 @@ struct FindRows {
       hits.count = 0;
       testBlocks<of_ghosts>(nodes, first, many_bodies, &number, 1, hits);
       resolveFloatTies(first, hits);
+      applyRules(first, hits);
       for (int i = 0; i < hits.count; ++i)
         visit(hits.item[i], hits.lanes[i]);
     });
