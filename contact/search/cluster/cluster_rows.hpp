@@ -2,6 +2,7 @@
 // cluster tests its nodes against the faces of these blocks and writes its rows of candidates.
 #pragma once
 
+#include "contact/search/cluster/cluster_hits.hpp"
 #include "contact/search/cluster/cluster_pairs.hpp"
 #include "contact/search/cluster/cluster_walk.hpp"
 #include "contact/surface/candidate_rows.hpp"
@@ -13,30 +14,11 @@ using DeviceRules = PairRules<memory_space>;
 
 constexpr int row_width = cluster_size + 1; // entries of CandidatePairs::row_begin for a cluster
 constexpr int needs_retry = -1; // in the first of them, which is otherwise 0
-constexpr int max_hits =
-    cluster_size > 1 ? 256
-                     : 32; // faces that a cluster keeps; clusters with more take a slower path
 // Entries of a cluster before its first search: four faces per node.
 constexpr int initial_capacity = 4 * cluster_size;
-constexpr int max_sorted_hits = 64; // most hits that selectRows() sorts
 // Clusters that traverse the upper levels of the tree together, and the most blocks that they keep.
 constexpr int group_size = cluster_size > 1 ? 8 : 1;
 constexpr int max_near_blocks = cluster_size > 1 ? 512 : block_size;
-// Blocks whose faces a cluster tests one after another.
-constexpr int blocks_at_once = cluster_size > 1 ? 32 : 1;
-
-// Faces whose boxes overlap those of some nodes of a cluster. An item is the position of an own
-// face, or num_faces + ghost index.
-struct Hits {
-  int item[max_hits + blocks_at_once * block_size];
-  int key[max_hits]; // of own faces: rank in the order of rows, set by applyRules()
-  unsigned lanes[max_hits + blocks_at_once * block_size]; // the nodes
-  unsigned surely[max_hits + blocks_at_once * block_size]; // those without a tie in floats
-  int count = 0;
-  bool are_own = true; // none of them is a ghost
-  bool may_be_same_body = false; // some own faces may belong to the body of some of the nodes
-};
-
 // Blocks of faces near a group of clusters, with their boxes.
 struct BlockList {
   float boxes[6][max_near_blocks + block_size];
@@ -59,35 +41,6 @@ struct BlockList {
   KOKKOS_INLINE_FUNCTION void finish() {
     for (int i = count; i % block_size != 0 && i < max_near_blocks; ++i)
       boxes[0][i] = HUGE_VALF;
-  }
-};
-
-// The hits of the last search from which a cluster made its rows, in the order of the tree and
-// without ties. Equal hits give the same rows while the order is kept, since rules look at ids only.
-struct KeptHits {
-  View<int*> count; // [cluster], plus 1; 0: none are kept. Empty where clusters have one node.
-  View<unsigned*> words; // [cluster][item, lanes][max_sorted_hits]
-
-  KOKKOS_INLINE_FUNCTION unsigned* wordsOf(int cluster) const {
-    return words.data() + std::int64_t(cluster) * (2 * max_sorted_hits);
-  }
-  KOKKOS_INLINE_FUNCTION bool areEqual(int cluster, const Hits& hits) const {
-    if (count(cluster) != hits.count + 1)
-      return false;
-    const unsigned* const items = wordsOf(cluster);
-    const unsigned* const lanes = items + max_sorted_hits;
-    unsigned difference = 0;
-    for (int i = 0; i < hits.count; ++i)
-      difference |= (items[i] ^ static_cast<unsigned>(hits.item[i])) | (lanes[i] ^ hits.lanes[i]);
-    return difference == 0;
-  }
-  KOKKOS_INLINE_FUNCTION void keep(int cluster, const Hits& hits) const {
-    unsigned* const items = wordsOf(cluster);
-    for (int i = 0; i < hits.count; ++i) {
-      items[i] = static_cast<unsigned>(hits.item[i]);
-      items[max_sorted_hits + i] = hits.lanes[i];
-    }
-    count(cluster) = hits.count + 1;
   }
 };
 
