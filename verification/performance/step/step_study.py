@@ -94,11 +94,20 @@ def settings_of(wall, scene, search, quick):
         settings["load.pressure[0].peak"] = 0.0
     if scene == "pressed":
         settings["initial.deformation"] = "[{gradient=[-0.002,0,0,0,0,0,0,0,-0.002]}]"
-    elif scene == "flying apart":
-        entries = [f"{{brick=[{x},0,{z}],velocity=[{wall.apart * x:g},0,{wall.apart * z:g}]}}"
-                   for z in range(1, wall.courses) for x in range(wall.bricks[z % 2])]
-        settings["initial.velocity"] = f"[{','.join(entries)}]"
     return settings
+
+
+def deck_of(arguments, wall, scene):
+    """The deck of the wall; bricks that fly apart have velocities in a copy of it, since they are too many for a line."""
+    deck = ROOT / "inputs" / f"{wall.deck}.toml"
+    if scene != "flying apart":
+        return deck
+    velocities = [f"\n[[initial.velocity]]\nbrick = [{x}, 0, {z}]\nvelocity = [{wall.apart * x:g}, 0, {wall.apart * z:g}]\n"
+                  for z in range(1, wall.courses) for x in range(wall.bricks[z % 2])]
+    copy = arguments.output / deck.name
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    copy.write_text(deck.read_text() + "".join(velocities))
+    return copy
 
 
 def run_once(program, arguments, wall, scene, search, layout, probed=False):
@@ -109,7 +118,7 @@ def run_once(program, arguments, wall, scene, search, layout, probed=False):
     probing = {"KOKKOS_PROFILE_LIBRARY": str(probe), "KOKKOS_TOOLS_LIBS": str(probe), "BRICKWALL_STEP_PROBE": str(file),
                "OMP_WAIT_POLICY": "passive"} if probed else {}
     os.environ.update(probing)
-    done = program.run(ROOT / "inputs" / f"{wall.deck}.toml", folder, settings_of(wall, scene, search, arguments.quick),
+    done = program.run(deck_of(arguments, wall, scene), folder, settings_of(wall, scene, search, arguments.quick),
                        ranks=layout[0], threads=layout[1])
     for name in probing:
         del os.environ[name]
