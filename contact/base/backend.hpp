@@ -143,6 +143,14 @@ KOKKOS_INLINE_FUNCTION void orderMemory() {
 #endif
 }
 
+// Keeps the compiler of a device from moving loads of the code before to where their values are
+// used, so that a thread waits for all of them at once.
+KOKKOS_FORCEINLINE_FUNCTION void startLoads() {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+  asm volatile("" ::: "memory");
+#endif
+}
+
 // Prefetches data that will be read soon; on a device other threads hide the latency. Forced
 // inline, as must be all functions that only call it: g++ 12 takes such functions for pure and
 // deletes their calls.

@@ -117,6 +117,7 @@ struct LimbSums {
     if (!sum[i].add(term, scale))
       ++invalid;
   }
+  KOKKOS_INLINE_FUNCTION void add(int i, const LimbSum& part) { sum[i] += part; }
   KOKKOS_INLINE_FUNCTION LimbSums& operator+=(const LimbSums& b) {
     for (int i = 0; i < N; ++i)
       sum[i] += b.sum[i];

@@ -102,11 +102,13 @@ public:
   KOKKOS_FORCEINLINE_FUNCTION unsigned rows() const { return _rows; }
 
   // Adds sum i, whose terms have the scale scales(i), to the sum index(i).
-  template <int M, class Index, class Scales>
-  KOKKOS_INLINE_FUNCTION void foldInto(LimbSums<M>& sums, const Index& index,
-                                       const Scales& scales) {
-    for (int i = 0; i < N; ++i)
-      addParts(sums.sum[index(i)], _high[i], _low[i], _rows, scales(i));
+  template <class Sums, class Index, class Scales>
+  KOKKOS_INLINE_FUNCTION void foldInto(Sums& sums, const Index& index, const Scales& scales) {
+    for (int i = 0; i < N && _rows > 0; ++i) {
+      LimbSum part;
+      addParts(part, _high[i], _low[i], _rows, scales(i));
+      sums.add(index(i), part);
+    }
     sums.invalid += _misfit >> 52 != 0;
     *this = SplitSums();
   }

@@ -3,6 +3,7 @@
 
 #include "contact/base/lane_sums.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
+#include "mechanics/ledger/sum_limbs.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
 
 namespace brickwall::mechanics {
@@ -35,20 +36,6 @@ KOKKOS_INLINE_FUNCTION constexpr int plainScale(int term) {
   return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
 }
 
-// Ledger sums of one thread of a device: those of the plain terms in registers, the others, to which
-// few nodes add, in the memory of `others`.
-struct DeviceKickSums {
-  KickSums& others;
-  const SplitScale (&scales)[4];
-  SplitSums<num_plain_kick_terms> plain;
-
-  KOKKOS_INLINE_FUNCTION void fold() {
-    plain.foldInto(
-        others, [](int t) { return plainKickTerm(t); },
-        [&](int t) -> const SplitScale& { return scales[plainScale(t)]; });
-  }
-};
-
 // Ledger terms of one of the other kinds of forces: the first numOtherKickTerms() of [work, impulse,
 // moment].
 constexpr int max_other_kick_terms = 7;
@@ -63,6 +50,30 @@ KOKKOS_INLINE_FUNCTION constexpr int otherKickTerm(int kind, int term) {
                     : (kind == contact_force ? +kick_impulse_contact : +kick_impulse_external) +
                           term - 1);
 }
+
+// The scale of such a term, as plainScale().
+KOKKOS_INLINE_FUNCTION constexpr int otherScale(int term) {
+  return term == 0 ? 0 : (term < 4 ? 2 : 3);
+}
+
+// Ledger sums of one thread of a device: those of the plain terms and of contact in registers, the
+// others, to which few nodes add, in the memory of `others`.
+template <class Others>
+struct DeviceKickSums {
+  Others& others;
+  const SplitScale (&scales)[4];
+  SplitSums<num_plain_kick_terms> plain;
+  SplitSums<numOtherKickTerms(contact_force)> contact;
+
+  KOKKOS_INLINE_FUNCTION void fold() {
+    plain.foldInto(
+        others, [](int t) { return plainKickTerm(t); },
+        [&](int t) -> const SplitScale& { return scales[plainScale(t)]; });
+    contact.foldInto(
+        others, [](int t) { return otherKickTerm(contact_force, t); },
+        [&](int t) -> const SplitScale& { return scales[otherScale(t)]; });
+  }
+};
 
 // Operands of a node's kick: the velocity `old` before it, mass, current position x and internal
 // force.
@@ -134,7 +145,7 @@ struct KickNode {
 
   // Applies damping and prescribed motion to the free velocity; `reaction` is the impulse of the
   // prescribed motion.
-  KOKKOS_INLINE_FUNCTION void constrain(std::int64_t node, const Vec3& total,
+  KOKKOS_INLINE_FUNCTION void constrain(const int (&motion)[3], const Vec3& total,
                                         NodeKick<double>& kick, Vec3& reaction) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]};
     Vec3 v = {kick.v[0], kick.v[1], kick.v[2]};
@@ -144,10 +155,9 @@ struct KickNode {
     }
     if (boundary.any)
       for (int i = 0; i < 3; ++i) {
-        const int motion = boundary.motion(node, i);
-        if (motion == 0)
+        if (motion[i] == 0)
           continue;
-        v[i] = boundary.velocityOf(motion)[i];
+        v[i] = boundary.velocityOf(motion[i])[i];
         reaction[i] =
             kick.mass * (v[i] - old[i]) - dt * (total[i] + kick.mass * boundary.gravity[i]);
         if (boundary.mass_damping > 0)
@@ -160,7 +170,7 @@ struct KickNode {
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
     kickByStoredColumns(node, sums);
   }
-  template <class Sums> // KickSums or DeviceKickSums
+  template <class Sums> // KickSums or a DeviceKickSums
   KOKKOS_INLINE_FUNCTION void kickByStoredColumns(std::int64_t node, Sums& sums) const {
     std::int64_t columns[3 * kinds];
     for (int kind = 0; kind < kinds; ++kind)
@@ -173,75 +183,98 @@ struct KickNode {
   KOKKOS_INLINE_FUNCTION void
   kickByColumns(std::int64_t node, const std::int64_t (&columns)[3 * kinds], Sums& sums) const {
     NodeKick<double> kick;
-    double total[3];
+    double moved[3], total[3];
+    int motion[3] = {};
+    for (int i = 0; i < 3; ++i) {
+      kick.old[i] = velocity(node, i);
+      kick.x[i] = reference(node, i);
+      moved[i] = displacement(node, i);
+      if (boundary.any)
+        motion[i] = boundary.motion(node, i);
+    }
+    kick.mass = mass(node);
+    const bool is_kept = is_owned(node) != 0;
+    startLoads();
     for (int i = 0; i < 3; ++i) {
       std::int64_t sum = 0;
       for (int kind = 0; kind < kinds; ++kind)
         sum += columns[3 * kind + i];
       total[i] = quantum * static_cast<double>(sum);
       kick.force[i] = quantum * static_cast<double>(columns[3 * internal_force + i]);
-      kick.old[i] = velocity(node, i);
-      kick.x[i] = reference(node, i) + displacement(node, i);
+      kick.x[i] += moved[i];
     }
-    kick.mass = mass(node);
     kick.accelerate(total, dt, boundary.gravity);
     Vec3 reaction;
-    constrain(node, {total[0], total[1], total[2]}, kick, reaction);
+    constrain(motion, {total[0], total[1], total[2]}, kick, reaction);
     for (int i = 0; i < 3; ++i)
       velocity(node, i) = kick.v[i];
-    if (!is_owned(node))
+    if (!is_kept)
       return;
-    addPlainTerms(kick, sums);
+    double contact[3] = {};
+    if constexpr (kinds > contact_force)
+      for (int i = 0; i < 3; ++i)
+        contact[i] = quantum * static_cast<double>(columns[3 * contact_force + i]);
+    addPlainAndContactTerms(contact, kick, sums);
     addOtherTerms(node, kick, reaction, othersOf(sums));
   }
   KOKKOS_INLINE_FUNCTION static KickSums& othersOf(KickSums& sums) { return sums; }
-  KOKKOS_INLINE_FUNCTION static KickSums& othersOf(DeviceKickSums& sums) { return sums.others; }
+  template <class Others>
+  KOKKOS_INLINE_FUNCTION static Others& othersOf(DeviceKickSums<Others>& sums) {
+    return sums.others;
+  }
 
-  KOKKOS_INLINE_FUNCTION void addPlainTerms(const NodeKick<double>& kick,
-                                            DeviceKickSums& sums) const {
+  KOKKOS_INLINE_FUNCTION void addPlainAndContactTerms(const double (&contact)[3],
+                                                      const NodeKick<double>& kick,
+                                                      KickSums& sums) const {
     double term[num_plain_kick_terms];
+    kick.terms(dt, term);
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      sums.add(plainKickTerm(t), term[t], scaleOf(plainScale(t)));
+    addTermsOf(contact_force, contact, kick, sums);
+  }
+  template <class Others>
+  KOKKOS_INLINE_FUNCTION void addPlainAndContactTerms(const double (&contact)[3],
+                                                      const NodeKick<double>& kick,
+                                                      DeviceKickSums<Others>& sums) const {
+    double term[num_plain_kick_terms], of_contact[max_other_kick_terms];
     kick.terms(dt, term);
     for (int t = 0; t < num_plain_kick_terms; ++t)
       sums.plain.add(t, term[t], sums.scales[plainScale(t)]);
     sums.plain.endRow();
+    if (isZero({contact[0], contact[1], contact[2]}))
+      return;
+    kick.otherTerms(contact, dt, of_contact);
+    for (int t = 0; t < numOtherKickTerms(contact_force); ++t)
+      sums.contact.add(t, of_contact[t], sums.scales[otherScale(t)]);
+    sums.contact.endRow();
   }
 
-  KOKKOS_INLINE_FUNCTION void addPlainTerms(const NodeKick<double>& kick, KickSums& sums) const {
-    double term[num_plain_kick_terms];
-    kick.terms(dt, term);
-    sums.add(kick_kinetic, term[plain_kinetic], scales.energy);
-    sums.add(kick_shadow, term[plain_shadow], scales.energy);
-    sums.add(kickWork(internal_force), term[plain_work], scales.energy);
-    sums.add(kick_power, term[plain_power], scales.power);
-    for (int i = 0; i < 3; ++i) {
-      sums.add(kick_momentum + i, term[plain_momentum + i], scales.momentum);
-      sums.add(kick_angular + i, term[plain_angular + i], scales.angular);
-    }
-  }
-
-  KOKKOS_INLINE_FUNCTION void addTermsOf(int kind, std::int64_t node, const NodeKick<double>& kick,
-                                         KickSums& sums) const {
-    double force[3], term[max_other_kick_terms];
-    for (int i = 0; i < 3; ++i)
-      force[i] = quantum * static_cast<double>(forces(node, 3 * kind + i));
+  template <class Sums>
+  KOKKOS_INLINE_FUNCTION void addTermsOf(int kind, const double (&force)[3],
+                                         const NodeKick<double>& kick, Sums& sums) const {
     if (isZero({force[0], force[1], force[2]}))
       return;
+    double term[max_other_kick_terms];
     kick.otherTerms(force, dt, term);
     for (int t = 0; t < numOtherKickTerms(kind); ++t)
-      sums.add(otherKickTerm(kind, t), term[t],
-               t == 0 ? scales.energy : (t < 4 ? scales.momentum : scales.angular));
+      sums.add(otherKickTerm(kind, t), term[t], scaleOf(otherScale(t)));
   }
   // The loop over kinds, which is not unrolled, also keeps the sums out of a device's registers.
+  template <class Sums>
   KOKKOS_INLINE_FUNCTION void addOtherTerms(std::int64_t node, const NodeKick<double>& kick,
-                                            const Vec3& reaction, KickSums& sums) const {
+                                            const Vec3& reaction, Sums& sums) const {
     const Vec3 old = {kick.old[0], kick.old[1], kick.old[2]}, v = {kick.v[0], kick.v[1], kick.v[2]};
     const Vec3 x = {kick.x[0], kick.x[1], kick.x[2]}, mean = 0.5 * (old + v);
     unsigned flags = 0; // see NodalForces::acts
-    for (int kind = contact_force; kind < kinds; ++kind)
+    for (int kind = contact_force + 1; kind < kinds; ++kind)
       flags |= static_cast<unsigned>(acts[kind]) << kind;
-    for (int kind = contact_force; flags >> kind != 0; ++kind)
-      if ((flags >> kind & 1u) != 0)
-        addTermsOf(kind, node, kick, sums);
+    for (int kind = contact_force + 1; flags >> kind != 0; ++kind)
+      if ((flags >> kind & 1u) != 0) {
+        double force[3];
+        for (int i = 0; i < 3; ++i)
+          force[i] = quantum * static_cast<double>(forces(node, 3 * kind + i));
+        addTermsOf(kind, force, kick, sums);
+      }
     if (!isZero(reaction))
       addImpulse(sums, x, reaction, mean, kick_work_reaction, kick_impulse_reaction,
                  kick_moment_reaction);
@@ -250,21 +283,28 @@ struct KickNode {
                  kick_impulse_damping, kick_moment_damping);
     const Vec3 apart = v - test.around;
     if (!(dot(apart, apart) <= test.limit * test.limit))
-      ++sums.sum[kick_fast_nodes].high;
+      sums.add(kick_fast_nodes, LimbSum{1, 0, 0});
   }
 
   // Adds an impulse that has no force column, with its work and its moment.
-  KOKKOS_INLINE_FUNCTION void addImpulse(KickSums& sums, const Vec3& x, const Vec3& impulse,
+  template <class Sums>
+  KOKKOS_INLINE_FUNCTION void addImpulse(Sums& sums, const Vec3& x, const Vec3& impulse,
                                          const Vec3& mean_velocity, int work_term, int impulse_term,
                                          int moment_term) const {
     sums.add(work_term, dot(impulse, mean_velocity), scales.energy);
     addVector(sums, impulse_term, impulse, scales.momentum);
     addVector(sums, moment_term, cross(x, impulse), scales.angular);
   }
-  KOKKOS_INLINE_FUNCTION static void addVector(KickSums& sums, int first, const Vec3& value,
+  template <class Sums>
+  KOKKOS_INLINE_FUNCTION static void addVector(Sums& sums, int first, const Vec3& value,
                                                const LimbScale& scale) {
     for (int i = 0; i < 3; ++i)
       sums.add(first + i, value[i], scale);
+  }
+  KOKKOS_INLINE_FUNCTION const LimbScale& scaleOf(int scale) const { // see plainScale()
+    return scale == 0
+               ? scales.energy
+               : (scale == 1 ? scales.power : (scale == 2 ? scales.momentum : scales.angular));
   }
   KOKKOS_INLINE_FUNCTION static bool isZero(const Vec3& a) {
     return a.x == 0 && a.y == 0 && a.z == 0;
@@ -277,17 +317,36 @@ struct KickStrided {
   KickNode<kinds> node_kick;
   SplitScale scales[4]; // energy, power, momentum, angular
   int num_nodes;
+  SumList<num_kick_terms> listed;
 
   KickStrided(const KickNode<kinds>& kick, int nodes)
       : node_kick(kick), scales{SplitScale::of(kick.scales.energy),
                                 SplitScale::of(kick.scales.power),
                                 SplitScale::of(kick.scales.momentum),
                                 SplitScale::of(kick.scales.angular)},
-        num_nodes(nodes) {}
+        num_nodes(nodes) {
+    for (int t = 0; t < num_plain_kick_terms; ++t)
+      listed.add(plainKickTerm(t));
+    for (int kind = contact_force; kind < kinds; ++kind)
+      for (int t = 0; kick.acts[kind] && t < numOtherKickTerms(kind); ++t)
+        listed.add(otherKickTerm(kind, t));
+    if (kick.boundary.any) {
+      listed.add(kick_work_reaction);
+      listed.add(kick_impulse_reaction, 3);
+      listed.add(kick_moment_reaction, 3);
+    }
+    if (kick.boundary.mass_damping > 0) {
+      listed.add(kick_work_damping);
+      listed.add(kick_impulse_damping, 3);
+      listed.add(kick_moment_damping, 3);
+    }
+    listed.add(kick_fast_nodes);
+  }
 
+  template <class Sums>
   KOKKOS_INLINE_FUNCTION void operator()(std::int64_t first, std::int64_t stride,
-                                         KickSums& sums) const {
-    DeviceKickSums mine{sums, scales, {}};
+                                         Sums& sums) const {
+    DeviceKickSums<Sums> mine{sums, scales, {}, {}};
     for (std::int64_t node = first; node < num_nodes; node += stride) {
       node_kick.kickByStoredColumns(node, mine);
       if (mine.plain.rows() == mine.plain.max_rows)

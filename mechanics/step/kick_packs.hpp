@@ -22,22 +22,20 @@ public:
     Real term[max_other_kick_terms];
     kick.otherTerms(force, dt, term);
     for (int t = 0; t < num_terms; ++t)
-      _lanes.add(t, term[t], scales[scaleIndex(t)]);
+      _lanes.add(t, term[t], scales[otherScale(t)]);
     _lanes.endRow();
   }
   void foldInto(KickSums& sums, const SplitScale (&scales)[4]) {
     const SplitScale* of_terms[num_terms];
     int index[num_terms];
     for (int t = 0; t < num_terms; ++t) {
-      of_terms[t] = &scales[scaleIndex(t)];
+      of_terms[t] = &scales[otherScale(t)];
       index[t] = otherKickTerm(kind, t);
     }
     _lanes.foldInto(sums, index, of_terms);
   }
 
 private:
-  static constexpr int scaleIndex(int term) { return term == 0 ? 0 : (term < 4 ? 2 : 3); }
-
   LaneSums<num_terms, W> _lanes;
 };
 

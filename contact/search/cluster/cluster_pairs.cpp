@@ -80,13 +80,13 @@ PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
 // The search of a step, with rows of some clusters possibly too long for their capacity.
 template <bool by_groups>
 PairCounts searchAll(const exec_space& space, FindRows find, const std::function<void()>& meanwhile,
-                     LaunchedSums<PairCounts>& sums) {
+                     LaunchedSums<PairCounts>& sums, GroupQueue& queue) {
   if constexpr (by_groups) {
     launchByGroups(space,
                    FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
                                     find.capacity, find.block_begin, find.row_begin, find.faces,
-                                    find.changed, find.num_clusters},
-                   sums.next(space));
+                                    find.changed, find.num_clusters, queue},
+                   sums.next(space), queue);
     if (meanwhile)
       meanwhile();
     PairCounts counts = sums.read(space);
@@ -186,7 +186,8 @@ std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surfa
                     repeat};
   };
   ++pairs.version;
-  const PairCounts counts = searchAll<cluster_size == 1>(space, rows(false), meanwhile, _counts);
+  const PairCounts counts =
+      searchAll<cluster_size == 1>(space, rows(false), meanwhile, _counts, _queue);
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     growCapacity(space, order.num_clusters, pairs);

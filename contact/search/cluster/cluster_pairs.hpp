@@ -27,6 +27,12 @@ struct PairCounts {
   }
 };
 
+// Groups of nodes that the threads of a search on a device take one after another.
+struct GroupQueue {
+  View<std::int64_t*> num_taken{"contact::GroupQueue::num_taken", 1}; // in all searches
+  std::int64_t taken_before = 0; // the next search
+};
+
 class ClusterPairs {
 public:
   // As LocalSearch::findCandidatePairs(); `clusters` were updated with `surface`. A cluster writes
@@ -44,6 +50,7 @@ private:
   void growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
   LaunchedSums<PairCounts> _counts;
+  GroupQueue _queue;
   BoxForest _ghost_forest;
   View<int*> _capacity{"contact::ClusterPairs::capacity", 0}; // [cluster] entries of pairs.faces
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]

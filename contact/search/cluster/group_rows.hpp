@@ -13,9 +13,10 @@ struct FindRowsOfGroups {
   static constexpr int max_blocks = 96; // of a level, near nodes that search together
   static constexpr int max_row = 24; // faces of a row
   static constexpr int blocks_at_once = vector_lanes / block_size;
-  static constexpr int team_size = host_accessible ? 1 : 4;
-  using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>,
-                                    launch_by_argument>;
+  static constexpr int team_size = host_accessible ? 1 : 4, teams_at_once = 6;
+  using Policy =
+      Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, teams_at_once>,
+                         launch_by_argument>;
   using Member = Policy::member_type;
 
   PairTest test;
@@ -27,6 +28,7 @@ struct FindRowsOfGroups {
   View<int*> faces;
   View<unsigned char*> changed; // [node position] 0: the row is the same as in the last search
   int num_nodes;
+  GroupQueue queue;
 
   // A face near a group.
   struct alignas(16) NearFace {
@@ -65,10 +67,19 @@ struct FindRowsOfGroups {
     PairCounts all;
     OfLanes<LaneCounts> counts;
     forLanes(team, [&](const int lane) { counts[lane] = LaneCounts(); });
-    const int stride = team.league_size() * team.team_size();
-    for (int group = team.league_rank() * team.team_size() + team.team_rank(); group < numGroups();
-         group += stride)
-      all.blocks += findRows(team, group, scratch, counts);
+    // Every thread has a first group and then takes the next one that is left.
+    const std::int64_t num_threads = std::int64_t(team.league_size()) * team.team_size();
+    std::int64_t group = std::int64_t(team.league_rank()) * team.team_size() + team.team_rank();
+    while (group < numGroups()) {
+      all.blocks += findRows(team, static_cast<int>(group), scratch, counts);
+      Kokkos::single(
+          Kokkos::PerThread(team),
+          [&](std::int64_t& next) {
+            next = num_threads + Kokkos::atomic_fetch_add(&queue.num_taken(0), std::int64_t(1)) -
+                   queue.taken_before;
+          },
+          group);
+    }
     all.pairs = sumOfLanes(team, [&](const int lane) { return counts[lane].pairs; });
     all.overflowed = sumOfLanes(team, [&](const int lane) { return counts[lane].overflowed; });
     all.skipped = sumOfLanes(team, [&](const int lane) { return counts[lane].skipped; });
@@ -152,12 +163,12 @@ struct FindRowsOfGroups {
                                          Scratch& scratch) const {
     if (tree.num_levels == 0)
       return true;
+    int level = maxOf(0, tree.num_levels - 2), count = tree.numBlocks(level), from = 0;
     forLanes(team, [&](const int lane) {
-      if (lane == 0)
-        scratch.blocks[0][0] = 0;
+      if (lane < block_size) // which is the most of the level below the root
+        scratch.blocks[0][lane] = lane;
     });
-    int count = 1, from = 0;
-    for (int level = tree.num_levels - 1; level > 0; --level) {
+    for (; level > 0; --level) {
       const global_id except = level == 1 && !of_ghosts ? nodes.body : many_bodies;
       count = listChildren(team, tree, level, scratch.all, except, scratch.blocks[from], count,
                            scratch.blocks[1 - from]);
@@ -176,24 +187,38 @@ struct FindRowsOfGroups {
   KOKKOS_INLINE_FUNCTION int listChildren(const Member& team, const BoxTree& tree, int level,
                                           const FloatBounds& all, global_id except,
                                           const int* blocks, int count, int* children) const {
+    constexpr int boxes_of_lane = 2; // loaded at once
     int found = 0;
-    for (int first = 0; first < count; first += blocks_at_once) {
-      const unsigned near = lanesWhere(team, [&](const int lane) {
-        const int i = first + lane / block_size;
-        if (i >= count)
-          return false;
-        const std::int64_t child = std::int64_t(blocks[i]) * block_size + lane % block_size;
-        return isWithin(boundsOfLane(tree.block(level, blocks[i]), lane % block_size).side, all) &&
-               (except == many_bodies || test.order.block_body(child) != except);
-      });
+    for (int first = 0; first < count; first += boxes_of_lane * blocks_at_once) {
+      OfLanes<FloatBounds> box[boxes_of_lane];
       forLanes(team, [&](const int lane) {
-        const int to = found + bitsBelow(near, lane);
-        if ((near >> lane & 1u) != 0 && to < max_blocks)
-          children[to] = blocks[first + lane / block_size] * block_size + lane % block_size;
+        for (int k = 0; k < boxes_of_lane; ++k)
+          box[k][lane] = boundsOfLane(
+              tree.block(level, blocks[placeOfLane(first + k * blocks_at_once, lane, count)]),
+              lane % block_size);
       });
-      found += countBits(near);
+      for (int k = 0; k < boxes_of_lane; ++k) {
+        const int begin = first + k * blocks_at_once;
+        const auto child = [&](const int lane) {
+          return blocks[placeOfLane(begin, lane, count)] * block_size + lane % block_size;
+        };
+        const unsigned near = lanesWhere(team, [&](const int lane) {
+          return begin + lane / block_size < count && isWithin(box[k][lane].side, all) &&
+                 (except == many_bodies || test.order.block_body(child(lane)) != except);
+        });
+        forLanes(team, [&](const int lane) {
+          const int to = found + bitsBelow(near, lane);
+          if ((near >> lane & 1u) != 0 && to < max_blocks)
+            children[to] = child(lane);
+        });
+        found += countBits(near);
+      }
     }
     return found;
+  }
+  // The place in a list of `count` blocks whose boxes are those of a lane, from `first` on.
+  KOKKOS_FORCEINLINE_FUNCTION static int placeOfLane(int first, int lane, int count) {
+    return minOf(first + lane / block_size, count - 1);
   }
 
   // Tests the nodes against the faces of up to blocks_at_once blocks.
@@ -201,38 +226,37 @@ struct FindRowsOfGroups {
   KOKKOS_INLINE_FUNCTION void testFaces(const Member& team, const BoxTree& tree, const int* blocks,
                                         int first, int count, Nodes& nodes,
                                         Scratch& scratch) const {
-    OfLanes<FloatBounds> box;
-    const unsigned near = lanesWhere(team, [&](const int lane) {
-      const int i = first + lane / block_size;
-      if (i >= count)
-        return false;
-      box[lane] = boundsOfLane(tree.block(0, blocks[i]), lane % block_size);
-      return isWithin(box[lane].side, scratch.all);
-    });
-    if (near == 0)
-      return;
+    OfLanes<NearFace> of_lane; // loaded at once, whether it is near or not
     forLanes(team, [&](const int lane) {
-      if ((near >> lane & 1u) == 0)
-        return;
-      const std::int64_t block = blocks[first + lane / block_size];
+      const std::int64_t block = blocks[placeOfLane(first, lane, count)];
       const int item = static_cast<int>(block) * block_size + lane % block_size;
-      NearFace& face = scratch.near[bitsBelow(near, lane)];
-      face.box = box[lane];
+      NearFace& face = of_lane[lane];
+      face.box = boundsOfLane(tree.block(0, block), lane % block_size);
       face.own = 0;
       if constexpr (of_ghosts) {
         face.face = test.surface.num_faces + item;
-        if (test.drop_same_body)
-          face.body = test.ghosts.bodies(item);
       } else {
         const int* const corner = &test.order.corners(block * 4 * block_size + lane % block_size);
         for (int k = 0; k < 4; ++k) {
           const auto at = static_cast<unsigned>(corner[k * block_size] - nodes.first);
           face.own |= at < 32u ? 1u << at : 0u;
         }
-        face.face = test.order.face_order(item);
-        if (test.drop_same_body)
-          face.body = test.surface.face_body(face.face);
+        face.face = test.order.face_order(minOf(item, test.surface.num_faces - 1));
       }
+    });
+    const unsigned near = lanesWhere(team, [&](const int lane) {
+      return first + lane / block_size < count && isWithin(of_lane[lane].box.side, scratch.all);
+    });
+    if (near == 0)
+      return;
+    forLanes(team, [&](const int lane) {
+      if ((near >> lane & 1u) == 0)
+        return;
+      NearFace& face = scratch.near[bitsBelow(near, lane)];
+      face = of_lane[lane];
+      if (test.drop_same_body)
+        face.body = of_ghosts ? test.ghosts.bodies(face.face - test.surface.num_faces)
+                              : test.surface.face_body(face.face);
     });
     const int num_near = countBits(near);
     forLanes(team, [&](const int lane) {
@@ -311,19 +335,21 @@ struct FindRowsOfGroups {
   }
 };
 
-// Launches the search of all nodes with FindRowsOfGroups.
+// Launches the search of all nodes with FindRowsOfGroups, whose queue must be `queue`.
 template <class Find, class Space>
 void launchByGroups(const exec_space& space, const Find& find,
-                    const PlusReducer<PairCounts, Space>& counts) {
+                    const PlusReducer<PairCounts, Space>& counts, GroupQueue& queue) {
   constexpr int team_size = Find::team_size;
-  const int fitting = // by registers, threads of `vector_lanes` lanes
-      host_accessible ? concurrency(space) : concurrency(space) / (2 * vector_lanes);
+  const int fitting = // threads of `vector_lanes` lanes, by registers
+      host_accessible ? concurrency(space)
+                      : concurrency(space) / 2048 * Find::teams_at_once * team_size;
   const int num_teams = (minOf(fitting, find.numGroups()) + team_size - 1) / team_size;
   using Scratch = typename Find::Scratch;
   typename Find::Policy policy(space, num_teams, team_size, vector_lanes);
   policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),
                           Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
   Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find, counts);
+  queue.taken_before += find.numGroups(); // every group makes its thread look for another one
 }
 
 } // namespace brickwall::contact

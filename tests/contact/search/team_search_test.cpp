@@ -166,21 +166,24 @@ TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
     const View<unsigned char*> changed("changed", n);
     Kokkos::deep_copy(capacity, room);
     placeRows(space, room, place);
-    const FindRowsOfGroups find{
-        {surface, ghosts, clusters.order(), DeviceRules(surface, ghosts, config.drop_same_body),
-         config.node_tolerance, config.face_tolerance, config.drop_same_body},
-        clusters.nodeBounds(),
-        clusters.faceTree(),
-        BoxTree(),
-        capacity,
-        place,
-        begin,
-        faces,
-        changed,
-        surface.num_nodes};
+    GroupQueue queue;
+    FindRowsOfGroups find{{surface, ghosts, clusters.order(),
+                           DeviceRules(surface, ghosts, config.drop_same_body),
+                           config.node_tolerance, config.face_tolerance, config.drop_same_body},
+                          clusters.nodeBounds(),
+                          clusters.faceTree(),
+                          BoxTree(),
+                          capacity,
+                          place,
+                          begin,
+                          faces,
+                          changed,
+                          surface.num_nodes,
+                          queue};
     for (int step = 0; step < 2; ++step) {
       PairCounts counts;
-      launchByGroups(space, find, PlusReducer<PairCounts>(counts));
+      find.queue = queue;
+      launchByGroups(space, find, PlusReducer<PairCounts>(counts), queue);
       space.fence();
       EXPECT_EQ(counts.overflowed, 0);
       const HostRows expected(pairs);

@@ -10,12 +10,14 @@ namespace {
 struct AddTerms {
   LimbScale scale;
   std::int64_t n;
+  SumList<40> listed;
   KOKKOS_INLINE_FUNCTION static double term(std::int64_t i) {
     return static_cast<double>(i * 7919 % 20011 - 10000) /
            static_cast<double>(8000 * (1 + i % 977));
   }
+  template <class Sums>
   KOKKOS_INLINE_FUNCTION void operator()(std::int64_t first, std::int64_t stride,
-                                         LimbSums<40>& sums) const {
+                                         Sums& sums) const {
     for (std::int64_t i = first; i < n; i += stride)
       sums.add(static_cast<int>(i % 40), term(i), scale);
   }
@@ -24,7 +26,8 @@ struct AddTerms {
 TEST(SumStrided, IsTheSumOfAllItems) {
   const LimbScale scale = LimbScale::forLargest(2.0);
   for (const std::int64_t n : {0, 1, 300001}) {
-    const AddTerms add{scale, n};
+    AddTerms add{scale, n, {}};
+    add.listed.add(0, 40);
     LimbSums<40> expected;
     add(0, 1, expected);
     expected.carry();
