@@ -29,7 +29,7 @@ struct SumByTeams {
     const std::int64_t group = team.team_rank() / group_size;
     const std::int64_t first = (group * team.league_size() + team.league_rank()) * group_size +
                                team.team_rank() % group_size;
-    Value mine;
+    Value mine = Value();
     for (std::int64_t i = begin + first; i < end; i += stride)
       functor(i, mine);
     sum += mine;
@@ -59,7 +59,7 @@ void launchSum(const std::string& label, const exec_space& space, std::int64_t b
 template <class Value, int teams_at_once = 1, class Functor>
 Value sumOver(const std::string& label, const exec_space& space, std::int64_t begin,
               std::int64_t end, const Functor& functor) {
-  Value sum;
+  Value sum = Value();
   launchSum<Value, teams_at_once>(label, space, begin, end, functor, PlusReducer<Value>(sum));
   space.fence();
   return sum;

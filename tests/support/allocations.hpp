@@ -3,20 +3,28 @@
 
 #include <Kokkos_Core.hpp>
 
-#include <atomic>
+#include <mutex>
+#include <string>
+#include <vector>
 
 namespace brickwall::testing {
 
-// Number of Views allocated by work().
+// Labels of the Views allocated by work().
 template <class Work>
-int allocationsOf(const Work& work) {
-  static std::atomic<int> count;
-  count = 0;
+std::vector<std::string> allocationsOf(const Work& work) {
+  static std::vector<std::string> labels;
+  static std::mutex mutex;
+  labels.clear();
   Kokkos::Tools::Experimental::set_allocate_data_callback(
-      [](Kokkos_Profiling_SpaceHandle, const char*, const void*, std::uint64_t) { ++count; });
+      [](Kokkos_Profiling_SpaceHandle, const char* label, const void*, std::uint64_t) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        labels.emplace_back(label);
+      });
   work();
   Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
-  return count;
+  return labels;
 }
+
+const std::vector<std::string> no_allocations;
 
 } // namespace brickwall::testing

@@ -8,28 +8,10 @@
 #include "miniapp/commands/failure.hpp"
 
 #include <climits>
-#include <cstdlib>
-#include <new>
+#include <cstdint>
 #include <string>
 
-namespace {
-std::size_t largest_allocation = SIZE_MAX;
-}
-
-// NOLINTBEGIN(misc-new-delete-overloads): those for arrays call these
-void* operator new(std::size_t bytes) {
-  void* memory = bytes > largest_allocation ? nullptr : std::malloc(bytes);
-  if (!memory)
-    throw std::bad_alloc();
-  return memory;
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-// NOLINTEND(misc-new-delete-overloads)
+extern std::size_t largest_allocation; // bytes, limited_allocation.cpp
 
 namespace {
 

@@ -1,5 +1,6 @@
 // A steady step allocates no View: every buffer of the step is kept by its owner.
 #include "tests/miniapp/simulation/case.hpp"
+#include "tests/support/allocations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,20 +8,8 @@ namespace {
 
 using brickwall::verification::Case;
 
-std::int64_t allocations = 0;
-void countAllocation(Kokkos_Profiling_SpaceHandle, const char*, const void*, std::uint64_t) {
-  ++allocations;
-}
-
-// Number of Views allocated in 50 steps.
-std::int64_t allocationsOf(Case& wall) {
-  allocations = 0;
-  Kokkos::Tools::Experimental::set_allocate_data_callback(countAllocation);
-  for (int step = 0; step < 50; ++step)
-    wall.simulation.step();
-  Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
-  return allocations;
-}
+using brickwall::testing::allocationsOf;
+using brickwall::testing::no_allocations;
 
 TEST(SteadyStep, OfBricksInContactAllocatesNoView) {
   // Bricks that press against each other and slide, with edges, friction, viscosity and loads;
@@ -42,7 +31,11 @@ TEST(SteadyStep, OfBricksInContactAllocatesNoView) {
     for (int step = 0; step < 200; ++step)
       simulation.step();
     EXPECT_GT(contactCounts(simulation).active, 0);
-    EXPECT_EQ(allocationsOf(wall), 0);
+    const auto steps = [&] {
+      for (int step = 0; step < 50; ++step)
+        simulation.step();
+    };
+    EXPECT_EQ(allocationsOf(steps), no_allocations);
   }
 }
 
@@ -61,7 +54,11 @@ TEST(SteadyStep, OfFreeBricksAllocatesNoView) {
   simulation.start();
   for (int step = 0; step < 10; ++step)
     simulation.step();
-  EXPECT_EQ(allocationsOf(wall), 0);
+  const auto steps = [&] {
+    for (int step = 0; step < 50; ++step)
+      simulation.step();
+  };
+  EXPECT_EQ(allocationsOf(steps), no_allocations);
 }
 
 } // namespace
