@@ -20,7 +20,7 @@ def setting(group, **changes):
 SHORT = {"safety": "time.safety", "penalty": "contact.penalty", "scheme": "contact.scheme", "edges": "contact.edges",
          "element": "element.formulation", "mass": "element.mass", "margin": "search.reuse.margin"}
 STEPS = [setting("time step", safety=value) for value in (0.5, 0.65, 0.95)]
-PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 1.0)]
+PENALTIES = [setting("penalty", penalty=value) for value in (0.05, 0.1, 0.25, 0.6, 0.75, 0.97, 1.0)]
 SOFT_AND_LONG = [setting("penalty, longest step", penalty=value, safety=0.95) for value in (0.05, 0.1, 0.25, 0.5)]
 FULL = setting("element", element="full")
 PLAIN = setting("scheme, edges", scheme="penalty")
@@ -35,7 +35,7 @@ COMBINED = [setting("several", penalty=0.75, margin=0.25), setting("several", sa
 BOTH_MASSES = [DEFAULT, COMBINED[1], COMBINED[2], setting("penalty", penalty=0.75)]
 ROW_SUMS = [Setting((*both.changes, ("element.mass", "row_sum")), "row sums") for both in BOTH_MASSES]
 # The settings on finer meshes.
-FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75)), *COMBINED[:2]]
+FEW = [DEFAULT, *(setting("penalty", penalty=value) for value in (0.25, 0.75, 0.97)), *COMBINED[:2]]
 
 
 class Scene:
@@ -46,6 +46,7 @@ class Scene:
     deck = None
     rule = DEFAULT  # the setting that README.md recommends
     sizes = {}  # {mesh: element length}
+    has_contact = True
     targets = (0.1, 0.03, 0.01, 0.003, 0.001)  # errors at which settings are compared
 
     def settings(self, mesh):

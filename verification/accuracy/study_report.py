@@ -86,6 +86,9 @@ def answers_text(study, results, general, audits):
              f"{answers.losses_text(answers.losses(results, by_rule=True))}; the second "
              f"{answers.losses_text(answers.losses(results, answers.same_contact, by_rule=True))}.\n\n"
              + table(answers.LOSS_HEADER, losses),
+             "**Which single setting is the fastest?** Seconds over those of the fastest setting at the same errors; an error that is not "
+             "reached counts as infinite. Keys of contact do not act in scenes without.\n\n"
+             + table(answers.SINGLE_HEADER, answers.single_rows(results)),
              "**What do nodal masses with the inertia of the bodies gain?** The default beside `element.mass = \"row_sum\"`.\n\n"
              + table(answers.MASS_HEADER, [row for result in results for row in answers.mass_rows(result)])
              + "\n![fronts of both masses](plots/masses.png)\n",

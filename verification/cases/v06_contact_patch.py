@@ -1,7 +1,15 @@
 """V6: The contact patch test: two unit cubes at rest, the lower one on rollers, the upper one under
 a uniform pressure p. The exact stress is sigma_zz = -p everywhere, for any meshes that meet at the
 joint, also if the upper cube stands on a fixed plate of elements that are turned about the vertical
-axis. Elements inside the joint that are no parallelograms have no exact areas of contact."""
+axis. Elements inside the joint that are no parallelograms have no exact areas of contact.
+
+Curved joints, z = 1 - K (x^2 + y^2)/2, under a pressure from all sides (deck v06_curved_joint.toml):
+faces are chords of the joint, so only nodes of the convex body penetrate the other one. Where its
+elements are the larger, of size a, those of the other b, the corners of the joint share one contact,
+whose force should be p a^2/4 on one of them and p b^2/4 on the other: no areas are exact to less
+than (a^2 - b^2)/(a^2 + b^2) (theory.md of contact, section 6.1)."""
+from pathlib import Path
+
 import numpy as np
 from framework.meshes import box, together
 
@@ -9,6 +17,7 @@ NAME = "V6"
 TITLE = "contact patch test"
 DECK = "v06_contact_patch.toml"
 SECONDS = 10
+CURVED_DECK = Path(__file__).parents[1] / "decks" / "v06_curved_joint.toml"
 
 
 def two_cubes(lower, upper):
@@ -51,6 +60,64 @@ def press_on_plate(lab, lower, upper, degrees):
     return z[-upper**3:], error[-upper**3:], speed
 
 
+def curved_cubes(lower, upper, curvature):
+    """Two cubes with the curved joint, each of lower^3 or upper^3 elements; node sets x0, y0 and z0,
+    side set outside."""
+    cubes = two_cubes(lower, upper)
+
+    def image(nodes):
+        x, y, z = nodes.T
+        top = 1 - curvature / 2 * (x**2 + y**2)
+        is_lower = np.arange(len(nodes)) < (lower + 1)**3
+        return np.stack([x, y, np.where(is_lower, z * top, 2 - (2 - z) * (2 - top))], axis=1)
+    mesh = cubes.mapped(image)
+    for axis in "xyz":
+        mesh.node_sets[f"{axis}0"] = np.flatnonzero(cubes.nodes[:, "xyz".index(axis)] == 0)
+    mesh.side_sets["outside"] = np.concatenate([mesh.side_sets[name] for name in
+                                                ("lower.x1", "lower.y1", "upper.x1", "upper.y1", "upper.z1")])
+    return mesh
+
+
+def press_curved(lab, lower, upper, curvature):
+    """(largest error of a stress over p, number of nodes of the upper cube that penetrate the lower
+    one, largest error of the contact forces at the joint's corner (0, 0) over p area/4, final speed)."""
+    mesh = curved_cubes(lower, upper, curvature)
+    results = lab.run(f"curved_{lower}to{upper}_{curvature}", mesh=mesh, deck=CURVED_DECK).results
+    pressure = lab.deck["load"]["pressure"][0]["peak"]
+    error = max(np.abs(results.element(f"stress_{name}") / pressure + (name[0] == name[1])).max()
+                for name in ("xx", "yy", "zz", "yz", "zx", "xy"))
+    corners = np.flatnonzero((np.abs(mesh.nodes - [0, 0, 1]) < 1e-12).all(axis=1))
+    forces = np.linalg.norm(results.nodal("force_contact")[corners], axis=1) / pressure
+    of_upper = np.arange(len(mesh.nodes)) >= (lower + 1)**3
+    # At corners both cubes have nodes, without a gap.
+    inside = of_upper & ~np.isin(mesh.nodes[:, :2], (0, 1)).all(axis=1)
+    return (error, np.count_nonzero(results.nodal("contact_status")[inside]),
+            np.abs(forces * 4 * np.square([lower, upper]) - 1).max(), np.abs(results.nodal("velocity")).max() / pressure)
+
+
+def check_curved(lab):
+    curvature = 0.2
+    ratios = [(3, 3), (3, 4)] if lab.quick else [(3, 3), (6, 6), (12, 12), (2, 3), (3, 4), (6, 8), (4, 3), (8, 6), (8, 3)]
+    found = {(*ratio, curvature): press_curved(lab, *ratio, curvature) for ratio in ratios}
+    found[3, 4, 0.001] = press_curved(lab, 3, 4, 0.001)
+    matching = max(ratio for ratio in ratios if ratio[0] == ratio[1])
+    # The normal at a node is that of one of its faces, which are turned by K a/2.
+    lab.check(found[(*matching, curvature)][0], 0, curvature / matching[0], "curved_matching")
+    error, penetrating, corner, _ = found[3, 4, curvature]
+    lab.require(penetrating == 0, "curved_one_side_penetrates")
+    lab.require(corner > (4**2 - 3**2) / (4**2 + 3**2), "curved_corner_error_as_derived")
+    lab.check(error, 0, 0.25, "curved_not_matching")
+    lab.check(found[3, 4, 0.001][0], 0, 0.015, "hardly_curved")
+    lab.check(max(speed for *_, speed in found.values()), 0, 1e-4, "curved_at_rest")
+    lab.weak_spot(f"V6: at curved joints of non-matching elements one side penetrates only, and the stress errs by {100 * error:.0f} % "
+                  "with 3:4 elements: no areas of one pass are exact")
+    lab.table("Curved joints: largest error of a stress over p; nodes of the concave side that penetrate, apart from the corners; "
+              "error of the force at a corner of the joint and its bound by one pass where convex elements are larger:",
+              ["elements, convex : concave", "curvature", "stress", "penetrating", "corner", "bound", "final speed"],
+              [[f"{a}:{b}", k, error, penetrating, corner, max(0, (b**2 - a**2) / (b**2 + a**2)), speed]
+               for (a, b, k), (error, penetrating, corner, speed) in found.items()])
+
+
 def evaluate(lab):
     pairs = [(3, 3), (3, 4), (2, 7)] if lab.quick else \
         [(6, 6), (2, 4), (3, 4), (6, 8), (9, 12), (4, 3), (8, 6), (1, 3), (2, 3), (3, 5), (5, 2), (3, 8), (2, 7)]
@@ -75,6 +142,7 @@ def evaluate(lab):
     # offsets of that order remain.
     lab.check(largest[matching], 0, lab.deck["load"]["pressure"][0]["peak"], "matching")
     lab.check(max(speed for _, _, speed in (pressed | turned).values()), 0, 1e-4, "at_rest")
+    check_curved(lab)
     everything = {**pressed, **turned, "3:4, bent elements": no_parallelograms}
     lab.table("Error of sigma_zz over p:", ["elements, lower : upper", "largest", "root mean square", "final speed"],
               [[name, np.abs(error).max(), np.sqrt(np.mean(error**2)), speed]

@@ -5,7 +5,9 @@ There the bar leaves with v0 everywhere and twice the strain of its standing wei
 + w(t - (2 L - z)/c) does not depend on z. With v0 c/(g L) = 3 the flight of 2 v0/g lasts three
 periods of its vibration, so the second impact is the first one backwards in time: contact force rho
 c A w, then w backwards, and at rest in the height of the start at 4 v0/g + 4 L/c. Penalty and mesh
-err by O(h) and by the dispersion of the front, O(h^(2/3))."""
+err by O(h) and by the dispersion of the front, O(h^(2/3)). It tests the behaviour of the energy at
+impacts, as one of the benchmarks of Di Stasio, Dureisseix, Gravouil, Georges and Homolle (Adv. Model.
+Simul. Eng. Sci. 6:2, 2019) does; it is in their spirit and has this code's own definition."""
 import numpy as np
 from framework.figures import EXACT
 from framework.meshes import box, nodal_masses, together

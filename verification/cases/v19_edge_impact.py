@@ -3,7 +3,9 @@ A rigid block without loss takes the impulse P = 2 m v/(1 + m r^2/J), with r the
 of its centre from the edge and J its moment of inertia (Routh), and the angular momentum r P about
 its initial centre, whatever the restitution is. The block comes near to a rigid one where contact
 is soft, since the time of contact is then long compared with its vibrations: with a penalty of 0.1.
-At the default penalty the block keeps a vibration."""
+At the default penalty the block keeps a vibration. It tests the angular momentum in impacts, as one
+of the benchmarks of Di Stasio, Dureisseix, Gravouil, Georges and Homolle (Adv. Model. Simul. Eng. Sci.
+6:2, 2019) does; it is in their spirit and has this code's own definition."""
 import numpy as np
 from framework.meshes import box, rotation, together
 

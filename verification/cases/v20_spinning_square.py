@@ -4,7 +4,9 @@ l/2 with h = l^2 theta' and k = 4 E/(rho a^2) for St. Venant-Kirchhoff material:
 (Cohen and Muncaster 1988). In s = l^2 it reads s'^2 = k (s - s1) (s - s2) (s3 - s), and the period
 of s and the rotation in it are elliptic integrals. Central differences conserve the angular
 momentum to rounding, the energy in the mean, and give period and rotation with an error of second
-order in the step."""
+order in the step. It tests non-linear behaviour, as one of the benchmarks of Di Stasio, Dureisseix,
+Gravouil, Georges and Homolle (Adv. Model. Simul. Eng. Sci. 6:2, 2019) does; it is in their spirit and
+has this code's own definition."""
 import numpy as np
 from framework.figures import EXACT, draw_slope
 from framework.meshes import box

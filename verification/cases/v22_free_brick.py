@@ -2,7 +2,8 @@
 bending, a longitudinal one and five of shear and higher bending. The reference is the Rayleigh-Ritz
 method with products of Legendre polynomials of total degree 12 at most, converged to 1e-4 (Leissa
 and Zhang 1983 solved the cantilevered brick so). The brick is struck at three corners, and each
-frequency is fitted to the motion projected on the mode of the reference."""
+frequency is fitted to the motion projected on the mode of the reference: modes are followed, not
+sorted by frequency."""
 from itertools import product
 
 import numpy as np

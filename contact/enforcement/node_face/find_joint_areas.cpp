@@ -15,6 +15,9 @@ namespace {
 // A node and a face are flush if their planes are parallel by this cosine, and if the gap or
 // penetration is within this share of the face's size.
 constexpr double flush_cosine = 0.999, flush_gap = 1e-4;
+// At a bend by this cosine at most a surface is curved, and its nodes have no plane that is flush
+// with a face; at a sharper one it ends.
+constexpr double bend_cosine = 0.9;
 // Areas are not changed if nodal forces err by less than `needless`; they are improved until all
 // err by less than `sufficient`, or for `max_rounds`.
 constexpr double needless = 1e-6, sufficient = 1e-3;
@@ -52,7 +55,8 @@ struct FlushContacts {
                                           double& least_excess) const {
     const MeanPlane& plane = kinematics.recordOfFace(face).plane;
     const double area = kinematics.tributary(node, plane.normal, flush_cosine).area;
-    if (!(area > 0) || !faces.isOfThisStep(pairs.step_test, node, face))
+    if (!(area > 0) || area != kinematics.tributary(node, plane.normal, bend_cosine).area ||
+        !faces.isOfThisStep(pairs.step_test, node, face))
       return;
     const FacePoint point = project(faces.quad(face), rowOf(faces.surface.coordinates_new, node));
     if (!point.activeWithin(kinematics.lateral_tolerance) || !(point.excess < least_excess) ||

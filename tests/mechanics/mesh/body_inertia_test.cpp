@@ -95,6 +95,10 @@ Placement distorted(double size, const Placement& then = asIs) {
     return then(x + size * randomVector(3 * seed));
   };
 }
+// Elements of 1, 3, 5, ... along each edge.
+Placement graded(const Placement& then = asIs) {
+  return [=](const Vec3& x) { return then(Vec3{x.x * x.x, x.y * x.y, x.z * x.z}); };
+}
 
 BlockMesh brick(const std::array<int, 3>& n, const Placement& place = asIs) {
   Block block;
@@ -130,6 +134,23 @@ TEST_F(BodyInertia, IsExactOnMeshesOfThreeElementsOrMoreThroughTheThickness) {
       for (int k = 0; k < 9; ++k)
         EXPECT_NEAR(found.second(k / 3, k % 3), expected.second(k / 3, k % 3), rounding * second);
       EXPECT_GT(leastShare(masses), 0.35); // no bound was needed
+    }
+}
+
+// Elements of up to 31 times the length of others; least masses are 0.34 of row sums.
+TEST_F(BodyInertia, IsExactOnGradedMeshes) {
+  for (const std::array<int, 3>& n :
+       {std::array<int, 3>{3, 3, 3}, {8, 4, 4}, {5, 4, 3}, {16, 8, 8}})
+    for (const Placement& place : {graded(), graded(turnedAndSheared)}) {
+      BlockMesh blocks = brick(n, place);
+      const Masses masses = massesOf(MPI_COMM_SELF, blocks);
+      const Inertia expected = ofTheBody(blocks.mesh, away);
+      const Inertia found = ofTheNodes(blocks.mesh, masses.mass, away);
+      const double second = expected.second(0, 0) + expected.second(1, 1) + expected.second(2, 2);
+      EXPECT_NEAR(found.mass, expected.mass, 1e-12 * expected.mass);
+      for (int k = 0; k < 9; ++k)
+        EXPECT_NEAR(found.second(k / 3, k % 3), expected.second(k / 3, k % 3), 1e-12 * second);
+      EXPECT_GT(leastShare(masses), 0.33);
     }
 }
 
