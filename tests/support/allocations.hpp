@@ -9,7 +9,7 @@
 
 namespace brickwall::testing {
 
-// Labels of the Views allocated by work().
+// Labels of the Views allocated by work(), but for scratch memory that Kokkos adds to its pools.
 template <class Work>
 std::vector<std::string> allocationsOf(const Work& work) {
   static std::vector<std::string> labels;
@@ -18,7 +18,8 @@ std::vector<std::string> allocationsOf(const Work& work) {
   Kokkos::Tools::Experimental::set_allocate_data_callback(
       [](Kokkos_Profiling_SpaceHandle, const char* label, const void*, std::uint64_t) {
         const std::lock_guard<std::mutex> lock(mutex);
-        labels.emplace_back(label);
+        if (std::string(label).rfind("Kokkos::", 0) != 0)
+          labels.emplace_back(label);
       });
   work();
   Kokkos::Tools::Experimental::set_allocate_data_callback(nullptr);
