@@ -65,7 +65,9 @@ struct ListRows {
           persistent_face(first + k) = face;
           return step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
         };
-        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
+        bool has_others;
+        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept,
+                                                          has_others)) {
           persistent.add(row, count);
           return;
         }
