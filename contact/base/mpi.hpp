@@ -17,6 +17,7 @@
 #include <new>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace brickwall {
@@ -43,6 +44,7 @@ inline int sizeOf(MPI_Comm comm) {
 
 // Collective. Returns when all ranks have called it.
 inline void barrier(MPI_Comm comm) {
+  const Region region(waiting_region);
   checkMpi(MPI_Barrier(comm), "MPI_Barrier");
 }
 
@@ -54,6 +56,7 @@ public:
   Communicator() = default;
   // Collective.
   explicit Communicator(MPI_Comm of_host) : _comm(new MPI_Comm(MPI_COMM_NULL), freeComm) {
+    const Region region(waiting_region);
     checkMpi(MPI_Comm_dup(of_host, _comm.get()), "MPI_Comm_dup");
   }
   operator MPI_Comm() const { return _comm ? *_comm : MPI_COMM_NULL; }
@@ -198,19 +201,20 @@ inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) 
 }
 
 // Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank.
-// For set-up: the cost is that of an all-to-all and of a communicator of its own.
-template <class T>
-std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
-                                           const std::vector<std::vector<T>>& values) {
+// What goes from this rank to itself is moved, or copied if `values` are not given away.
+template <class T, class Values>
+std::vector<std::vector<T>> exchangeByRankAs(const Communicator& comm, Values&& values) {
   static_assert(std::is_trivially_copyable_v<T>);
-  const Communicator comm(of_host);
-  const int size = sizeOf(comm);
+  const int size = sizeOf(comm), rank = rankOf(comm);
   std::vector<std::int64_t> send_bytes(size), receive_bytes(size);
   for (int q = 0; q < size; ++q)
     send_bytes[q] = static_cast<std::int64_t>(values[q].size() * sizeof(T));
-  checkMpi(
-      MPI_Alltoall(send_bytes.data(), 1, MPI_INT64_T, receive_bytes.data(), 1, MPI_INT64_T, comm),
-      "MPI_Alltoall");
+  {
+    const Region region(waiting_region);
+    checkMpi(
+        MPI_Alltoall(send_bytes.data(), 1, MPI_INT64_T, receive_bytes.data(), 1, MPI_INT64_T, comm),
+        "MPI_Alltoall");
+  }
   std::vector<std::vector<T>> received(size);
   std::vector<MPI_Request> requests;
   // One message may be larger than an int counts: it goes in pieces of at most 1 GiB.
@@ -220,6 +224,8 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
       call(begin, static_cast<int>(std::min(piece, bytes - begin)));
   };
   for (int q = 0; q < size; ++q) {
+    if (q == rank)
+      continue;
     received[q].resize(static_cast<std::size_t>(receive_bytes[q]) / sizeof(T));
     char* data = reinterpret_cast<char*>(received[q].data());
     forPieces(receive_bytes[q], [&](std::int64_t begin, int n) {
@@ -229,6 +235,8 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
     });
   }
   for (int q = 0; q < size; ++q) {
+    if (q == rank)
+      continue;
     const char* data = reinterpret_cast<const char*>(values[q].data());
     forPieces(send_bytes[q], [&](std::int64_t begin, int n) {
       requests.emplace_back();
@@ -236,8 +244,28 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
                "MPI_Isend");
     });
   }
+  if constexpr (std::is_lvalue_reference_v<Values>)
+    received[rank] = values[rank];
+  else
+    received[rank] = std::move(values[rank]);
   waitAll(requests);
   return received;
+}
+template <class T>
+std::vector<std::vector<T>> exchangeByRank(const Communicator& comm,
+                                           const std::vector<std::vector<T>>& values) {
+  return exchangeByRankAs<T>(comm, values);
+}
+template <class T>
+std::vector<std::vector<T>> exchangeByRank(const Communicator& comm,
+                                           std::vector<std::vector<T>>&& values) {
+  return exchangeByRankAs<T>(comm, std::move(values));
+}
+// The same with a communicator of the host, which is copied.
+template <class T>
+std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
+                                           const std::vector<std::vector<T>>& values) {
+  return exchangeByRank(Communicator(of_host), values);
 }
 
 // For each of this rank's keys, in their order, how often the ranks together list it. Equal keys

@@ -6,6 +6,7 @@
 #include "contact/base/backend.hpp"
 #include "contact/base/to_device.hpp"
 
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <type_traits>
@@ -104,10 +105,12 @@ public:
   void growTo(const exec_space& space, std::int64_t count) {
     brickwall::growTo(space, _packs, numPacks(count));
   }
-  // A copy, one struct after the other. Fences.
-  Kokkos::View<T*, Kokkos::HostSpace> toHost() const {
+  // A copy of the first `count`, one struct after the other. Fences.
+  Kokkos::View<T*, Kokkos::HostSpace> toHost(std::int64_t count = INT64_MAX) const {
     const auto packs = brickwall::toHost(_packs);
-    Kokkos::View<T*, Kokkos::HostSpace> values(_packs.label(), static_cast<std::size_t>(size()));
+    Kokkos::View<T*, Kokkos::HostSpace> values(
+        Kokkos::view_alloc(Kokkos::WithoutInitializing, _packs.label()),
+        static_cast<std::size_t>(minOf(count, size())));
     for (std::size_t i = 0; i < values.extent(0); ++i)
       if constexpr (is_plain)
         values(i) = packs(i);

@@ -22,6 +22,14 @@ public:
       std::sort(_rows.begin(), _rows.end());
   }
 
+  // The row of an id that is in the list: fast if it is that of `row`, or of one of the next.
+  int findNear(int row, global_id id) const {
+    for (int next = row; next < row + 3 && next < static_cast<int>(_rows.size()); ++next)
+      if (_rows[next].first == id && _rows[next].second == next)
+        return next;
+    return find(id);
+  }
+
   int find(global_id id) const {
     const auto found = std::lower_bound(_rows.begin(), _rows.end(), std::make_pair(id, 0));
     return found != _rows.end() && found->first == id ? found->second : none;

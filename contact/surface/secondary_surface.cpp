@@ -1,5 +1,6 @@
 #include "contact/surface/secondary_surface.hpp"
 
+#include "contact/base/merge_runs.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
 
@@ -43,69 +44,89 @@ Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of
   out.attributes.resize(num_ranks);
   for (int face = 0; face < primary.num_faces; ++face)
     out.face_rows[rank_of_face[face]].push_back(face);
-  std::vector<int> num_ranks_of(primary.num_nodes, 0); // [node] to which it goes
-  std::vector<int> place(primary.num_nodes);
-  for (int pass = 0; pass <= num_ranks; ++pass) {
-    const int q = pass < num_ranks ? pass : rank; // the last: nodes of no face
-    if (pass < num_ranks && out.face_rows[q].empty())
-      continue;
-    std::fill(place.begin(), place.end(), -1);
-    for (const int face : out.face_rows[q])
-      for (int j = 0; j < 4; ++j)
-        place[corners(face, j)] = 0;
-    std::vector<int>& rows = out.node_rows[q];
-    for (int node = 0; node < primary.num_nodes; ++node)
-      if (pass < num_ranks ? place[node] == 0 : num_ranks_of[node] == 0) {
-        place[node] = static_cast<int>(rows.size());
-        ++num_ranks_of[node];
-        rows.push_back(node);
-      }
-    for (std::size_t i = 0; pass < num_ranks && i < out.face_rows[q].size(); ++i) {
-      const int face = out.face_rows[q][i];
+
+  // Most nodes go to one rank, `first`; copies for other ranks are listed by nodes.
+  struct Copy {
+    int node, rank, place;
+    bool operator<(const Copy& b) const { return node != b.node ? node < b.node : rank < b.rank; }
+    bool operator==(const Copy& b) const { return node == b.node && rank == b.rank; }
+  };
+  std::vector<int> first(primary.num_nodes, -1), place(primary.num_nodes);
+  std::vector<Copy> copies;
+  for (int face = 0; face < primary.num_faces; ++face)
+    for (int j = 0; j < 4; ++j) {
+      int& rank_of_node = first[corners(face, j)];
+      if (rank_of_node < 0)
+        rank_of_node = rank_of_face[face];
+      else if (rank_of_node != rank_of_face[face])
+        copies.push_back({corners(face, j), rank_of_face[face], 0});
+    }
+  std::sort(copies.begin(), copies.end());
+  copies.erase(std::unique(copies.begin(), copies.end()), copies.end());
+  auto copy = copies.begin();
+  for (int node = 0; node < primary.num_nodes; ++node) {
+    const bool goes_to_several = copy != copies.end() && copy->node == node;
+    const NodeRecord record{node_ids(node), node_body(node),
+                            goes_to_several || is_shared.empty() || is_shared[node]};
+    const auto add = [&](int q) {
+      out.nodes[q].push_back(record);
+      out.node_rows[q].push_back(node);
+      return static_cast<int>(out.node_rows[q].size()) - 1;
+    };
+    place[node] = add(first[node] < 0 ? rank : first[node]);
+    for (; copy != copies.end() && copy->node == node; ++copy)
+      copy->place = add(copy->rank);
+  }
+
+  const std::size_t num_words = attributes.extent(1);
+  for (int q = 0; q < num_ranks; ++q) {
+    out.faces[q].reserve(out.face_rows[q].size());
+    out.attributes[q].resize(num_words * out.face_rows[q].size());
+    std::size_t next = 0;
+    for (const int face : out.face_rows[q]) {
       FaceRecord record{face_ids(face), face_body(face), {}};
-      for (int j = 0; j < 4; ++j)
-        record.corners[j] = place[corners(face, j)];
+      for (int j = 0; j < 4; ++j) {
+        const int node = corners(face, j);
+        record.corners[j] =
+            first[node] == q
+                ? place[node]
+                : std::lower_bound(copies.begin(), copies.end(), Copy{node, q, 0})->place;
+      }
       out.faces[q].push_back(record);
-      for (std::size_t w = 0; w < attributes.extent(1); ++w)
-        out.attributes[q].push_back(attributes(face, w));
+      for (std::size_t w = 0; w < num_words; ++w)
+        out.attributes[q][next++] = attributes(face, w);
     }
   }
-  for (int q = 0; q < num_ranks; ++q)
-    for (const int row : out.node_rows[q])
-      out.nodes[q].push_back({node_ids(row), node_body(row),
-                              num_ranks_of[row] > 1 || is_shared.empty() || is_shared[row]});
   return out;
 }
 
 // Entry `index` of what rank `rank` has sent.
+template <class Key>
 struct Received {
+  Key key;
   int rank, index;
 };
-// All entries in order. Each rank has sent its own in order, or nearly.
-template <class Record, class Less>
-std::vector<Received> mergeReceived(const std::vector<std::vector<Record>>& records,
-                                    const Less& less) {
-  const auto before = [&](const Received& a, const Received& b) {
-    return less(records[a.rank][a.index], records[b.rank][b.index]);
-  };
-  std::vector<Received> merged, both;
+// All entries by keys and ranks. Each rank has sent its own in order, or nearly.
+template <class Key, class Record, class KeyOf>
+std::vector<Received<Key>> mergeReceived(const std::vector<std::vector<Record>>& records,
+                                         const KeyOf& keyOf) {
+  std::vector<Received<Key>> merged;
+  std::vector<std::size_t> ends;
   for (std::size_t q = 0; q < records.size(); ++q) {
-    std::vector<Received> of_rank;
     for (std::size_t i = 0; i < records[q].size(); ++i)
-      of_rank.push_back({static_cast<int>(q), static_cast<int>(i)});
-    if (!std::is_sorted(of_rank.begin(), of_rank.end(), before))
-      std::sort(of_rank.begin(), of_rank.end(), before);
-    both.resize(merged.size() + of_rank.size());
-    std::merge(merged.begin(), merged.end(), of_rank.begin(), of_rank.end(), both.begin(), before);
-    merged.swap(both);
+      merged.push_back({keyOf(records[q][i]), static_cast<int>(q), static_cast<int>(i)});
+    ends.push_back(merged.size());
   }
+  sortRuns(merged, std::move(ends),
+           [](const Received<Key>& a, const Received<Key>& b) { return a.key < b.key; });
   return merged;
 }
 
 // The ranks that have each of the nodes with these ids, ascending, of nodes that several have;
 // `is_owned` [id] tells whether this rank owns it. The rank chosen by an id knows which ranks have the
 // node, and spreads ownership over them by the id.
-std::vector<std::vector<int>> findSharers(MPI_Comm comm, const std::vector<global_id>& ids,
+std::vector<std::vector<int>> findSharers(const Communicator& comm,
+                                          const std::vector<global_id>& ids,
                                           std::vector<unsigned char>& is_owned) {
   const int num_ranks = sizeOf(comm);
   std::vector<std::vector<global_id>> questions(num_ranks);
@@ -140,7 +161,7 @@ std::vector<std::vector<int>> findSharers(MPI_Comm comm, const std::vector<globa
 
 } // namespace
 
-SurfaceTransfer::SurfaceTransfer(const exec_space& space, MPI_Comm comm,
+SurfaceTransfer::SurfaceTransfer(const exec_space& space, const Communicator& comm,
                                  std::vector<std::vector<int>> from_rows,
                                  std::vector<std::vector<int>> to_rows) {
   const int rank = rankOf(comm);
@@ -156,25 +177,27 @@ SurfaceTransfer::SurfaceTransfer(const exec_space& space, MPI_Comm comm,
       sent.push_back(std::move(from_rows[q]));
       received.push_back(std::move(to_rows[q]));
     }
-  _plan =
-      ExchangePlan(space, Communicator(comm), tags::secondary_surface, partners, sent, received);
+  _plan = ExchangePlan(space, comm, tags::secondary_surface, partners, sent, received);
 }
 
-SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
+SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
                                    const SweptBoxes& primary, const std::vector<int>& rank_of_face,
                                    const std::vector<char>& is_shared) {
+  const Communicator comm(of_host);
   const int num_ranks = sizeOf(comm), rank = rankOf(comm);
   Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, num_ranks);
 
   // Nodes by ids. Of the ranks that send one, this rank or else the first is the source of its values.
-  const auto node_records = exchangeByRank(comm, out.nodes);
-  const auto nodes = mergeReceived(
-      node_records, [](const NodeRecord& a, const NodeRecord& b) { return a.id < b.id; });
+  const auto node_records = exchangeByRank(comm, std::move(out.nodes));
+  const auto nodes =
+      mergeReceived<global_id>(node_records, [](const NodeRecord& node) { return node.id; });
   std::vector<global_id> node_ids, node_body, shared_ids;
   std::vector<int> shared_nodes;
   std::vector<std::vector<int>> node_of(num_ranks), wanted_rows(num_ranks), taken(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     node_of[q].resize(node_records[q].size());
+  node_ids.reserve(nodes.size());
+  node_body.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size();) {
     const NodeRecord& record = node_records[nodes[i].rank][nodes[i].index];
     const int node = static_cast<int>(node_ids.size());
@@ -184,9 +207,8 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
       shared_ids.push_back(record.id);
       shared_nodes.push_back(node);
     }
-    Received source = nodes[i];
-    for (; i < nodes.size() && node_records[nodes[i].rank][nodes[i].index].id == node_ids.back();
-         ++i) {
+    auto source = nodes[i];
+    for (; i < nodes.size() && nodes[i].key == node_ids.back(); ++i) {
       node_of[nodes[i].rank][nodes[i].index] = node;
       if (nodes[i].rank == rank)
         source = nodes[i];
@@ -195,7 +217,7 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
     taken[source.rank].push_back(source.index);
   }
   // `taken` and `asked` number the nodes that a rank has sent.
-  auto rows_sent = exchangeByRank(comm, taken);
+  auto rows_sent = exchangeByRank(comm, std::move(taken));
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_sent[q])
       row = out.node_rows[q][row];
@@ -218,7 +240,7 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
   ask(rank);
   for (int q = 0; q < num_ranks; ++q)
     ask(q);
-  auto rows_given = exchangeByRank(comm, asked);
+  auto rows_given = exchangeByRank(comm, std::move(asked));
   for (int q = 0; q < num_ranks; ++q)
     for (int& row : rows_given[q])
       row = node_of[q][row];
@@ -237,21 +259,24 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm comm,
   _shared = SurfaceTransfer(space, comm, rows_shared, rows_shared);
 
   // Faces by bodies and ids, as candidates.
-  const auto face_records = exchangeByRank(comm, out.faces);
-  const auto attributes = exchangeByRank(comm, out.attributes);
-  const auto faces = mergeReceived(face_records, [](const FaceRecord& a, const FaceRecord& b) {
-    return a.body != b.body ? a.body < b.body : a.id < b.id;
-  });
+  const auto face_records = exchangeByRank(comm, std::move(out.faces));
+  const auto attributes = exchangeByRank(comm, std::move(out.attributes));
+  using BodyAndId = std::pair<global_id, global_id>;
+  const auto faces = mergeReceived<BodyAndId>(
+      face_records, [](const FaceRecord& face) { return BodyAndId(face.body, face.id); });
   const std::size_t num_words = primary.face_attributes.extent(1);
   std::vector<global_id> face_ids, face_body;
   std::vector<int> face_to_nodes;
+  face_ids.reserve(faces.size());
+  face_body.reserve(faces.size());
+  face_to_nodes.reserve(4 * faces.size());
   const auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
                                               faces.size(), num_words);
   const auto host = Kokkos::create_mirror_view(words);
   _face_of.resize(num_ranks);
   for (int q = 0; q < num_ranks; ++q)
     _face_of[q].resize(face_records[q].size());
-  for (const Received& from : faces) {
+  for (const auto& from : faces) {
     const FaceRecord& record = face_records[from.rank][from.index];
     const std::size_t face = face_ids.size();
     _face_of[from.rank][from.index] = static_cast<int>(face);

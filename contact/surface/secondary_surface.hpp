@@ -4,12 +4,14 @@
 // in Applied Mechanics and Engineering 184, 2000).
 #pragma once
 
+#include "contact/base/merge_runs.hpp"
 #include "contact/base/messages/exchange_plan.hpp"
 #include "contact/surface/surface.hpp"
 
 #include <mpi.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -33,8 +35,8 @@ public:
 
   SurfaceTransfer() = default;
   // Of this rank: the rows that go to each rank and that come from each, [rank]. Collective.
-  SurfaceTransfer(const exec_space& space, MPI_Comm comm, std::vector<std::vector<int>> from_rows,
-                  std::vector<std::vector<int>> to_rows);
+  SurfaceTransfer(const exec_space& space, const Communicator& comm,
+                  std::vector<std::vector<int>> from_rows, std::vector<std::vector<int>> to_rows);
 
   template <class SourceView, class TargetView>
   void forward(const exec_space& space, const SourceView& source, const TargetView& target) {
@@ -71,7 +73,8 @@ public:
   // Records of primary faces at the ranks that have the faces: `face` of each changes from the primary
   // to the local number. Collective.
   template <class Record>
-  std::vector<Record> forwardRecords(MPI_Comm comm, const std::vector<Record>& of_primary) const {
+  std::vector<Record> forwardRecords(const Communicator& comm,
+                                     const std::vector<Record>& of_primary) const {
     std::vector<std::pair<int, int>>
         place; // [primary face] its rank, and its place among those sent
     for (std::size_t q = 0; q < _sent_faces.size(); ++q)
@@ -87,7 +90,7 @@ public:
       sent[rank].push_back(record);
     }
     std::vector<Record> all;
-    const auto received = exchangeByRank(comm, sent);
+    const auto received = exchangeByRank(comm, std::move(sent));
     for (std::size_t q = 0; q < received.size(); ++q)
       for (Record record : received[q]) {
         record.face = _face_of[q][record.face];
@@ -127,19 +130,25 @@ private:
 // Records whose id nobody lists are dropped. `idOf` gives the id of a record. Collective; for
 // set-up.
 template <class Record, class IdOf>
-std::vector<Record> sendToHolders(MPI_Comm comm, const std::vector<Record>& records,
+std::vector<Record> sendToHolders(const Communicator& comm, const std::vector<Record>& records,
                                   const std::vector<global_id>& held, const IdOf& idOf) {
+  const auto num_here = static_cast<std::int64_t>(records.size());
+  if (allReduce(comm, num_here, MPI_SUM) == 0)
+    return {};
   const int num_ranks = sizeOf(comm);
   // The rank chosen by an id knows its holder.
   std::vector<std::vector<global_id>> listed(num_ranks);
   for (const global_id id : held)
     listed[id % num_ranks].push_back(id);
   std::vector<std::pair<global_id, int>> holders;
+  std::vector<std::size_t> ends;
   const auto lists = exchangeByRank(comm, listed);
-  for (int q = 0; q < num_ranks; ++q)
+  for (int q = 0; q < num_ranks; ++q) {
     for (const global_id id : lists[q])
       holders.emplace_back(id, q);
-  std::sort(holders.begin(), holders.end());
+    ends.push_back(holders.size());
+  }
+  sortRuns(holders, std::move(ends), std::less<>());
   std::vector<std::vector<Record>> asked(num_ranks), forwarded(num_ranks);
   for (const Record& record : records)
     asked[idOf(record) % num_ranks].push_back(record);

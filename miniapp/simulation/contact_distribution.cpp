@@ -14,38 +14,18 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// [surface node][low xyz, high xyz] the boxes of nodes owned here as words, and 0.
-View<std::int64_t**> boxesOfOwned(const exec_space& space, const contact::Surface& surface,
-                                  const View<const double* [6]>& boxes) {
-  View<std::int64_t**> words("miniapp::ContactStep::boxes", surface.num_nodes, 6);
-  const auto is_owned = surface.node_is_owned;
-  Kokkos::parallel_for(
-      "miniapp::ContactStep::packBoxes", rangePolicy(space, surface.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int w = 0; w < 6; ++w)
-          words(i, w) = is_owned(i) ? toWord(boxes(i, w)) : 0;
-      });
-  return words;
-}
-
-std::vector<double> toDoubles(const View<std::int64_t**>& words) {
-  const auto host = toHost(words);
-  const std::size_t width = host.extent(1);
-  std::vector<double> values(host.size());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    fromWord(host(i / width, i % width), values[i]);
-  return values;
-}
-
 // Records of nodes on this rank to the ranks that own these now; `owners` [node]. Collective.
 template <class Record>
-std::vector<Record> sendToOwners(MPI_Comm comm, const std::vector<Record>& records,
+std::vector<Record> sendToOwners(const Communicator& comm, const std::vector<Record>& records,
                                  const contact::RowOfId& row_of, const std::vector<int>& owners) {
   std::vector<std::vector<Record>> sent(sizeOf(comm));
-  for (const Record& record : records)
-    sent[owners[row_of.find(record.node)]].push_back(record);
+  int row = 0;
+  for (const Record& record : records) {
+    row = row_of.findNear(row, record.node);
+    sent[owners[row]].push_back(record);
+  }
   std::vector<Record> all;
-  for (const auto& some : exchangeByRank(comm, sent))
+  for (const auto& some : exchangeByRank(comm, std::move(sent)))
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }
@@ -69,14 +49,11 @@ View<std::int64_t**> ranksOfOwners(const exec_space& space, MPI_Comm comm,
 
 } // namespace
 
-std::vector<int> SurfaceCoupling::distribute(const exec_space& space, MPI_Comm comm,
-                                             const std::vector<int>& rank_of_face,
-                                             mechanics::SharedNodeSum& shared) {
-  const std::int64_t num_mesh_nodes = static_cast<std::int64_t>(_reference.extent(0));
-  const View<std::int64_t**> of_mesh("miniapp::SurfaceCoupling::of_mesh", num_mesh_nodes, 1);
+std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Communicator& comm,
+                                             const std::vector<int>& rank_of_face) {
   std::unique_ptr<Secondary> former = std::move(_secondary);
   if (_is_shared.empty())
-    _is_shared = sharedNodes(space, shared, of_mesh);
+    _is_shared = sharedNodes(space);
   _features = _primary_features;
   if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
     contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
@@ -103,24 +80,21 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, MPI_Comm c
                              1)});
   }
 
-  sumOnMesh(space, ranksOfOwners(space, comm, surface()), shared, of_mesh);
+  const auto of_primary = sumOnPrimary(space, ranksOfOwners(space, comm, surface()));
   std::swap(former, _secondary);
-  const View<std::int64_t**> owners("miniapp::SurfaceCoupling::owners", surface().num_nodes, 1);
-  takeFromMesh(space, of_mesh, owners);
+  const auto owners = toHost(fromPrimary(space, of_primary));
   std::swap(former, _secondary);
-  const auto host = toHost(owners);
-  return {host.data(), host.data() + host.extent(0)};
+  std::vector<int> rank_of_node(owners.extent(0));
+  for (std::size_t node = 0; node < rank_of_node.size(); ++node)
+    rank_of_node[node] = static_cast<int>(owners(node, 0));
+  return rank_of_node;
 }
 
 // Whether each node of the primary surface is on that of another rank, too.
-std::vector<char> SurfaceCoupling::sharedNodes(const exec_space& space,
-                                               mechanics::SharedNodeSum& shared,
-                                               const View<std::int64_t**>& of_mesh) {
+std::vector<char> SurfaceCoupling::sharedNodes(const exec_space& space) {
   const View<std::int64_t**> uses("miniapp::SurfaceCoupling::uses", _primary.num_nodes, 1);
   Kokkos::deep_copy(space, uses, 1);
-  sumOnMesh(space, uses, shared, of_mesh);
-  takeFromMesh(space, of_mesh, uses);
-  const auto host = toHost(uses);
+  const auto host = toHost(sumOnPrimary(space, uses));
   std::vector<char> is_shared(_primary.num_nodes);
   for (std::size_t node = 0; node < is_shared.size(); ++node)
     is_shared[node] = host(node, 0) > 1;
@@ -134,9 +108,8 @@ bool ContactStep::mayBeDistributed() const {
 void ContactStep::distributeAtStart(const View<const double* [3]>& displacement) {
   if (!mayBeDistributed() || _config.search.decomposition != Decomposition::surface)
     return;
-  mechanics::SharedNodeSum shared(_scene.shared);
   _coupling.distribute(_space, _comm,
-                       ranksOfFaces(std::vector<float>(_coupling.primary().num_faces, 1)), shared);
+                       ranksOfFaces(std::vector<float>(_coupling.primary().num_faces, 1)));
   _coupling.resetCoordinates(_space, displacement);
 }
 
@@ -176,15 +149,11 @@ double ContactStep::workOfRank(const View<std::int64_t**>& of_nodes) const {
 
 std::vector<float> ContactStep::workOfFaces(const View<std::int64_t**>& of_nodes) {
   std::vector<float> work(_coupling.primary().num_faces, contact::WorkUnits::face);
-  const View<std::int64_t**> of_mesh("miniapp::ContactStep::work_of_mesh", _scene.mesh.num_nodes,
-                                     1);
-  mechanics::SharedNodeSum shared(_scene.shared);
-  _coupling.sumOnMesh(_space, of_nodes, shared, of_mesh);
-  const auto on_mesh = toHost(of_mesh);
-  const auto face_to_nodes = toHost(_scene.skin.face_to_nodes);
+  const auto of_primary = toHost(_coupling.sumOnPrimary(_space, of_nodes));
+  const auto face_to_nodes = toHost(_coupling.primary().face_to_nodes);
   for (std::size_t face = 0; face < work.size(); ++face)
     for (int j = 0; j < 4; ++j) // most nodes have four faces
-      work[face] += 0.25F * static_cast<float>(on_mesh(face_to_nodes(face, j), 0));
+      work[face] += 0.25F * static_cast<float>(of_primary(face_to_nodes(face, j), 0));
   return work;
 }
 
@@ -192,18 +161,6 @@ std::vector<int> ContactStep::ranksOfFaces(const std::vector<float>& work) const
   contact::Surface primary = _coupling.primary();
   primary.coordinates_new = _coupling.primaryCoordinates();
   return balancedRanks(_comm, primary, work);
-}
-
-// CandidateSearch::sweptBoxes() as words [mesh node][low xyz, high xyz], at surface nodes; without
-// rows if no lists are kept. Collective.
-View<std::int64_t**> ContactStep::sweptBoxesOnMesh() {
-  const auto boxes = _search.sweptBoxes();
-  if (allReduce(_comm, boxes.extent(0) > 0 ? 1 : 0, MPI_MAX) == 0)
-    return {};
-  View<std::int64_t**> of_mesh("miniapp::ContactStep::boxes_of_mesh", _scene.mesh.num_nodes, 6);
-  mechanics::SharedNodeSum shared(_scene.shared);
-  _coupling.sumOnMesh(_space, boxesOfOwned(_space, surface(), boxes), shared, of_mesh);
-  return of_mesh;
 }
 
 // What depends on the decomposition is made anew, and the history of contact is moved to the ranks
@@ -216,25 +173,22 @@ void ContactStep::distribute(const std::vector<int>& rank_of_face,
   contact::ContactCarry nodes = _enforcement->carry(_space, surface()), edges;
   if (_edges)
     edges = _edges->carry(_space);
-  const View<std::int64_t**> boxes = sweptBoxesOnMesh(), slip = slipOnMesh();
-  ContactRestart lists;
-  lists.searches = _search.searches();
-  lists.updates = _search.updates();
+  View<const double* [6]> boxes = _search.sweptBoxes(); // of copies of a node the same on all ranks
+  const bool has_boxes = allReduce(_comm, boxes.extent(0) > 0 ? 1 : 0, MPI_MAX) > 0;
+  if (has_boxes)
+    boxes = _coupling.toPrimary(_space, boxes);
+  const View<std::int64_t**> slip = slipOnMesh();
+  const std::int64_t searches = _search.searches(), updates = _search.updates();
 
   const contact::RowOfId row_of(surface().node_ids);
-  mechanics::SharedNodeSum shared(_scene.shared);
-  const std::vector<int> owners = _coupling.distribute(_space, _comm, rank_of_face, shared);
+  const std::vector<int> owners = _coupling.distribute(_space, _comm, rank_of_face);
   _coupling.resetCoordinates(_space, displacement);
   makeEnforcement();
   setSlip(slip);
 
-  if (boxes.extent(0) > 0) {
-    const View<std::int64_t**> words("miniapp::ContactStep::boxes", surface().num_nodes, 6);
-    _coupling.takeFromMesh(_space, boxes, words);
-    lists.swept_boxes = toDoubles(words);
-  }
   _search.forget();
-  restoreLists(lists);
+  searchIn(has_boxes ? _coupling.fromPrimary(_space, boxes) : View<const double* [6]>(), searches,
+           updates);
   nodes.records = sendToOwners(_comm, nodes.records, row_of, owners);
   nodes.joints = sendToOwners(_comm, nodes.joints, row_of, owners);
   _enforcement->setReferenceStep(_guard.referenceStep());

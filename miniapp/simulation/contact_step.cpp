@@ -247,17 +247,27 @@ void ContactStep::restore(const ContactRestart& data, const View<const double* [
     _edges->setReferenceStep(data.reference_step);
     _edges->restore(_space, {data.edges, data.previous_dt, data.edges_have_forces, {}});
   }
-  restoreLists(data);
+  searchIn(toDevice<View<double* [6]>>(_space, "miniapp::ContactStep::boxes", data.swept_boxes),
+           data.searches, data.updates);
 }
 
-void ContactStep::restoreLists(const ContactRestart& data) {
+void ContactStep::searchIn(const View<const double* [6]>& boxes, std::int64_t searches,
+                           std::int64_t updates) {
   contact::Surface swept = surface();
-  std::vector<double> low, high;
-  for (std::size_t i = 0; i < data.swept_boxes.size(); ++i)
-    (i % 6 < 3 ? low : high).push_back(data.swept_boxes[i]);
-  swept.coordinates_old = toDevice<View<double* [3]>>(_space, "miniapp::ContactStep::low", low);
-  swept.coordinates_new = toDevice<View<double* [3]>>(_space, "miniapp::ContactStep::high", high);
-  _search.restore(_space, swept, data.searches, data.updates);
+  const auto num_nodes = static_cast<std::int64_t>(boxes.extent(0));
+  const auto low = allocate<View<double* [3]>>(_space, "miniapp::ContactStep::low", num_nodes);
+  const auto high = allocate<View<double* [3]>>(_space, "miniapp::ContactStep::high", num_nodes);
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::splitBoxes", rangePolicy(_space, num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d) {
+          low(i, d) = boxes(i, d);
+          high(i, d) = boxes(i, 3 + d);
+        }
+      });
+  swept.coordinates_old = low;
+  swept.coordinates_new = high;
+  _search.restore(_space, swept, searches, updates);
 }
 
 double ContactStep::agreeOnPenetration(const std::int64_t* host_counts) {

@@ -202,12 +202,12 @@ private:
   bool mayBeDistributed() const;
   void distributeAtStart(const View<const double* [3]>& displacement);
   std::vector<int> ranksOfFaces(const std::vector<float>& work) const;
-  View<std::int64_t**> sweptBoxesOnMesh();
   void setSearchTolerance(double tolerance);
-  void restoreLists(const ContactRestart& data);
+  // Lists of the search in these swept boxes [surface node][low xyz, high xyz]; none without rows.
+  void searchIn(const View<const double* [6]>& boxes, std::int64_t searches, std::int64_t updates);
   double toleranceFor(double deepest) const;
 
-  MPI_Comm _comm;
+  Communicator _comm;
   const Config& _config;
   const Scene& _scene;
   exec_space _space;

@@ -216,16 +216,21 @@ contact::Surface SurfaceCoupling::surface() const {
   return surface;
 }
 
+View<std::int64_t**> SurfaceCoupling::sumOnPrimary(const exec_space& space,
+                                                   const View<std::int64_t**>& values) {
+  if (_secondary)
+    _secondary->surface.sumShared(space, values);
+  else
+    _shared_nodes.sum(space, values);
+  return toPrimary(space, values);
+}
+
 void SurfaceCoupling::sumOnMesh(const exec_space& space, const View<std::int64_t**>& values,
                                 mechanics::SharedNodeSum& shared,
                                 const View<std::int64_t**>& of_mesh) {
-  View<std::int64_t**> of_primary = values;
-  if (_secondary) {
+  if (_secondary)
     _secondary->surface.sumShared(space, values);
-    of_primary = View<std::int64_t**>("miniapp::SurfaceCoupling::of_primary", _primary.num_nodes,
-                                      values.extent(1));
-    _secondary->surface.giveBack(space, values, of_primary);
-  }
+  const View<std::int64_t**> of_primary = toPrimary(space, values);
   const auto surface_to_node = _surface_to_node;
   const auto width = static_cast<int>(values.extent(1));
   Kokkos::parallel_for(

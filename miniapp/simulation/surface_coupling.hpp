@@ -12,6 +12,7 @@
 #include "miniapp/scene/scene.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace brickwall::miniapp {
@@ -25,9 +26,8 @@ public:
   // From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of its element.
   // Coordinates are undefined until resetCoordinates(). Returns the rank that then owns each node,
   // [node of the former surface]. Collective.
-  std::vector<int> distribute(const exec_space& space, MPI_Comm comm,
-                              const std::vector<int>& rank_of_face,
-                              mechanics::SharedNodeSum& shared);
+  std::vector<int> distribute(const exec_space& space, const Communicator& comm,
+                              const std::vector<int>& rank_of_face);
   // That of this rank's elements.
   const contact::Surface& primary() const { return _primary; } // without coordinates
   View<const double* [3]> primaryCoordinates() const { return _new; } // x^{n+1}
@@ -47,6 +47,29 @@ public:
   // [surface node]
   View<const double*> nodeMass() const { return _secondary ? _secondary->node_mass : _node_mass; }
 
+  // Adds up `values` [surface node][W] over the ranks that share a node: the totals [primary node][W].
+  // `values` are overwritten. Collective.
+  View<std::int64_t**> sumOnPrimary(const exec_space& space, const View<std::int64_t**>& values);
+  // Values [surface node][W], equal on all ranks that share a node, at primary nodes, and the way
+  // back. They may be the same View. Collective.
+  template <class ViewType>
+  ViewType toPrimary(const exec_space& space, const ViewType& values) {
+    if (!_secondary)
+      return values;
+    const auto of_primary =
+        rowsLike(values, "miniapp::SurfaceCoupling::of_primary", _primary.num_nodes);
+    _secondary->surface.giveBack(space, values, of_primary);
+    return of_primary;
+  }
+  template <class ViewType>
+  ViewType fromPrimary(const exec_space& space, const ViewType& of_primary) {
+    if (!_secondary)
+      return of_primary;
+    const auto values = rowsLike(of_primary, "miniapp::SurfaceCoupling::of_secondary",
+                                 _secondary->surface.surface().num_nodes);
+    _secondary->surface.forward(space, of_primary, values);
+    return values;
+  }
   // Adds up `values` [surface node][W] over the ranks that share a node: the totals [mesh node][W].
   // `values` are overwritten. Collective.
   void sumOnMesh(const exec_space& space, const View<std::int64_t**>& values,
@@ -78,8 +101,14 @@ public:
 
 private:
   View<std::int64_t**> flagOnPrimary(const exec_space& space, const contact::NodeList& list);
-  std::vector<char> sharedNodes(const exec_space& space, mechanics::SharedNodeSum& shared,
-                                const View<std::int64_t**>& of_mesh);
+  std::vector<char> sharedNodes(const exec_space& space);
+  template <class ViewType>
+  static auto rowsLike(const ViewType& view, const std::string& label, int num_rows) {
+    if constexpr (ViewType::rank_dynamic == 2)
+      return typename ViewType::non_const_type(label, num_rows, view.extent(1));
+    else
+      return typename ViewType::non_const_type(label, num_rows);
+  }
 
   // The surface in another decomposition, with its own nodes.
   struct Secondary {

@@ -24,15 +24,21 @@ ViewType filled(const exec_space& space, const std::string& label, const Set& se
 // Ids from here on belong to no node of a mesh.
 constexpr global_id first_edge_node_id = global_id(1) << 60;
 
-// Nodes of the host's surface at the corners of the listed faces, ascending.
-std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges) {
+// Nodes of the host's surface at the corners of the listed faces, ascending. Sets corner_of [node],
+// their places in the list.
+std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges,
+                           std::vector<int>& corner_of) {
   const auto face_to_nodes = toHost(surface.face_to_nodes);
-  std::vector<int> corners;
+  corner_of.assign(surface.num_nodes, -1);
   for (const FeatureEdge& edge : edges.convex)
     for (int j = 0; j < 4; ++j)
-      corners.push_back(face_to_nodes(edge.face, j));
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+      corner_of[face_to_nodes(edge.face, j)] = 0;
+  std::vector<int> corners;
+  for (int node = 0; node < surface.num_nodes; ++node)
+    if (corner_of[node] == 0) {
+      corner_of[node] = static_cast<int>(corners.size());
+      corners.push_back(node);
+    }
   return corners;
 }
 
@@ -40,7 +46,8 @@ std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges) {
 
 EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const FeatureEdges& edges,
                         const View<const double*>& node_mass) {
-  const std::vector<int> corners = cornersOf(surface, edges);
+  std::vector<int> corner_of;
+  const std::vector<int> corners = cornersOf(surface, edges, corner_of);
   const int num_corners = static_cast<int>(corners.size());
   const int num_edges = static_cast<int>(edges.convex.size());
   const int num_nodes = num_corners + num_edges;
@@ -60,11 +67,9 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
       space, "contact::EdgeContact::edge_to_nodes",
       [&](auto& v) {
         for (int e = 0; e < num_edges; ++e)
-          for (int j = 0; j < 4; ++j) {
-            const int node = face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
-            v(e, j) = static_cast<int>(std::lower_bound(corners.begin(), corners.end(), node) -
-                                       corners.begin());
-          }
+          for (int j = 0; j < 4; ++j)
+            v(e, j) =
+                corner_of[face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4)];
       },
       num_edges);
   made.edge_to_nodes = filled<View<int* [4]>>(

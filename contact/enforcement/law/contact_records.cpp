@@ -5,6 +5,7 @@
 #include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 namespace brickwall::contact {
@@ -14,9 +15,9 @@ std::vector<ContactRecord> recordsOf(const exec_space& space,
                                      const ContactHistory& history, const LastContacts& last) {
   space.fence();
   const auto ids = toHost(node_ids);
-  const auto interactions = toHost(history.interactions);
-  const auto friction = toHost(history.friction);
-  const auto fading = toHost(history.fading);
+  const auto interactions = history.interactions.toHost(history.count);
+  const auto friction = history.friction.toHost(history.count);
+  const auto fading = history.fading.toHost(history.count);
   std::vector<ContactRecord> records(static_cast<std::size_t>(history.count));
   for (std::int64_t i = 0; i < history.count; ++i) {
     ContactRecord& record = records[static_cast<std::size_t>(i)];
@@ -44,12 +45,13 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
                 const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
                 LastContacts& last) {
   const RowOfId row_of(node_ids);
+  int row = 0;
   const auto last_step = Kokkos::create_mirror_view(last.step);
   Kokkos::deep_copy(last_step, 0);
   last.num_steps = ContactLaw::settling_steps;
-  std::vector<ContactRecord> sorted;
-  for (ContactRecord record : records) {
-    const int row = row_of.find(record.node);
+  std::vector<ContactRecord> active;
+  for (const ContactRecord& record : records) {
+    row = row_of.findNear(row, record.node);
     if (row == RowOfId::none)
       throw Error(ExitCode::internal, "setHistory: found a contact of node " +
                                           std::to_string(record.node) +
@@ -58,19 +60,22 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
       last_step(static_cast<std::size_t>(row)) = last.num_steps + 1 - record.steps_since;
       continue;
     }
-    Interaction& pair = record.pair;
+    active.push_back(record);
+    Interaction& pair = active.back().pair;
     pair.node = row;
     pair.face_index = -1;
     const double share = pair.point.share;
     pair.point = pointOf(pair.node);
     pair.point.share = share;
-    sorted.push_back(record);
   }
   Kokkos::deep_copy(last.step, last_step);
-  std::sort(sorted.begin(), sorted.end(), [](const ContactRecord& a, const ContactRecord& b) {
-    return a.pair.node != b.pair.node ? a.pair.node < b.pair.node : a.pair.body < b.pair.body;
+  std::vector<int> order(active.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    const Interaction &a = active[i].pair, &b = active[j].pair;
+    return a.node != b.node ? a.node < b.node : a.body < b.body;
   });
-  history.count = static_cast<std::int64_t>(sorted.size());
+  history.count = static_cast<std::int64_t>(active.size());
   growTo(space, history.interactions, history.count);
   const std::int64_t room = history.interactions.size();
   if (has_friction)
@@ -84,14 +89,14 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
   const auto row_count = Kokkos::create_mirror_view(history.row_count);
   Kokkos::deep_copy(row_begin, 0);
   Kokkos::deep_copy(row_count, 0);
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const int row = sorted[i].pair.node;
-    if (row_count(row)++ == 0)
-      row_begin(row) = static_cast<int>(i);
-    interactions.push_back(sorted[i].pair);
+  for (const int i : order) {
+    const ContactRecord& record = active[i];
+    if (row_count(record.pair.node)++ == 0)
+      row_begin(record.pair.node) = static_cast<int>(interactions.size());
+    interactions.push_back(record.pair);
     if (has_friction)
-      friction.push_back(sorted[i].friction);
-    fading.push_back(sorted[i].fading);
+      friction.push_back(record.friction);
+    fading.push_back(record.fading);
   }
   history.interactions.assign(interactions);
   history.friction.assign(friction);

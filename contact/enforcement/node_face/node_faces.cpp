@@ -1,11 +1,13 @@
 #include "contact/enforcement/node_face/node_faces.hpp"
 
 #include "contact/base/group_by_key.hpp"
+#include "contact/base/merge_runs.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -51,22 +53,25 @@ struct HostSurface {
 
 // Collective. [node] the rank of its owner, of nodes that are not owned here. The directory is
 // distributed over ranks by node id.
-std::vector<int> findOwners(MPI_Comm comm, const HostSurface& surface) {
+std::vector<int> findOwners(const Communicator& comm, const HostSurface& surface) {
   const int size = sizeOf(comm);
   std::vector<std::vector<global_id>> registered(size), asked(size);
   for (int node = 0; node < surface.num_nodes; ++node) {
     const global_id id = surface.node_ids(node);
     (surface.owned(node) ? registered : asked)[id % size].push_back(id);
   }
-  const auto known = exchangeByRank(comm, registered);
+  const auto known = exchangeByRank(comm, std::move(registered));
   const auto questions = exchangeByRank(comm, asked);
   std::vector<std::vector<int>> answers(size);
   rethrowOnAllRanks(comm, [&] {
     std::vector<std::pair<global_id, int>> directory;
-    for (int q = 0; q < size; ++q)
+    std::vector<std::size_t> ends;
+    for (int q = 0; q < size; ++q) {
       for (const global_id id : known[q])
         directory.emplace_back(id, q);
-    std::sort(directory.begin(), directory.end());
+      ends.push_back(directory.size());
+    }
+    sortRuns(directory, std::move(ends), std::less<>());
     for (int q = 0; q < size; ++q)
       for (const global_id id : questions[q]) {
         const auto at = std::lower_bound(directory.begin(), directory.end(), std::make_pair(id, 0));
@@ -135,7 +140,7 @@ NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Su
                             corner_share.back(), index, 0});
     });
   }
-  const auto received = exchangeByRank(comm, records);
+  const auto received = exchangeByRank(comm, std::move(records));
 
   // Remote rows in the order of (rank, index), as both sides of the plan list them.
   const RowOfId node_of(surface.node_ids);

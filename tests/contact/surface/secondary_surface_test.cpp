@@ -196,7 +196,7 @@ TEST(SecondarySurface, ForwardsRecordsToTheRanksOfTheirFaces) {
       records.push_back({static_cast<int>(face), grid.face_ids[face], number});
   const auto face_ids = toHost(moved.surface().face_ids);
   std::multiset<std::pair<global_id, int>> found, expected;
-  for (const Record& record : moved.forwardRecords(MPI_COMM_WORLD, records)) {
+  for (const Record& record : moved.forwardRecords(Communicator(MPI_COMM_WORLD), records)) {
     ASSERT_LT(record.face, moved.surface().num_faces);
     EXPECT_EQ(face_ids(record.face), record.of_face);
     found.emplace(record.of_face, record.number);
@@ -221,8 +221,8 @@ TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
     if (id != 13 && 7 * id % num_ranks == rank)
       held.push_back(id);
   }
-  const auto received =
-      sendToHolders(MPI_COMM_WORLD, records, held, [](const Record& r) { return r.id; });
+  const auto received = sendToHolders(Communicator(MPI_COMM_WORLD), records, held,
+                                      [](const Record& r) { return r.id; });
   std::multiset<std::pair<global_id, int>> found, expected;
   for (const Record& record : received)
     found.emplace(record.id, record.from);
