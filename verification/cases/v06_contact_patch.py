@@ -6,8 +6,8 @@ axis. Elements inside the joint that are no parallelograms have no exact areas o
 Curved joints, z = 1 - K (x^2 + y^2)/2, under a pressure from all sides (deck v06_curved_joint.toml):
 faces are chords of the joint, so only nodes of the convex body penetrate the other one. Where its
 elements are the larger, of size a, those of the other b, the corners of the joint share one contact,
-whose force should be p a^2/4 on one of them and p b^2/4 on the other: no areas are exact to less
-than (a^2 - b^2)/(a^2 + b^2) (theory.md of contact, section 6.1)."""
+whose force should be p a^2/4 on one of them and p b^2/4 on the other: whatever its area is, one of
+them errs by at least (a^2 - b^2)/(a^2 + b^2) (theory.md of contact, section 6.1)."""
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +109,7 @@ def check_curved(lab):
     lab.check(error, 0, 0.25, "curved_not_matching")
     lab.check(found[3, 4, 0.001][0], 0, 0.015, "hardly_curved")
     lab.check(max(speed for *_, speed in found.values()), 0, 1e-4, "curved_at_rest")
-    lab.weak_spot(f"V6: at curved joints of non-matching elements one side penetrates only, and the stress errs by {100 * error:.0f} % "
+    lab.weak_spot(f"V6: at curved joints of non-matching elements only one side penetrates, and the stress errs by {100 * error:.0f} % "
                   "with 3:4 elements: no areas of one pass are exact")
     lab.table("Curved joints: largest error of a stress over p; nodes of the concave side that penetrate, apart from the corners; "
               "error of the force at a corner of the joint and its bound by one pass where convex elements are larger:",
