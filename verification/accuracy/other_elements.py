@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Frequencies of the one-point element of this code beside those of other elements on meshes of
 boxes, by dense eigenvalue solutions: `python3 verification/accuracy/other_elements.py` (10 s). A second
-table tells the error of the cantilever's mass from that of its stiffness.
+table separates the error of the cantilever's mass from that of its stiffness.
 
 H8MSGSO is Krysl's mean-strain eight-node hexahedron with optimized energy-sampling stabilization
 (2015, 2016), with the constants of its author's program FinEtools (FEMMDeforLinearMSH8):
