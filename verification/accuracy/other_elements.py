@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Frequencies of the one-point element of this code beside those of other elements on meshes of
-boxes, by dense eigenvalue solutions: `python3 verification/accuracy/other_elements.py` (10 s). A second
-table separates the error of the cantilever's mass from that of its stiffness.
+boxes, by dense eigenvalue solutions: `python3 verification/accuracy/other_elements.py` (20 s). A second
+table separates the error of the cantilever's mass from that of its stiffness, a third one those of the
+free brick.
 
 H8MSGSO is Krysl's mean-strain eight-node hexahedron with optimized energy-sampling stabilization
 (2015, 2016), with the constants of its author's program FinEtools (FEMMDeforLinearMSH8):
@@ -81,8 +82,8 @@ def one_point(half, nu):
     return K + volume / 9 * sum(np.outer(q(3, i), q(3, i)) for i in range(3))
 
 
-def frequencies(element, mesh, masses, fixed=()):
-    """All angular frequencies, in order, with these nodes fixed."""
+def scaled_stiffness(element, mesh, masses, fixed=()):
+    """M^(-1/2) K M^(-1/2) with these nodes fixed."""
     corners = mesh.nodes[mesh.hexes]
     half = (corners[0].max(axis=0) - corners[0].min(axis=0)) / 2
     places = np.sign(corners[0] - corners[0].mean(axis=0))
@@ -93,7 +94,25 @@ def frequencies(element, mesh, masses, fixed=()):
         K[np.ix_(numbers, numbers)] += stiffness
     free = np.repeat(~np.isin(np.arange(len(mesh.nodes)), fixed), 3)
     root = np.sqrt(np.repeat(masses, 3)[free])
-    return np.sqrt(np.maximum(np.linalg.eigvalsh(K[np.ix_(free, free)] / np.outer(root, root)), 0))
+    return K[np.ix_(free, free)] / np.outer(root, root)
+
+
+def frequencies(element, mesh, masses, fixed=()):
+    """All angular frequencies, in order, with these nodes fixed."""
+    return np.sqrt(np.maximum(np.linalg.eigvalsh(scaled_stiffness(element, mesh, masses, fixed)), 0))
+
+
+def brick_errors(ritz, mesh, masses):
+    """[2][mode]: the errors of the free brick's frequencies, each of the mode most like that of the
+    reference, and their part by the nodal masses alone: minus half the error of the kinetic energy of
+    the reference's mode."""
+    square, shapes = np.linalg.eigh(scaled_stiffness(one_point, mesh, masses))
+    errors = np.empty((2, COUNT))
+    for k, omega in enumerate(ritz.omega):
+        mode = np.sqrt(np.repeat(masses, 3)) * ritz.mode(k, mesh.nodes).ravel()
+        found = 6 + np.argmax(np.abs(mode @ shapes[:, 6:]))
+        errors[:, k] = np.sqrt(square[found]) / omega - 1, -0.5 * (mode @ mode / np.prod(SIZE / 2) - 1)
+    return errors
 
 
 def share_of_mass(mesh, masses, length=10):
@@ -113,7 +132,7 @@ def share_of_mass(mesh, masses, length=10):
 
 
 def main():
-    ritz, free_beam = Ritz(1.0, 0.3, 12).omega, Ritz(1.0, 0.3, 12, (10, 1, 1)).omega[0]
+    reference, free_beam = Ritz(1.0, 0.3, 12), Ritz(1.0, 0.3, 12, (10, 1, 1)).omega[0]
     beams, brick = [(10, 1, 1), (10, 2, 2), (20, 2, 2)], (8, 4, 4)
     print("| element, mass | " + " | ".join("clamped, free beam " + "x".join(map(str, n)) for n in beams) + " | brick 8x4x4, rms | step c_d/h |\n|---|" + "---|" * 5)
     for element in (one_point, h8msgso, full):
@@ -126,7 +145,7 @@ def main():
                 cells.append(f"{100 * (clamped / CONVERGED - 1):+.2f}, {100 * (free / free_beam - 1):+.2f} %")
             mesh = box(SIZE, brick, -SIZE / 2)
             found = frequencies(element, mesh, lumped(mesh.nodes, mesh.hexes))
-            error = np.sqrt(np.mean((found[6:6 + COUNT] / ritz - 1)**2))
+            error = np.sqrt(np.mean((found[6:6 + COUNT] / reference.omega - 1)**2))
             wave = np.sqrt(0.7 / (1.3 * 0.4))  # c_d at E = rho = 1, nu = 0.3
             cells += [f"{100 * error:.2f} %", f"{2 / found[-1] * wave * brick[2]:.3f}"]
             print(f"| {element.__name__}, {name} | " + " | ".join(cells) + " |")
@@ -137,6 +156,13 @@ def main():
         by_mass = [100 * share_of_mass(mesh, masses) for masses in pair]
         rest = [100 * (frequencies(one_point, mesh, masses, root)[0] / CONVERGED - 1) - part for masses, part in zip(pair, by_mass)]
         print(f"| {'x'.join(map(str, elements))} | {by_mass[0]:+.2f} % | {by_mass[1]:+.2f} % | {rest[0]:+.2f}, {rest[1]:+.2f} % |")
+    print("\n| brick, one-point, rms | all | mass | rest |\n|---|---|---|---|")
+    for elements in ((4, 2, 2), brick, (12, 6, 6)):
+        mesh = box(SIZE, elements, -SIZE / 2)
+        for name, lumped in (("row sums", lumped_masses), ("inertia", nodal_masses)):
+            total, by_mass = brick_errors(reference, mesh, lumped(mesh.nodes, mesh.hexes))
+            parts = [100 * np.sqrt(np.mean(part**2)) for part in (total, by_mass, total - by_mass)]
+            print(f"| {'x'.join(map(str, elements))}, {name} | " + " | ".join(f"{part:.2f} %" for part in parts) + " |")
 
 
 if __name__ == "__main__":
