@@ -1,6 +1,6 @@
 #include "contact/surface/secondary_surface.hpp"
 
-#include "contact/base/merge_runs.hpp"
+#include "contact/surface/merge_runs.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
 
