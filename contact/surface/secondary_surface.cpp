@@ -1,7 +1,7 @@
 #include "contact/surface/secondary_surface.hpp"
 
-#include "contact/base/merge_runs.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/merge_runs.hpp"
 
 #include <algorithm>
 #include <unordered_map>

@@ -4,7 +4,7 @@
 // in Applied Mechanics and Engineering 184, 2000).
 #pragma once
 
-#include "contact/base/merge_runs.hpp"
+#include "contact/surface/merge_runs.hpp"
 #include "contact/surface/surface.hpp"
 #include "contact/surface/surface_transfer.hpp"
 

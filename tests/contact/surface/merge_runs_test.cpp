@@ -1,5 +1,5 @@
-// contact/base/merge_runs.hpp: runs of any number and size become one list, stably.
-#include "contact/base/merge_runs.hpp"
+// contact/surface/merge_runs.hpp: runs of any number and size become one list, stably.
+#include "contact/surface/merge_runs.hpp"
 
 #include <gtest/gtest.h>
 
