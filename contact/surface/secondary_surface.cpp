@@ -1,8 +1,7 @@
 #include "contact/surface/secondary_surface.hpp"
 
-#include "contact/surface/merge_runs.hpp"
-#include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/merge_runs.hpp"
 
 #include <algorithm>
 #include <unordered_map>
@@ -160,25 +159,6 @@ std::vector<std::vector<int>> findSharers(const Communicator& comm,
 }
 
 } // namespace
-
-SurfaceTransfer::SurfaceTransfer(const exec_space& space, const Communicator& comm,
-                                 std::vector<std::vector<int>> from_rows,
-                                 std::vector<std::vector<int>> to_rows) {
-  const int rank = rankOf(comm);
-  _from = toDevice(space, "contact::SurfaceTransfer::from", from_rows[rank]);
-  _to = toDevice(space, "contact::SurfaceTransfer::to", to_rows[rank]);
-  from_rows[rank].clear();
-  to_rows[rank].clear();
-  std::vector<int> partners;
-  std::vector<std::vector<int>> sent, received;
-  for (int q = 0; q < sizeOf(comm); ++q)
-    if (!from_rows[q].empty() || !to_rows[q].empty()) {
-      partners.push_back(q);
-      sent.push_back(std::move(from_rows[q]));
-      received.push_back(std::move(to_rows[q]));
-    }
-  _plan = ExchangePlan(space, comm, tags::secondary_surface, partners, sent, received);
-}
 
 SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
                                    const SweptBoxes& primary, const std::vector<int>& rank_of_face,

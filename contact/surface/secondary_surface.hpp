@@ -5,8 +5,8 @@
 #pragma once
 
 #include "contact/surface/merge_runs.hpp"
-#include "contact/base/messages/exchange_plan.hpp"
 #include "contact/surface/surface.hpp"
+#include "contact/surface/surface_transfer.hpp"
 
 #include <mpi.h>
 
@@ -16,47 +16,6 @@
 #include <vector>
 
 namespace brickwall::contact {
-
-// Nodal values of one decomposition at the nodes of another.
-class SurfaceTransfer {
-public:
-  template <class SourceView, class TargetView>
-  struct CopyRow {
-    SourceView source;
-    TargetView target;
-    View<int*> from, to;
-    int width;
-
-    KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
-      for (int w = 0; w < width; ++w)
-        target(to(i), w) = source(from(i), w);
-    }
-  };
-
-  SurfaceTransfer() = default;
-  // Of this rank: the rows that go to each rank and that come from each, [rank]. Collective.
-  SurfaceTransfer(const exec_space& space, const Communicator& comm,
-                  std::vector<std::vector<int>> from_rows, std::vector<std::vector<int>> to_rows);
-
-  template <class SourceView, class TargetView>
-  void forward(const exec_space& space, const SourceView& source, const TargetView& target) {
-    const auto num_rows = static_cast<std::int64_t>(_from.extent(0));
-    Kokkos::parallel_for("contact::SurfaceTransfer::copyRows", rangePolicy(space, num_rows),
-                         CopyRow<SourceView, TargetView>{source, target, _from, _to,
-                                                         static_cast<int>(source.extent(1))});
-    _plan.forward(space, source, target);
-  }
-  // Where both lists are the same, without rows of this rank itself (ExchangePlan::sumShared()).
-  template <class ViewType>
-  void sumShared(const exec_space& space, const ViewType& values) {
-    _plan.sumShared(space, values);
-  }
-  const View<int*>& sentRows() const { return _plan.sendRows(); } // to other ranks; some repeat
-
-private:
-  View<int*> _from, _to; // rows that stay on this rank
-  ExchangePlan _plan;
-};
 
 class SecondarySurface {
 public:
@@ -115,6 +74,26 @@ public:
   template <class SourceView, class TargetView>
   void giveBack(const exec_space& space, const SourceView& values, const TargetView& of_primary) {
     _to_primary.forward(space, values, of_primary);
+  }
+
+  // Selects nodes by flags [node] that are equal on all copies of a node, and sets the flags of primary
+  // nodes. forwardSelected() and giveBackSelected() do the same as forward() and giveBack() for these
+  // nodes only, until the next selection. Collective.
+  void selectNodes(const exec_space& space, const SurfaceTransfer::Flags& flags,
+                   const SurfaceTransfer::Flags& of_primary) {
+    _to_primary.forwardFlags(space, flags, of_primary);
+    _to_primary.select(space, flags, of_primary);
+    _to_secondary.select(space, of_primary, flags);
+  }
+  template <class SourceView, class TargetView>
+  void forwardSelected(const exec_space& space, const SourceView& of_primary,
+                       const TargetView& values) {
+    _to_secondary.forwardSelected(space, of_primary, values);
+  }
+  template <class SourceView, class TargetView>
+  void giveBackSelected(const exec_space& space, const SourceView& values,
+                        const TargetView& of_primary) {
+    _to_primary.forwardSelected(space, values, of_primary);
   }
 
 private:

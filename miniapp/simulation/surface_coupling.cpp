@@ -60,13 +60,13 @@ mechanics::SharedNodeLists sharedOnSurface(const Scene& scene) {
   return shared;
 }
 
-// flags [node][1] = 1 at the listed nodes, 0 at others.
+// flags [node] = 1 at the listed nodes, 0 at others.
 void flagListed(const exec_space& space, const contact::NodeList& list,
-                const View<std::int64_t**>& flags) {
-  Kokkos::deep_copy(space, flags, 0);
+                const View<unsigned char*>& flags) {
+  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::flagListed", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i), 0) = 1; });
+      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i)) = 1; });
 }
 
 // Ids, ownership and bodies of surface nodes.
@@ -286,10 +286,15 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
                                          const mechanics::NodalForces& target) {
   View<const std::int64_t* [3]> totals = forces.nodes;
   contact::NodeList list = changed;
+  View<const unsigned char*> is_selected;
   if (_secondary) {
-    _secondary->surface.giveBack(space, totals, _secondary->forces);
+    if (!_secondary->has_selection)
+      selectListed(space, changed);
+    _secondary->has_selection = false;
+    _secondary->surface.giveBackSelected(space, totals, _secondary->forces);
     totals = _secondary->forces;
     list = contact::NodeList::allOf(_primary.num_nodes);
+    is_selected = _secondary->is_selected_of_primary;
   }
   const auto surface_to_node = _surface_to_node;
   const auto values = target.values;
@@ -297,28 +302,30 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
       "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i);
+        if (is_selected.extent(0) > 0 && !is_selected(at))
+          return;
         for (int d = 0; d < 3; ++d)
           values(surface_to_node(at), 3 * mechanics::contact_force + d) = totals(at, d);
       });
 }
 
-// [primary surface node][1] 1 at the listed nodes of the secondary surface, which are listed on all
-// ranks that share them.
-View<std::int64_t**> SurfaceCoupling::flagOnPrimary(const exec_space& space,
-                                                    const contact::NodeList& list) {
-  flagListed(space, list, _secondary->is_needed);
-  _secondary->surface.giveBack(space, _secondary->is_needed, _secondary->is_needed_of_primary);
-  return _secondary->is_needed_of_primary;
+// The listed nodes of the secondary surface, which are listed on all ranks that share them.
+void SurfaceCoupling::selectListed(const exec_space& space, const contact::NodeList& list) {
+  flagListed(space, list, _secondary->is_selected);
+  _secondary->surface.selectNodes(space, _secondary->is_selected,
+                                  _secondary->is_selected_of_primary);
 }
 
 const View<double* [3]>& SurfaceCoupling::accelerations(
     const exec_space& space, const contact::NodeList& needed, const mechanics::NodalForces& forces,
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
   contact::NodeList list = needed;
-  View<const std::int64_t**> is_needed;
+  View<const unsigned char*> is_selected;
   if (_secondary) {
+    selectListed(space, needed);
+    _secondary->has_selection = true;
     list = contact::NodeList::allOf(_primary.num_nodes);
-    is_needed = flagOnPrimary(space, needed);
+    is_selected = _secondary->is_selected_of_primary;
   }
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
@@ -329,7 +336,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
-        if (is_needed.extent(0) > 0 && is_needed(at, 0) == 0)
+        if (is_selected.extent(0) > 0 && !is_selected(at))
           return;
         motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)
@@ -337,7 +344,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       });
   if (!_secondary)
     return _accelerations;
-  _secondary->surface.forward(space, _accelerations, _secondary->accelerations);
+  _secondary->surface.forwardSelected(space, _accelerations, _secondary->accelerations);
   return _secondary->accelerations;
 }
 

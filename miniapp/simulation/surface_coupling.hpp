@@ -100,7 +100,7 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
-  View<std::int64_t**> flagOnPrimary(const exec_space& space, const contact::NodeList& list);
+  void selectListed(const exec_space& space, const contact::NodeList& list);
   std::vector<char> sharedNodes(const exec_space& space);
   template <class ViewType>
   static auto rowsLike(const ViewType& view, const std::string& label, int num_rows) {
@@ -116,7 +116,8 @@ private:
     View<double*[3]> x_old, x_new, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
-    View<std::int64_t**> is_needed, is_needed_of_primary; // [node][1], [primary surface node][1]
+    View<unsigned char*> is_selected, is_selected_of_primary; // [node], [primary surface node]
+    bool has_selection = false; // of the nodes of this step
   };
 
   contact::Surface _primary; // all but the coordinates

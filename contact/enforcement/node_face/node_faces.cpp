@@ -1,9 +1,9 @@
 #include "contact/enforcement/node_face/node_faces.hpp"
 
 #include "contact/base/group_by_key.hpp"
-#include "contact/surface/merge_runs.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/merge_runs.hpp"
 #include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>

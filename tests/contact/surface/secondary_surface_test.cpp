@@ -207,6 +207,40 @@ TEST(SecondarySurface, ForwardsRecordsToTheRanksOfTheirFaces) {
   EXPECT_EQ(found, expected);
 }
 
+// Nodes whose ids are multiples of `step` are selected, then others: only their values travel, both ways.
+TEST(SecondarySurface, PassesValuesOfSelectedNodesOnly) {
+  const Grid grid;
+  SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  const int num_nodes = moved.surface().num_nodes, num_primary = grid.surface.num_nodes;
+  const auto ids = toHost(moved.surface().node_ids);
+  for (const int step : {3, 1, 1000, 4}) {
+    std::vector<unsigned char> flags(num_nodes);
+    std::vector<double> of_primary(num_primary), of_copies(num_nodes);
+    for (int node = 0; node < num_nodes; ++node) {
+      flags[node] = ids(node) % step == 0;
+      of_copies[node] = 2 * static_cast<double>(ids(node));
+    }
+    for (int node = 0; node < num_primary; ++node)
+      of_primary[node] = static_cast<double>(grid.node_ids[node]);
+    const View<unsigned char*> of_primary_flags("flags", num_primary);
+    moved.selectNodes(grid.space, toDevice(grid.space, "flags", flags), of_primary_flags);
+    const View<double*[1]> passed("passed", num_nodes), back("back", num_primary);
+    moved.forwardSelected(
+        grid.space, toDevice<View<double* [1]>>(grid.space, "of_primary", of_primary), passed);
+    moved.giveBackSelected(grid.space,
+                           toDevice<View<double* [1]>>(grid.space, "of_copies", of_copies), back);
+    const auto got = toHost(passed), got_back = toHost(back);
+    const auto got_flags = toHost(of_primary_flags);
+    for (int node = 0; node < num_nodes; ++node)
+      EXPECT_EQ(got(node, 0), flags[node] ? static_cast<double>(ids(node)) : 0) << step;
+    for (int node = 0; node < num_primary; ++node) {
+      const bool is_selected = grid.node_ids[node] % step == 0;
+      EXPECT_EQ(got_flags(node) != 0, is_selected) << step;
+      EXPECT_EQ(got_back(node, 0), is_selected ? 2 * of_primary[node] : 0) << step;
+    }
+  }
+}
+
 TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
   const int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
   struct Record {
