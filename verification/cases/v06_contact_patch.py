@@ -109,7 +109,7 @@ def check_curved(lab):
     lab.check(error, 0, 0.25, "curved_not_matching")
     lab.check(found[3, 4, 0.001][0], 0, 0.015, "hardly_curved")
     lab.check(max(speed for *_, speed in found.values()), 0, 1e-4, "curved_at_rest")
-    lab.weak_spot(f"V6: at curved joints of non-matching elements only one side penetrates, and the stress errs by {100 * error:.0f} % "
+    lab.weak_spot(f"at curved joints of non-matching elements nodes of one side alone penetrate, and the stress errs by {100 * error:.0f} % "
                   "with 3:4 elements: no areas of one pass are exact")
     lab.table("Curved joints: largest error of a stress over p; nodes of the concave side that penetrate, apart from the corners; "
               "error of the force at a corner of the joint and its bound by one pass where convex elements are larger:",
