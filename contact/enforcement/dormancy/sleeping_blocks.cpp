@@ -18,8 +18,11 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
 
 void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
                           const SurfaceMotion& motion, bool is_unchanged) {
-  const UnchangedRows unchanged = _changes.update(pairs);
-  const bool is_known = unchanged.are_all || unchanged.may_be_any;
+  const bool are_same = pairs.version > 0 && pairs.version == _version;
+  const bool are_next = pairs.version > 0 && pairs.version == _version + 1;
+  const bool is_known = _changed == pairs.changed.data() && (are_same || are_next);
+  _version = pairs.version;
+  _changed = pairs.changed.data();
   if (!is_known) {
     Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
     _num_awake = _num_blocks;
@@ -29,6 +32,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
   if (!is_known || is_unchanged || !has_slept)
     return;
   const SleepState state = _state;
+  const View<const unsigned char*> changed = pairs.changed;
   const BodyMotions& motions = motion.bodies();
   const double rounding = motion.rounding();
   Kokkos::parallel_reduce(
@@ -39,7 +43,7 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
           ++awake;
           return;
         }
-        bool sleeps = unchanged.hasBlock(block);
+        bool sleeps = are_same || changed(block) == 0;
         for (int b = 0; b < count && sleeps; ++b)
           sleeps = state.bound(block, b).holds(motions, rounding);
         constexpr int soon = 16; // steps after which the search for bounds has paid off

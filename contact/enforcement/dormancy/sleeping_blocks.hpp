@@ -8,7 +8,6 @@
 #pragma once
 
 #include "contact/enforcement/dormancy/separation.hpp"
-#include "contact/enforcement/dormancy/unchanged_rows.hpp"
 #include "contact/surface/face_access.hpp"
 
 namespace brickwall::contact {
@@ -72,7 +71,8 @@ private:
   mutable std::int64_t _num_awake = 0;
   mutable bool _is_counting = false; // _counted holds _num_awake once the device is done
   Kokkos::View<std::int64_t, staging_space> _counted;
-  RowChanges _changes;
+  std::int64_t _version = 0; // of the pairs seen last
+  const unsigned char* _changed = nullptr; // likewise
 };
 
 // Kernel functor of putToSleep(), for one block.

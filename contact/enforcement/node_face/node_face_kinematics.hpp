@@ -47,10 +47,6 @@ struct NodeFaceKinematics : NodeSurface {
     prefetch(&adjacent_faces.rows(adjacent_faces.offsets(node)));
     prefetch(&node_mass(node));
   }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchSteady(int node, int opposing) const {
-    prefetch(&records(opposing));
-    prefetch(&node_mass(node));
-  }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchAdjacentFaces(int node) const {
     for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k)
       prefetch(&records(adjacent_faces.rows(k)));
@@ -150,12 +146,10 @@ struct NodeFaceKinematics : NodeSurface {
            (Real(found.excess) <= Real(lateral_tolerance)) &
            (outermost <= Real(minOf(past_edge, region.start())));
   }
-  // `opposing`: see isOpposed().
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
-                                       ContactTest test_kind, int* opposing = nullptr) const {
+                                       ContactTest test_kind) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face, test_kind) &&
-           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind),
-                     opposing);
+           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
                                      const FacePoint& point, FaceContact& contact) const {

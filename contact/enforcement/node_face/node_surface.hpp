@@ -24,25 +24,16 @@ struct NodeSurface {
   };
 
   // A face of the node opposes the direction, or the node sticks out towards it with all its faces
-  // steep. `opposing`, if given, is the record of the face that did in the last step, or -1, and
-  // becomes that of this one.
-  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine,
-                                        int* opposing = nullptr) const {
-    if (opposing != nullptr && *opposing >= 0 && opposes(records(*opposing).plane, normal, cosine))
-      return true;
+  // steep.
+  KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
     Vec3 outward;
     for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
       const int row = adjacent_faces.rows(k);
       const MeanPlane& plane = records(row).plane;
-      if (opposes(plane, normal, cosine)) {
-        if (opposing != nullptr)
-          *opposing = row;
+      if (opposes(plane, normal, cosine))
         return true;
-      }
       outward += (adjacent_faces.corner_share(row) * plane.area) * plane.normal;
     }
-    if (opposing != nullptr)
-      *opposing = -1;
     const double along = dot(outward, normal);
     return along < 0 && along * along > sharp_cosine * sharp_cosine * dot(outward, outward);
   }

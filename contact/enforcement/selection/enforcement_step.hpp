@@ -5,7 +5,6 @@
 #pragma once
 
 #include "contact/base/lanes.hpp"
-#include "contact/enforcement/dormancy/unchanged_rows.hpp"
 #include "contact/enforcement/law/contact_law.hpp"
 #include "contact/enforcement/law/contact_sums.hpp"
 #include "contact/enforcement/law/face_contact.hpp"
@@ -37,11 +36,6 @@ struct EnforcementStep {
   // [pair] 0: no contact at ContactTest::activate or transfer; set for rows in lists only
   // (row_lists.hpp)
   View<unsigned char*> may_touch;
-  UnchangedRows unchanged; // those of `pairs`
-  // [node] Of a row whose contacts persist, with own faces, and whose other candidates cannot become
-  // contacts by ContactTest::activate: the record of a face of the node that opposes; otherwise
-  // -1. Holds while the row is unchanged. Kept where PersistInLanes is used.
-  View<int*> steady_row;
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;
@@ -117,10 +111,6 @@ struct EnforcementStep {
     if (previous.row_count(node) > 0)
       last = number;
     return last > 0 && last < number && number - last <= ContactLaw::settling_steps;
-  }
-
-  KOKKOS_FORCEINLINE_FUNCTION bool isSteady(std::int64_t row, int node) const {
-    return unchanged.has(row) && steady_row(node) >= 0;
   }
 
   KOKKOS_INLINE_FUNCTION double inverseMassOf(const FaceContact& contact) const {

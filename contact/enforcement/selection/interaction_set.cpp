@@ -217,7 +217,6 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                                const SweptBoxes& surface, int num_nodes, int face_corners,
                                const EnforcementConfig& config, const Quantum& quantum)
     : _config(config), _quantum(quantum), _face_corners(face_corners),
-      _steady_row(label + "::steady_row", fills_lanes ? num_nodes : 0),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
       _counts(label + "::counts", 4), _next_count(_counts.data()), _sums(label + "::sums"),

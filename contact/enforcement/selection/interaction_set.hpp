@@ -90,7 +90,6 @@ public:
                const std::vector<ContactRecord>& records,
                const std::function<ContactPoint(int row)>& pointOf) {
     setHistory(space, node_ids, records, _config.friction > 0, pointOf, _history, _last);
-    _row_changes.forget();
   }
 
 private:
@@ -115,8 +114,6 @@ private:
   Quantum _quantum;
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
-  RowChanges _row_changes;
-  View<int*> _steady_row; // see EnforcementStep
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t*> _counts; // the memory of those below, which are zeroed together
   View<std::int64_t> _next_count;
@@ -143,8 +140,6 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
   step.number = ++_last.num_steps;
   step.last_contact = _last.step;
   step.pairs = pairs;
-  step.unchanged = _row_changes.update(pairs);
-  step.steady_row = _steady_row;
   step.previous = _history;
   step.next_count = _next_count;
   // Memory that is not used costs less than a repeated step. At first a guess: in flush joints of

@@ -44,7 +44,7 @@ struct PersistInLanes {
 
 private:
   struct Place {
-    int node, previous, face, row;
+    int node, previous, face;
     std::int64_t next; // index in the next history, or -1
     bool persists;
   };
@@ -52,8 +52,6 @@ private:
     std::int64_t number;
     int node, first, count;
     bool persists;
-    int opposing; // see EnforcementStep::steady_row
-    bool is_steady;
   };
   struct Batch {
     int num_rows = 0, count = 0;
@@ -67,30 +65,19 @@ private:
     if (count == 0 || batch.count + count > max_contacts)
       return false;
     const int first = step.previous.row_begin(node);
-    Row& row = batch.rows[batch.num_rows];
-    row = {number, node, batch.count, count, true, step.steady_row(node), true};
     const auto accept = [&](int k, int face) {
       const Interaction& last = step.previous.interactions(first + k);
       if (last.fade_weight < 1 || last.settles || last.is_retained)
         return false;
       step.kinematics.prefetchFace(face);
       step.faces.prefetchFace(face);
-      batch.places[batch.count + k] = {node, first + k, face, batch.num_rows, -1, true};
-      row.is_steady &= step.faces.isOwn(face);
+      batch.places[batch.count + k] = {node, first + k, face, -1, true};
       return true;
     };
-    const SelectActiveFaces<Kinematics> select{step};
-    if (step.isSteady(number, node)) {
-      if (!select.keepFaces(node, first, count, accept))
-        return false;
-    } else {
-      bool has_others;
-      if (!select.findFaces(number, node, first, count, accept, has_others))
-        return false;
-      row.is_steady &= !has_others;
-      step.kinematics.prefetchAdjacentFaces(node);
-    }
-    ++batch.num_rows;
+    if (!SelectActiveFaces<Kinematics>{step}.findFaces(number, node, first, count, accept))
+      return false;
+    step.kinematics.prefetchAdjacentFaces(node);
+    batch.rows[batch.num_rows++] = {number, node, batch.count, count, true};
     batch.count += count;
     return true;
   }
@@ -105,8 +92,7 @@ private:
       step.faces.prefetchCorners(place.face, step.add.target.nodes);
       step.faces.prefetchRow(step.add.target.nodes, place.node);
       place.persists =
-          step.kinematics.isFacing(step.faces, place.node, place.face, ContactTest::persist,
-                                   &batch.rows[place.row].opposing);
+          step.kinematics.isFacing(step.faces, place.node, place.face, ContactTest::persist);
     }
     persistent_contact::Gathered<Real> gathered;
     for (int first = 0; first < batch.count; first += width) {
@@ -140,7 +126,6 @@ private:
       double deepest = 0;
       step.next.row_begin(row.node) = static_cast<int>(next);
       step.next.row_count(row.node) = row.count;
-      step.steady_row(row.node) = row.is_steady ? row.opposing : -1;
       for (int i = row.first; i < row.first + row.count; ++i) {
         step.next.interactions.prefetch(next);
         if (step.law.config.friction > 0) {

@@ -65,9 +65,7 @@ struct ListRows {
           persistent_face(first + k) = face;
           return step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
         };
-        bool has_others;
-        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept,
-                                                          has_others)) {
+        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
           persistent.add(row, count);
           return;
         }

@@ -55,11 +55,10 @@ struct SelectActiveFaces {
   // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a row
   // of the history. Returns false if a contact is not under load or its face is none of the
   // candidates, if accept() is false, or if a contact with another body may become active. Bodies
-  // ascend among candidates and contacts. `has_others`: whether there are other bodies to test.
+  // ascend among candidates and contacts.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count,
-                                        const Accept& accept, bool& has_others) const {
-    has_others = false;
+                                        const Accept& accept) const {
     const auto& interactions = step.previous.interactions;
     const global_id own_body = step.faces.surface.node_body(node);
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
@@ -81,34 +80,17 @@ struct SelectActiveFaces {
         body_of_contact = interactions(first + k).body;
       }
       if (body != body_of_contact) {
-        if (!isTested(own_body, body))
-          continue;
-        has_others = true;
-        if (step.kinematics.mayPenetrate(step.faces, node, face) &&
+        if (isTested(own_body, body) && step.kinematics.mayPenetrate(step.faces, node, face) &&
             step.kinematics.mayActivate(node, face))
           return false;
       } else if (!is_found && isFaceOf(interactions(first + k), face)) {
-        if (!isLoaded(node, first + k, face) || !accept(k, face))
+        if (!(interactions(first + k).depth > 0) ||
+            !step.faces.isOfThisStep(step.pairs.step_test, node, face) || !accept(k, face))
           return false;
         is_found = true;
       }
     }
     return is_found && k + 1 == count;
-  }
-  // The same for the contacts of a steady row that is unchanged.
-  template <class Accept>
-  KOKKOS_FORCEINLINE_FUNCTION bool keepFaces(int node, int first, int count,
-                                             const Accept& accept) const {
-    bool all = true;
-    for (int k = 0; k < count && all; ++k) {
-      const int face = step.previous.interactions(first + k).face_index;
-      all = isLoaded(node, first + k, face) && accept(k, face);
-    }
-    return all;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION bool isLoaded(int node, int contact, int face) const {
-    return step.previous.interactions(contact).depth > 0 &&
-           step.faces.isOfThisStep(step.pairs.step_test, node, face);
   }
   // Indices of own faces are those of the last step.
   KOKKOS_FORCEINLINE_FUNCTION bool isFaceOf(const Interaction& last, int face) const {

@@ -42,9 +42,6 @@ struct SelectInteractions {
   static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_bodies;
   static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
 
-  static constexpr bool persists_in_lanes =
-      simd_width > 1 && Kinematics::projects_persistent_contacts;
-
   EnforcementStep<Kinematics> step;
   std::int64_t first_row = 0; // rows before it are empty
   StationaryFlags stationary;
@@ -79,7 +76,7 @@ struct SelectInteractions {
       if (num_awake_rows == 0)
         return;
     }
-    if constexpr (persists_in_lanes)
+    if constexpr (simd_width > 1 && Kinematics::projects_persistent_contacts)
       num_awake_rows = PersistInLanes<Kinematics, rows_at_once>{step, stationary.known_apart}(
           awake_rows, num_awake_rows, sums);
     selectBatches(awake_rows, num_awake_rows, sums);
@@ -163,8 +160,6 @@ struct SelectInteractions {
   // before it is selected, and the heads of its rows one part earlier.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     step.kinematics.prefetchHead(node);
-    if constexpr (persists_in_lanes)
-      prefetch(&step.steady_row(node));
     prefetch(&step.previous.row_count(node));
     prefetch(&step.previous.row_begin(node));
   }
@@ -177,13 +172,6 @@ struct SelectInteractions {
         step.kinematics.prefetchFace(step.pairs.faces(p));
       return;
     }
-    if constexpr (persists_in_lanes)
-      if (step.isSteady(row, node)) {
-        step.kinematics.prefetchSteady(node, step.steady_row(node));
-        step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
-        step.previous.interactions.prefetch(step.previous.row_begin(node));
-        return;
-      }
     if (begin < end) {
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(begin));
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
@@ -367,8 +355,6 @@ struct SelectInteractions {
         ++num_compressive;
       }
     step.next.row_count(node) = num_compressive;
-    if constexpr (persists_in_lanes)
-      step.steady_row(node) = -1;
     return num_compressive;
   }
 };
