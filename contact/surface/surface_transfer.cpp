@@ -43,6 +43,24 @@ void copyFlags(const exec_space& space, const SurfaceTransfer::Flags& source,
       KOKKOS_LAMBDA(const std::int64_t i) { target(to(i)) = source(from(i)); });
 }
 
+// chosen: the rows whose flags are set, in order; before [row]: how many precede it, and the number.
+void chooseRows(const exec_space& space, const SurfaceTransfer::Flags& flags,
+                const View<int*>& rows, const View<int*>& chosen, const View<int*>& before) {
+  const auto num_rows = static_cast<std::int64_t>(rows.extent(0));
+  Kokkos::parallel_scan(
+      "contact::SurfaceTransfer::chooseRows", rangePolicy(space, num_rows + 1),
+      KOKKOS_LAMBDA(const std::int64_t i, int& sum, const bool is_final) {
+        const bool is_chosen = i < num_rows && flags(rows(i)) != 0;
+        if (is_final) {
+          before(i) = sum;
+          if (is_chosen)
+            chosen(sum) = rows(i);
+        }
+        sum += is_chosen ? 1 : 0;
+      });
+  space.fence();
+}
+
 } // namespace
 
 SurfaceTransfer::Side::Side(const exec_space& space,
@@ -65,21 +83,8 @@ SurfaceTransfer::Side::Side(const exec_space& space,
 }
 
 void SurfaceTransfer::Side::select(const exec_space& space, const Flags& flags) {
-  const std::int64_t num_rows = ends.back();
-  const auto all = rows, chosen = selected, before = place;
-  Kokkos::parallel_scan(
-      "contact::SurfaceTransfer::select", rangePolicy(space, num_rows + 1),
-      KOKKOS_LAMBDA(const std::int64_t i, int& sum, const bool is_final) {
-        const bool is_chosen = i < num_rows && flags(all(i)) != 0;
-        if (is_final) {
-          before(i) = sum;
-          if (is_chosen)
-            chosen(sum) = all(i);
-        }
-        sum += is_chosen ? 1 : 0;
-      });
-  space.fence();
-  const auto host = toHost(before);
+  chooseRows(space, flags, rows, selected, place);
+  const auto host = toHost(place);
   selected_ends.clear();
   for (const std::int64_t end : ends)
     selected_ends.push_back(host(end));

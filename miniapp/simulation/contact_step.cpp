@@ -27,6 +27,20 @@ contact::EnforcementConfig enforcementConfig(const Config& config, double shorte
   return enforcement;
 }
 
+// Low and high corners of boxes [node][low xyz, high xyz].
+void splitBoxes(const exec_space& space, const View<const double* [6]>& boxes,
+                const View<double* [3]>& low, const View<double* [3]>& high) {
+  Kokkos::parallel_for(
+      "miniapp::ContactStep::splitBoxes",
+      rangePolicy(space, static_cast<std::int64_t>(boxes.extent(0))),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int d = 0; d < 3; ++d) {
+          low(i, d) = boxes(i, d);
+          high(i, d) = boxes(i, 3 + d);
+        }
+      });
+}
+
 double deepest(const contact::EnforcementSums& sums) {
   return maxOf(sums.nodes.deepest, sums.edges.deepest);
 }
@@ -257,14 +271,7 @@ void ContactStep::searchIn(const View<const double* [6]>& boxes, std::int64_t se
   const auto num_nodes = static_cast<std::int64_t>(boxes.extent(0));
   const auto low = allocate<View<double* [3]>>(_space, "miniapp::ContactStep::low", num_nodes);
   const auto high = allocate<View<double* [3]>>(_space, "miniapp::ContactStep::high", num_nodes);
-  Kokkos::parallel_for(
-      "miniapp::ContactStep::splitBoxes", rangePolicy(_space, num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int d = 0; d < 3; ++d) {
-          low(i, d) = boxes(i, d);
-          high(i, d) = boxes(i, 3 + d);
-        }
-      });
+  splitBoxes(_space, boxes, low, high);
   swept.coordinates_old = low;
   swept.coordinates_new = high;
   _search.restore(_space, swept, searches, updates);
