@@ -58,7 +58,6 @@ void chooseRows(const exec_space& space, const SurfaceTransfer::Flags& flags,
         }
         sum += is_chosen ? 1 : 0;
       });
-  space.fence();
 }
 
 } // namespace
@@ -79,15 +78,17 @@ SurfaceTransfer::Side::Side(const exec_space& space,
   rows = toDevice(space, "contact::SurfaceTransfer::rows", all);
   word_begin = toDevice(space, "contact::SurfaceTransfer::word_begin", begin);
   place = allocate<View<int*>>(space, "contact::SurfaceTransfer::place", all.size() + 1);
+  host_place = Kokkos::create_mirror_view(place);
   selected = allocate<View<int*>>(space, "contact::SurfaceTransfer::selected", all.size());
 }
 
 void SurfaceTransfer::Side::select(const exec_space& space, const Flags& flags) {
   chooseRows(space, flags, rows, selected, place);
-  const auto host = toHost(place);
+  Kokkos::deep_copy(space, host_place, place);
+  space.fence();
   selected_ends.clear();
   for (const std::int64_t end : ends)
-    selected_ends.push_back(host(end));
+    selected_ends.push_back(host_place(end));
 }
 
 std::vector<std::int64_t> SurfaceTransfer::Side::words(std::int64_t width) const {

@@ -69,6 +69,7 @@ private:
     View<int*> word_begin; // [word of flags] its first row, and the end
     std::vector<std::int64_t> word_ends; // of the words, as `ends`
     View<int*> place; // [row] selected rows before it, and the end
+    View<int*>::HostMirror host_place;
     View<int*> selected;
     std::vector<std::int64_t> selected_ends{0}; // as `ends`
 
