@@ -173,6 +173,7 @@ if [[ -z $program ]]; then
   [[ $preset == default ]] || build=$root/build-$preset
   program=$build/miniapp/brickwall
 else
+  [[ -f $program && -x $program ]] || die "--program: found no program \"$program\"; ./run.sh without --program builds it"
   build=$(cd "$(dirname "$program")/.." && pwd)
 fi
 if [[ -n $study ]]; then
