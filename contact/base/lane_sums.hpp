@@ -104,11 +104,12 @@ public:
   // Adds sum i, whose terms have the scale scales(i), to the sum index(i).
   template <class Sums, class Index, class Scales>
   KOKKOS_INLINE_FUNCTION void foldInto(Sums& sums, const Index& index, const Scales& scales) {
-    for (int i = 0; i < N && _rows > 0; ++i) {
-      LimbSum part;
-      addParts(part, _high[i], _low[i], _rows, scales(i));
-      sums.add(index(i), part);
-    }
+    if (_rows > 0) // a sparse sum stays unused
+      for (int i = 0; i < N; ++i) {
+        LimbSum part;
+        addParts(part, _high[i], _low[i], _rows, scales(i));
+        sums.add(index(i), part);
+      }
     sums.invalid += _misfit >> 52 != 0;
     *this = SplitSums();
   }

@@ -22,7 +22,7 @@ public:
       std::sort(_rows.begin(), _rows.end());
   }
 
-  // The row of an id that is in the list: fast if it is that of `row`, or of one of the next.
+  // As find(): fast if the id is that of `row`, or of one of the next two.
   int findNear(int row, global_id id) const {
     for (int next = row; next < row + 3 && next < static_cast<int>(_rows.size()); ++next)
       if (_rows[next].first == id && _rows[next].second == next)
