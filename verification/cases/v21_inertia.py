@@ -3,7 +3,8 @@ body. Nodal masses have the body's mass, centre and inertia tensor exactly where
 more lie between opposite faces, on distorted and turned meshes too, and on regular ones of two. With
 one element J is too large whatever the masses are: all nodes are on the surface. Row sums
 (`element.mass = "row_sum"`) give second moments that are 1 + 2/n^2 times those of a brick of n
-elements, so a given angular momentum spins it too slowly."""
+elements, so a given angular momentum spins it too slowly. Edges of elements and the density are 1; checks of row sums give
+the moment of inertia about the long axis in these units, the others the largest error of the tensor over its largest entry."""
 import numpy as np
 from framework.meshes import box, quadrature, rotation
 
