@@ -139,8 +139,8 @@ io::Schema sceneBlocks() {
                 "their names"},
                meshKeys),
       withKeys({"material", BlockKind::named,
-                "material of the element block <name>; walls have the blocks brick and half_brick, "
-                "which has the material of brick where none is given"},
+                "material of the element block <name>; walls have the blocks brick and half_brick, and "
+                "without [material.half_brick] both have that of brick"},
                materialKeys),
       withKeys({"element", BlockKind::single, "the hexahedral element"}, elementKeys),
   };

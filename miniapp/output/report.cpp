@@ -343,7 +343,7 @@ void printTables(std::ostream& out, const RunReport& r) {
                format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s", r.elements,
                       r.nodes, r.faces, r.steps, r.end_time),
                r.provenance, r.max_rank_bytes);
-  printTable(out, "phase", r.phases);
+  printTable(out, "phase, in steps after the first", r.phases);
   out << "\n";
   printTable(out, "global search (own time)", r.search_timers);
   out << "\nsearch: " << r.search.method << ", pairs within one body "
