@@ -34,6 +34,11 @@ def same_contact(points):
     return [point for point in points if not {"contact.edges", "contact.scheme"} & set(dict(point.setting.changes))]
 
 
+def same_mass(points):
+    """The points with the default mass: those with row sums have a wrong inertia."""
+    return [point for point in points if "element.mass" not in dict(point.setting.changes)]
+
+
 def targets(result):
     return [error for error in result.scene.targets if error > 2 * result.uncertainty]
 

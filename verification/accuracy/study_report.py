@@ -81,7 +81,10 @@ def answers_text(study, results, general, audits):
              f"**What does one digit more cost?**\n\n{listed(answers.one_digit)}",
              f"**What does the default lose against the front?** Compared with all settings it is "
              f"{answers.losses_text(answers.losses(results))}; compared with those with edges and the energy-neutral scheme "
-             f"{answers.losses_text(answers.losses(results, answers.same_contact))}.\n\n"
+             f"{answers.losses_text(answers.losses(results, answers.same_contact))}; compared with those of these with the default mass "
+             f"{answers.losses_text(answers.losses(results, lambda points: answers.same_mass(answers.same_contact(points))))}; "
+             "compared with all with the default mass "
+             f"{answers.losses_text(answers.losses(results, answers.same_mass))}.\n\n"
              f"With the recommended setting of each scene ({answers.rule_text(results)}; the default elsewhere) the first is "
              f"{answers.losses_text(answers.losses(results, by_rule=True))}; the second "
              f"{answers.losses_text(answers.losses(results, answers.same_contact, by_rule=True))}.\n\n"
