@@ -202,8 +202,8 @@ inline void rethrowOnAllRanks(MPI_Comm comm, const std::function<void()>& work) 
 
 // Collective. Sends `values[q]` to each rank q; returns what each rank sent here, by source rank.
 // What goes from this rank to itself is moved, or copied if `values` are not given away.
-template <class T, class Values>
-std::vector<std::vector<T>> exchangeByRankAs(const Communicator& comm, Values&& values) {
+template <class Values, class T = typename std::decay_t<Values>::value_type::value_type>
+std::vector<std::vector<T>> exchangeByRank(const Communicator& comm, Values&& values) {
   static_assert(std::is_trivially_copyable_v<T>);
   const int size = sizeOf(comm), rank = rankOf(comm);
   std::vector<std::int64_t> send_bytes(size), receive_bytes(size);
@@ -250,16 +250,6 @@ std::vector<std::vector<T>> exchangeByRankAs(const Communicator& comm, Values&& 
     received[rank] = std::move(values[rank]);
   waitAll(requests);
   return received;
-}
-template <class T>
-std::vector<std::vector<T>> exchangeByRank(const Communicator& comm,
-                                           const std::vector<std::vector<T>>& values) {
-  return exchangeByRankAs<T>(comm, values);
-}
-template <class T>
-std::vector<std::vector<T>> exchangeByRank(const Communicator& comm,
-                                           std::vector<std::vector<T>>&& values) {
-  return exchangeByRankAs<T>(comm, std::move(values));
 }
 // The same with a communicator of the host, which is copied.
 template <class T>
