@@ -47,10 +47,13 @@ public:
               const Quantum& quantum, const LimbScale& energy_scale);
 
   // Launches what enforce() will read first of this surface, which stays so until then. May be left
-  // out: the host then waits once more.
-  void startMotion(const exec_space& space, const Surface& surface) {
-    if (_config.skip_stationary)
-      _motion.start(space, surface);
+  // out: the host then waits once more. Returns SurfaceMotion::stationaryNodes(), which saves work in
+  // CandidateSearch::update() and EdgeContact::gatherCoordinates(); empty if they are not used.
+  View<const unsigned char*> startMotion(const exec_space& space, const Surface& surface) {
+    if (!_config.skip_stationary)
+      return {};
+    _motion.start(space, surface);
+    return _motion.stationaryNodes();
   }
 
   // Computes the contact forces at coordinates_new. The motion of the step is coordinates_new -

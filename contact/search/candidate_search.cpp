@@ -33,15 +33,17 @@ SearchConfig withMargin(SearchConfig config, double margin) {
 }
 
 // The distance by which nodes of this rank have left the swept boxes of the last search, in either
-// configuration of the step.
+// configuration of the step. Stationary nodes have not left them farther than in the last step.
 double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes,
-                   const SweptBoxes& surface) {
+                   const SweptBoxes& surface, const View<const unsigned char*>& stationary) {
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  const bool has_flags = stationary.extent(0) > 0;
   double largest = 0;
   Kokkos::parallel_reduce(
       "contact::CandidateSearch::largestMotion", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& all) {
-        all = maxOf(all, excursionOutside(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
+        if (!has_flags || stationary(node) == 0)
+          all = maxOf(all, excursionOutside(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
       },
       Kokkos::Max<double>(largest));
   space.fence();
@@ -88,8 +90,9 @@ void CandidateSearch::applyTolerances() {
 
 const CandidatePairs& CandidateSearch::update(const exec_space& space, const SweptBoxes& surface,
                                               std::optional<double> motion,
-                                              const std::function<void()>& meanwhile) {
-  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL);
+                                              const std::function<void()>& meanwhile,
+                                              const View<const unsigned char*>& stationary) {
+  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary);
   if (!_has_pairs)
     _local.findCandidatePairs(space, surface, meanwhile);
   _has_pairs = true;
@@ -98,14 +101,15 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
 
 // A coordinate that is not finite makes all ranks search, which reports it.
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
-                                                std::optional<double> motion) {
+                                                std::optional<double> motion,
+                                                const View<const unsigned char*>& stationary) {
   ++_updates;
   bool may_keep = false;
   if (_margin > 0) {
     const Region region("contact::measureMotion");
     double here = HUGE_VAL;
     if (_has_lists && _global.isSame(space, surface))
-      here = motion ? *motion : motionOutOf(space, _searched_at, surface);
+      here = motion ? *motion : motionOutOf(space, _searched_at, surface, stationary);
     // negative without nodes
     may_keep = allReduce(_comm, maxOf(here, 0.0), MPI_MAX) <= _allowed_motion;
   }

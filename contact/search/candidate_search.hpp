@@ -52,12 +52,15 @@ public:
   // that are too short, and other Views with other content.
   // `motion`, from a host that reads the coordinates in any case, is the greatest
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
-  // any number if there are no such boxes. It is measured if not given.
+  // any number if there are no such boxes. It is measured if not given, at the nodes [node] that
+  // `stationary` does not flag (or all, if that is empty): those with the coordinates_new of the last
+  // update in both configurations.
   // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
   // would wait for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
-                               const std::function<void()>& meanwhile = {});
+                               const std::function<void()>& meanwhile = {},
+                               const View<const unsigned char*>& stationary = {});
   // [node][low xyz, high xyz] of the last search while its lists may be kept, otherwise empty.
   View<const double* [6]> sweptBoxes() const {
     return _has_lists && _margin > 0 ? _searched_at : View<double* [6]>();
@@ -65,7 +68,8 @@ public:
 
   // Collective. The same without pairs, for hosts that need only the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
-                                 std::optional<double> motion = {});
+                                 std::optional<double> motion = {},
+                                 const View<const unsigned char*>& stationary = {});
 
   // To be called, on one rank or more, when something of the surface besides its coordinates has
   // changed: the next update() searches on all ranks, whatever the motion, and sorts the surface

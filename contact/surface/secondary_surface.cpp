@@ -1,5 +1,6 @@
 #include "contact/surface/secondary_surface.hpp"
 
+#include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/surface/merge_runs.hpp"
 
@@ -116,6 +117,7 @@ std::vector<Received<Key>> mergeReceived(const std::vector<std::vector<Record>>&
       merged.push_back({keyOf(records[q][i]), static_cast<int>(q), static_cast<int>(i)});
     ends.push_back(merged.size());
   }
+  checkedInt(static_cast<std::int64_t>(merged.size()), "nodes or faces of a distribution");
   sortRuns(merged, std::move(ends),
            [](const Received<Key>& a, const Received<Key>& b) { return a.key < b.key; });
   return merged;
@@ -163,6 +165,7 @@ std::vector<std::vector<int>> findSharers(const Communicator& comm,
 SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
                                    const SweptBoxes& primary, const std::vector<int>& rank_of_face,
                                    const std::vector<char>& is_shared) {
+  const Region region("contact::SecondarySurface");
   const Communicator comm(of_host);
   const int num_ranks = sizeOf(comm), rank = rankOf(comm);
   Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, num_ranks);

@@ -68,13 +68,13 @@ SurfaceTransfer::Side::Side(const exec_space& space,
   std::vector<int> all, begin;
   for (const auto& rows_of_partner : of_partners) {
     all.insert(all.end(), rows_of_partner.begin(), rows_of_partner.end());
-    const auto end = static_cast<std::int64_t>(all.size());
+    const std::int64_t end = checkedInt(static_cast<std::int64_t>(all.size()), "rows of partners");
     for (std::int64_t row = ends.back(); row < end; row += word_bits)
       begin.push_back(static_cast<int>(row));
     ends.push_back(end);
     word_ends.push_back(static_cast<std::int64_t>(begin.size()));
   }
-  begin.push_back(static_cast<int>(all.size()));
+  begin.push_back(static_cast<int>(ends.back()));
   rows = toDevice(space, "contact::SurfaceTransfer::rows", all);
   word_begin = toDevice(space, "contact::SurfaceTransfer::word_begin", begin);
   place = allocate<View<int*>>(space, "contact::SurfaceTransfer::place", all.size() + 1);

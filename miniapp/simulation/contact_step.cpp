@@ -115,11 +115,12 @@ void ContactStep::setSearchTolerance(double tolerance) {
 void ContactStep::findCandidates(bool are_final, const std::function<void()>& meanwhile) {
   _has_forces_of_search = false;
   const Stopwatch time;
+  View<const unsigned char*> stationary;
   if (are_final) // the host reads the motion after its waits for the search
-    _enforcement->startMotion(_space, surface());
+    stationary = _enforcement->startMotion(_space, surface());
   if (_edges)
-    _edges->gatherCoordinates(_space, surface());
-  _search.update(_space, surface(), {}, meanwhile);
+    _edges->gatherCoordinates(_space, surface(), stationary);
+  _search.update(_space, surface(), {}, meanwhile, stationary);
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());

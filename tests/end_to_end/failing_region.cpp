@@ -1,7 +1,8 @@
 // A Kokkos Tools library for lone_failures.py: on one rank, the first region, kernel or allocation of
 // a name after a number of steps throws std::bad_alloc, as if memory had run out there. Environment:
 // BRICKWALL_FAULT_RANK, BRICKWALL_FAULT_STEP; BRICKWALL_FAULT_NAME, or BRICKWALL_FAULT_LIST, a file
-// to which the names from that step on are written instead.
+// to which the names from that step on are written instead. With BRICKWALL_FAULT_ALLOCATION = N, the
+// N-th `new` of the main thread after that name throws; the library is to be preloaded then.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <new>
 #include <set>
 #include <string>
+#include <unistd.h>
 
 namespace {
 
@@ -21,7 +23,9 @@ const std::string fault_name = variable("BRICKWALL_FAULT_NAME");
 const std::string list_file = variable("BRICKWALL_FAULT_LIST");
 const int first_step = std::atoi(variable("BRICKWALL_FAULT_STEP").c_str());
 const bool is_chosen = variable("OMPI_COMM_WORLD_RANK") == variable("BRICKWALL_FAULT_RANK");
+const int first_allocation = std::atoi(variable("BRICKWALL_FAULT_ALLOCATION").c_str());
 int steps = 0;
+int allocations_left = 0; // until one fails; 0: none does
 bool has_failed = false;
 std::set<std::string> names;
 
@@ -32,11 +36,27 @@ void meet(const char* name) {
     names.insert(name);
   } else if (fault_name == name) {
     has_failed = true;
-    throw std::bad_alloc();
+    allocations_left = first_allocation;
+    if (allocations_left == 0)
+      throw std::bad_alloc();
   }
 }
 
 } // namespace
+
+void* operator new(std::size_t bytes) {
+  if (allocations_left > 0 && gettid() == getpid() && --allocations_left == 0)
+    throw std::bad_alloc();
+  if (void* const memory = std::malloc(bytes > 0 ? bytes : 1))
+    return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 struct SpaceHandle {
   char name[64];

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Lets one of three ranks run out of memory alone, in the middle of a step, and checks that all ranks end
-with a message: in the phases of the search, in waits for messages, in enforcement, in the sums over ranks.
+with a message: in the phases of the search, in waits for messages, in enforcement, in the sums over ranks, in
+distributions of faces and in transfers to them.
 
 Usage: lone_failures.py BRICKWALL MPIEXEC LIBRARY DECK [--all] [--only NAME,...]
-LIBRARY is that of failing_region.cpp. --all takes every region, kernel and allocation of a step.
+LIBRARY is that of failing_region.cpp. --all takes every region, kernel and allocation of a step. NAME+N: the N-th `new` after that name.
 """
 import argparse
 import concurrent.futures
@@ -14,19 +15,23 @@ import sys
 import tempfile
 import time
 
-RANKS, RANK, STEP, STEPS = 3, 1, 25, 60
+RANKS, RANK, STEPS = 3, 1, 60
 LIMIT = 60  # s of a run; a rank that fails waits 5 s for the others
-SCENES = {  # a search in every step; lists that are kept, and faces on other ranks than their elements
-    "search": ["--set", "search.reuse.margin=0", "--set", "contact.friction=0.3"],
-    "kept": ["--set", "search.decomposition='surface'", "--set", "contact.friction=0.3"],
+# With half bricks, faces leave the ranks of their elements.
+SURFACE = ["--set", "search.decomposition='surface'", "--set", "contact.friction=0.3", "--set", "wall.ends='ragged'"]
+# First step, options: a search in every step; lists that are kept, and faces on other ranks than their elements; their distribution.
+SCENES = {
+    "search": (25, ["--set", "search.reuse.margin=0", "--set", "contact.friction=0.3"]),
+    "kept": (25, SURFACE),
+    "distribution": (0, SURFACE),
 }
-# One of each kind: boxes, rank boxes, node boxes, faces, pairs, forces, sums.
+# One of each kind: rank boxes, node boxes, faces, forces, sums; coordinates, flags, accelerations and forces of faces elsewhere.
 NAMES = {
     "search": [
-        "base::waitForRanks", "contact::exchangeNodeBoxes::pack_nodes", "contact::exchangeNodeBoxes",
-        "contact::searchLocalFacesAgainstRemoteNodes", "contact::migrateFaces::pack", "contact::migrateFaces::unpack",
-        "contact::reverseSum::pack", "miniapp::sumSharedNodes", "miniapp::kickVelocities"],
-    "kept": ["contact::forwardCoordinates", "contact::enforce", "miniapp::bookEnergies"],
+        "base::waitForRanks", "contact::exchangeNodeBoxes::pack_nodes", "contact::searchLocalFacesAgainstRemoteNodes",
+        "contact::migrateFaces::pack", "contact::reverseSum::pack", "miniapp::sumSharedNodes", "miniapp::kickVelocities"],
+    "kept": ["contact::forwardCoordinates", "contact::SurfaceTransfer::packFlags", "contact::SurfaceTransfer::copyRows"],
+    "distribution": ["contact::SecondarySurface+3", "contact::SecondarySurface+50"],
 }
 
 parser = argparse.ArgumentParser(usage=__doc__)
@@ -40,9 +45,9 @@ arguments = parser.parse_args()
 def start(scene, folder, more):
     environment = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_orte_execute_quiet="1",
                        KOKKOS_PROFILE_LIBRARY=arguments.library, KOKKOS_TOOLS_LIBS=arguments.library,
-                       BRICKWALL_FAULT_RANK=str(RANK), BRICKWALL_FAULT_STEP=str(STEP), **more)
-    words = [arguments.mpiexec, "-n", str(RANKS), "--oversubscribe", arguments.program, "run", arguments.deck, "-o", folder,
-             "--steps", str(STEPS), *SCENES[scene]]
+                       BRICKWALL_FAULT_RANK=str(RANK), BRICKWALL_FAULT_STEP=str(SCENES[scene][0]), **more)
+    words = [arguments.mpiexec, "-n", str(RANKS), "--oversubscribe", "-x", f"LD_PRELOAD={arguments.library}", arguments.program, "run",
+             arguments.deck, "-o", folder, "--steps", str(STEPS), *SCENES[scene][1]]
     return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             errors="replace")
 
@@ -60,7 +65,9 @@ def names_of(scene, folder):
 def fault_of(scene, folder, name):
     """What is wrong with the end of a run that fails at this name, or nothing."""
     begin = time.monotonic()
-    process = start(scene, f"{folder}/{scene}_{re.sub('[^a-zA-Z0-9]', '_', name)}", {"BRICKWALL_FAULT_NAME": name})
+    region, _, allocation = name.partition("+")
+    process = start(scene, f"{folder}/{scene}_{re.sub('[^a-zA-Z0-9]', '_', name)}",
+                    {"BRICKWALL_FAULT_NAME": region, "BRICKWALL_FAULT_ALLOCATION": allocation})
     try:
         text = process.communicate(timeout=LIMIT)[0]
     except subprocess.TimeoutExpired:
@@ -73,16 +80,16 @@ def fault_of(scene, folder, name):
     return ""
 
 
-with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(3) as pool:
-    runs = []
+with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(6) as pool:
     for scene in SCENES:
         os.mkdir(f"{work}/{scene}")
-        known = names_of(scene, f"{work}/{scene}")
+    runs = []
+    for scene, known in zip(SCENES, pool.map(lambda scene: names_of(scene, f"{work}/{scene}"), SCENES)):
         chosen = arguments.only.split(",") if arguments.only else known if arguments.all else NAMES[scene]
-        missing = [name for name in chosen if name not in known]
+        missing = [name for name in chosen if name.partition("+")[0] not in known]
         if missing and not arguments.only:
             sys.exit(f"no step of scene {scene} has {', '.join(missing)}; it has {', '.join(known)}")
-        runs += [(scene, name) for name in chosen if name in known]
+        runs += [(scene, name) for name in chosen if name not in missing]
     ends = list(pool.map(lambda run: fault_of(run[0], f"{work}/{run[0]}", run[1]), runs))
 failed = [f"FAILED {scene}, {name}: {end}" for (scene, name), end in zip(runs, ends) if end]
 print("\n".join(failed + [f"{len(runs)} failures of one rank, {len(failed)} ended wrongly"]))

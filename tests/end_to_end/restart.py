@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""Compares a run with one that is interrupted and restarted on other numbers of ranks and threads:
+"""Compares a run with others that are interrupted and restarted on other numbers of ranks and threads:
 history.csv byte by byte, all variables of the joined Exodus file bit by bit, and the checksums of the
-final state and contact history.
+final state and contact history. An audit (search.audit) must find no missed pair, in lists that are kept.
 
-Usage: restart.py BRICKWALL MPIEXEC EPU DECK "LEG ..." "LEG ..." [program options]
+Usage: restart.py BRICKWALL MPIEXEC EPU DECK "LEG ..." "LEG ..." ... [program options from the first --]
 The first list is the reference. Each leg after the first of a list restarts from the latest
 checkpoint. A leg is RANKSxTHREADS@END: END is the last step, `end` for that of the deck, or `kill`
 for SIGKILL to all ranks at the leg's first checkpoint; with END+TIME, the leg extends the run to TIME.
 """
+import csv
+import itertools
 import json
 import os
 import signal
@@ -18,8 +20,9 @@ import tempfile
 import netCDF4
 import numpy
 
-brickwall, mpiexec, epu, deck, reference, legs = sys.argv[1:7]
-options = sys.argv[7:]
+brickwall, mpiexec, epu, deck = sys.argv[1:5]
+reference, *others = itertools.takewhile(lambda word: not word.startswith("--"), sys.argv[5:])
+options = sys.argv[6 + len(others):]
 name = os.path.splitext(os.path.basename(deck))[0]
 
 
@@ -94,13 +97,19 @@ def run_legs(folder, legs):
 
 
 with tempfile.TemporaryDirectory() as work:
-    straight, pieces = f"{work}/straight", f"{work}/pieces"
+    straight = f"{work}/straight"
     run_legs(straight, reference)
-    run_legs(pieces, legs)
-    found = difference(straight, pieces)
-    if found:
-        sys.exit(f"{legs}: {found}")
-    kept = os.listdir(f"{pieces}/checkpoints")
-    assert len(kept) <= 2 and not any("." in folder for folder in kept), kept
-    rows = open(f"{straight}/history.csv").read().count("\n") - 1
-    print(f"{legs}: identical, {rows} rows")
+    with open(f"{straight}/history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    if "missed_pairs" in rows[-1]:
+        assert rows[-1]["missed_pairs"] == "0", f"the audit found {rows[-1]['missed_pairs']} missed pairs"
+        assert 1 < int(rows[-1]["searches"]) < int(rows[-1]["step"]) / 2, f"{rows[-1]['searches']} searches"
+    for number, legs in enumerate(others):
+        pieces = f"{work}/{number}"
+        run_legs(pieces, legs)
+        found = difference(straight, pieces)
+        if found:
+            sys.exit(f"{legs}: {found}")
+        kept = os.listdir(f"{pieces}/checkpoints")
+        assert len(kept) <= 2 and not any("." in folder for folder in kept), kept
+        print(f"{legs}: identical, {len(rows)} rows")

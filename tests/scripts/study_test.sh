@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# study_test.sh RUN_SH PROGRAM CHECK: runs a tiny study of the paper's figures. Checks the contents
+# study_test.sh RUN_SH PROGRAM CHECK: runs tiny studies, of the paper's figures and of balance. Checks the contents
 # of its files, that a second call reuses finished runs, and that a failing program is reported
 # while the study continues.
 set -euo pipefail
@@ -54,4 +54,10 @@ grep -q 'FAILED   W2_paper_n1_t1_paper: failed: exit code 1: brickwall: error: i
 grep -q ',ok,' broken/study.csv || fail "the finished runs are not in the table"
 grep -q ',failed,' broken/study.csv || fail "the run that failed is not in the table"
 grep -q '## Failed' broken/study.md || fail "study.md lacks the failed runs"
-echo "the study works as documented"
+
+# The study of balanced contact, with the clock of CPU times.
+"$run_sh" --study balance --program "$program" --cpu-time --steps 12 -n 2 --scenes "flying apart" --decompositions primary,surface \
+  -o balance >log 2>&1 || fail "the study of balance ends with an error"
+awk -F '|' '/flying apart/ { ++rows; good += $8 > 0 } END { exit !(rows == 2 && good == 2) }' balance/table.md ||
+  fail "the table of balance lacks critical paths: $(cat balance/table.md)"
+echo "the studies work as documented"

@@ -48,7 +48,8 @@ struct Separation {
 };
 
 // Envelope of the bounds of all pairs of a block of rows between two bodies, as of the step in
-// which they were found.
+// which they were found. It holds only while both bodies are at rest if max_spread is 0, as of pairs
+// that have no bound, such as those of flush bodies.
 struct SeparationBound {
   static constexpr float tiny = 2.5e-7f; // relative, more than the rounding to a float
   static constexpr double safety = 1 + 1e-6; // for the rounding of all values stored here
@@ -88,6 +89,8 @@ struct SeparationBound {
   }
   // Whether all pairs are still surely apart.
   KOKKOS_INLINE_FUNCTION bool holds(const BodyMotions& motions, double rounding) const {
+    if (max_spread == 0)
+      return motions.is_at_rest(body[0]) && motions.is_at_rest(body[1]);
     double spread = 0, closing = 0, motion = 0;
     for (int d = 0; d < 3; ++d) {
       const double low = motions.low(body[0], body[1], d) - reference_motion[d];

@@ -1,6 +1,6 @@
 // Dormant blocks of rows of candidates. When a block was last tested, none of its pairs could be in
-// contact, and the motion of the bodies since then cannot have brought any of them into contact, by
-// the bounds kept then (separation.hpp). A block wakes when its bounds are exhausted or when a
+// contact, and the motion of the bodies since then, if any, cannot have brought any of them into
+// contact, by the bounds kept then (separation.hpp). A block wakes when its bounds are exhausted or when a
 // search has changed its rows: a new pair has no bound.
 //
 // `Kinematics` provides the geometry (node_face_separation.hpp or edge_separation.hpp). Blocks with
@@ -132,7 +132,8 @@ private:
       if (!faces.isOwn(face))
         return false;
       const Separation separation = separationOf(kinematics, faces, around, node, face);
-      if (!(separation.holds() && separation.gap > rounding))
+      const bool has_bound = separation.holds() && separation.gap > rounding;
+      if (!has_bound && !known_apart(node))
         return false;
       if (bound == nullptr || faces.surface.face_body(face) != body) {
         body = faces.surface.face_body(face);
@@ -144,7 +145,9 @@ private:
         if (bound == nullptr)
           return false;
       }
-      bound->include(separation, side);
+      if (!has_bound && !(motions.is_at_rest(own) && motions.is_at_rest(other)))
+        return false;
+      bound->include(has_bound ? separation : Separation(), side);
     }
     return true;
   }

@@ -26,7 +26,7 @@ KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
 
 // Flags the nodes that have not moved since `last` nor in this step, updates `last` for the others,
 // and includes their motions in the boxes `step` [body][low xyz, high xyz]; the first number of its
-// last row counts the nodes that move. On a device a thread takes a piece of a body with its lanes.
+// last row counts the nodes that move, and `is_moving` [body] flags their bodies. On a device a thread takes a piece of a body with its lanes.
 struct MeasureMotion {
   static constexpr int team_size = host_accessible ? 1 : 8;
   using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>,
@@ -38,6 +38,7 @@ struct MeasureMotion {
   View<double* [3]> last;
   View<unsigned char*> stationary;
   View<double* [6]> step;
+  View<int*> is_moving;
 
   struct Motion {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -90,7 +91,8 @@ private:
     else
       for (int d = 0; d < 3; ++d)
         last(node, d) = x_new(node, d);
-    stationary(node) = is_stationary;
+    const bool was_stationary = stationary(node) != 0;
+    stationary(node) = is_stationary ? (was_stationary ? SurfaceMotion::twice : 1) : 0;
     motion.num_moving += !is_stationary;
   }
   KOKKOS_INLINE_FUNCTION void add(std::int64_t piece, const Motion& motion) const {
@@ -99,8 +101,10 @@ private:
       Kokkos::atomic_fetch_min(&step(body, d), motion.low[d]);
       Kokkos::atomic_fetch_max(&step(body, 3 + d), -motion.minus_high[d]);
     }
-    if (motion.num_moving > 0)
-      Kokkos::atomic_add(&step(step.extent(0) - 1, 0), static_cast<double>(motion.num_moving));
+    if (motion.num_moving == 0)
+      return;
+    Kokkos::atomic_add(&step(step.extent(0) - 1, 0), static_cast<double>(motion.num_moving));
+    Kokkos::atomic_exchange(&is_moving(body), 1);
   }
 };
 
@@ -137,9 +141,11 @@ double measureExtent(const exec_space& space, const Surface& surface) {
 
 } // namespace
 
-// Adds the boxes `step` to `sums` if `is_added`, and empties `step`.
+// Adds the boxes `step` to `sums` if `is_added`, and empties `step` and `is_moving`.
 struct AddMotions {
   View<double*[6]> step, sums;
+  View<int*> is_moving;
+  View<unsigned char*> is_at_rest;
   std::int64_t num_bodies;
   bool is_added;
 
@@ -150,6 +156,8 @@ struct AddMotions {
       step(body, 0) = 0;
       return;
     }
+    is_at_rest(body) = is_moving(body) == 0;
+    is_moving(body) = 0;
     for (int d = 0; d < 3; ++d) {
       if (is_added) {
         sums(body, d) = addBound(sums(body, d), step(body, d), -1);
@@ -188,8 +196,9 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
   _piece_body = toDevice(space, label + "::piece_body", of_body);
   _step = View<double* [6]>(label + "::motion_of_step", bodies.size() + 1);
   _sums = View<double* [6]>(label + "::motion_of_bodies", bodies.size());
-  _bodies.bodies = toDevice(space, label + "::bodies", bodies);
-  _bodies.sums = _sums;
+  _is_moving = View<int*>(label + "::is_moving", bodies.size());
+  _is_at_rest = View<unsigned char*>(label + "::is_at_rest", bodies.size());
+  _bodies = {toDevice(space, label + "::bodies", bodies), _sums, _is_at_rest};
   Kokkos::deep_copy(space, _last, static_cast<double>(NAN));
   launchSums(space); // empties the boxes
   Kokkos::deep_copy(space, _sums, 0.0);
@@ -199,7 +208,7 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
 void SurfaceMotion::start(const exec_space& space, const Surface& surface) {
   measureMotion<!fills_lanes>(space, MeasureMotion{surface.coordinates_old, surface.coordinates_new,
                                                    _piece_begin, _piece_body, _last,
-                                                   _stationary_flags, _step});
+                                                   _stationary_flags, _step, _is_moving});
   launchSums(space);
   _has_started = true;
 }
@@ -219,7 +228,8 @@ void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
 void SurfaceMotion::launchSums(const exec_space& space) {
   const auto num_bodies = static_cast<std::int64_t>(_sums.extent(0));
   Kokkos::parallel_reduce("contact::SurfaceMotion::addMotions", rangePolicy(space, num_bodies + 1),
-                          AddMotions{_step, _sums, num_bodies, _has_last}, _added.next(space));
+                          AddMotions{_step, _sums, _is_moving, _is_at_rest, num_bodies, _has_last},
+                          _added.next(space));
 }
 
 } // namespace brickwall::contact

@@ -23,6 +23,8 @@ KOKKOS_INLINE_FUNCTION bool sameBits(double a, double b) {
 struct BodyMotions {
   View<const global_id*> bodies; // ascending
   View<const double* [6]> sums; // [place in `bodies`][low xyz, high xyz], length
+  // [place in `bodies`] 1: all nodes of the body on this rank are stationary
+  View<const unsigned char*> is_at_rest;
 
   // Place of a body of this rank's nodes, otherwise -1.
   KOKKOS_INLINE_FUNCTION int find(global_id body) const {
@@ -69,7 +71,9 @@ public:
   // Launches the next update() earlier, with the same surface.
   void start(const exec_space& space, const Surface& surface);
 
-  // [node] 1: its coordinates are those of the last call, and it has not moved in this step.
+  // [node] odd: its coordinates are those of the last call, and it has not moved in this step; `twice`: so
+  // it was in the last call.
+  static constexpr unsigned char twice = 3;
   const View<const unsigned char*>& stationaryNodes() const { return _stationary; }
   bool isAllStationary() const { return _num_moving == 0; }
   bool isNoneStationary() const { return _num_moving == _num_nodes; }
@@ -93,6 +97,8 @@ private:
   View<int*> _piece_body; // [piece] place of its body
   View<double* [6]> _step; // [body] box of the motions since the last call; empty between calls
   View<double* [6]> _sums;
+  View<int*> _is_moving; // [body] in this step; 0 between calls
+  View<unsigned char*> _is_at_rest;
   BodyMotions _bodies;
 };
 

@@ -9,18 +9,29 @@ namespace {
 
 using StagedNumber = Kokkos::View<double, staging_space>;
 
-// Gathers the coordinates of the corners (x_old, x_new) [corner][xyz]. `excursion` is the largest
-// one outside `boxes`, those of the last search.
+// Whether both configurations of a node are those of the last step.
+struct RestingNodes {
+  View<const unsigned char*> stationary;
+
+  KOKKOS_INLINE_FUNCTION bool operator()(int node) const {
+    return stationary.extent(0) > 0 && stationary(node) == SurfaceMotion::twice;
+  }
+};
+
+// Gathers the coordinates of the corners (x_old, x_new) [corner][xyz] that are not at rest.
+// `excursion` is the largest one of these outside `boxes`, those of the last search.
 void gatherCorners(const exec_space& space, const Surface& surface,
                    const View<const int*>& corner_to_node, const View<const double* [6]>& boxes,
-                   const View<double* [3]>& x_old, const View<double* [3]>& x_new,
-                   const StagedNumber& excursion) {
+                   const RestingNodes& is_at_rest, const View<double* [3]>& x_old,
+                   const View<double* [3]>& x_new, const StagedNumber& excursion) {
   const bool has_boxes = boxes.extent(0) > 0;
   Kokkos::parallel_reduce(
       "contact::EdgeContact::gatherCorners",
       rangePolicy(space, static_cast<std::int64_t>(corner_to_node.extent(0))),
       KOKKOS_LAMBDA(const std::int64_t i, double& largest) {
         const int node = corner_to_node(i);
+        if (is_at_rest(node))
+          return;
         const Vec3 before = rowOf(surface.coordinates_old, node);
         const Vec3 now = rowOf(surface.coordinates_new, node);
         for (int d = 0; d < 3; ++d) {
@@ -36,7 +47,8 @@ void gatherCorners(const exec_space& space, const Surface& surface,
 // Computes the swept box of each edge, stored as the coordinates of node num_corners + edge (low
 // corner as x_old, high corner as x_new), and the ends of the edges. `excursion` as above.
 void sweepEdges(const exec_space& space, int num_edges, int num_corners,
-                const View<const int* [4]>& edge_to_nodes, const View<const double* [6]>& boxes,
+                const View<const int* [4]>& edge_to_nodes, const View<const int*>& corner_to_node,
+                const View<const double* [6]>& boxes, const RestingNodes& is_at_rest,
                 const View<double* [3]>& x_old, const View<double* [3]>& x_new,
                 const View<EdgeRecord*>& records, const StagedNumber& excursion) {
   const bool has_boxes = boxes.extent(0) > 0;
@@ -44,6 +56,8 @@ void sweepEdges(const exec_space& space, int num_edges, int num_corners,
       "contact::EdgeContact::sweepEdges", rangePolicy(space, num_edges),
       KOKKOS_LAMBDA(const std::int64_t e, double& largest) {
         const int a = edge_to_nodes(e, 0), b = edge_to_nodes(e, 1);
+        if (is_at_rest(corner_to_node(a)) && is_at_rest(corner_to_node(b)))
+          return;
         Vec3 low, high;
         for (int d = 0; d < 3; ++d) {
           const double over_old = EdgeEdgeKinematics::overhang * (x_old(b, d) - x_old(a, d));
@@ -154,11 +168,13 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
 
 // Also measures the largest excursions outside the boxes of the last search, since the coordinates
 // are at hand here.
-void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface) {
+void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface,
+                                    const View<const unsigned char*>& stationary) {
   const View<const double* [6]> boxes = _search.sweptBoxes();
-  gatherCorners(space, surface, _corner_to_node, boxes, _old, _new, _excursion[0]);
-  sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, boxes, _old, _new,
-             _records, _excursion[1]);
+  const RestingNodes is_at_rest{stationary};
+  gatherCorners(space, surface, _corner_to_node, boxes, is_at_rest, _old, _new, _excursion[0]);
+  sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, _corner_to_node, boxes,
+             is_at_rest, _old, _new, _records, _excursion[1]);
 }
 
 void EdgeContact::findCandidates(const exec_space& space) {

@@ -33,8 +33,10 @@ public:
     gatherCoordinates(space, surface);
     findCandidates(space);
   }
-  // The two parts of it, for work between them. The first does not wait for a device.
-  void gatherCoordinates(const exec_space& space, const Surface& surface);
+  // The two parts of it, for work between them. The first does not wait for a device, and leaves out
+  // nodes that `stationary` flags as SurfaceMotion::twice.
+  void gatherCoordinates(const exec_space& space, const Surface& surface,
+                         const View<const unsigned char*>& stationary = {});
   void findCandidates(const exec_space& space);
 
   // The parts of Enforcement::enforce(), which calls them. `motion`, that of the host's surface,

@@ -59,7 +59,7 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
                        const ContactHistory& pairs, const View<const int*>& to_node) {
   if (pairs.count == 0 || _list.isAll())
     return;
-  if (most_share * (_num_listed + nodes_of_pair * pairs.count) > _num_nodes) {
+  if (most_share * (_num_listed + pairs.count) > _num_nodes) { // flush pairs have a node each
     listAll(space);
     return;
   }

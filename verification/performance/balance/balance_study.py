@@ -140,7 +140,7 @@ def main():
     if arguments.cpu_time:
         arguments.output.mkdir(parents=True, exist_ok=True)
         arguments.clock = arguments.output / "cpu_clock.so"
-        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", arguments.clock, HERE / "cpu_clock.c"], check=True)
+        subprocess.run(["mpicc", "-O2", "-shared", "-fPIC", "-o", arguments.clock, HERE / "cpu_clock.c"], check=True)
     results, failures = {}, []
     for turn in range(1, arguments.repetitions + 1):
         for case in [(scene, ranks, name) for scene in arguments.scenes for ranks in arguments.ranks
@@ -152,6 +152,10 @@ def main():
                 continue
             results.setdefault(case, []).append(found)
             print(f"{', '.join(map(str, case))}: done", flush=True)
+    for scene in arguments.scenes:
+        if len({report["checksums"]["nodes"] for case, found in results.items() if case[0] == scene for _, report in found}) > 1:
+            failures.append(scene)
+            print(f"FAILED   {scene}: the checksums of the nodes differ", file=sys.stderr)
     for ranks in arguments.ranks:
         if any(case[1] == ranks for case in results):
             draw(arguments.output, results, arguments.scenes, ranks)

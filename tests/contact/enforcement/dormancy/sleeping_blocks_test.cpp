@@ -59,8 +59,10 @@ struct SearchedRun {
   void step(const Scene& scene) {
     const exec_space space;
     part.update(scene);
-    search.update(space, part.surface());
-    edges.findCandidates(space, part.surface());
+    const auto stationary = enforcement.startMotion(space, part.surface());
+    search.update(space, part.surface(), {}, {}, stationary);
+    edges.gatherCoordinates(space, part.surface(), stationary);
+    edges.findCandidates(space);
     sums = enforcement.enforce(space, part.surface(), search.ghosts(), search.pairs(), dt, nullptr,
                                &edges);
     asleep = enforcement.sleeping().numBlocks() - enforcement.sleeping().numAwake(exec_space());
@@ -206,6 +208,39 @@ TEST(SleepingBlocks, BodiesThatFlyApartBecomeDormant) {
   }
 }
 
+// A wall of four flush bricks, one of which moves: rows of the others sleep until one of these moves.
+TEST(SleepingBlocks, FlushBodiesSleepWhileTheyAreAtRest) {
+  if (!rows_last)
+    GTEST_SKIP() << "on a device few rows sleep";
+  EnforcementConfig with = config();
+  with.least_depth = 1e-12;
+  EnforcementConfig without = with;
+  without.skip_stationary = false;
+  Scene scene;
+  for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 0, 1}, Vec3{2, 0, 1}})
+    scene.addBox(corner, {2, 1, 1}, {6, 3, 3});
+  SearchedRun a(scene, MPI_COMM_SELF, onOneRank, 0.05, with);
+  SearchedRun b(scene, MPI_COMM_SELF, onOneRank, 0.05, without);
+  const std::int64_t num_blocks = a.enforcement.sleeping().numBlocks();
+  std::int64_t penetrating = 0, before = 0;
+  for (int step = 0; step < 30; ++step) {
+    scene.step();
+    if (step % 6 < 4)
+      scene.move(3, {step < 15 ? -0.002 : 0.003, 0, step < 15 ? -0.004 : 0.005});
+    if (step == 27)
+      scene.move(0, {0, 0, 0.01});
+    a.step(scene);
+    b.step(scene);
+    EXPECT_EQ(a.result(), b.result()) << step;
+    penetrating += a.sums.nodes.penetrating;
+    if (step == 26)
+      before = a.asleep;
+  }
+  EXPECT_GT(penetrating, 100);
+  EXPECT_GT(before, num_blocks / 4);
+  EXPECT_LT(a.asleep, before / 2);
+}
+
 TEST(SurfaceMotion, SumsBoundTheMotionOfEveryNode) {
   const exec_space space;
   SwingingBricks bricks(1);
@@ -237,8 +272,9 @@ TEST(SeparationBound, HoldsUntilTheGapMayCloseOrTheBodiesHaveRotated) {
     GTEST_SKIP() << "on a host";
   const View<double* [6]> host("sums", 2);
   const View<global_id*> ids("ids", 2);
+  const View<unsigned char*> is_at_rest("is_at_rest", 2);
   SeparationBound bound;
-  bound.start(BodyMotions{ids, host}, 0, 1);
+  bound.start(BodyMotions{ids, host, is_at_rest}, 0, 1);
   Separation apart;
   apart.max_spread = 0.1;
   apart.gap = 0.5;
@@ -250,7 +286,7 @@ TEST(SeparationBound, HoldsUntilTheGapMayCloseOrTheBodiesHaveRotated) {
       host(0, d) = low[d];
       host(0, 3 + d) = high[d];
     }
-    return bound.holds(BodyMotions{ids, host}, 1e-12);
+    return bound.holds(BodyMotions{ids, host, is_at_rest}, 1e-12);
   };
   EXPECT_TRUE(holds({}, {}));
   EXPECT_TRUE(holds({0, 0, -0.49}, {0, 0, -0.49})); // w, closing
@@ -259,6 +295,13 @@ TEST(SeparationBound, HoldsUntilTheGapMayCloseOrTheBodiesHaveRotated) {
   EXPECT_TRUE(holds({0, 0, -0.4}, {0, 0, -0.36})); // .4 + 2 * .04
   EXPECT_FALSE(holds({0, 0, -0.4}, {0, 0, -0.34})); // .4 + 2 * .06
   EXPECT_FALSE(holds({0, 0, 9}, {0, 0, 9.11})); // rotated too far for any bound
+  // With a pair that has no bound, both bodies must be at rest.
+  bound.include(Separation(), 1);
+  EXPECT_FALSE(holds({}, {}));
+  is_at_rest(0) = 1;
+  EXPECT_FALSE(holds({}, {}));
+  is_at_rest(1) = 1;
+  EXPECT_TRUE(holds({}, {}));
 }
 
 } // namespace
