@@ -54,7 +54,7 @@ class Result:
 def parse_arguments():
     parser = study_parser("accuracy", __doc__)
     add_run_options(parser, "accuracy", "few meshes and settings, as in ctest", "copy report.md and plots/ to verification/accuracy")
-    parser.add_argument("--repetitions", type=positive, help="timed runs of each point; the median counts (default 3, quick 1)")
+    parser.add_argument("--repetitions", type=positive, help="timed runs of each point; the least time counts (default 3, quick 1)")
     parser.add_argument("--cpu-time", action="store_true", help="CPU time of the time loop, in place of wall-clock time: other work on the "
                                                                 "machine disturbs it less; one thread")
     parser.add_argument("--short", action="store_true", help="walls of 12 elements along a brick at most, and a reference of 4, 8 and 16: a "

@@ -110,7 +110,7 @@ def audit_text(audits):
 
 def write(path, study, results, growths, general, audits, plots):
     head = (f"# Speed against error\n\nWritten by `./run.sh --study accuracy --keep`. {headline(study)}; load average at the start "
-            f"{study['machine']['load_average']:.2f}; {'CPU ' if study['cpu_time'] else ''}seconds are those of the time loop, median of {study['repetitions']} runs. "
+            f"{study['machine']['load_average']:.2f}; {'CPU ' if study['cpu_time'] else ''}seconds are those of the time loop, least of {study['repetitions']} runs. "
             f"{study['seconds']:.0f} s.{' The quick form.' if study['quick'] else ''}\n")
     path.write_text("\n".join([head, answers_text(study, results, general, audits),
                                *(section(result, plot) for result, plot in zip(results, plots)), growth_text(growths)]))
