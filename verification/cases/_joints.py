@@ -1,8 +1,8 @@
 """Impacts of two bars by a one-dimensional model of lumped masses and central differences: the penalty of this program and other
 joints (contact/theory.md, section 7).
 
-A joint is a function of the bars and the length of the kick, in steps, that returns the force of contact in a step. The bars touch at first; the
-left one has the velocity 1, and length, modulus, density and section 1."""
+A joint is a function of the bars and the length of the kick, in steps, that returns the force of contact in a step. The left bar
+has the velocity 1, and length, modulus, density and section 1."""
 import numpy as np
 
 END = 5.0
@@ -27,8 +27,7 @@ class Bars:
         self.velocity = np.where(np.arange(len(self.mass)) <= self.left, 1.0, 0.0)
         self.displacement = np.zeros(len(self.mass))
         if not massless_ends:
-            self.reduced_mass = 1 / (1 / self.mass[self.left] + 1 / self.mass[self.right])
-            self.mobility = self.dt**2 / self.reduced_mass  # tau of eq. (17)
+            self.mobility = self.dt**2 * (1 / self.mass[self.left] + 1 / self.mass[self.right])  # tau of eq. (17)
 
     def penetration(self):
         return self.displacement[self.left] - self.displacement[self.right]
@@ -37,6 +36,11 @@ class Bars:
         """Over the last drift: d- of eq. (17)."""
         return self.dt * (self.velocity[self.left] - self.velocity[self.right])
 
+    def free_approach(self, kick):
+        """Over the next drift, without a force of contact: c of eq. (18)."""
+        left, right = self.left, self.right
+        return self.approach() + kick * self.dt**2 * (self.free[left] / self.mass[left] - self.free[right] / self.mass[right])
+
     def collide(self, joint):
         """(restitution, times and forces of all steps, work of the contact over the energy of the relative motion)"""
         bars = (slice(0, self.right), slice(self.right, None))
@@ -44,13 +48,13 @@ class Bars:
         masses = np.where(self.mass > 0, self.mass, np.inf)
         forces, work, last_drift = [], 0.0, 0.0
         for step in range(round(END / self.dt)):
-            first = 0.5 if step == 0 else 1.0  # the first kick is a half step
+            kick = 0.5 if step == 0 else 1.0
             tension = self.stiffness * np.diff(self.displacement)
             self.free = np.append(tension, 0) - np.insert(tension, 0, 0)
-            force = joint(self, first)
+            force = joint(self, kick)
             self.free[self.left] -= force
             self.free[self.right] += force
-            self.velocity += first * self.dt * self.free / masses
+            self.velocity += kick * self.dt * self.free / masses
             penetration = self.penetration()
             self.displacement += self.dt * self.velocity
             if self.massless_ends:
@@ -77,50 +81,43 @@ class Penalty:
     def __init__(self, penalty):
         self.penalty, self.stored = penalty, None
 
-    def __call__(self, bars, first):
-        p, before, tau = bars.penetration(), bars.approach(), first * bars.mobility
+    def __call__(self, bars, kick):
+        p, before, tau = bars.penetration(), bars.approach(), kick * bars.mobility
         if p <= 1e-14:
             self.stored = None
             return 0.0
         k = 2 * self.penalty / bars.mobility  # eq. (42) in general: 2 s m_red/dt^2
-        free = before + first * bars.dt**2 * free_approach(bars)
-        stored = self.stored or 0.0
+        free = bars.free_approach(kick)
         force = k * p
         if self.stored is None:
-            force = start(force, p, before, free, tau, stored)
+            force, self.stored = first_force(force, p, before, free, tau), 0.0
         elif p + free - tau * force <= 0:
             drift = -(before + free) / 2  # D of eq. (17)
-            force = min((-drift + np.sqrt(drift**2 + 2 * tau * stored)) / tau, 4 * force)
-        self.stored = stored + force * (before + free - tau * force) / 2
+            force = min((-drift + np.sqrt(drift**2 + 2 * tau * self.stored)) / tau, 4 * force)
+        self.stored += force * (before + free - tau * force) / 2
         return force
 
 
-def start(force, p, before, free, tau, stored):
-    """Eq. (18): the force of the first step, which stores the energy of the next one."""
-    b, c = before + free + force * tau, force * (p + free) - 2 * stored
+def first_force(force, p, before, free, tau):
+    """Eq. (18) with U = 0: the work of this force is the energy of the spring in the next half step."""
+    b, c = before + free + force * tau, force * (p + free)
     return np.clip((b - np.sqrt(max(b**2 - 4 * tau * c, 0))) / (2 * tau), 0, force)
 
 
-def rigid(bars, first):
+def rigid(bars, kick):
     """One velocity while they press: loses the energy of the ends' relative motion."""
-    if bars.penetration() <= 1e-12:
-        return 0.0
-    return max(bars.reduced_mass * (bars.approach() / bars.dt / (first * bars.dt) + free_approach(bars)), 0)
+    return max(bars.free_approach(kick) / (kick * bars.mobility), 0) if bars.penetration() > 1e-12 else 0.0
 
 
-def no_gap(bars, first):
+def no_gap(bars, kick):
     """The force after which the gap is 0 (Heinstein et al. 2000), where the bars penetrate."""
     p = bars.penetration()
-    return max((p + bars.approach() + first * bars.dt**2 * free_approach(bars)) / (first * bars.mobility), 0) if p > 1e-12 else 0.0
+    return max((p + bars.free_approach(kick)) / (kick * bars.mobility), 0) if p > 1e-12 else 0.0
 
 
-def without_mass(bars, first):
+def without_mass(bars, kick):
     """Ends without mass (Doyen, Ern and Piperno 2011): the force of the pressed elements, which the nodes beside have already."""
     return max(-bars.stiffness[bars.left - 1] * (bars.displacement[bars.left] - bars.displacement[bars.left - 1]), 0)
-
-
-def free_approach(bars):
-    return bars.free[bars.left] / bars.mass[bars.left] - bars.free[bars.right] / bars.mass[bars.right]
 
 
 class Bipenalty:
@@ -129,11 +126,11 @@ class Bipenalty:
     def __init__(self, penalty):
         self.penalty, self.pressed = penalty, False
 
-    def __call__(self, bars, first):
+    def __call__(self, bars, kick):
         p = bars.penetration()
         k = 2 * self.penalty / bars.mobility
-        change = first * bars.dt**2 * free_approach(bars)  # of the approach, without contact; F = k p + k/4 (change - tau F)
-        force = (k * p + k / 4 * change) / (1 + k / 4 * first * bars.mobility)
+        change = bars.free_approach(kick) - bars.approach()  # F = k p + k/4 (change - tau F)
+        force = (k * p + k / 4 * change) / (1 + k / 4 * kick * bars.mobility)
         self.pressed = force > 0 and (self.pressed or p > 1e-12)
         return force if self.pressed else 0.0
 
@@ -164,7 +161,7 @@ def compare(bars):
     """Rows of a table, a joint each: means over nine steps within 3 %, since results depend on the phase of the joint's vibration.
     `bars` maps names to length and modulus of the right bar and the exact restitution; the first are equal bars."""
     def percent(values):
-        return " / ".join(f"{100 * value:+.1f}" for value in values)
+        return " / ".join(f"{round(100 * value, 1) + 0.0:+.1f}" for value in values)
     rows = []
     for name, make_joint, courant, gap in JOINTS:
         mean = {(n, label): np.mean([collide(n, *bar, make_joint, courant * (1 + 0.0075 * i), gap) for i in range(-4, 5)
