@@ -330,6 +330,14 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     if (edges != nullptr)
       edges->correctForces(space, steps, _responses);
   }
+  _set.sendNotes(space);
+  if (edges != nullptr)
+    edges->sendNotes(space);
+  if (!neutral->completes_sums)
+    completeSums(space, edges, sums);
+}
+
+void Enforcement::completeSums(const exec_space& space, EdgeContact* edges, EnforcementSums& sums) {
   sums.nodes.invalid += _set.takeInvalid(space);
   if (edges != nullptr)
     sums.edges.invalid += edges->takeInvalid(space);
@@ -337,7 +345,7 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
 
 // Rounds without proposals change nothing. One rank with a device makes them all the same: to ask
 // would be to wait for the device.
-bool Enforcement::mayHaveProposals(const exec_space& space, EdgeContact* edges) const {
+bool Enforcement::mayHaveProposals(const exec_space& space, EdgeContact* edges) {
   if (!host_accessible && sizeOf(_comm) == 1)
     return true;
   return isOnAnyRank(_set.hasProposals(space) || (edges != nullptr && edges->hasProposals(space)));

@@ -65,6 +65,9 @@ public:
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
+  // Adds the failures of corrections to the sums of an enforce() with NeutralInput::completes_sums.
+  // Waits for the device. Does nothing if they are complete.
+  void completeSums(const exec_space& space, EdgeContact* edges, EnforcementSums& sums);
 
   // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
   // later; active contacts are never stiffened, so that no energy is created.
@@ -116,7 +119,7 @@ private:
 
   // Collective.
   bool isOnAnyRank(bool here) const;
-  bool mayHaveProposals(const exec_space& space, EdgeContact* edges) const;
+  bool mayHaveProposals(const exec_space& space, EdgeContact* edges);
   void agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
                      const std::string& problem = {});
   std::string problemOf(const Surface& surface, const CandidatePairs& pairs,

@@ -28,8 +28,10 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh) {
 }
 
 void zeroForces(const exec_space& space, const NodalForces& forces) {
-  if (std::none_of(forces.acts.data(), forces.acts.data() + forces.acts.size(),
-                   [](bool acts) { return acts; }))
+  bool any = false;
+  for (int kind = 0; kind < num_force_kinds; ++kind)
+    any = any || (forces.hasKind(kind) && forces.acts[kind]);
+  if (!any)
     return;
   Kokkos::parallel_for(
       "mechanics::zeroForces", rangePolicy(space, forces.values.extent(0)),

@@ -173,6 +173,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
                                      boundary);
     };
     neutral.sum_forces = sum_forces;
+    neutral.completes_sums = true;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
       _search.forward(_space, surface, values, ghost_values);

@@ -134,19 +134,23 @@ public:
   double shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock);
 
   // Contact forces of the step, added to `forces` as totals. `forces` holds the totals of all other
-  // forces. Returns this rank's sums. Collective.
+  // forces. Returns this rank's sums, which completeSums() completes after a later wait of the host.
+  // Collective.
   contact::EnforcementSums enforce(const contact::StepLengths& steps,
                                    const mechanics::NodalForces& forces,
                                    const mechanics::NodalState& state,
                                    const mechanics::BoundaryConditions& boundary,
                                    mechanics::SharedNodeSum& shared);
-  // Stores the forces of the last enforce() in `forces`, whose columns of contact are zero.
-  // Collective.
-  void restoreForces(const mechanics::NodalForces& forces) {
-    if (!hasForces())
-      return; // the columns are zero
-    _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
+  void completeSums(contact::EnforcementSums& sums) {
+    _enforcement->completeSums(_space, _edges.get(), sums);
   }
+  // Stores the forces of the last enforce() in `forces`, whose columns of contact are zero unless
+  // willStoreAllForces(). Collective.
+  void restoreForces(const mechanics::NodalForces& forces) {
+    if (hasForces() || willStoreAllForces()) // otherwise the columns are zero
+      _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
+  }
+  bool willStoreAllForces() const { return _coupling.storesAllNext(); }
   // Whether any rank had contact forces in the last step.
   bool hasForces() const { return _enforcement->hasForces(); }
   // This rank's share of contact in the energy balance. Once per step.

@@ -145,8 +145,11 @@ void Simulation::computeInternalForces() {
   _step.has_all_forces = !_free_bricks.any();
   if (_free_bricks.any() && _other_nodes.numRuns() == 0)
     _forces.values = {}; // only output needs them
-  else
+  else {
+    if (_contact && _contact->willStoreAllForces())
+      _forces.acts[mechanics::contact_force] = false; // not to be zeroed
     _internal_force->zeroForces(_space, _config.viscosity, _forces);
+  }
   _forces.acts[mechanics::contact_force] = false;
   const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
@@ -225,6 +228,8 @@ void Simulation::kickVelocities(double dt_kick) {
         mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
                         _scales, guard.speedTest(_ledger.meanVelocity()), movingNodes());
     takeSums();
+    if (_contact)
+      _contact->completeSums(_step.contact);
   }
   if (_free_bricks.any())
     stepFreeBricks(dt_kick, next_drift);

@@ -86,11 +86,14 @@ public:
   // Lists the nodes to which sumContactForces() adds forces of other ranks, and corners of ghosts.
   void listShared(const exec_space& space, const contact::CandidateSearch& search,
                   contact::TouchedNodes& list) const;
-  // Stores the totals of sumContactForces() at the listed surface nodes in the columns
-  // contact_force. Collective.
+  // Stores the totals of sumContactForces(), which are zero at nodes that are not listed, in the
+  // columns contact_force: at the listed surface nodes, or at all if storesAllNext(). Collective.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
                           const contact::ContactForces& forces,
                           const mechanics::NodalForces& target);
+  // Whether the last storeContactForces() was for all nodes: the next one then replaces the columns,
+  // which need not be zeroed between them.
+  bool storesAllNext() const { return _has_stored_all; }
 
   // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in
   // `forces` (totals), gravity and damping; 0 where prescribed.
@@ -121,6 +124,7 @@ private:
   };
 
   contact::Surface _primary; // all but the coordinates
+  bool _has_stored_all = false; // see storesAllNext()
   View<const int*> _surface_to_node; // of the primary surface, as all below
   View<const double* [3]> _reference; // X [mesh node][xyz], length
   View<double*[3]> _old, _new; // x^n and x^{n+1} [surface node][xyz], length

@@ -45,8 +45,8 @@ public:
   // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
   // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
-  // and correctForces() are collective; `has_changed` [surface node], hasProposals() and
-  // takeInvalid(): see InteractionSet.
+  // and correctForces() are collective; `has_changed` [surface node], hasProposals(), sendNotes()
+  // and takeInvalid(): see InteractionSet.
   // addTouched() adds the surface nodes that contacts of this rank act on, and those of edges that
   // other ranks have as ghosts.
   std::function<ContactSums()> select(const exec_space& space, double dt,
@@ -56,15 +56,17 @@ public:
   void proposeChanges(const exec_space& space, const StepLengths& steps,
                       const View<double* [3]>& node_accelerations,
                       const View<const unsigned char*>& has_changed);
-  bool hasProposals(const exec_space& space) const {
+  bool hasProposals(const exec_space& space) {
     return !canSkipCorrection() && _set.hasProposals(space);
   }
   void collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes);
   void correctForces(const exec_space& space, const StepLengths& steps,
                      const View<double* [3]>& node_responses);
-  std::int64_t takeInvalid(const exec_space& space) {
-    return canSkipCorrection() ? 0 : _set.takeInvalid(space);
+  void sendNotes(const exec_space& space) {
+    if (!canSkipCorrection())
+      _set.sendNotes(space);
   }
+  std::int64_t takeInvalid(const exec_space& space) { return _set.takeInvalid(space); }
   void addTouched(const exec_space& space, TouchedNodes& of_surface) const;
   void advance(double dt);
 

@@ -103,11 +103,12 @@ constexpr std::int64_t pairs_ahead = 64;
 // does for one (interaction_set.cpp); is_changed(number) stores whether the force is to change, and
 // `num_changed` counts those. `add` adds to the magnitudes of the proposals, or to the forces.
 // Interactions whose forces do not fit the fixed point are left unchanged and moved to the front of
-// `numbers`; returns how many they are.
-KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const CorrectPair& correct,
-                                          const PairForces& add, std::int64_t* numbers, int count,
-                                          const View<unsigned char*>& is_changed,
-                                          std::int64_t& num_changed) {
+// `numbers`; returns how many they are. pairOf(number) is an interaction of `pairs`.
+template <class PairOf>
+KOKKOS_INLINE_FUNCTION int
+correctSprings(const ContactHistory& pairs, const PairOf& pairOf, const CorrectPair& correct,
+               const PairForces& add, std::int64_t* numbers, int count,
+               const View<unsigned char*>& is_changed, std::int64_t& num_changed) {
   using namespace correct_springs;
   using Real = Lanes;
   constexpr int width = NumLanes<Real>::value;
@@ -119,12 +120,12 @@ KOKKOS_INLINE_FUNCTION int correctSprings(const ContactHistory& pairs, const Cor
     for (int lane = 0; lane < width; ++lane) {
       const std::int64_t number = numbers[minOf(first + lane, last)];
       pairs.interactions.prefetch(minOf(number + pairs_ahead, pairs.count - 1));
-      gathered.gather(lane, pairs.interactions(number), correct);
+      gathered.gather(lane, pairOf(number), correct);
     }
     evaluate(gathered, correct, add, corrected);
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
-      const Interaction& pair = pairs.interactions(number);
+      const Interaction& pair = pairOf(number);
       const bool changes = corrected.changes(lane, pair);
       if (correct.isProposal()) {
         is_changed(number) = changes;

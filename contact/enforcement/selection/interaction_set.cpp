@@ -166,11 +166,13 @@ private:
     if (!isListed(i))
       return;
     const Interaction& pair = pairs.interactions(i);
+    startLoads();
+    const auto pairOf = [&](std::int64_t) -> const Interaction& { return pair; };
     std::int64_t number = i;
     if (pair.first_force == 0)
       is_corrected(i) = 0;
-    else if (!hasOnlySpring(pair, add) ||
-             correctSprings(pairs, correct, add, &number, 1, is_corrected, corrections.changed) > 0)
+    else if (!hasOnlySpring(pair, add) || correctSprings(pairs, pairOf, correct, add, &number, 1,
+                                                         is_corrected, corrections.changed) > 0)
       correctOne(pairs, correct, add, i, is_corrected, corrections);
   }
   // Those of [begin, end), with springs in SIMD lanes.
@@ -196,8 +198,11 @@ private:
       else
         listed[num_others++] = listed[w];
     }
-    const int num_left = correctSprings(pairs, correct, add, springs, num_springs, is_corrected,
-                                        corrections.changed);
+    const auto pairOf = [&](std::int64_t number) -> decltype(auto) {
+      return pairs.interactions(number);
+    };
+    const int num_left = correctSprings(pairs, pairOf, correct, add, springs, num_springs,
+                                        is_corrected, corrections.changed);
     for (int w = 0; w < num_others; ++w)
       correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
     for (int w = 0; w < num_left; ++w)
@@ -220,8 +225,10 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
       _counts(label + "::counts", 4), _next_count(_counts.data()), _sums(label + "::sums"),
-      _notes(label + "::notes"), _last{View<int*>(label + "::last_contact",
-                                                  config.friction > 0 ? surface.num_nodes : 0)},
+      _notes(label + "::notes"),
+      _sent_notes(label + "::sent_notes"), _last{View<int*>(label + "::last_contact",
+                                                            config.friction > 0 ? surface.num_nodes
+                                                                                : 0)},
       _workspace{View<PersistentContact*>(label + "::workspace::persistent", 0),
                  View<FaceContact*>(label + "::workspace::contacts", 0),
                  View<std::int64_t>(label + "::workspace::num_reserved")},
@@ -303,21 +310,23 @@ void InteractionSet::correctForces(const exec_space& space, const FaceAccess& fa
                      _notes});
 }
 
-CorrectionNotes InteractionSet::noted(const exec_space& space) const {
-  CorrectionNotes notes;
-  Kokkos::deep_copy(space, Kokkos::View<CorrectionNotes, Kokkos::HostSpace>(&notes), _notes);
+bool InteractionSet::hasProposals(const exec_space& space) {
+  sendNotes(space);
   space.fence();
-  return notes;
+  return _sent_notes().last_proposing == _num_proposing;
 }
 
-bool InteractionSet::hasProposals(const exec_space& space) const {
-  return noted(space).last_proposing == _num_proposing;
+void InteractionSet::sendNotes(const exec_space& space) {
+  Kokkos::deep_copy(space, _sent_notes, _notes);
+  _awaits_notes = true;
 }
 
 std::int64_t InteractionSet::takeInvalid(const exec_space& space) {
-  if (_next.count == 0) // nothing to correct
+  if (!_awaits_notes)
     return 0;
-  const CorrectionNotes notes = noted(space);
+  space.fence();
+  _awaits_notes = false;
+  const CorrectionNotes notes = _sent_notes();
   if (notes.invalid > 0)
     Kokkos::deep_copy(space, _notes, CorrectionNotes{notes.last_proposing, 0});
   return notes.invalid;

@@ -65,9 +65,11 @@ public:
                      const NodeVectors& accelerations, const NodeVectors& responses);
   const ContactForces& proposals() const { return _proposals; }
   // Whether the last proposeChanges() proposed any. Waits for the device.
-  bool hasProposals(const exec_space& space) const;
-  // The number of forces that no longer fit the fixed point since the last call. Waits for the
-  // device.
+  bool hasProposals(const exec_space& space);
+  // Sends what the corrections of this step have noted on its way to the host.
+  void sendNotes(const exec_space& space);
+  // The number of forces that no longer fit the fixed point, of the notes sent since the last call.
+  // Waits for the device if there are any.
   std::int64_t takeInvalid(const exec_space& space);
 
   // dt_ref must be >= every later time step. It sets the stiffness of contacts that become active
@@ -105,7 +107,6 @@ private:
   // Zeroes what the kernels of a step count and add to.
   void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
-  CorrectionNotes noted(const exec_space& space) const;
   // Memory for the interactions of a step, and for the contacts of its crowded rows.
   bool hasRoomFor(const ContactSums& sums) const;
   void makeRoom(const exec_space& space, std::int64_t interactions, std::int64_t crowded);
@@ -119,6 +120,8 @@ private:
   View<std::int64_t> _next_count;
   LateSum<ContactSums> _sums; // of the present step
   View<CorrectionNotes> _notes;
+  Kokkos::View<CorrectionNotes, staging_space> _sent_notes;
+  bool _awaits_notes = false; // takeInvalid() has not read them
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
   RowWorkspace _workspace; // empty until a row is crowded

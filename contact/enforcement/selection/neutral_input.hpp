@@ -22,6 +22,9 @@ struct NeutralInput {
   // Lists the nodes to which sum_forces adds forces of other ranks, and those whose values
   // share_with_ghosts sends. Optional, for any scheme: without it several ranks visit all nodes.
   std::function<void(TouchedNodes&)> list_shared;
+  // Enforcement::enforce() does not wait for the last corrections: the caller will call
+  // completeSums().
+  bool completes_sums = false;
 
   bool isComplete() const { return accelerations && sum_forces && share_with_ghosts; }
 };

@@ -40,7 +40,7 @@ struct RefitSums {
 
 // Of TeamRefit.
 struct RefitScratch {
-  View<RefitSums*> node_sums{"contact::SurfaceClusters::node_sums", 0}; // [thread]
+  View<RefitSums*> node_sums{"contact::SurfaceClusters::node_sums", 0}; // [team]
   View<RefitSums> sums{"contact::SurfaceClusters::sums"};
   Kokkos::View<RefitSums, staging_space> host_sums{"contact::SurfaceClusters::host_sums"};
   std::int64_t num_node_sums = 0;

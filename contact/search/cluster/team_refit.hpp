@@ -7,7 +7,7 @@
 
 namespace brickwall::contact {
 
-// Computes the bounds of the nodes, 32 at a time; each thread of a team stores its sums.
+// Computes the bounds of the nodes, 32 at a time; each team stores its sums.
 struct RefitNodes {
   static constexpr int team_size = host_accessible ? 1 : 4;
   using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 8>,
@@ -15,11 +15,12 @@ struct RefitNodes {
   using Member = Policy::member_type;
 
   RefitInput input;
-  View<RefitSums*> sums; // [thread]
+  View<RefitSums*> sums; // [team]
 
   struct Scratch {
     float corner_rows[6 * vector_lanes], node_rows[6 * vector_lanes];
   };
+  static constexpr std::size_t team_scratch = team_size * sizeof(RefitSums) + alignof(RefitSums);
 
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
     Scratch& rows = *static_cast<Scratch*>(team.thread_scratch(0).get_shmem(sizeof(Scratch)));
@@ -50,7 +51,15 @@ struct RefitNodes {
     all.num_invalid = sumOfLanes(team, [&](const int lane) { return of_lane[lane].num_invalid; });
     all.first_invalid =
         leastOfLanes(team, [&](const int lane) { return of_lane[lane].first_invalid; });
-    Kokkos::single(Kokkos::PerThread(team), [&] { sums(thread) = all; });
+    auto* const of_threads = static_cast<RefitSums*>(team.team_scratch(0).get_shmem_aligned(
+        team.team_size() * sizeof(RefitSums), alignof(RefitSums)));
+    Kokkos::single(Kokkos::PerThread(team), [&] { of_threads[team.team_rank()] = all; });
+    team.team_barrier();
+    Kokkos::single(Kokkos::PerTeam(team), [&] {
+      for (int t = 1; t < team.team_size(); ++t)
+        of_threads[0] += of_threads[t];
+      sums(team.league_rank()) = of_threads[0];
+    });
   }
 
   KOKKOS_INLINE_FUNCTION void refitNode(std::int64_t position, float* corner_row, float* node_row,
@@ -244,9 +253,9 @@ struct TeamRefit {
         host_accessible ? concurrency(space) : concurrency(space) / vector_lanes;
     const auto teams = static_cast<int>((minOf(groups, fitting) + RefitNodes::team_size - 1) /
                                         RefitNodes::team_size);
-    scratch.num_node_sums = std::int64_t(teams) * RefitNodes::team_size;
+    scratch.num_node_sums = teams;
     growTo(space, scratch.node_sums, scratch.num_node_sums);
-    launch(space, "contact::SurfaceClusters::nodes", teams, vector_lanes, 0,
+    launch(space, "contact::SurfaceClusters::nodes", teams, vector_lanes, RefitNodes::team_scratch,
            sizeof(RefitNodes::Scratch), RefitNodes{input, scratch.node_sums});
   }
   template <class Input>

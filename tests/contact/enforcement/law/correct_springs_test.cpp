@@ -127,7 +127,11 @@ Outcome inLanes(const RandomContacts& contacts, bool proposes) {
         std::int64_t numbers[num_pairs];
         for (int i = 0; i < num_pairs; ++i)
           numbers[i] = num_pairs - 1 - i;
-        left += correctSprings(pairs, correct, add, numbers, num_pairs, is_changed, num_changed());
+        const auto pairOf = [&](std::int64_t number) -> decltype(auto) {
+          return pairs.interactions(number);
+        };
+        left += correctSprings(pairs, pairOf, correct, add, numbers, num_pairs, is_changed,
+                               num_changed());
       },
       outcome.num_left);
   return outcome;
