@@ -285,7 +285,7 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
                                          const contact::ContactForces& forces,
                                          const mechanics::NodalForces& target) {
   View<const std::int64_t* [3]> totals = forces.nodes;
-  contact::NodeList list = _has_stored_all ? contact::NodeList::allOf(_primary.num_nodes) : changed;
+  contact::NodeList list = storesAllNext() ? contact::NodeList::allOf(_primary.num_nodes) : changed;
   _has_stored_all = !_secondary && changed.isAll();
   View<const unsigned char*> is_selected;
   if (_secondary) {

@@ -91,9 +91,9 @@ public:
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
                           const contact::ContactForces& forces,
                           const mechanics::NodalForces& target);
-  // Whether the last storeContactForces() was for all nodes: the next one then replaces the columns,
-  // which need not be zeroed between them.
-  bool storesAllNext() const { return _has_stored_all; }
+  // Whether the next storeContactForces() will be for all nodes, as the last one was: it then replaces
+  // the columns, which need not be zeroed between them.
+  bool storesAllNext() const { return _has_stored_all && !_secondary; }
 
   // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in
   // `forces` (totals), gravity and damping; 0 where prescribed.
