@@ -64,7 +64,8 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
   distributeAtStart(displacement);
   const Stopwatch time;
   makeEnforcement();
-  _balance = ContactBalance(comm, time.seconds());
+  const bool may_stay = config.search.decomposition == Decomposition::automatic;
+  _balance = ContactBalance(comm, time.seconds(), may_stay ? ContactBalance::usual_overhead : 1);
   if (config.output.has(OutputField::slip_distance))
     _slip = View<double*>("miniapp::ContactStep::slip", surface().num_nodes);
 }

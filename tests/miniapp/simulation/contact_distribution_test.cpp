@@ -130,6 +130,18 @@ TEST(ContactBalance, DistributesWhenWaitsHaveCostAsMuchAsADistribution) {
   EXPECT_FALSE(even.isDue(1));
 }
 
+TEST(ContactBalance, LeavesHomeOnlyIfBalanceGainsMoreThanMessagesUsuallyCost) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  if (size == 1)
+    GTEST_SKIP() << "one rank sends no message";
+  for (const double imbalance : {1.4, 1.5}) { // 1.3 times 1.1 is between them
+    const double work = rankOf(MPI_COMM_WORLD) == 0 ? imbalance : (size - imbalance) / (size - 1);
+    ContactBalance balance(MPI_COMM_WORLD, 1.0, ContactBalance::usual_overhead);
+    balance.addTime(1e3);
+    EXPECT_EQ(balance.isDue(work), imbalance > 1.45) << imbalance;
+  }
+}
+
 TEST(ContactBalance, ReturnsFacesWhoseMessagesCostMoreThanBalanceGains) {
   const int size = sizeOf(MPI_COMM_WORLD);
   if (size == 1)

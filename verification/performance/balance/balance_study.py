@@ -90,9 +90,14 @@ def over_time(rows, value):
     return sum(float(row[f"{value}_max"]) for row in rows) / mean if mean > 0 else None
 
 
-def critical_path(rows):
-    """Search, enforcement and distribution of the slowest rank of each row, s: without waits. In the first row times begin."""
-    return sum(float(row[f"{part}_max"]) for row in rows[1:] for part in ("search", "enforcement", "distribution"))
+def seconds(rows, kind, *parts):
+    """The sum of these times over the rows, s, without waits: of the slowest rank of each (kind max) or the mean. In the first row times begin."""
+    return sum(float(row[f"{part}_{kind}"]) for row in rows[1:] for part in parts)
+
+
+def median(values):
+    in_order = sorted(values)
+    return in_order[len(in_order) // 2]
 
 
 def draw(folder, results, scenes, ranks):
@@ -120,18 +125,24 @@ def draw(folder, results, scenes, ranks):
     figure.savefig(folder / "balance.png", dpi=110)
 
 
-def table(results, repetitions):
-    rows = []
-    for (scene, ranks, decomposition), found in results.items():
-        last = found[0]
-        seconds = sorted(report["imbalance"]["contact_with_waits"]["max"] for _, report in found)
-        spread = f"{number(seconds[len(seconds) // 2])} ({number(seconds[0])} to {number(seconds[-1])})" if repetitions > 1 \
-            else number(seconds[0])
-        rows.append([scene, ranks, decomposition] + [number(over_time(last[0], value)) for value in VALUES] + [
-            number(sorted(critical_path(rows) for rows, _ in found)[len(found) // 2]), spread, last[1]["search"]["distributions"],
-            last[1]["checksums"]["nodes"]])
-    return markdown(["scene", "ranks", "decomposition", *(f"{title}: largest over mean" for title in VALUES.values()),
-                     "critical path, s", "contact with waits, s", "distributions", "checksum of the nodes"], rows)
+def table(results, with_waits):
+    contact = ("search", "enforcement")
+    path = {case: median(seconds(rows, "max", *contact) for rows, _ in found) for case, found in results.items()}
+    whole = {case: median(seconds(rows, "max", *contact, "distribution") for rows, _ in found) for case, found in results.items()}
+    lines = []
+    for case, found in results.items():
+        scene, ranks, decomposition = case
+        rows, report = found[-1]
+        mean = median(seconds(rows, "mean", *contact) for rows, _ in found)
+        home = (scene, ranks, "primary")
+        gain = f"{path[home] / path[case]:.2f} / {whole[home] / whole[case]:.2f}" if home in results and case != home else ""
+        lines.append([scene, ranks, decomposition, number(over_time(rows, "active_contacts")), number(path[case] / mean),
+                      number(path[case]), number(mean), report["search"]["distributions"], number(whole[case] - path[case]), gain,
+                      *([number(median(report["imbalance"]["contact_with_waits"]["max"] for _, report in found))] if with_waits else []),
+                      report["checksums"]["nodes"]])
+    return markdown(["scene", "ranks", "decomposition", "contacts: largest over mean", "time: largest over mean", "critical path, s",
+                     "mean of the ranks, s", "distributions", "their path, s", "gain without / with distributions",
+                     *(["contact with waits, s"] if with_waits else []), "checksum of the nodes"], lines)
 
 
 def main():
@@ -162,8 +173,9 @@ def main():
     built = next((found[0][1] for found in results.values()), {})
     (arguments.output / "table.md").write_text(
         f"# The load of the ranks\n\n{built.get('cpu')}, {place['physical_cores']} cores; commit {built.get('commit')}; {now()}; "
-        f"largest over mean: sums over the rows of balance.csv. The plot is of {arguments.ranks[-1]} ranks.\n\n![Load](balance.png)\n\n"
-        + table(results, arguments.repetitions))
+        f"largest over mean: sums over the rows of balance.csv; time and path: of search and enforcement, medians of "
+        f"{arguments.repetitions}. The plot is of {arguments.ranks[-1]} ranks.\n\n![Load](balance.png)\n\n"
+        + table(results, not arguments.cpu_time))
     print(f"wrote    {arguments.output / 'balance.png'}, {arguments.output / 'table.md'}")
     return 1 if failures else 0
 
