@@ -138,10 +138,11 @@ io::Schema sceneBlocks() {
                 "are used by "
                 "their names"},
                meshKeys),
-      withKeys({"material", BlockKind::named,
-                "material of the element block <name>; walls have the blocks brick and half_brick, and "
-                "without [material.half_brick] both have that of brick"},
-               materialKeys),
+      withKeys(
+          {"material", BlockKind::named,
+           "material of the element block <name>; walls have the blocks brick and half_brick, and "
+           "without [material.half_brick] both have that of brick"},
+          materialKeys),
       withKeys({"element", BlockKind::single, "the hexahedral element"}, elementKeys),
   };
 }
