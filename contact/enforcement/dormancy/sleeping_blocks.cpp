@@ -29,7 +29,8 @@ void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
     _is_counting = false;
   }
   const bool has_slept = _state.bounds.extent(0) > 0;
-  if (!is_known || is_unchanged || !has_slept)
+  // A search may add pairs at nodes at rest, since boxes kept with a margin were left before.
+  if (!is_known || (is_unchanged && are_same) || !has_slept)
     return;
   const SleepState state = _state;
   const View<const unsigned char*> changed = pairs.changed;

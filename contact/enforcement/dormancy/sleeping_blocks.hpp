@@ -45,7 +45,7 @@ public:
 
   // At the start of a step: wakes the blocks that must be tested. `motion` must include this step.
   // `is_unchanged`: nothing has moved in this step and in the last one, and there are no ghosts; rows
-  // may then have lost pairs, but not gained any.
+  // gain pairs then by a search only.
   void wake(const exec_space& space, const CandidatePairs& pairs, const SurfaceMotion& motion,
             bool is_unchanged);
 
