@@ -3,7 +3,7 @@ under x -> L - x, u_y and u_z do not. Sums of floating-point numbers at mirrored
 differently (1e-16 m here), so the symmetry holds until a contact is so marginal that rounding decides
 it on one side only. From that step on, the contact status of mirrored nodes differs. Until then nodes
 above a corner of four bent faces are in contact with one of them, chosen by number: a difference of
-second order in the strains (V9). Nothing else breaks the symmetry: the wall's mirror image, numbered as the wall, moves as the image
+second order in the strains (V9). Nothing else breaks the symmetry by more than 1 % of this: the wall's mirror image, numbered as the wall, moves as the image
 of the wall, but for rounding."""
 import numpy as np
 from framework.exodus import HEX_SIDES

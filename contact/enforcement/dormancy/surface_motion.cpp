@@ -26,7 +26,8 @@ KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
 
 // Flags the nodes that have not moved since `last` nor in this step, updates `last` for the others,
 // and includes their motions in the boxes `step` [body][low xyz, high xyz]; the first number of its
-// last row counts the nodes that move, and `is_moving` [body] flags their bodies. On a device a thread takes a piece of a body with its lanes.
+// last row counts the nodes that move, and `is_moving` [body] flags their bodies. On a device a
+// thread takes a piece of a body with its lanes.
 struct MeasureMotion {
   static constexpr int team_size = host_accessible ? 1 : 8;
   using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>,

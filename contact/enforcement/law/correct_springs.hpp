@@ -103,7 +103,8 @@ constexpr std::int64_t pairs_ahead = 64;
 // does for one (interaction_set.cpp); is_changed(number) stores whether the force is to change, and
 // `num_changed` counts those. `add` adds to the magnitudes of the proposals, or to the forces.
 // Interactions whose forces do not fit the fixed point are left unchanged and moved to the front of
-// `numbers`; returns how many they are. pairOf(number) is an interaction of `pairs`.
+// `numbers`; returns how many they are. pairOf(number) is an interaction of `pairs`, from
+// pairs.interactions or loaded before.
 template <class PairOf>
 KOKKOS_INLINE_FUNCTION int
 correctSprings(const ContactHistory& pairs, const PairOf& pairOf, const CorrectPair& correct,

@@ -198,11 +198,8 @@ private:
       else
         listed[num_others++] = listed[w];
     }
-    const auto pairOf = [&](std::int64_t number) -> decltype(auto) {
-      return pairs.interactions(number);
-    };
-    const int num_left = correctSprings(pairs, pairOf, correct, add, springs, num_springs,
-                                        is_corrected, corrections.changed);
+    const int num_left = correctSprings(pairs, pairs.interactions, correct, add, springs,
+                                        num_springs, is_corrected, corrections.changed);
     for (int w = 0; w < num_others; ++w)
       correctOne(pairs, correct, add, listed[w], is_corrected, corrections);
     for (int w = 0; w < num_left; ++w)

@@ -241,6 +241,34 @@ TEST(SleepingBlocks, FlushBodiesSleepWhileTheyAreAtRest) {
   EXPECT_LT(a.asleep, before / 2);
 }
 
+// Body 0 rests after it has left its box of the last search by less than the margin. A body far away,
+// on the last rank, then makes all ranks search, which adds pairs to rows of bodies that rest.
+TEST(SleepingBlocks, RowsAtRestWakeWhenASearchAddsPairs) {
+  EnforcementConfig with = config(), without = config();
+  without.skip_stationary = false;
+  Scene scene;
+  scene.addBox({0, 0, 0}, {1, 1, 3}, {1, 1, 1});
+  scene.addBox({-0.05, -0.05, 3.7}, {1.1, 1.1, 3}, {1, 1, 1});
+  scene.addBox({50, 0, 0}, {1, 1, 1}, {1, 1, 1});
+  const auto cut = [](int element) { return element == 2 ? sizeOf(world) - 1 : 0; };
+  SearchedRun a(scene, world, cut, 0.5, with), b(scene, world, cut, 0.5, without);
+  std::int64_t penetrating = 0;
+  for (int step = 0; step < 60; ++step) {
+    scene.step();
+    if (step == 5)
+      scene.move(0, {0, 0, 0.2});
+    if (step == 12)
+      scene.move(2, {1, 0, 0});
+    if (step >= 16 && step < 50)
+      scene.move(0, {0, 0, 0.016});
+    a.step(scene);
+    b.step(scene);
+    EXPECT_EQ(a.result(), b.result()) << step;
+    penetrating += b.sums.nodes.penetrating;
+  }
+  EXPECT_GT(allReduce(world, penetrating, MPI_SUM), 0);
+}
+
 TEST(SurfaceMotion, SumsBoundTheMotionOfEveryNode) {
   const exec_space space;
   SwingingBricks bricks(1);

@@ -127,11 +127,8 @@ Outcome inLanes(const RandomContacts& contacts, bool proposes) {
         std::int64_t numbers[num_pairs];
         for (int i = 0; i < num_pairs; ++i)
           numbers[i] = num_pairs - 1 - i;
-        const auto pairOf = [&](std::int64_t number) -> decltype(auto) {
-          return pairs.interactions(number);
-        };
-        left += correctSprings(pairs, pairOf, correct, add, numbers, num_pairs, is_changed,
-                               num_changed());
+        left += correctSprings(pairs, pairs.interactions, correct, add, numbers, num_pairs,
+                               is_changed, num_changed());
       },
       outcome.num_left);
   return outcome;
