@@ -116,19 +116,27 @@ void ContactStep::distributeAtStart(const View<const double* [3]>& displacement)
 void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement) {
   if (!mayBeDistributed() || step == 0 || step % ContactBalance::check_interval != 0)
     return;
-  const View<std::int64_t**> work_of_nodes = workOfNodes();
-  if (!_balance.isDue(workOfRank(work_of_nodes)))
-    return;
   const Region region("miniapp::distributeContact");
+  const View<std::int64_t**> work_of_nodes = workOfNodes();
+  const double work = workOfRank(work_of_nodes);
+  std::vector<float> of_faces;
+  if (!_balance.areHome())
+    of_faces = workOfFaces(work_of_nodes);
+  if (!_balance.isDue(
+          work, _balance.areHome() ? work : std::accumulate(of_faces.begin(), of_faces.end(), 0.0)))
+    return;
   const Stopwatch time;
-  const std::vector<float> work = workOfFaces(work_of_nodes);
-  const double at_home = imbalanceOf(_comm, std::accumulate(work.begin(), work.end(), 0.0));
   const bool may_return = _config.search.decomposition == Decomposition::automatic;
-  const bool are_home = may_return && at_home <= ContactBalance::tolerated * _balance.overhead();
-  const std::vector<int> ranks = are_home ? std::vector<int>() : ranksOfFaces(work);
+  if (may_return && _balance.isHomeBetter()) {
+    distribute({}, displacement);
+    _balance.haveReturned(time.seconds());
+    return;
+  }
+  if (_balance.areHome())
+    of_faces = workOfFaces(work_of_nodes);
+  const std::vector<int> ranks = ranksOfFaces(of_faces);
   distribute(ranks, displacement);
-  _balance.haveDistributed(time.seconds(), are_home ? at_home : imbalanceOf(_comm, work, ranks),
-                           may_return ? at_home : HUGE_VAL, are_home);
+  _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, of_faces, ranks), !may_return);
 }
 
 View<std::int64_t**> ContactStep::workOfNodes() const {
