@@ -103,6 +103,20 @@ public:
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values) {
     _global.forward(space, surface, node_values, ghost_values);
   }
+  void selectGhosts(const exec_space& space, const View<const unsigned char*>& flags) {
+    _global.selectGhosts(space, flags);
+  }
+  const GhostSelection& selection() const { return _global.selection(); }
+  void reverseSumSelected(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                          const View<const std::int64_t* [12]>& ghost_values,
+                          const View<std::int64_t* [3]>& node_values) {
+    _global.reverseSumSelected(space, face_to_nodes, ghost_values, node_values);
+  }
+  void forwardSelected(const exec_space& space, const SweptBoxes& surface,
+                       const View<const double* [3]>& node_values,
+                       const View<double* [12]>& ghost_values) {
+    _global.forwardSelected(space, surface, node_values, ghost_values);
+  }
 
   // Collective. The number of pairs over all ranks that pairs() lacks, by comparison with all pairs
   // (pair_audit.hpp); `surface` as in the last update().

@@ -55,6 +55,7 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
   if (_is_shared.empty())
     _is_shared = sharedNodes(space);
   _features = _primary_features;
+  _shares_listed = false;
   if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
     contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
     _features.convex = surface.forwardRecords(comm, _primary_features.convex);
@@ -80,6 +81,8 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
                              _primary.num_nodes)});
   }
 
+  _is_listed =
+      View<unsigned char*>("miniapp::SurfaceCoupling::is_listed", this->surface().num_nodes);
   const auto of_primary = sumOnPrimary(space, ranksOfOwners(space, comm, surface()));
   std::swap(former, _secondary);
   const auto owners = toHost(fromPrimary(space, of_primary));

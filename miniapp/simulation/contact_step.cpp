@@ -166,8 +166,8 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     _coupling.sumContactForces(_space, contact_forces, _search);
   };
   contact::NeutralInput neutral;
-  neutral.list_shared = [&](contact::TouchedNodes& list) {
-    _coupling.listShared(_space, _search, list);
+  neutral.list_shared = [&](const View<const unsigned char*>& ghosts, contact::TouchedNodes& list) {
+    _coupling.shareListed(_space, _search, ghosts, list);
   };
   if (_config.contact.scheme == contact::Scheme::energy_neutral) {
     neutral.accelerations = [&](const contact::NodeList& nodes) {
@@ -179,7 +179,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     neutral.completes_sums = true;
     neutral.share_with_ghosts = [&](const View<const double* [3]>& values,
                                     const View<double* [12]>& ghost_values) {
-      _search.forward(_space, surface, values, ghost_values);
+      _coupling.shareWithGhosts(_space, _search, values, ghost_values);
     };
   }
   const contact::EnforcementSums sums = _enforcement->enforce(
