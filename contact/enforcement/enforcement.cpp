@@ -64,22 +64,6 @@ void copyTotals(const exec_space& space, const NodeList& list,
       });
 }
 
-// flags [ghost] = 1 at those of interactions, 0 at others.
-void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
-                     const View<unsigned char*>& flags) {
-  if (faces.ghosts.count == 0)
-    return;
-  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
-  const auto interactions = pairs.interactions;
-  Kokkos::parallel_for(
-      "contact::flagGhostsInUse", rangePolicy(space, pairs.count),
-      KOKKOS_LAMBDA(const std::int64_t i) {
-        const int face = interactions(i).face_index;
-        if (!faces.isOwn(face))
-          flags(faces.ghostOf(face)) = 1;
-      });
-}
-
 Communicator checkedCopy(const exec_space& space, MPI_Comm comm, const Surface& surface,
                          const View<const double*>& node_mass, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale) {

@@ -47,8 +47,8 @@ public:
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
   // and correctForces() are collective; `has_changed` [surface node], hasProposals(), sendNotes()
   // and takeInvalid(): see InteractionSet.
-  // addTouched() adds the surface nodes that contacts of this rank act on, and those of edges that
-  // other ranks have as ghosts.
+  // addTouched() comes first and is collective: it adds the surface nodes that contacts of this rank
+  // act on, and those of edges whose ghosts contacts of other ranks act on.
   std::function<ContactSums()> select(const exec_space& space, double dt,
                                       const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
@@ -67,7 +67,7 @@ public:
       _set.sendNotes(space);
   }
   std::int64_t takeInvalid(const exec_space& space) { return _set.takeInvalid(space); }
-  void addTouched(const exec_space& space, TouchedNodes& of_surface) const;
+  void addTouched(const exec_space& space, TouchedNodes& of_surface);
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement
@@ -137,6 +137,7 @@ private:
   TouchedNodes _touched; // of corners
   View<double* [3]> _accelerations; // [corner]
   View<unsigned char*> _has_changed; // [corner]
+  View<unsigned char*> _ghost_in_use; // [ghost] it has an interaction in this step
   View<double* [12]> _ghost_accelerations;
   View<double* [3]> _responses; // [corner]
   View<double* [12]> _ghost_responses;

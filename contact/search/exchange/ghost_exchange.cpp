@@ -162,6 +162,8 @@ void GhostSelection::select(const exec_space& space, MPI_Comm comm, const Partne
   const std::vector<std::int64_t>& begins = migration.messages.receiveOffsets();
   const std::int64_t num_ghosts = migration.ghosts.count;
   _ghosts.ranks = migration.messages.senders();
+  if (_ghosts.ranks.empty() && faces_sent.ranks.empty())
+    return;
   growTo(space, _ghosts.rows, num_ghosts);
   growTo(space, _before, num_ghosts + 1);
   chooseGhosts(space, flags, num_ghosts, _ghosts.rows, _before);
