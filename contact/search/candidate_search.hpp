@@ -52,9 +52,9 @@ public:
   // that are too short, and other Views with other content.
   // `motion`, from a host that reads the coordinates in any case, is the greatest
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
-  // any number if there are no such boxes. It is measured if not given, at the nodes [node] that
-  // `stationary` does not flag (or all, if that is empty): those with the coordinates_new of the last
-  // update in both configurations.
+  // any number if there are no such boxes. Without it, update() measures the nodes that `stationary`
+  // [node] does not flag. A flag that is not 0 states that both configurations of the node equal
+  // coordinates_new of the last update().
   // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
   // would wait for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,

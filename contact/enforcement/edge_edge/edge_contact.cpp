@@ -9,7 +9,7 @@ namespace {
 
 using StagedNumber = Kokkos::View<double, staging_space>;
 
-// Whether both configurations of a node are those of the last step.
+// Whether both configurations of a node are those of the last step; none are without flags.
 struct RestingNodes {
   View<const unsigned char*> stationary;
 
@@ -172,7 +172,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
 void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface,
                                     const View<const unsigned char*>& stationary) {
   const View<const double* [6]> boxes = _search.sweptBoxes();
-  const RestingNodes is_at_rest{stationary};
+  const RestingNodes is_at_rest{_has_gathered ? stationary : View<const unsigned char*>()};
+  _has_gathered = true;
   gatherCorners(space, surface, _corner_to_node, boxes, is_at_rest, _old, _new, _excursion[0]);
   sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, _corner_to_node, boxes,
              is_at_rest, _old, _new, _records, _excursion[1]);

@@ -33,8 +33,8 @@ public:
     gatherCoordinates(space, surface);
     findCandidates(space);
   }
-  // The two parts of it, for work between them. The first does not wait for a device, and leaves out
-  // nodes that `stationary` flags as SurfaceMotion::twice.
+  // The two parts of it, for work between them. The first does not wait for a device, and from its
+  // second call on leaves out nodes that `stationary` flags as SurfaceMotion::twice.
   void gatherCoordinates(const exec_space& space, const Surface& surface,
                          const View<const unsigned char*>& stationary = {});
   void findCandidates(const exec_space& space);
@@ -129,6 +129,7 @@ private:
   InteractionSet _set;
   StationaryNodes _stationary;
   SleepingBlocks _sleeping;
+  bool _has_gathered = false; // coordinates of a step
   bool _has_touched = false; // in the last step, with a force or without
   bool _has_forces_anywhere = false; // in the present step, on any rank
   EnforcementConfig _config;
