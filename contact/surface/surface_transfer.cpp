@@ -79,6 +79,7 @@ SurfaceTransfer::Side::Side(const exec_space& space,
     word_ends.push_back(static_cast<std::int64_t>(begin.size()));
   }
   begin.push_back(static_cast<int>(ends.back()));
+  selected_ends.assign(ends.size(), 0);
   rows = toDevice(space, "contact::SurfaceTransfer::rows", all);
   word_begin = toDevice(space, "contact::SurfaceTransfer::word_begin", begin);
   place = allocate<View<int*>>(space, "contact::SurfaceTransfer::place", all.size() + 1);

@@ -76,9 +76,7 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
         std::move(surface), vectors("x_old"), vectors("x_new"), vectors("accelerations"), node_mass,
         allocate<View<std::int64_t* [3]>>(space, "miniapp::SurfaceCoupling::forces",
                                           _primary.num_nodes),
-        View<unsigned char*>("miniapp::SurfaceCoupling::is_selected", num_nodes),
-        View<unsigned char*>("miniapp::SurfaceCoupling::is_selected_of_primary",
-                             _primary.num_nodes)});
+        View<unsigned char*>("miniapp::SurfaceCoupling::is_listed_primary", _primary.num_nodes)});
   }
 
   _is_listed =

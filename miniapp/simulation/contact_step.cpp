@@ -162,7 +162,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   const Stopwatch time;
   const contact::Surface surface = _coupling.surface();
   const auto sum_forces = [&](const contact::ContactForces& contact_forces) {
-    shared.finish(_space); // its messages have the same tag
+    shared.finish(_space);
     _coupling.sumContactForces(_space, contact_forces, _search);
   };
   contact::NeutralInput neutral;

@@ -287,6 +287,8 @@ void SurfaceCoupling::shareListed(const exec_space& space, contact::CandidateSea
   flagListed(space, list.list(), _is_listed);
   shared().selectShared(space, _is_listed);
   list.addNodes(space, shared().selectedRows());
+  if (_secondary) // the list may have more nodes, which other copies of them do not know
+    _secondary->surface.selectNodes(space, _is_listed, _secondary->is_listed);
 }
 
 void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& changed,
@@ -295,15 +297,12 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
   View<const std::int64_t* [3]> totals = forces.nodes;
   contact::NodeList list = storesAllNext() ? contact::NodeList::allOf(_primary.num_nodes) : changed;
   _has_stored_all = !_secondary && changed.isAll();
-  View<const unsigned char*> is_selected;
+  View<const unsigned char*> is_listed;
   if (_secondary) {
-    if (!_secondary->has_selection)
-      selectListed(space, changed);
-    _secondary->has_selection = false;
     _secondary->surface.giveBackSelected(space, totals, _secondary->forces);
     totals = _secondary->forces;
     list = contact::NodeList::allOf(_primary.num_nodes);
-    is_selected = _secondary->is_selected_of_primary;
+    is_listed = _secondary->is_listed;
   }
   const auto surface_to_node = _surface_to_node;
   const auto values = target.values;
@@ -311,30 +310,21 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
       "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i);
-        if (is_selected.extent(0) > 0 && !is_selected(at))
+        if (is_listed.extent(0) > 0 && !is_listed(at))
           return;
         for (int d = 0; d < 3; ++d)
           values(surface_to_node(at), 3 * mechanics::contact_force + d) = totals(at, d);
       });
 }
 
-// The listed nodes of the secondary surface, which are listed on all ranks that share them.
-void SurfaceCoupling::selectListed(const exec_space& space, const contact::NodeList& list) {
-  flagListed(space, list, _secondary->is_selected);
-  _secondary->surface.selectNodes(space, _secondary->is_selected,
-                                  _secondary->is_selected_of_primary);
-}
-
 const View<double* [3]>& SurfaceCoupling::accelerations(
     const exec_space& space, const contact::NodeList& needed, const mechanics::NodalForces& forces,
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
   contact::NodeList list = needed;
-  View<const unsigned char*> is_selected;
+  View<const unsigned char*> is_listed;
   if (_secondary) {
-    selectListed(space, needed);
-    _secondary->has_selection = true;
     list = contact::NodeList::allOf(_primary.num_nodes);
-    is_selected = _secondary->is_selected_of_primary;
+    is_listed = _secondary->is_listed;
   }
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
@@ -345,7 +335,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
-        if (is_selected.extent(0) > 0 && !is_selected(at))
+        if (is_listed.extent(0) > 0 && !is_listed(at))
           return;
         motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)

@@ -109,7 +109,6 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
-  void selectListed(const exec_space& space, const contact::NodeList& list);
   std::vector<char> sharedNodes(const exec_space& space);
   contact::SurfaceTransfer& shared() {
     return _secondary ? _secondary->surface.shared() : _shared_nodes;
@@ -128,8 +127,7 @@ private:
     View<double*[3]> x_old, x_new, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
-    View<unsigned char*> is_selected, is_selected_of_primary; // [node], [primary surface node]
-    bool has_selection = false; // of the nodes of this step
+    View<unsigned char*> is_listed; // [primary surface node]
   };
 
   contact::Surface _primary; // all but the coordinates

@@ -160,16 +160,17 @@ void GhostSelection::select(const exec_space& space, MPI_Comm comm, const Partne
                             const View<const unsigned char*>& flags) {
   const Region region("contact::selectGhosts");
   const std::vector<std::int64_t>& begins = migration.messages.receiveOffsets();
-  const std::int64_t num_ghosts = migration.ghosts.count;
   _ghosts.ranks = migration.messages.senders();
-  if (_ghosts.ranks.empty() && faces_sent.ranks.empty())
-    return;
-  growTo(space, _ghosts.rows, num_ghosts);
-  growTo(space, _before, num_ghosts + 1);
-  chooseGhosts(space, flags, num_ghosts, _ghosts.rows, _before);
-  growTo(space, _starts, static_cast<std::int64_t>(begins.size()));
-  copyToDevice(space, begins, _starts);
-  offsetsOfKept(space, _before, _starts, _ghosts);
+  _ghosts.offsets.assign(1, 0);
+  if (!_ghosts.ranks.empty()) {
+    const std::int64_t num_ghosts = migration.ghosts.count;
+    growTo(space, _ghosts.rows, num_ghosts);
+    growTo(space, _before, num_ghosts + 1);
+    chooseGhosts(space, flags, num_ghosts, _ghosts.rows, _before);
+    growTo(space, _starts, static_cast<std::int64_t>(begins.size()));
+    copyToDevice(space, begins, _starts);
+    offsetsOfKept(space, _before, _starts, _ghosts);
+  }
 
   // Ghosts are named by their places among those of the owner.
   growTo(space, _messages.buffers.send, _ghosts.size());
