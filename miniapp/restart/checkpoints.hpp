@@ -6,6 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ private:
   void prepare(); // at the first use; collective
   std::string pathOf(const std::string& which) const; // collective
   Opened open(const std::string& path, bool reads_tables) const; // collective
+  nlohmann::ordered_json manifestOf(const RunRestart& data,
+                                    const std::vector<std::uint64_t>& parts) const;
+  void removeOutdated(const std::string& latest) const; // on rank 0
   void checkManifest(const std::string& path, const nlohmann::ordered_json& manifest) const;
   std::vector<std::string> all(const std::string& folder) const; // on rank 0; oldest first
   std::string nearest(const std::string& path) const; // on rank 0; "" without any
