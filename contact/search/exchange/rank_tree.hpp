@@ -80,7 +80,7 @@ private:
   bool _is_guest = false, _is_host = false; // the second and the first of two ranks
   int _position = 0; // among the 2^levels that take part
   RankRecord _own;
-  RankGroup _own_group, _guest;
+  RankGroup _own_group;
   RankRecord _guest_record;
   // [level] of the 2^level positions around this one's; the last is of all ranks.
   std::vector<RankGroup> _groups;
