@@ -99,8 +99,8 @@ void makeEmptyFolder(const std::string& path) {
     throw OutputError(path + ": cannot be made: " + error.message());
 }
 
-// Gives the folder `finished` the name `path`, which a folder of an earlier run to the same step may
-// have.
+// Gives the folder `finished` the name `path`, which a folder of an earlier run to the same step
+// may have.
 void replaceBy(const std::string& finished, const std::string& path) {
   const std::string old = path + ".old";
   removeTree(old);

@@ -20,15 +20,15 @@ public:
               const std::string& output_directory)
       : _comm(comm), _config(config), _scene(scene), _folder(output_directory + "/checkpoints") {}
 
-  // Writes a checkpoint beside the others, brings it to the disk and gives it its name; then removes
-  // all but this one and the one before it. Returns its path. Throws OutputError on all ranks; the
-  // others are then as they were. Collective.
+  // Writes a checkpoint beside the others, brings it to the disk and gives it its name; then
+  // removes all but this one and the one before it. Returns its path. Throws OutputError on all
+  // ranks; the others are then as they were. Collective.
   std::string write(const RunRestart& data, const Simulation& simulation);
 
   // Reads the checkpoint `which`: "latest", the folder of one or its manifest, or a folder of
   // several or of a run, which stands for the latest of them. Throws InputError on all ranks with
-  // the reason why it cannot be used, and with the path of the nearest one that can be used: the one
-  // before it, or else after it, in its folder or that of the run. Collective.
+  // the reason why it cannot be used, and with the path of the nearest one that can be used: the
+  // one before it, or else after it, in its folder or that of the run. Collective.
   RunRestart read(const std::string& which, const Simulation& simulation);
 
 private:
