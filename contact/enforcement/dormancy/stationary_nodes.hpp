@@ -1,7 +1,7 @@
-// A node is stationary if its old and its new coordinates in this step are, bit by bit, the new ones
-// of the last step. A face is stationary if all its corners are. A stationary node need not be tested
-// again if all its candidates are stationary and none could be in contact in the last step: boxes
-// that do not move do not grow, so each pair was tested in that step, with the same geometry.
+// A node is stationary if its old and its new coordinates in this step are, bit by bit, the new
+// ones of the last step. A face is stationary if all its corners are. A stationary node need not be
+// tested again if all its candidates are stationary and none could be in contact in the last step:
+// boxes that do not move do not grow, so each pair was tested in that step, with the same geometry.
 #pragma once
 
 #include "contact/enforcement/dormancy/surface_motion.hpp"

@@ -1,4 +1,5 @@
-// Sums that several kernels add to (contact/base/sum_over.hpp), by the kernels of devices and of hosts.
+// Sums that several kernels add to (contact/base/sum_over.hpp), by the kernels of devices and of
+// hosts.
 #include "contact/base/sum_over.hpp"
 
 #include <gtest/gtest.h>

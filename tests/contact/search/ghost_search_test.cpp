@@ -1,5 +1,6 @@
-// The global search alone: boxes that differ in the last place, invariants of the partners, exports,
-// reverse sums, errors thrown on all ranks. search_test.cpp compares its ghosts with brute force.
+// The global search alone: boxes that differ in the last place, invariants of the partners,
+// exports, reverse sums, errors thrown on all ranks. search_test.cpp compares its ghosts with brute
+// force.
 #include "tests/contact/search/search_checks.hpp"
 
 #include <gtest/gtest.h>
