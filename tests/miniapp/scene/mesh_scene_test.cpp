@@ -77,6 +77,27 @@ TEST(MeshScene, SetsThatShareNodesAreRefusedIfTheirMotionsDiffer) {
             "");
 }
 
+// mesh.config() puts the blocks of a test on line 9 and after.
+TEST(MeshScene, NamesThatTheMeshLacksAreFoundInTheDeck) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const std::string fault = faultOf(mesh.config("[[boundary.fixed]]\nnode_set = \"lft\"\n"
+                                                "[[load.pressure]]\nside_set = \"frnt\"\n"
+                                                "peak = 1.0\nshape = \"step\"\n"
+                                                "[[initial.velocity]]\nblock = \"bric\"\n"
+                                                "velocity = [1, 0, 0]\n"));
+  for (const char* part :
+       {"deck.toml:9: [[boundary.fixed]]: found no node set 'lft' in the mesh, expected one of "
+        "left, front_nodes, nothing; did you mean 'left'?",
+        "deck.toml:11: [[load.pressure]]: found no side set 'frnt' in the mesh, expected one of ",
+        "deck.toml:15: [[initial.velocity]]: found no element block 'bric' in the mesh, expected "
+        "one of brick; did you mean 'brick'?"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(faultOf(mesh.config("[[initial.deformation]]\nbody = 1\n"
+                                "gradient = [0, 0, 0, 0, 0, 0, 0, 0, 0]\n")),
+            "deck.toml:9: [[initial.deformation]] body: found the integer 1, expected one of the 1 "
+            "bodies, 0 to 0");
+}
+
 TEST(MeshScene, EmptySetsCauseWarnings) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const Scene scene =
