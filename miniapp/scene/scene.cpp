@@ -12,6 +12,11 @@
 #include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/force_range.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
 namespace brickwall::miniapp {
 
 namespace {
@@ -96,6 +101,27 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
   scene.longest_edge = allReduce(comm, longest, MPI_MAX);
   if (!(scene.shortest_edge > 0))
     refuseEdgesOfZeroLength(space, comm, scene);
+}
+
+// Far from the origin coordinates are coarse: the spacing of doubles there, over the shortest edge.
+// Above this share, volumes and gaps err by as much.
+constexpr double coarse_positions = 1e-6;
+
+// A warning, or nothing. Collective.
+std::vector<std::string> coarsePositions(MPI_Comm comm, const Scene& scene) {
+  double farthest = 0;
+  for (const double x : scene.part.coordinates)
+    farthest = std::max(farthest, std::fabs(x));
+  farthest = allReduce(comm, farthest, MPI_MAX);
+  const double spacing = farthest * std::numeric_limits<double>::epsilon();
+  if (!(spacing > coarse_positions * scene.shortest_edge))
+    return {};
+  std::ostringstream text;
+  text.precision(2);
+  text << "coordinates of up to " << farthest << " are rounded to about " << spacing << ", "
+       << spacing / scene.shortest_edge
+       << " of the shortest edge, and so are volumes and gaps: move the mesh to the origin";
+  return {text.str()};
 }
 
 template <class Set>
@@ -270,6 +296,8 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   } catch (const InputError& error) { // on all ranks
     throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
+  for (const std::string& warning : coarsePositions(comm, scene))
+    scene.warnings.push_back(warning);
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
   return scene;
 }

@@ -108,6 +108,23 @@ TEST(MeshScene, EmptySetsCauseWarnings) {
   EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
 }
 
+// Doubles near 2^20 have the spacing 2^-32, those near 2^40 2^-12; edges are about 1 long.
+TEST(MeshScene, CoarseCoordinatesCauseAWarning) {
+  const auto warningsAt = [](double place) {
+    const MeshFile mesh(oneBrick({1, 1, 1}), [&](io::MeshPart& part) {
+      for (double& x : part.coordinates)
+        x += place;
+    });
+    return makeScene(exec_space(), MPI_COMM_WORLD, mesh.config("")).warnings;
+  };
+  EXPECT_TRUE(warningsAt(0x1p20).empty());
+  const auto warnings = warningsAt(0x1p40);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("coordinates of up to 1.1e+12 are rounded to about 0.00024, "),
+            std::string::npos)
+      << warnings[0];
+}
+
 // Two bricks in two blocks, the second one `stiffer` times as stiff. Forces are rounded to between
 // 2^-54 and 2^-53 of the force of the stiff block.
 std::vector<std::string> warningsOfContrast(double stiffer) {
