@@ -290,7 +290,8 @@ TEST(GhostSearchTest, ValuesTravelForSelectedGhostsOnly) {
     const LocalSurface local = localSurface(c, rank);
     GlobalSearch search(comm, configOf(c, method));
     const GhostFaces& ghosts = search.findGhosts(space, local.surface);
-    const auto ids = toHost(ghosts.face_ids), corners = toHost(ghosts.corner_ids);
+    const auto ids = toHost(ghosts.face_ids);
+    const auto corners = toHost(ghosts.corner_ids);
     const auto node_values =
         viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
           return static_cast<double>(10 * c.nodes[local.nodes[n]].id + static_cast<int>(d));
