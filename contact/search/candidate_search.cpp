@@ -92,9 +92,11 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
                                               std::optional<double> motion,
                                               const std::function<void()>& meanwhile,
                                               const View<const unsigned char*>& stationary) {
+  _local.setMeanwhile(meanwhile);
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary);
   if (!_has_pairs)
-    _local.findCandidatePairs(space, surface, meanwhile);
+    _local.findCandidatePairs(space, surface);
+  _local.setMeanwhile({});
   _has_pairs = true;
   return _local.pairs();
 }

@@ -55,8 +55,8 @@ public:
   // any number if there are no such boxes. It is measured if not given, at the nodes [node] that
   // `stationary` does not flag (or all, if that is empty): those with the coordinates_new of the last
   // update in both configurations.
-  // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
-  // would wait for the device.
+  // `meanwhile` may be called, more than once: it launches work that does not need the search, before
+  // the host waits for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
                                const std::function<void()>& meanwhile = {},

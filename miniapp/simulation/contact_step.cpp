@@ -117,11 +117,29 @@ void ContactStep::findCandidates(bool are_final, const std::function<void()>& me
   _has_forces_of_search = false;
   const Stopwatch time;
   View<const unsigned char*> stationary;
-  if (are_final) // the host reads the motion after its waits for the search
-    stationary = _enforcement->startMotion(_space, surface());
-  if (_edges)
-    _edges->gatherCoordinates(_space, surface(), stationary);
-  _search.update(_space, surface(), {}, meanwhile, stationary);
+  bool is_measured = false;
+  const auto measure = [&] {
+    is_measured = true;
+    if (are_final) // the host reads the motion after its waits for the search
+      stationary = _enforcement->startMotion(_space, surface());
+    if (_edges)
+      _edges->gatherCoordinates(_space, surface(), stationary);
+  };
+  // At the first wait of a search that does not read the motion, `meanwhile` at the next ones.
+  const auto launch = [&] {
+    if (!is_measured)
+      measure();
+    else
+      meanwhile();
+  };
+  if (!meanwhile || _search.margin() > 0) {
+    measure();
+    _search.update(_space, surface(), {}, meanwhile, stationary);
+  } else {
+    _search.update(_space, surface(), {}, launch);
+    if (!is_measured)
+      measure();
+  }
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());
