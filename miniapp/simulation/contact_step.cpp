@@ -125,21 +125,20 @@ void ContactStep::findCandidates(bool are_final, const std::function<void()>& me
     if (_edges)
       _edges->gatherCoordinates(_space, surface(), stationary);
   };
-  // At the first wait of a search that does not read the motion, `meanwhile` at the next ones.
-  const auto launch = [&] {
-    if (!is_measured)
-      measure();
-    else
-      meanwhile();
-  };
-  if (!meanwhile || _search.margin() > 0) {
+  // A search of one rank that does not read the motion leaves it to its first wait.
+  const bool may_wait = meanwhile && _search.margin() == 0 && sizeOf(_comm) == 1;
+  if (!may_wait)
     measure();
-    _search.update(_space, surface(), {}, meanwhile, stationary);
-  } else {
-    _search.update(_space, surface(), {}, launch);
-    if (!is_measured)
+  int num_waits = 0;
+  const auto launch = [&] {
+    if (num_waits++ > 0)
+      meanwhile();
+    else if (!is_measured)
       measure();
-  }
+  };
+  _search.update(_space, surface(), {}, meanwhile ? launch : std::function<void()>(), stationary);
+  if (!is_measured)
+    measure();
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());

@@ -40,8 +40,8 @@ TEST(MemoryEstimateTest, IsWithin15PercentOfThatOfGpus) {
 
 // The same on a processor, one rank: largest memory of the process.
 TEST(MemoryEstimateTest, IsWithin15PercentOfThatOfProcessors) {
-  for (const Measured& run :
-       {Measured{2, true, 1, 79}, Measured{4, true, 1, 184}, Measured{8, true, 1, 672}}) {
+  for (const Measured& run : {Measured{2, true, 1, 79}, Measured{4, true, 1, 184},
+                              Measured{8, true, 1, 672}, Measured{16, true, 1, 3401}}) {
     const MemoryEstimate memory = estimateMemory(wall(run.n, run.has_contact), run.ranks, false);
     EXPECT_NEAR(1e-6 * memory.of_rank, run.megabytes, 0.15 * run.megabytes) << "W(" << run.n << ")";
   }
