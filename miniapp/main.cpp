@@ -29,7 +29,8 @@ int runCommand(MPI_Comm comm, const Config& config, const Options& options) {
   return runSimulation(comm, config, options);
 }
 
-// `guard` is only for failures, which are reported before Kokkos ends: on a faulty device it may not.
+// `guard` is only for failures, which are reported before Kokkos ends: on a faulty device it may
+// not.
 int runInsideKokkos(MPI_Comm comm, MPI_Comm guard, const Config& config, const Options& options,
                     const char* program) {
   std::vector<std::string> words = options.kokkos_arguments;
@@ -59,7 +60,8 @@ int runInsideKokkos(MPI_Comm comm, MPI_Comm guard, const Config& config, const O
   return code;
 }
 
-// The deck is judged first, so that its faults stand alone, without what Kokkos prints as it starts.
+// The deck is judged first, so that its faults stand alone, without what Kokkos prints as it
+// starts.
 int runProgram(MPI_Comm comm, const Options& options, const char* program) {
   MPI_Comm guard = MPI_COMM_NULL;
   checkMpi(MPI_Comm_dup(comm, &guard), "MPI_Comm_dup");

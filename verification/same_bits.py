@@ -147,7 +147,7 @@ def compare_all(program, arguments, exodiff):
     return first, rows, failed
 
 
-def write_report(path, arguments, first, rows, failed, seconds, exodiff):
+def write_report(path, first, rows, failed, seconds, exodiff):
     study = {"machine": machine.describe(), "program": first.report if first else {}, "ranks": 1, "threads": 1,
              "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")}
     steps = first.report["steps"] if first else 0
@@ -169,7 +169,7 @@ def main():
     begin = time.monotonic()
     first, rows, failed = compare_all(Program(arguments.run_sh, arguments.program), arguments, exodiff)
     path = arguments.output / "report.md"
-    write_report(path, arguments, first, rows, failed, time.monotonic() - begin, exodiff)
+    write_report(path, first, rows, failed, time.monotonic() - begin, exodiff)
     print(f"{'FAIL' if failed else 'PASS'}: {len(rows) - failed} of {len(rows)} runs have the same bits\nwrote    {path}")
     if arguments.keep:
         shutil.copy(path, ROOT / "same_bits.md")

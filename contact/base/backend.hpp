@@ -151,6 +151,9 @@ public:
     (void)space;
     _is_set = true;
   }
+  void clear() {
+    _is_set = false;
+  }
   void wait(const exec_space& space) {
 #if defined(KOKKOS_ENABLE_CUDA)
     if constexpr (std::is_same<exec_space, Kokkos::Cuda>::value)

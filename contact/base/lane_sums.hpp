@@ -24,8 +24,8 @@ KOKKOS_FORCEINLINE_FUNCTION std::uint64_t patternOf(double value) {
   return bits;
 }
 
-// Adds the parts of split terms: the sums, modulo 2^64, of the bit patterns of `rows` terms with the
-// shifts of `scale`.
+// Adds the parts of split terms: the sums, modulo 2^64, of the bit patterns of `rows` terms with
+// the shifts of `scale`.
 KOKKOS_FORCEINLINE_FUNCTION void addParts(LimbSum& sum, std::uint64_t high_bits,
                                           std::uint64_t low_bits, std::uint64_t rows,
                                           const SplitScale& scale) {

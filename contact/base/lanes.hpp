@@ -20,8 +20,8 @@ struct LanesReached {
   unsigned all, surely;
 };
 
-// Bit l: box[s * stride] <= reach[s][l] for all six sides. `reach` is [6][Width], unaligned: one box
-// against the reaches of many. No difference of a reach and a side may be NaN.
+// Bit l: box[s * stride] <= reach[s][l] for all six sides. `reach` is [6][Width], unaligned: one
+// box against the reaches of many. No difference of a reach and a side may be NaN.
 template <int Width>
 KOKKOS_INLINE_FUNCTION LanesReached lanesReaching(const float* reach, const float* box,
                                                   int stride) {
@@ -326,8 +326,8 @@ KOKKOS_INLINE_FUNCTION int countBits(unsigned bits) {
 #endif
 }
 
-// Lanes of a thread of a team policy of this vector length. On a device they run together, on a host
-// one after another.
+// Lanes of a thread of a team policy of this vector length. On a device they run together, on a
+// host one after another.
 constexpr int vector_lanes = 32;
 
 // A variable of each lane; registers on a device.

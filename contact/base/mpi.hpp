@@ -65,8 +65,8 @@ private:
   static void freeComm(MPI_Comm* comm) {
     int is_finalized = 0;
     MPI_Finalized(&is_finalized);
-    // MPI_Comm_free is collective: a rank that an exception unwinds would wait for others, which may
-    // not have it. The communicator then lives as long as MPI.
+    // MPI_Comm_free is collective: a rank that an exception unwinds would wait for others, which
+    // may not have it. The communicator then lives as long as MPI.
     if (*comm != MPI_COMM_NULL && !is_finalized && std::uncaught_exceptions() == 0)
       MPI_Comm_free(comm);
     delete comm;
@@ -259,8 +259,8 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
 }
 
 // For each of this rank's keys, in their order, how often the ranks together list it. Equal keys
-// meet on the rank number_of(key) modulo ranks. Keys are plain values with an order. Collective; for
-// set-up.
+// meet on the rank number_of(key) modulo ranks. Keys are plain values with an order. Collective;
+// for set-up.
 template <class Key, class NumberOf>
 std::vector<std::int64_t> countOnAllRanks(MPI_Comm comm, const std::vector<Key>& keys,
                                           const NumberOf& number_of) {

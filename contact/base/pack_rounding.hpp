@@ -40,8 +40,8 @@ private:
   bits _misfit = {};
 };
 
-// Rounds numbers as toFixed(). If one is beyond [-2^51, 2^51), `largest` becomes at least the largest
-// of their magnitudes; a smaller magnitude is no failure.
+// Rounds numbers as toFixed(). If one is beyond [-2^51, 2^51), `largest` becomes at least the
+// largest of their magnitudes; a smaller magnitude is no failure.
 template <int N>
 KOKKOS_FORCEINLINE_FUNCTION void roundAll(const double (&quanta)[N], double& largest,
                                           std::int64_t (&rounded)[N]) {

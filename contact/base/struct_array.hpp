@@ -79,7 +79,8 @@ public:
       _packs(i / pack_size).words[byte / 8][i % pack_size] = word;
     }
   }
-  // A struct to be written member by member: the stored one, or `local`. To be followed by commit().
+  // A struct to be written member by member: the stored one, or `local`. To be followed by
+  // commit().
   KOKKOS_FORCEINLINE_FUNCTION T& edit(std::int64_t i, T& local) const {
     if constexpr (is_plain)
       return _packs(i);

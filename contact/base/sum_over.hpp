@@ -79,6 +79,7 @@ public:
           Kokkos::view_alloc(Kokkos::WithoutInitializing, "base::LaunchedSums"), max_launched);
     if (_num_launched == max_launched)
       take(space);
+    _mark.clear();
     Value& place = *new (&_stored(_num_launched++)) Value();
     return Reducer(place);
   }

@@ -96,6 +96,7 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
   _has_changed =
       View<unsigned char*>("contact::Enforcement::has_changed", _accelerations.extent(0));
+  _ghost_in_use = View<unsigned char*>("contact::Enforcement::ghost_in_use", 0);
   _ghost_accelerations = View<double* [12]>("contact::Enforcement::ghost_accelerations", 0);
   _responses = View<double* [3]>("contact::Enforcement::responses", _accelerations.extent(0));
   _ghost_responses = View<double* [12]>("contact::Enforcement::ghost_responses", 0);
@@ -277,12 +278,15 @@ void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
     zeroListed(space, "contact::zeroTotals", _touched.list(), _totals);
   _touched.clear(space);
   _touched.add(space, faces.surface, _set.next());
-  if (sizeOf(_comm) > 1 && (neutral == nullptr || !neutral->list_shared))
-    _touched.listAll(space);
-  else if (sizeOf(_comm) > 1)
-    neutral->list_shared(_touched);
   if (edges != nullptr)
     edges->addTouched(space, _touched);
+  if (sizeOf(_comm) > 1 && (neutral == nullptr || !neutral->list_shared))
+    _touched.listAll(space);
+  else if (sizeOf(_comm) > 1) {
+    growTo(space, _ghost_in_use, faces.ghosts.count);
+    flagGhostsInUse(space, faces, _set.next(), _ghost_in_use);
+    neutral->list_shared(_ghost_in_use, _touched);
+  }
   if (were_all && !_touched.list().isAll())
     zeroListed(space, "contact::zeroTotals", NodeList::allOf(_num_nodes), _totals);
 }

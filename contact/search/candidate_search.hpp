@@ -52,9 +52,9 @@ public:
   // that are too short, and other Views with other content.
   // `motion`, from a host that reads the coordinates in any case, is the greatest
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
-  // any number if there are no such boxes. It is measured if not given, at the nodes [node] that
-  // `stationary` does not flag (or all, if that is empty): those with the coordinates_new of the last
-  // update in both configurations.
+  // any number if there are no such boxes. Without it, update() measures the nodes that `stationary`
+  // [node] does not flag. A flag that is not 0 states that both configurations of the node equal
+  // coordinates_new of the last update().
   // `meanwhile` may be called, more than once: it launches work that does not need the search, before
   // the host waits for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
@@ -102,6 +102,20 @@ public:
   void forward(const exec_space& space, const SweptBoxes& surface,
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values) {
     _global.forward(space, surface, node_values, ghost_values);
+  }
+  void selectGhosts(const exec_space& space, const View<const unsigned char*>& flags) {
+    _global.selectGhosts(space, flags);
+  }
+  const GhostSelection& selection() const { return _global.selection(); }
+  void reverseSumSelected(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                          const View<const std::int64_t* [12]>& ghost_values,
+                          const View<std::int64_t* [3]>& node_values) {
+    _global.reverseSumSelected(space, face_to_nodes, ghost_values, node_values);
+  }
+  void forwardSelected(const exec_space& space, const SweptBoxes& surface,
+                       const View<const double* [3]>& node_values,
+                       const View<double* [12]>& ghost_values) {
+    _global.forwardSelected(space, surface, node_values, ghost_values);
   }
 
   // Collective. The number of pairs over all ranks that pairs() lacks, by comparison with all pairs

@@ -24,8 +24,8 @@ GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
   checkSearchConfig(_comm, "GlobalSearch", config);
 }
 
-// The input is checked where it is new, and the rank boxes are exchanged where they do not hold. The
-// one reduction of a call in which nothing is new.
+// The input is checked where it is new, and the rank boxes are exchanged where they do not hold.
+// The one reduction of a call in which nothing is new.
 void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& surface) {
   OwnRankBoxes own;
   bool is_same = _check.isSame(space, surface);

@@ -3,7 +3,7 @@
 // only if the box of f overlaps the box of a node that q owns.
 #pragma once
 
-#include "contact/search/exchange/face_migration.hpp"
+#include "contact/search/exchange/ghost_exchange.hpp"
 #include "contact/search/exchange/search_phases.hpp"
 #include "contact/surface/check_surface.hpp"
 #include "contact/surface/search_config.hpp"
@@ -53,6 +53,23 @@ public:
   // xyz), for the ghosts of the last findGhosts().
   void forward(const exec_space& space, const SweptBoxes& surface,
                const View<const double* [3]>& node_values, const View<double* [12]>& ghost_values);
+
+  // Collective. Selects the ghosts whose flags [ghost] are not 0: forwardSelected() and
+  // reverseSumSelected() are forward() and reverseSum() for these, until the next findGhosts().
+  void selectGhosts(const exec_space& space, const View<const unsigned char*>& flags) {
+    _selection.select(space, _comm, _phases->facesToSend(), _migration, flags);
+  }
+  const GhostSelection& selection() const { return _selection; }
+  void reverseSumSelected(const exec_space& space, const View<const int* [4]>& face_to_nodes,
+                          const View<const std::int64_t* [12]>& ghost_values,
+                          const View<std::int64_t* [3]>& node_values) {
+    _selection.reverseSum(space, _comm, face_to_nodes, ghost_values, node_values);
+  }
+  void forwardSelected(const exec_space& space, const SweptBoxes& surface,
+                       const View<const double* [3]>& node_values,
+                       const View<double* [12]>& ghost_values) {
+    _selection.forward(space, _comm, surface.face_to_nodes, node_values, ghost_values);
+  }
 
   // Collective among partners. Copies the present coordinates x^n and x^{n+1} of the owners'
   // surfaces to ghosts(); all else of the surfaces must be as in the last findGhosts().
@@ -104,6 +121,7 @@ private:
   RankBoxes _rank_boxes; // phase 2
   std::int64_t _num_rank_box_exchanges = 0;
   FaceMigration _migration; // phase 6
+  GhostSelection _selection;
 };
 
 } // namespace brickwall::contact

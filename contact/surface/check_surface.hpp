@@ -18,8 +18,8 @@ namespace brickwall::contact {
 void checkSurface(const exec_space& space, MPI_Comm comm, const std::string& function,
                   const SweptBoxes& surface);
 
-// Collective. Throws InputError on all ranks if a tolerance or the margin is negative or not finite,
-// or if a value differs between ranks.
+// Collective. Throws InputError on all ranks if a tolerance or the margin is negative or not
+// finite, or if a value differs between ranks.
 void checkSearchConfig(MPI_Comm comm, const std::string& function, const SearchConfig& config,
                        double margin = 0);
 

@@ -8,8 +8,8 @@
 
 namespace brickwall::contact {
 
-// Bytes, since these may hold any plain struct and be copied as such; integers may not, by the rules
-// of aliasing.
+// Bytes, since these may hold any plain struct and be copied as such; integers may not, by the
+// rules of aliasing.
 struct alignas(std::int64_t) AttributeWord {
   unsigned char bytes[sizeof(std::int64_t)];
 };

@@ -1,4 +1,5 @@
-// Sorting on the host of lists that consist of ascending runs, such as what several ranks have sent.
+// Sorting on the host of lists that consist of ascending runs, such as what several ranks have
+// sent.
 #pragma once
 
 #include <algorithm>

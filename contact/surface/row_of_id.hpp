@@ -1,4 +1,5 @@
-// The row of each id in a list of distinct ids, on the host, for set-up. Lists that ascend cost one pass.
+// The row of each id in a list of distinct ids, on the host, for set-up. Lists that ascend cost one
+// pass.
 #pragma once
 
 #include "contact/base/to_device.hpp"

@@ -124,8 +124,8 @@ std::vector<Received<Key>> mergeReceived(const std::vector<std::vector<Record>>&
 }
 
 // The ranks that have each of the nodes with these ids, ascending, of nodes that several have;
-// `is_owned` [id] tells whether this rank owns it. The rank chosen by an id knows which ranks have the
-// node, and spreads ownership over them by the id.
+// `is_owned` [id] tells whether this rank owns it. The rank chosen by an id knows which ranks have
+// the node, and spreads ownership over them by the id.
 std::vector<std::vector<int>> findSharers(const Communicator& comm,
                                           const std::vector<global_id>& ids,
                                           std::vector<unsigned char>& is_owned) {
@@ -170,7 +170,8 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
   const int num_ranks = sizeOf(comm), rank = rankOf(comm);
   Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, num_ranks);
 
-  // Nodes by ids. Of the ranks that send one, this rank or else the first is the source of its values.
+  // Nodes by ids. Of the ranks that send one, this rank or else the first is the source of its
+  // values.
   const auto node_records = exchangeByRank(comm, std::move(out.nodes));
   const auto nodes =
       mergeReceived<global_id>(node_records, [](const NodeRecord& node) { return node.id; });
@@ -206,8 +207,8 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
       row = out.node_rows[q][row];
   _to_secondary = SurfaceTransfer(space, comm, rows_sent, wanted_rows);
 
-  // Each primary copy has its values back from this rank if it has a copy, or else from the first rank
-  // to which it sent the node.
+  // Each primary copy has its values back from this rank if it has a copy, or else from the first
+  // rank to which it sent the node.
   std::vector<char> has_source(primary.num_nodes, 0);
   std::vector<std::vector<int>> returned_rows(num_ranks), asked(num_ranks);
   const auto ask = [&](int q) {

@@ -69,7 +69,8 @@ public:
   void sumShared(const exec_space& space, const ViewType& values) {
     _shared.sumShared(space, values);
   }
-  const View<int*>& sharedNodes() const { return _shared.sentRows(); } // some repeat
+  // Between the copies of the nodes that several ranks have.
+  SurfaceTransfer& shared() { return _shared; }
   // Values [node][W], equal on all copies of a node, to all primary copies of it. Collective.
   template <class SourceView, class TargetView>
   void giveBack(const exec_space& space, const SourceView& values, const TargetView& of_primary) {
@@ -81,6 +82,7 @@ public:
   // nodes only, until the next selection. Collective.
   void selectNodes(const exec_space& space, const SurfaceTransfer::Flags& flags,
                    const SurfaceTransfer::Flags& of_primary) {
+    Kokkos::deep_copy(space, of_primary, static_cast<unsigned char>(0));
     _to_primary.forwardFlags(space, flags, of_primary);
     _to_primary.select(space, flags, of_primary);
     _to_secondary.select(space, of_primary, flags);

@@ -31,7 +31,8 @@ void unpackFlags(const exec_space& space, const View<std::int64_t*>& words, cons
       KOKKOS_LAMBDA(const std::int64_t w) {
         const auto word = static_cast<std::uint64_t>(words(w));
         for (int i = word_begin(w); i < word_begin(w + 1); ++i)
-          flags(rows(i)) = static_cast<unsigned char>(word >> (i - word_begin(w)) & 1);
+          if ((word >> (i - word_begin(w)) & 1) != 0)
+            flags(rows(i)) = 1;
       });
 }
 
@@ -40,7 +41,10 @@ void copyFlags(const exec_space& space, const SurfaceTransfer::Flags& source,
   Kokkos::parallel_for(
       "contact::SurfaceTransfer::copyFlags",
       rangePolicy(space, static_cast<std::int64_t>(from.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t i) { target(to(i)) = source(from(i)); });
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        if (source(from(i)))
+          target(to(i)) = 1;
+      });
 }
 
 // chosen: the rows whose flags are set, in order; before [row]: how many precede it, and the number.
@@ -75,6 +79,7 @@ SurfaceTransfer::Side::Side(const exec_space& space,
     word_ends.push_back(static_cast<std::int64_t>(begin.size()));
   }
   begin.push_back(static_cast<int>(ends.back()));
+  selected_ends.assign(ends.size(), 0);
   rows = toDevice(space, "contact::SurfaceTransfer::rows", all);
   word_begin = toDevice(space, "contact::SurfaceTransfer::word_begin", begin);
   place = allocate<View<int*>>(space, "contact::SurfaceTransfer::place", all.size() + 1);

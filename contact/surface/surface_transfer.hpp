@@ -39,9 +39,8 @@ public:
   void sumShared(const exec_space& space, const ViewType& values) {
     _plan.sumShared(space, values);
   }
-  const View<int*>& sentRows() const { return _plan.sendRows(); } // to other ranks; some repeat
 
-  // As forward(), in messages of a bit for each row.
+  // As forward(), in messages of a bit for each row, but flags of the target that are set stay so.
   void forwardFlags(const exec_space& space, const Flags& source, const Flags& target);
   // forwardSelected() then transfers the rows whose flags are set: those of a row that is sent and of
   // where it is received must be equal.
@@ -50,15 +49,21 @@ public:
   void forwardSelected(const exec_space& space, const SourceView& source,
                        const TargetView& target) {
     copyRows(space, source, target, _selected_from, _selected_to, _num_selected);
-    if (_plan.partners().empty())
-      return;
-    const auto width = static_cast<std::int64_t>(source.extent(1));
-    growTo(space, _buffers.send, _sent.selected_ends.back() * width);
-    packRows(space, source, _sent.selected, _sent.selected_ends.back(), _buffers.send);
-    _buffers.exchange(space, _comm, _tag, _plan.partners(), _sent.words(width),
-                      _received.words(width));
-    unpackRows<AssignReceived>(space, _buffers.receive, _received.selected,
-                               _received.selected_ends.back(), target);
+    exchangeSelected<AssignReceived>(space, source, target);
+  }
+  // sumShared() for the rows whose flags are set on any rank. Afterwards they are set on all.
+  void selectShared(const exec_space& space, const Flags& flags) {
+    forwardFlags(space, flags, flags);
+    select(space, flags, flags);
+  }
+  template <class ViewType>
+  void sumSelected(const exec_space& space, const ViewType& values) {
+    exchangeSelected<AddReceived>(space, values, values);
+  }
+  // Those of other ranks; some repeat.
+  View<const int*> selectedRows() const {
+    return Kokkos::subview(_sent.selected,
+                           std::make_pair(std::int64_t(0), _sent.selected_ends.back()));
   }
 
 private:
@@ -85,6 +90,20 @@ private:
     Kokkos::parallel_for("contact::SurfaceTransfer::copyRows", rangePolicy(space, num_rows),
                          CopyRow<SourceView, TargetView>{source, target, from, to,
                                                          static_cast<int>(source.extent(1))});
+  }
+
+  template <class Place, class SourceView, class TargetView>
+  void exchangeSelected(const exec_space& space, const SourceView& source,
+                        const TargetView& target) {
+    if (_plan.partners().empty())
+      return;
+    const auto width = static_cast<std::int64_t>(source.extent(1));
+    growTo(space, _buffers.send, _sent.selected_ends.back() * width);
+    packRows(space, source, _sent.selected, _sent.selected_ends.back(), _buffers.send);
+    _buffers.exchange(space, _comm, _tag, _plan.partners(), _sent.words(width),
+                      _received.words(width));
+    unpackRows<Place>(space, _buffers.receive, _received.selected, _received.selected_ends.back(),
+                      target);
   }
 
   View<int*> _from, _to; // rows that stay on this rank

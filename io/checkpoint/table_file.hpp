@@ -1,5 +1,5 @@
-// Tables of numbers in a netCDF-4 file, which h5dump, ncdump and Python's netCDF4 open: one dimension
-// for the rows of each table, one variable TABLE_COLUMN for each column.
+// Tables of numbers in a netCDF-4 file, which h5dump, ncdump and Python's netCDF4 open: one
+// dimension for the rows of each table, one variable TABLE_COLUMN for each column.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ struct Table {
   const Column& column(const std::string& name) const;
 };
 
-// Writes a file of this rank, closes it and waits until it is on the disk. Throws OutputError naming
-// the file.
+// Writes a file of this rank, closes it and waits until it is on the disk. Throws OutputError
+// naming the file.
 void writeTables(const std::string& path, const std::vector<Table>& tables);
 // All tables of the file. Throws InputError naming the file.
 std::vector<Table> readTables(const std::string& path);

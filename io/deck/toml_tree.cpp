@@ -134,8 +134,8 @@ TomlNode convert(const toml::value& value, const LineEnds& line_ends) {
   return node;
 }
 
-// toml11 recurses into brackets and dotted keys, and scans a line once for each of its values: what is
-// deeper or longer than in any deck is refused before it exhausts the stack or patience.
+// toml11 recurses into brackets and dotted keys, and scans a line once for each of its values: what
+// is deeper or longer than in any deck is refused before it exhausts the stack or patience.
 void checkShape(const std::string& text) {
   constexpr int deepest = 64, longest_line = 16384;
   int depth = 0, dots = 0, line = 1, column = 0; // dots since the key began

@@ -18,8 +18,8 @@ InputError truncated(const std::string& path) {
   return InputError(path + ": the file is truncated: it ends within its header");
 }
 
-// A product of counts, or a sum of two such; beyond `most` the header is damaged. So no sum of three
-// overflows.
+// A product of counts, or a sum of two such; beyond `most` the header is damaged. So no sum of
+// three overflows.
 constexpr std::int64_t most = std::int64_t(1) << 60;
 std::int64_t checked(const std::string& path, std::int64_t bytes) {
   if (bytes < 0 || bytes > most)

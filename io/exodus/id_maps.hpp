@@ -1,5 +1,5 @@
-// The maps of an Exodus mesh file, node_num_map and elem_num_map: the ids by which other programs know
-// its nodes and elements. A file without one numbers them from 1.
+// The maps of an Exodus mesh file, node_num_map and elem_num_map: the ids by which other programs
+// know its nodes and elements. A file without one numbers them from 1.
 #pragma once
 
 #include "io/exodus/exodus_slice.hpp"
@@ -18,8 +18,8 @@ struct IdMaps {
 // The maps of this rank's slice. Throws InputError naming the file: a map that cannot be read.
 IdMaps readIdMaps(const ExodusFile& file, const MeshContents& contents, int rank, int size);
 
-// Throws InputError on all ranks, naming file, id and the first two places, if an id is there twice.
-// Collective.
+// Throws InputError on all ranks, naming file, id and the first two places, if an id is there
+// twice. Collective.
 void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshContents& contents,
                        const IdMaps& maps);
 

@@ -28,7 +28,8 @@ struct ResultsConfig {
   bool write_brick_id = true; // adds the element variable brick_id (body number + 1), last
   bool write_processor_id = false; // adds the element variable processor_id, after it
   bool single_precision = false; // store floats
-  // The names end with it until the caller renames the files, so that earlier ones stay as they are.
+  // The names end with it until the caller renames the files, so that earlier ones stay as they
+  // are.
   std::string temporary_suffix = {};
   FileFormat format = FileFormat::offset64;
 };

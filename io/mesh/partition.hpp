@@ -10,9 +10,10 @@
 namespace brickwall::io {
 
 // Rank that each of this rank's points (element or face centroids) belongs to: [point]. `ids` are
-// unique over all ranks; `points` is [point][xyz]; ranks get equal sums of `weights` [point], or equal
-// numbers of points if these are empty on all ranks. Fewer points than ranks, ranks without points
-// and coincident points are fine. Collective. Throws Error naming the Zoltan call that failed.
+// unique over all ranks; `points` is [point][xyz]; ranks get equal sums of `weights` [point], or
+// equal numbers of points if these are empty on all ranks. Fewer points than ranks, ranks without
+// points and coincident points are fine. Collective. Throws Error naming the Zoltan call that
+// failed.
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
                                  const std::vector<double>& points,
                                  const std::vector<float>& weights = {});

@@ -1,5 +1,5 @@
-// Rows of numbers that belong to entities by global id, wherever they are: how values find the ranks
-// of another partition.
+// Rows of numbers that belong to entities by global id, wherever they are: how values find the
+// ranks of another partition.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -23,8 +23,8 @@ struct RowsById {
   }
 };
 
-// The rows of the ids `wanted` among the rows that all ranks hold, in the order of `wanted`; those of
-// one id follow each other. An id that no rank holds has none. `held.width` is the same on all
+// The rows of the ids `wanted` among the rows that all ranks hold, in the order of `wanted`; those
+// of one id follow each other. An id that no rank holds has none. `held.width` is the same on all
 // ranks. Collective. No rank gets more than its share of the ids and the rows that it wants.
 RowsById fetchRows(MPI_Comm comm, const RowsById& held, const std::vector<global_id>& wanted);
 

@@ -22,8 +22,8 @@ double forceScale(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);
 // Sets the columns of all kinds that act to zero; the others are zero.
 void zeroForces(const exec_space& space, const NodalForces& forces);
 
-// How InternalForce computes the elements of lattices (brick_lattice.hpp); all methods give the same
-// bits.
+// How InternalForce computes the elements of lattices (brick_lattice.hpp); all methods give the
+// same bits.
 enum class LatticeMethod {
   none, // as all other elements
   planes, // plane by plane in SIMD lanes (lattice_force.hpp)

@@ -1,4 +1,5 @@
-// LimbSums over a range of items of which each thread adds many, and the kernel of devices for them.
+// LimbSums over a range of items of which each thread adds many, and the kernel of devices for
+// them.
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
@@ -8,8 +9,8 @@
 
 namespace brickwall::mechanics {
 
-// Sums of int64 in device memory, kept until Kokkos::finalize() because allocations take longer than
-// a sum.
+// Sums of int64 in device memory, kept until Kokkos::finalize() because allocations take longer
+// than a sum.
 inline View<std::int64_t*>& wordsOfSums(int size) {
   static View<std::int64_t*> words;
   if (static_cast<int>(words.extent(0)) < size) {
@@ -20,8 +21,8 @@ inline View<std::int64_t*>& wordsOfSums(int size) {
   return words;
 }
 
-// LimbSums of one thread of a device, which initialises only those to which it adds: they are in its
-// local memory, and few threads add to all of them.
+// LimbSums of one thread of a device, which initialises only those to which it adds: they are in
+// its local memory, and few threads add to all of them.
 template <int N>
 class SparseLimbSums {
 public:
@@ -124,8 +125,8 @@ struct AddPiece {
   void operator()(const std::int64_t first, LimbSums<N>& all) const { functor(first, pieces, all); }
 };
 
-// The LimbSums of what functor(first, stride, sums) adds for the items first, first + stride, ... of
-// [0, n). `on_device` chooses the kernel. Fences.
+// The LimbSums of what functor(first, stride, sums) adds for the items first, first + stride, ...
+// of [0, n). `on_device` chooses the kernel. Fences.
 template <int N, bool on_device = !host_accessible, class Functor>
 LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::int64_t n,
                        const Functor& functor) {

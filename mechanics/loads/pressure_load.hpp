@@ -68,7 +68,8 @@ private:
   double _everywhere;
 };
 
-// A point of the 2x2 Gauss quadrature of a quadrilateral: its shape functions and their derivatives.
+// A point of the 2x2 Gauss quadrature of a quadrilateral: its shape functions and their
+// derivatives.
 struct QuadPoint {
   double shape[4], along_xi[4], along_eta[4];
 

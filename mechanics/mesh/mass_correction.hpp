@@ -1,5 +1,5 @@
-// The least relative change of nodal masses that gives a body its mass, centre and second moments, by
-// ten moment conditions; theory.md, equations (36) to (39).
+// The least relative change of nodal masses that gives a body its mass, centre and second moments,
+// by ten moment conditions; theory.md, equations (36) to (39).
 #pragma once
 
 #include "contact/base/fixed_point.hpp"

@@ -53,8 +53,9 @@ public:
     _plan.sumShared(space, values);
   }
 
-  // The same for the forces that act, in two parts: kernels that are launched between them run while
-  // the messages travel, and must not use these forces. finish() does nothing if none is under way.
+  // The same for the forces that act, in two parts: kernels that are launched between them run
+  // while the messages travel, and must not use these forces. finish() does nothing if none is
+  // under way.
   void start(const exec_space& space, const NodalForces& forces) {
     finish(space);
     _forces = ActingForces(forces);

@@ -1,5 +1,5 @@
-// Sums over the elements or nodes of each body, for set-up: chunks of items are summed on the device,
-// and chunks of a body on all ranks are combined.
+// Sums over the elements or nodes of each body, for set-up: chunks of items are summed on the
+// device, and chunks of a body on all ranks are combined.
 #pragma once
 
 #include "contact/base/to_device.hpp"

@@ -1,7 +1,7 @@
 // Stable time step of central differences; theory.md, equations (30) to (34) and (40). The element
-// bound is dt = 2/omega with omega^2 = (8/rho) lambda_max of the elasticity tensor on the mean gradient. It
-// is exact on parallelepipeds; other elements take a factor 0.98. It holds for both kinds of
-// element, because the hourglass modes of full integration are softer than these.
+// bound is dt = 2/omega with omega^2 = (8/rho) lambda_max of the elasticity tensor on the mean
+// gradient. It is exact on parallelepipeds; other elements take a factor 0.98. It holds for both
+// kinds of element, because the hourglass modes of full integration are softer than these.
 // If the largest omega^2 of the assembled bodies at rest is known (largest_frequency.hpp), longer
 // steps are found. With each element rotated back by its rotation R and A(U) its moduli in that
 // frame, K(u) is K(0) plus the contribution of A(U) - A(0). By Weyl's inequality omega^2(u) <=

@@ -1,4 +1,5 @@
-// The kick of one node with its terms of the ledger, and their arithmetic in lanes (kick_packs.hpp).
+// The kick of one node with its terms of the ledger, and their arithmetic in lanes
+// (kick_packs.hpp).
 #pragma once
 
 #include "contact/base/lane_sums.hpp"
@@ -36,8 +37,8 @@ KOKKOS_INLINE_FUNCTION constexpr int plainScale(int term) {
   return term < plain_power ? 0 : (term == plain_power ? 1 : (term < plain_angular ? 2 : 3));
 }
 
-// Ledger terms of one of the other kinds of forces: the first numOtherKickTerms() of [work, impulse,
-// moment].
+// Ledger terms of one of the other kinds of forces: the first numOtherKickTerms() of [work,
+// impulse, moment].
 constexpr int max_other_kick_terms = 7;
 KOKKOS_INLINE_FUNCTION constexpr int numOtherKickTerms(int kind) {
   return kind == external_force ? +max_other_kick_terms : (kind == contact_force ? 4 : 1);

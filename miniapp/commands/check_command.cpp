@@ -80,67 +80,55 @@ void printMagnitudes(const Config& config, const Magnitudes& found) {
         found.elements_through, 100 * frequencyError(config.mass, found.elements_through));
 }
 
-} // namespace
+// Of the deck's scene, over all ranks.
+struct SceneCounts {
+  std::int64_t bodies, elements, nodes, faces;
+};
 
-int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
-  if (config.wall)
-    refuseUnknownBodies(config, io::WallLayout(*config.wall).numBricks());
-  const Config small = smallestLikeScene(config);
-  Scene scene = makeScene(exec_space(), comm, small);
-  const Simulation simulation(comm, small, scene);
-  const double dt = simulation.clock().dt;
-  for (const std::string& warning : loadWarnings(comm, config, scene.part, dt))
-    scene.warnings.push_back(warning);
-
-  std::int64_t elements = scene.part.num_global_elems, nodes = scene.part.num_global_nodes,
-               faces = scene.num_faces, bodies = scene.part.num_global_bodies;
+SceneCounts countsOf(const Config& config, const Scene& scene) {
   if (config.wall) {
     const io::WallLayout layout(*config.wall);
-    elements = layout.numElems();
-    nodes = layout.numNodes();
-    faces = layout.numFaces();
-    bodies = layout.numBricks();
+    return {layout.numBricks(), layout.numElems(), layout.numNodes(), layout.numFaces()};
   }
-  const std::int64_t congruent = specialElements(simulation).congruent;
-  const bool all_congruent = congruent == scene.part.num_global_elems;
-  // The bodies of a wall have as many edges as those of the small scene.
-  std::int64_t edges = simulation.contact() && simulation.contact()->edges()
-                           ? simulation.contact()->edges()->numEdges()
-                           : 0;
-  edges = allReduce(comm, edges, MPI_SUM) * bodies / scene.part.num_global_bodies;
-  const int ranks = sizeOf(comm);
-  const MemoryEstimate memory =
-      estimateMemory({elements, nodes, faces, edges, !all_congruent, config.contact.enabled}, ranks,
-                     !host_accessible);
-  const auto skipped =
-      skippedWork(small, simulation, contactCounts(simulation), scene.part.num_global_elems);
-  const Magnitudes magnitudes = magnitudesOf(comm, config, scene, dt);
-  for (const std::string& warning :
-       absurdMagnitudes(config, magnitudes, simulation.steps().plannedSteps()))
-    scene.warnings.push_back(warning);
-  if (rankOf(comm) != 0)
-    return 0;
+  return {scene.part.num_global_bodies, scene.part.num_global_elems, scene.part.num_global_nodes,
+          scene.num_faces};
+}
 
-  const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
-  std::printf("%s\n", config.title.empty() ? options.caseName().c_str() : config.title.c_str());
-  std::printf("  deck              %s\n", config.deck_path.c_str());
-  std::printf("  bodies            %lld\n", count(bodies));
-  std::printf("  elements          %lld (%s; %s)\n", count(elements),
+// Over all ranks. The bodies of a wall have as many edges as those of the smallest like scene.
+std::int64_t numEdges(MPI_Comm comm, const Simulation& simulation) {
+  const bool has_edges =
+      simulation.contact() != nullptr && simulation.contact()->edges() != nullptr;
+  return allReduce(comm, has_edges ? simulation.contact()->edges()->numEdges() : 0, MPI_SUM);
+}
+
+void printCount(const char* name, std::int64_t count) {
+  std::printf("  %-18s%lld\n", name, static_cast<long long>(count));
+}
+
+void printMesh(const Config& config, const SceneCounts& counts, bool all_congruent) {
+  printCount("bodies", counts.bodies);
+  std::printf("  elements          %lld (%s; %s)\n", static_cast<long long>(counts.elements),
               config.formulation == Formulation::one_point ? "one-point, physical stabilisation"
                                                            : "full 2x2x2",
               all_congruent ? "congruent bricks: no geometry per element"
                             : "general: geometry stored per element");
-  std::printf("  nodes             %lld\n", count(nodes));
-  std::printf("  exterior faces    %lld\n", count(faces));
-  for (const auto& block : scene.part.blocks) {
+  printCount("nodes", counts.nodes);
+  printCount("exterior faces", counts.faces);
+}
+
+void printMaterials(const Config& config, const io::MeshPart& part) {
+  for (const auto& block : part.blocks) {
     const auto& material = *config.materialOf(block.name);
     std::printf("  material          %s: %s, density %g, Young's modulus %g, Poisson's ratio %g, "
                 "wave speed %.4g\n",
                 block.name.c_str(), nameOf(material.model), material.density, material.youngs,
                 material.poisson, material.dilatationalSpeed());
   }
-  if (!scene.part.blocks.empty())
+  if (!part.blocks.empty())
     std::printf("  usual values      %s\n", usualValues(config).c_str());
+}
+
+void printConditions(const Config& config) {
   std::printf("  loads             %zu pressure, gravity %s\n", config.pressures.size(),
               config.gravity == Triple{0, 0, 0} ? "off" : "on");
   if (config.viscosity.any())
@@ -150,34 +138,82 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
     std::printf("  damping           %g by mass\n", config.mass_damping);
   std::printf("  boundary          %zu fixed, %zu moving node sets\n", config.fixed.size(),
               config.prescribed.size());
-  if (config.contact.enabled)
-    std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
-                boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge),
-                config.contact.penalty,
-                dropsSameBody(small) ? "no contact of a body with itself"
-                                     : "bodies may touch themselves");
-  else
+}
+
+void printContact(const Config& config, const Scene& scene, const Simulation& simulation,
+                  bool drops_same_body) {
+  if (!config.contact.enabled) {
     std::printf("  contact           off: no search\n");
-  if (config.contact.enabled && sureSpeed(simulation) < HUGE_VAL)
+    return;
+  }
+  std::printf("  contact           on, tolerance %g, penalty %g, %s\n",
+              boxTolerance(config.contact, scene.shortest_edge, scene.longest_edge),
+              config.contact.penalty,
+              drops_same_body ? "no contact of a body with itself" : "bodies may touch themselves");
+  if (sureSpeed(simulation) < HUGE_VAL)
     std::printf("  guard             a closing speed above %.4g %s\n", sureSpeed(simulation),
                 config.contact.guard == GuardAction::cut ? "shortens the step" : "stops the run");
-  if (config.contact.enabled && config.search.margin > 0)
+  if (config.search.margin > 0)
     std::printf("  search            %s, lists kept until a node has moved %g along an axis\n",
                 nameOf(config.search.method), 0.5 * config.search.margin * scene.shortest_edge);
-  else if (config.contact.enabled)
+  else
     std::printf("  search            %s, in every step\n", nameOf(config.search.method));
+}
+
+void printTimeStep(const Config& config, const Simulation& simulation) {
+  const double dt = simulation.clock().dt;
   if (config.time.bound == StepBound::lanczos)
     std::printf(
-        "  time step         %g, %.1f %% longer than by elements (Lanczos, body types: %lld)\n",
-        simulation.clock().dt, 100 * (simulation.steps().gain().step - 1),
-        count(simulation.steps().gain().body_types));
+        "  time step         %g, %.1f %% longer than by elements (Lanczos, body types: %lld)\n", dt,
+        100 * (simulation.steps().gain().step - 1),
+        static_cast<long long>(simulation.steps().gain().body_types));
   else
-    std::printf("  time step         %g, by elements\n", simulation.clock().dt);
+    std::printf("  time step         %g, by elements\n", dt);
+}
+
+void printSkipped(const Config& config, const std::vector<SkippedPart>& skipped) {
   for (const SkippedPart& part : skipped)
     if (part.share > 0 && !(part.key == "skip.resting_bodies" && startsUnlike(config)))
       std::printf("  skipped           %s: %.3g %% %s\n", part.what.c_str(), 100 * part.share,
                   part.of.c_str());
-  std::printf("  steps             %lld to time %g\n", count(simulation.steps().plannedSteps()),
+}
+
+} // namespace
+
+int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
+  if (config.wall)
+    refuseUnknownBodies(config, io::WallLayout(*config.wall).numBricks());
+  const Config small = smallestLikeScene(config);
+  Scene scene = makeScene(exec_space(), comm, small);
+  const Simulation simulation(comm, small, scene);
+  const double dt = simulation.clock().dt;
+  const std::int64_t num_steps = simulation.steps().plannedSteps(),
+                     num_small_elems = scene.part.num_global_elems;
+  const bool all_congruent = specialElements(simulation).congruent == num_small_elems;
+  const auto skipped = skippedWork(small, simulation, contactCounts(simulation), num_small_elems);
+  const Magnitudes magnitudes = magnitudesOf(comm, config, scene, dt);
+  for (const auto& warnings : {loadWarnings(comm, config, scene.part, dt),
+                               absurdMagnitudes(config, magnitudes, num_steps)})
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
+  const int ranks = sizeOf(comm);
+  const SceneCounts counts = countsOf(config, scene);
+  const SceneSize size{
+      counts.elements, counts.nodes,
+      counts.faces,    numEdges(comm, simulation) * counts.bodies / scene.part.num_global_bodies,
+      !all_congruent,  config.contact.enabled};
+  const MemoryEstimate memory = estimateMemory(size, ranks, !host_accessible);
+  if (rankOf(comm) != 0)
+    return 0;
+
+  std::printf("%s\n", config.title.empty() ? options.caseName().c_str() : config.title.c_str());
+  std::printf("  deck              %s\n", config.deck_path.c_str());
+  printMesh(config, counts, all_congruent);
+  printMaterials(config, scene.part);
+  printConditions(config);
+  printContact(config, scene, simulation, dropsSameBody(small));
+  printTimeStep(config, simulation);
+  printSkipped(config, skipped);
+  std::printf("  steps             %lld to time %g\n", static_cast<long long>(num_steps),
               config.time.end);
   printMagnitudes(config, magnitudes);
   std::printf(

@@ -9,8 +9,8 @@
 
 namespace brickwall::miniapp {
 
-// Writes the line "brickwall: `text`" to standard error in one call, so that a launcher, which reads
-// it beside standard output, does not tear it.
+// Writes the line "brickwall: `text`" to standard error in one call, so that a launcher, which
+// reads it beside standard output, does not tear it.
 void printMessage(const std::string& text);
 
 // To be called by every rank that has caught `error`; `comm` has no other use. When all ranks call

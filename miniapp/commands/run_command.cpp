@@ -166,7 +166,8 @@ private:
       observe();
       _output.followElements();
     } catch (const Error& error) {
-      // There may be no state to write, as after errors of steps. The deck has been accepted before.
+      // There may be no state to write, as after errors of steps. The deck has been accepted
+      // before.
       std::string how;
       if (_last_checkpoint_step >= 0 && _checkpoint_failure.empty())
         how = format("; --restart latest continues at step %lld", _last_checkpoint_step);
@@ -225,7 +226,8 @@ private:
   }
 
   // The checkpoint of a complete run follows its last state, which no restart writes again; that of
-  // another run precedes it, since little time may be left. A run that is continued drops the state.
+  // another run precedes it, since little time may be left. A run that is continued drops the
+  // state.
   void writeLastState() {
     const OutputRestart continued = _output.restartData();
     const bool is_done = _simulation->isDone();

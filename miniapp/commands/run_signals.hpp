@@ -1,5 +1,5 @@
-// Signals that a run obeys between steps. SIGUSR1: write a checkpoint. SIGUSR2, SIGTERM, SIGINT: end
-// the run after the step, with output and checkpoint. A second SIGINT ends the program at once.
+// Signals that a run obeys between steps. SIGUSR1: write a checkpoint. SIGUSR2, SIGTERM, SIGINT:
+// end the run after the step, with output and checkpoint. A second SIGINT ends the program at once.
 #pragma once
 
 #include <string>

@@ -26,7 +26,7 @@ std::vector<Boundary> boundariesOf(const Config& config) {
   std::vector<Boundary> all;
   for (const FixedConfig& fixed : config.fixed)
     all.push_back({"boundary.fixed[" + std::to_string(all.size()) + "]",
-                   {fixed.node_set, {0, 0, 0}, fixed.components, {}}});
+                   {fixed.node_set, {0, 0, 0}, fixed.components, {}, fixed.place}});
   for (std::size_t i = 0; i < config.prescribed.size(); ++i)
     all.push_back({"boundary.velocity[" + std::to_string(i) + "]", config.prescribed[i]});
   return all;

@@ -73,18 +73,21 @@ struct PressureConfig {
   double radius = 0; // length
   double wave_speed = 0; // length/time; 0: no delay
   bool follower = true; // acts on the current face along its current normal
+  std::string place; // in the deck, such as "wall.toml:9"
 };
 
 // [[boundary.fixed]] and [[boundary.velocity]]
 struct FixedConfig {
   std::string node_set;
   std::array<bool, 3> components = {true, true, true};
+  std::string place; // in the deck, such as "wall.toml:9"
 };
 struct PrescribedVelocityConfig {
   std::string node_set;
   Triple velocity = {0, 0, 0}; // length/time
   std::array<bool, 3> components = {true, true, true};
   PulseConfig pulse; // multiplies the velocity
+  std::string place; // in the deck, such as "wall.toml:9"
 };
 
 // The part of the scene to which an initial condition applies: one block, one brick of a wall, one
@@ -93,6 +96,7 @@ struct InitialSelection {
   std::optional<std::string> block;
   std::optional<std::array<std::int64_t, 3>> brick; // 0-based: along, across, course
   std::optional<std::int64_t> body; // 0-based
+  std::string place; // in the deck, such as "wall.toml:9"
 };
 // [[initial.velocity]]: velocity + angular_velocity x (X - center)
 struct InitialVelocityConfig : InitialSelection {

@@ -1,5 +1,5 @@
-// The Exodus steps that an earlier run wrote, on any number of ranks. A restarted run copies them to
-// files of its own, so that its files are those of a run without interruption.
+// The Exodus steps that an earlier run wrote, on any number of ranks. A restarted run copies them
+// to files of its own, so that its files are those of a run without interruption.
 #pragma once
 
 #include "io/exodus/results_reader.hpp"
@@ -14,9 +14,10 @@ namespace brickwall::miniapp {
 
 class EarlierResults {
 public:
-  // Opens the files of `base`: those of `ranks` ranks, or else of any number of ranks, with at least
-  // `steps` steps (0: none yet), the last of them at `time`. `reason` tells why none is suitable; ""
-  // with files, or without any. Each rank reads its share of the files. Collective.
+  // Opens the files of `base`: those of `ranks` ranks, or else of any number of ranks, with at
+  // least
+  // `steps` steps (0: none yet), the last of them at `time`. `reason` tells why none is suitable;
+  // "" with files, or without any. Each rank reads its share of the files. Collective.
   EarlierResults(MPI_Comm comm, const std::string& base, int ranks, int steps, double time,
                  const io::ResultsConfig& config);
 
@@ -26,13 +27,13 @@ public:
   // Appends all steps to `writer`, whose mesh is `part`. Collective. Throws as the writer, and
   // InputError on all ranks for a file that cannot be read.
   void copyTo(io::ResultsWriter& writer, const io::MeshPart& part) const;
-  // The files of `writer`, which carry new_suffix, take the place of these once all are on the disk.
-  // Collective. Throws OutputError on all ranks.
+  // The files of `writer`, which carry new_suffix, take the place of these once all are on the
+  // disk. Collective. Throws OutputError on all ranks.
   void replaceBy(const io::ResultsWriter& writer) const;
   static constexpr const char* new_suffix = ".new";
 
-  // Ends a replacement during which a run was killed: files that were complete on all ranks get their
-  // names, others are removed. Collective. Throws OutputError on all ranks.
+  // Ends a replacement during which a run was killed: files that were complete on all ranks get
+  // their names, others are removed. Collective. Throws OutputError on all ranks.
   static void endReplacement(MPI_Comm comm, const std::string& base);
 
 private:

@@ -33,7 +33,8 @@ std::string headerOf(const std::vector<std::string>& columns) {
   return line;
 }
 
-// Bytes of the header and of the first `rows` rows; -1 if the file has another header or fewer rows.
+// Bytes of the header and of the first `rows` rows; -1 if the file has another header or fewer
+// rows.
 std::int64_t bytesOfRows(const std::string& path, const std::string& header, std::int64_t rows) {
   std::ifstream file(path);
   std::string line;

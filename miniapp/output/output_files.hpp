@@ -20,8 +20,8 @@ void removeFile(MPI_Comm comm, const std::string& path);
 class FolderLock {
 public:
   FolderLock() = default;
-  // Collective; throws OutputError if another process holds the lock. File systems without locks are
-  // accepted.
+  // Collective; throws OutputError if another process holds the lock. File systems without locks
+  // are accepted.
   FolderLock(MPI_Comm comm, const std::string& path);
   ~FolderLock();
   FolderLock(FolderLock&& other) noexcept { std::swap(_descriptor, other._descriptor); }

@@ -55,8 +55,8 @@ void Progress::show(const ProgressState& state) {
     std::fflush(stdout);
     return;
   }
-  // Carriage return, the line (bold unless NO_COLOR is set), and the rest of the former line erased; not
-  // wrapped on a narrow terminal.
+  // Carriage return, the line (bold unless NO_COLOR is set), and the rest of the former line
+  // erased; not wrapped on a narrow terminal.
   const bool is_plain = isSet("NO_COLOR");
   std::fprintf(stderr,
                is_plain ? "\r\033[?7l%s\033[K\033[?7h" : "\r\033[?7l\033[1m%s\033[0m\033[K\033[?7h",

@@ -16,7 +16,8 @@ struct ProgressState {
   std::int64_t contacts = 0; // under load
 };
 
-// "step 1200 of 2000  time 0.006  60 %  400 steps/s  0:02 left  energy error 1.2e-05  204 contacts".
+// "step 1200 of 2000  time 0.006  60 %  400 steps/s  0:02 left  energy error 1.2e-05  204
+// contacts".
 std::string progressLine(const ProgressState& state);
 
 class Progress {

@@ -107,8 +107,8 @@ std::int64_t peakRankBytes(MPI_Comm comm);
 // The report as JSON text.
 std::string reportJson(const RunReport& report);
 
-// Table of phases, FOM line, and last line PASS, FAIL or STOPPED with the reasons. For the standard output
-// of rank 0. If `quiet`, only warnings, FOM line and last line.
+// Table of phases, FOM line, and last line PASS, FAIL or STOPPED with the reasons. For the standard
+// output of rank 0. If `quiet`, only warnings, FOM line and last line.
 void printReport(std::ostream& out, const RunReport& report, bool quiet = false);
 
 // Parts of both reports.

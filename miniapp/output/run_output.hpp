@@ -54,8 +54,8 @@ public:
   void writeDue(Simulation& simulation);
   // Writes the present state if it is not written yet. Collective.
   void writeState(Simulation& simulation);
-  // To be called when elements have moved to other ranks, which the scene knows: copies the Exodus steps
-  // so far to files of the new parts. Collective. Throws OutputError on all ranks.
+  // To be called when elements have moved to other ranks, which the scene knows: copies the Exodus
+  // steps so far to files of the new parts. Collective. Throws OutputError on all ranks.
   void followElements();
   void close(); // collective
   // Waits until all that is written is on the disk. Collective. Throws OutputError on all ranks.

@@ -13,9 +13,9 @@ namespace brickwall::miniapp {
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
 
-// This rank's countsOfRank() and its seconds since the first step in search, enforcement and distribution of
-// contact and in the rest of the steps, waits for other ranks excluded; and the first three
-// together with these waits. The same entries on all ranks.
+// This rank's countsOfRank() and its seconds since the first step in search, enforcement and
+// distribution of contact and in the rest of the steps, waits for other ranks excluded; and the
+// first three together with these waits. The same entries on all ranks.
 std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecorder& recorder);
 
 // Adds to `over_ranks` the messages and bytes that a rank has sent in a counted step, if some were

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -92,6 +91,28 @@ void removeTree(const std::string& path) {
   fs::remove_all(path, ignored);
 }
 
+void makeEmptyFolder(const std::string& path) {
+  removeTree(path);
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error)
+    throw OutputError(path + ": cannot be made: " + error.message());
+}
+
+// Gives the folder `finished` the name `path`, which a folder of an earlier run to the same step
+// may have.
+void replaceBy(const std::string& finished, const std::string& path) {
+  const std::string old = path + ".old";
+  removeTree(old);
+  std::error_code none, error;
+  fs::rename(path, old, none);
+  fs::rename(finished, path, error);
+  if (error) {
+    fs::rename(old, path, none);
+    throw OutputError(path + ": cannot be named: " + error.message());
+  }
+}
+
 } // namespace
 
 struct Checkpoints::Opened {
@@ -109,23 +130,39 @@ void Checkpoints::prepare() {
   _mesh = hex(meshChecksum(_comm, _scene.part));
 }
 
+// `parts`: bytes and checksum of the file of each rank.
+Json Checkpoints::manifestOf(const RunRestart& data,
+                             const std::vector<std::uint64_t>& parts) const {
+  Json manifest = {{"schema", schema},
+                   {"version", _version},
+                   {"commit", _commit},
+                   {"step", data.simulation.steps.clock.step},
+                   {"time", data.simulation.steps.clock.time},
+                   {"end", data.simulation.steps.end},
+                   {"mesh", _mesh},
+                   {"deck", _config.resolved_deck},
+                   {"warnings", data.warnings},
+                   {"parts", Json::array()}};
+  const std::size_t ranks = parts.size() / 2;
+  for (std::size_t r = 0; r < ranks; ++r)
+    manifest["parts"].push_back(
+        {{"file", partName(static_cast<std::int64_t>(ranks), static_cast<std::int64_t>(r))},
+         {"bytes", parts[2 * r]},
+         {"checksum", hex(parts[2 * r + 1])}});
+  return manifest;
+}
+
 std::string Checkpoints::write(const RunRestart& data, const Simulation& simulation) {
   prepare();
   const int ranks = sizeOf(_comm), rank = rankOf(_comm);
-  const std::string name = stepName(data.simulation.steps.clock.step);
-  std::string path = _folder + "/" + name;
+  std::string path = _folder + "/" + stepName(data.simulation.steps.clock.step);
   const std::string temporary = path + ".tmp";
   const std::string part = temporary + "/" + partName(ranks, rank);
   std::uint64_t own[2] = {0, 0}; // bytes, checksum
   try {
     rethrowOnAllRanks(_comm, [&] {
-      if (rank != 0)
-        return;
-      removeTree(temporary);
-      std::error_code error;
-      fs::create_directories(temporary, error);
-      if (error)
-        throw OutputError(temporary + ": cannot be made: " + error.message());
+      if (rank == 0)
+        makeEmptyFolder(temporary);
     });
     rethrowOnAllRanks(_comm, [&] {
       io::writeTables(part, tablesOf(data, simulation));
@@ -138,32 +175,9 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
     rethrowOnAllRanks(_comm, [&] {
       if (rank != 0)
         return;
-      Json manifest = {{"schema", schema},
-                       {"version", _version},
-                       {"commit", _commit},
-                       {"step", data.simulation.steps.clock.step},
-                       {"time", data.simulation.steps.clock.time},
-                       {"end", data.simulation.steps.end},
-                       {"mesh", _mesh},
-                       {"deck", _config.resolved_deck},
-                       {"warnings", data.warnings},
-                       {"parts", Json::array()}};
-      for (int r = 0; r < ranks; ++r)
-        manifest["parts"].push_back(
-            {{"file", partName(ranks, r)},
-             {"bytes", parts[2 * static_cast<std::size_t>(r)]},
-             {"checksum", hex(parts[2 * static_cast<std::size_t>(r) + 1])}});
-      writeManifest(temporary + "/" + manifest_name, manifest);
+      writeManifest(temporary + "/" + manifest_name, manifestOf(data, parts));
       io::syncToDisk(temporary);
-      const std::string old = path + ".old";
-      removeTree(old);
-      std::error_code none, error;
-      fs::rename(path, old, none); // of an earlier run to the same step
-      fs::rename(temporary, path, error);
-      if (error) {
-        fs::rename(old, path, none);
-        throw OutputError(path + ": cannot be named: " + error.message());
-      }
+      replaceBy(temporary, path);
       io::syncToDisk(_folder);
       io::syncToDisk(fs::path(_folder).parent_path().string()); // the name of _folder
     });
@@ -172,25 +186,29 @@ std::string Checkpoints::write(const RunRestart& data, const Simulation& simulat
       removeTree(temporary);
     throw OutputError(error.what());
   }
-  if (rank == 0) {
-    // Others are older ones, later ones that a restart has passed over, and unfinished ones.
-    std::string before;
-    for (const std::string& other : all(_folder))
-      if (other < path)
-        before = other;
-    std::vector<fs::path> outdated; // only what write() makes
-    std::error_code none;
-    for (fs::directory_iterator at(_folder, none), end; !none && at != end; at.increment(none)) {
-      const fs::path& entry = at->path();
-      const std::string suffix = entry.extension().string();
-      if (entry.filename().string().compare(0, 5, "step-") == 0 && entry != path &&
-          entry != before && (suffix.empty() || suffix == ".tmp" || suffix == ".old"))
-        outdated.push_back(entry);
-    }
-    for (const fs::path& entry : outdated)
-      removeTree(entry.string());
-  }
+  if (rank == 0)
+    removeOutdated(path);
   return path;
+}
+
+// Others than `latest` and the one before it are older ones, later ones that a restart has passed
+// over, and unfinished ones.
+void Checkpoints::removeOutdated(const std::string& latest) const {
+  std::string before;
+  for (const std::string& other : all(_folder))
+    if (other < latest)
+      before = other;
+  std::vector<fs::path> outdated; // only what write() makes
+  std::error_code none;
+  for (fs::directory_iterator at(_folder, none), end; !none && at != end; at.increment(none)) {
+    const fs::path& entry = at->path();
+    const std::string suffix = entry.extension().string();
+    if (entry.filename().string().compare(0, 5, "step-") == 0 && entry != latest &&
+        entry != before && (suffix.empty() || suffix == ".tmp" || suffix == ".old"))
+      outdated.push_back(entry);
+  }
+  for (const fs::path& entry : outdated)
+    removeTree(entry.string());
 }
 
 std::vector<std::string> Checkpoints::all(const std::string& folder) const {

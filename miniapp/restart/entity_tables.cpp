@@ -67,7 +67,8 @@ void appendRows(const TableLayout& layout, const io::Table& table, io::RowsById&
     }
 }
 
-// The rows of all files, each of which has the table, for the ids `wanted` of this rank. Collective.
+// The rows of all files, each of which has the table, for the ids `wanted` of this rank.
+// Collective.
 io::RowsById takeRows(MPI_Comm comm, const TableLayout& layout, const TableFiles& files,
                       const std::vector<global_id>& wanted) {
   io::RowsById held;

@@ -19,7 +19,8 @@ constexpr double absurd_share = 0.1; // of the wave speed or the modulus
 constexpr double most_crossings = 1e6; // case V13: 6e5
 
 // Units of length and time by the earth's gravity in them; 20 to 20,000 m/s, between gels and the
-// hardest solids, are the wave speeds to expect. Without this gravity, those of all these units are.
+// hardest solids, are the wave speeds to expect. Without this gravity, those of all these units
+// are.
 struct Units {
   const char* names;
   double gravity, speed; // 9.81 m/s^2 and 1 m/s

@@ -17,8 +17,8 @@ struct Magnitudes {
   double mass = 0; // of all bodies
   // The next three are of walls only.
   // Lowest natural frequency in bending across the wall, 1/time: of a cantilever that is one piece
-  // (Euler-Bernoulli), (1.8751^2/(2 pi)) (t/sqrt(12)) sqrt(E/density)/H^2. H is the height above the
-  // fixed base or base course; 0 if neither is fixed.
+  // (Euler-Bernoulli), (1.8751^2/(2 pi)) (t/sqrt(12)) sqrt(E/density)/H^2. H is the height above
+  // the fixed base or base course; 0 if neither is fixed.
   double frequency = 0;
   std::vector<double> speeds; // [pressure] of a brick, by impulse over mass per area, length/time
   int elements_through = 0; // a brick, along its shortest edge
@@ -26,27 +26,28 @@ struct Magnitudes {
   // impacts of equal bodies at the initial velocities v and -v, density c v.
   double joint_pressure = 0;
   const char* pressure_source = "";
-  // Of joints under it, length: contact/theory.md, equation (42), for the shortest edge of all faces
-  // and the least density, exact for matching meshes with element.mass = "row_sum"; of walls, times
-  // jointSoftness().
+  // Of joints under it, length: contact/theory.md, equation (42), for the shortest edge of all
+  // faces and the least density, exact for matching meshes with element.mass = "row_sum"; of walls,
+  // times jointSoftness().
   double penetration = 0;
   double joint_compliance = 0; // in elements of that edge
 };
 
-// Magnitudes of `config` where `scene` is its scene or, of a wall, a smaller one of the same bricks.
+// Magnitudes of `config` where `scene` is its scene or, of a wall, a smaller one of the same
+// bricks.
 // `dt` is the time step. Collective; the same on all ranks.
 Magnitudes magnitudesOf(MPI_Comm comm, const Config& config, const Scene& scene, double dt);
 
 // How much softer than with row sums joints of bricks with n elements through their thickness are:
-// 1.9, 1.3 and 1.1 times for n = 2, 4 and 8 with masses that have the inertia of the body, which are
-// smaller at its surface. A single element cannot have it, and keeps its row sums.
+// 1.9, 1.3 and 1.1 times for n = 2, 4 and 8 with masses that have the inertia of the body, which
+// are smaller at its surface. A single element cannot have it, and keeps its row sums.
 inline double jointSoftness(NodalMass mass, int n) {
   return mass == NodalMass::row_sum || n < 2 ? 1 : 1 + 2.7 * std::pow(n, -1.585);
 }
 
 // Relative frequency error (rms) of the first modes of a brick with n >= 2 elements through its
-// thickness, fitted to verification case V22: 8.4, 1.57 and 0.39 % for n = 2, 4 and 8; with row sums
-// 23.5, 5.0 and 1.30 %.
+// thickness, fitted to verification case V22: 8.4, 1.57 and 0.39 % for n = 2, 4 and 8; with row
+// sums 23.5, 5.0 and 1.30 %.
 inline double frequencyError(NodalMass mass, int n) {
   const double square = static_cast<double>(n) * n, fourth = square * square;
   return mass == NodalMass::row_sum ? 0.82 / square * (1 + 2.3 / fourth)

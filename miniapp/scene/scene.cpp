@@ -12,6 +12,11 @@
 #include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/force_range.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
 namespace brickwall::miniapp {
 
 namespace {
@@ -98,6 +103,27 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
     refuseEdgesOfZeroLength(space, comm, scene);
 }
 
+// Far from the origin coordinates are coarse: the spacing of doubles there, over the shortest edge.
+// Above this share, volumes and gaps err by as much.
+constexpr double coarse_positions = 1e-6;
+
+// A warning, or nothing. Collective.
+std::vector<std::string> coarsePositions(MPI_Comm comm, const Scene& scene) {
+  double farthest = 0;
+  for (const double x : scene.part.coordinates)
+    farthest = std::max(farthest, std::fabs(x));
+  farthest = allReduce(comm, farthest, MPI_MAX);
+  const double spacing = farthest * std::numeric_limits<double>::epsilon();
+  if (!(spacing > coarse_positions * scene.shortest_edge))
+    return {};
+  std::ostringstream text;
+  text.precision(2);
+  text << "coordinates of up to " << farthest << " are rounded to about " << spacing << ", "
+       << spacing / scene.shortest_edge
+       << " of the shortest edge, and so are volumes and gaps: move the mesh to the origin";
+  return {text.str()};
+}
+
 template <class Set>
 const Set& findByName(const std::vector<Set>& sets, const std::string& name,
                       const std::string& kind) {
@@ -110,9 +136,9 @@ const Set& findByName(const std::vector<Set>& sets, const std::string& name,
     known += (known.empty() ? "" : ", ") + set.name;
   }
   const std::string nearest = io::nearestName(name, names);
-  throw InputError("the mesh has no " + kind + " '" + name + "'" +
-                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + " (it has " +
-                   (known.empty() ? "none" : known) + ")");
+  throw InputError("found no " + kind + " '" + name + "' in the mesh, expected " +
+                   (known.empty() ? "none, as it has no " + kind : "one of " + known) +
+                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
 }
 
 // A deck names one set; if several sets have that name, the choice would be ambiguous.
@@ -138,18 +164,17 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     try {
       find();
     } catch (const InputError& error) {
-      faults +=
-          (faults.empty() ? "" : "\n") + config.deck_path + ": " + where + ": " + error.what();
+      faults += (faults.empty() ? "" : "\n") + where + ": " + error.what();
     }
   };
   for (const auto& block : part.blocks)
-    look("[material]", [&] {
+    look(config.deck_path + ": [material]", [&] {
       if (!config.materialOf(block.name))
         throw InputError("element block '" + block.name + "' has no material; expected a table " +
                          "[material." + block.name + "]");
     });
   for (const auto& load : config.pressures)
-    look("[[load.pressure]]", [&] {
+    look(load.place + ": [[load.pressure]]", [&] {
       refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");
     });
   const auto look_for_nodes = [&](const std::string& where, const std::string& name) {
@@ -157,17 +182,18 @@ void checkNames(const Config& config, const io::MeshPart& part) {
          [&] { refuseSharedName(config, part.node_sets, nodeSetOf(part, name), "node set"); });
   };
   for (const auto& fixed : config.fixed)
-    look_for_nodes("[[boundary.fixed]]", fixed.node_set);
+    look_for_nodes(fixed.place + ": [[boundary.fixed]]", fixed.node_set);
   for (const auto& moving : config.prescribed)
-    look_for_nodes("[[boundary.velocity]]", moving.node_set);
-  const auto look_for_block = [&](const std::string& where, const InitialSelection& initial) {
+    look_for_nodes(moving.place + ": [[boundary.velocity]]", moving.node_set);
+  const auto look_for_block = [&](const char* block, const InitialSelection& initial) {
     if (initial.block)
-      look(where, [&] { findByName(part.blocks, *initial.block, "element block"); });
+      look(initial.place + ": [[" + block + "]]",
+           [&] { findByName(part.blocks, *initial.block, "element block"); });
   };
   for (const auto& initial : config.initial_velocities)
-    look_for_block("[[initial.velocity]]", initial);
+    look_for_block("initial.velocity", initial);
   for (const auto& initial : config.initial_deformations)
-    look_for_block("[[initial.deformation]]", initial);
+    look_for_block("initial.deformation", initial);
   if (!faults.empty())
     throw InputError(faults);
 }
@@ -213,9 +239,10 @@ View<double*> massesOf(const exec_space& space, MPI_Comm comm, const Config& con
 void refuseUnknownBodies(const Config& config, global_id num_bodies) {
   const auto refuse = [&](const char* block, const InitialSelection& entry) {
     if (entry.body && *entry.body >= num_bodies)
-      throw InputError(config.deck_path + ": [[" + block + "]]: found body " +
-                       std::to_string(*entry.body) + "; expected one of the " +
-                       std::to_string(num_bodies) + " bodies, from 0");
+      throw InputError(entry.place + ": [[" + block + "]] body: found the integer " +
+                       std::to_string(*entry.body) + ", expected one of the " +
+                       std::to_string(num_bodies) + " bodies, 0 to " +
+                       std::to_string(num_bodies - 1));
   };
   for (const auto& entry : config.initial_velocities)
     refuse("initial.velocity", entry);
@@ -269,6 +296,8 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   } catch (const InputError& error) { // on all ranks
     throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
+  for (const std::string& warning : coarsePositions(comm, scene))
+    scene.warnings.push_back(warning);
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
   return scene;
 }

@@ -5,6 +5,7 @@
 #include "io/mesh/partition.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace brickwall::miniapp {
 
@@ -43,33 +44,32 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
   return io::partitionPoints(comm, ids, centres, work);
 }
 
-bool ContactBalance::isDue(double work) {
-  const std::vector<MaxAndSum> all = maxAndSum(_comm, {work, _time, _cost});
+bool ContactBalance::isDue(double work, double work_at_home) {
+  const std::vector<MaxAndSum> all = maxAndSum(_comm, {work, work_at_home, _time, _cost});
   _imbalance = imbalanceOf(_comm, all[0]);
-  const double time = all[1].max, cost = all[2].max;
+  _at_home = imbalanceOf(_comm, all[1]);
+  const double time = all[2].max, cost = all[3].max;
   _time = 0;
-  const double rate = all[0].max > 0 ? time / all[0].max : 0;
-  if (_are_home) {
+  const double rate = all[1].max > 0 ? time / all[1].max : 0;
+  if (_are_home)
     _rate_at_home = rate;
-  } else if (_rate_at_home > 0) { // the least, since other programs disturb
-    const double overhead = std::max(1.0, rate / _rate_at_home);
-    _overhead = _is_measured ? std::min(_overhead, overhead) : overhead;
-    _is_measured = true;
+  else if (!std::exchange(_is_measured, true) && tolerated * rate > _rate_at_home) {
+    const bool is_first = !std::exchange(_has_failed, true);
+    _overhead = is_first ? tolerated * std::max(_overhead, _at_home) : HUGE_VAL;
+    return true;
   }
   const double now = _are_home ? _imbalance : _overhead * _imbalance;
   const double best = std::min(_overhead * _reached, _are_home ? HUGE_VAL : _at_home);
   _lost += time * std::max(0.0, 1 - best / now);
-  return _lost > cost;
+  return _lost > cost && !(_are_home && isHomeBetter());
 }
 
-void ContactBalance::haveDistributed(double seconds, double imbalance, double at_home,
-                                     bool are_home) {
+void ContactBalance::haveDistributed(double seconds, double imbalance, bool are_home) {
   _cost = seconds;
   _time = _lost = 0;
   _reached = std::max(tolerated, imbalance);
-  _at_home = at_home;
+  _is_measured = !_are_home;
   _are_home = are_home;
-  _is_measured = are_home;
   ++_distributions;
 }
 

@@ -26,16 +26,16 @@ std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
 
 // Decides when faces are distributed anew: as soon as the time that another distribution would have
 // saved since the last one exceeds the time that it takes. Time is expected to be in proportion to the
-// largest work of a rank; away from their home ranks faces cost messages besides, whose share is
-// measured.
+// largest work of a rank, and away from their home ranks to the overhead of messages besides. The first
+// check after faces have left home measures whether that was right. If not, they return, and leave
+// again only for a larger imbalance; the second time they return for good.
 class ContactBalance {
 public:
   static constexpr std::int64_t check_interval = 10; // steps
-  // An imbalance that is tolerated; a distributed surface costs messages of coordinates, forces and
-  // accelerations.
+  // An imbalance that is tolerated, and the least gain for which faces stay away from home.
   static constexpr double tolerated = 1.1;
 
-  // The overhead() of faces that may stay at home, until it is measured: 1.0 to 1.3 in
+  // Time for equal work away from home over that at home; 1.0 to 1.3 in
   // verification/performance/balance/.
   static constexpr double usual_overhead = 1.3;
 
@@ -44,17 +44,19 @@ public:
       : _comm(comm), _cost(cost), _overhead(overhead) {}
 
   void addTime(double seconds) { _time += seconds; } // that contact took on this rank
-  // Whether to distribute now; `work` is that of this rank in the last step. Collective, every
-  // check_interval steps.
-  bool isDue(double work);
+  // Whether to distribute now. `work` is that of this rank in the last step, `work_at_home` what it
+  // would be with all faces at home; both are the same where faces have no home or areHome().
+  // Collective, every check_interval steps.
+  bool isDue(double work, double work_at_home);
+  bool areHome() const { return _are_home; }
+  // After isDue(): whether faces are to return home.
+  bool isHomeBetter() const { return _at_home <= tolerated * _overhead; }
   double imbalance() const { return _imbalance; } // of the work at the last isDue()
-  // Time for equal work away from home over that at home, as measured last.
-  double overhead() const { return _overhead; }
-  // To be called after each distribution, which took `seconds` on this rank and leaves this imbalance;
-  // `at_home`: that of all faces on their home ranks, where they `are_home` now; HUGE_VAL: they do not
-  // return there. Elements have no other home than their ranks.
-  void haveDistributed(double seconds, double imbalance, double at_home = HUGE_VAL,
-                       bool are_home = true);
+  double overhead() const { return _overhead; } // assumed; grows where faces leave home in vain
+  // To be called after each distribution, which took `seconds` on this rank. It leaves this imbalance,
+  // or has brought all faces home. Elements have no other home than their ranks.
+  void haveDistributed(double seconds, double imbalance, bool are_home = true);
+  void haveReturned(double seconds) { haveDistributed(seconds, 0); }
 
   // since the start or the restart
   std::int64_t distributions() const { return _distributions; }
@@ -64,13 +66,14 @@ private:
   double _cost; // seconds
   double _time = 0; // of contact since the last check, seconds
   double _lost = 0; // by waits since the last distribution, seconds
-  double _imbalance = 1;
+  double _imbalance = 1, _at_home = 1; // at the last check: as faces are, and with all at home
   double _reached = tolerated; // imbalance after the last distribution, if larger
-  double _at_home = HUGE_VAL; // imbalance with all faces at home, at the last distribution
   bool _are_home = true;
-  double _rate_at_home = 0; // seconds for a unit of work, when faces were there last
+  double _rate_at_home =
+      0; // seconds for a unit of the largest work at home, when faces were there last
   double _overhead;
-  bool _is_measured = true; // since the last distribution
+  bool _is_measured = true; // since faces left home
+  bool _has_failed = false; // faces have left home in vain
   std::int64_t _distributions = 0;
 };
 

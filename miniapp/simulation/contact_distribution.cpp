@@ -55,6 +55,7 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
   if (_is_shared.empty())
     _is_shared = sharedNodes(space);
   _features = _primary_features;
+  _shares_listed = false;
   if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
     contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
     _features.convex = surface.forwardRecords(comm, _primary_features.convex);
@@ -75,11 +76,11 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
         std::move(surface), vectors("x_old"), vectors("x_new"), vectors("accelerations"), node_mass,
         allocate<View<std::int64_t* [3]>>(space, "miniapp::SurfaceCoupling::forces",
                                           _primary.num_nodes),
-        View<unsigned char*>("miniapp::SurfaceCoupling::is_selected", num_nodes),
-        View<unsigned char*>("miniapp::SurfaceCoupling::is_selected_of_primary",
-                             _primary.num_nodes)});
+        View<unsigned char*>("miniapp::SurfaceCoupling::is_listed_primary", _primary.num_nodes)});
   }
 
+  _is_listed =
+      View<unsigned char*>("miniapp::SurfaceCoupling::is_listed", this->surface().num_nodes);
   const auto of_primary = sumOnPrimary(space, ranksOfOwners(space, comm, surface()));
   std::swap(former, _secondary);
   const auto owners = toHost(fromPrimary(space, of_primary));
@@ -116,19 +117,27 @@ void ContactStep::distributeAtStart(const View<const double* [3]>& displacement)
 void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement) {
   if (!mayBeDistributed() || step == 0 || step % ContactBalance::check_interval != 0)
     return;
-  const View<std::int64_t**> work_of_nodes = workOfNodes();
-  if (!_balance.isDue(workOfRank(work_of_nodes)))
-    return;
   const Region region("miniapp::distributeContact");
+  const View<std::int64_t**> work_of_nodes = workOfNodes();
+  const double work = workOfRank(work_of_nodes);
+  std::vector<float> of_faces;
+  if (!_balance.areHome())
+    of_faces = workOfFaces(work_of_nodes);
+  if (!_balance.isDue(
+          work, _balance.areHome() ? work : std::accumulate(of_faces.begin(), of_faces.end(), 0.0)))
+    return;
   const Stopwatch time;
-  const std::vector<float> work = workOfFaces(work_of_nodes);
-  const double at_home = imbalanceOf(_comm, std::accumulate(work.begin(), work.end(), 0.0));
   const bool may_return = _config.search.decomposition == Decomposition::automatic;
-  const bool are_home = may_return && at_home <= ContactBalance::tolerated * _balance.overhead();
-  const std::vector<int> ranks = are_home ? std::vector<int>() : ranksOfFaces(work);
+  if (may_return && _balance.isHomeBetter()) {
+    distribute({}, displacement);
+    _balance.haveReturned(time.seconds());
+    return;
+  }
+  if (_balance.areHome())
+    of_faces = workOfFaces(work_of_nodes);
+  const std::vector<int> ranks = ranksOfFaces(of_faces);
   distribute(ranks, displacement);
-  _balance.haveDistributed(time.seconds(), are_home ? at_home : imbalanceOf(_comm, work, ranks),
-                           may_return ? at_home : HUGE_VAL, are_home);
+  _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, of_faces, ranks), !may_return);
 }
 
 View<std::int64_t**> ContactStep::workOfNodes() const {

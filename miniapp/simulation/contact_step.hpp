@@ -99,8 +99,8 @@ public:
               const View<const double* [3]>& displacement, double dt, const Quantum& force_quantum,
               const LimbScale& energy_scale);
 
-  // Moves faces to other ranks if the work of ranks has differed long enough (search.decomposition).
-  // The surface is at X + `displacement`. Between steps; collective.
+  // Moves faces to other ranks if the work of ranks has differed long enough
+  // (search.decomposition). The surface is at X + `displacement`. Between steps; collective.
   void balance(std::int64_t step, const View<const double* [3]>& displacement);
 
   // The same at once: primary face f goes to rank_of_face[f], or to the rank of its element if that
@@ -134,8 +134,8 @@ public:
   double shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock);
 
   // Contact forces of the step, added to `forces` as totals. `forces` holds the totals of all other
-  // forces. Returns this rank's sums, which completeSums() completes after a later wait of the host.
-  // Collective.
+  // forces. Returns this rank's sums, which completeSums() completes after a later wait of the
+  // host. Collective.
   contact::EnforcementSums enforce(const contact::StepLengths& steps,
                                    const mechanics::NodalForces& forces,
                                    const mechanics::NodalState& state,
@@ -167,14 +167,15 @@ public:
   const contact::EdgeContact* edges() const { return _edges.get(); } // null without convex edges
   const TunnellingGuard& guard() const { return _guard; }
   contact::LargestForce largestForce() const; // collective
-  // For output, after a step; collective. Sets `of_mesh`, words [mesh node][W] of the status and the gap
-  // (Enforcement) and, with W = 5, of the slip in the last step (contact::slipMotion()); 0 where there
-  // is no contact. Slip and normal forces are 0 as well after a search without enforce(), which a
-  // failure has prevented. Equal on all ranks that share a node.
+  // For output, after a step; collective. Sets `of_mesh`, words [mesh node][W] of the status and
+  // the gap (Enforcement) and, with W = 5, of the slip in the last step (contact::slipMotion()); 0
+  // where there is no contact. Slip and normal forces are 0 as well after a search without
+  // enforce(), which a failure has prevented. Equal on all ranks that share a node.
   void statusOnMesh(mechanics::SharedNodeSum& shared, const View<std::int64_t**>& of_mesh);
   // Totals of contact::normalForces() [mesh node][xyz], quanta.
   View<std::int64_t* [3]> normalForces(const Quantum& quantum, mechanics::SharedNodeSum& shared);
-  // Adds the slip of the step that has succeeded (contact::addSlip()), if the deck chooses the field.
+  // Adds the slip of the step that has succeeded (contact::addSlip()), if the deck chooses the
+  // field.
   void addSlip();
   // Its sum since the start as words [mesh node][1], equal on all ranks that share a node; without
   // rows if the deck does not choose the field. Collective.
@@ -183,8 +184,9 @@ public:
   // The number of candidate pairs of each face of this rank's elements.
   std::vector<std::int64_t> candidatesOfFaces();
   std::int64_t lost() const { return _lost; } // this rank's
-  // The work of contact in the last step in WorkUnits: of surface nodes, [surface node][1] as partial
-  // sums; from those, of this rank and of each face of this rank's elements. The last is collective.
+  // The work of contact in the last step in WorkUnits: of surface nodes, [surface node][1] as
+  // partial sums; from those, of this rank and of each face of this rank's elements. The last is
+  // collective.
   View<std::int64_t**> workOfNodes() const;
   double workOfRank(const View<std::int64_t**>& of_nodes) const;
   std::vector<float> workOfFaces(const View<std::int64_t**>& of_nodes);

@@ -77,6 +77,52 @@ std::string describeLargestForce(const Simulation& simulation) {
   return message.str();
 }
 
+struct LargestNorm {
+  View<const double* [3]> vectors;
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, double& largest) const {
+    const double value = norm(rowOf(vectors, node));
+    largest = maxOf(largest, value < HUGE_VAL ? value : HUGE_VAL); // NaN counts as infinite
+  }
+};
+
+double largestNorm(const Simulation& simulation, const View<const double* [3]>& vectors) {
+  double largest = 0;
+  Kokkos::parallel_reduce("miniapp::largestNorm",
+                          rangePolicy(simulation.space(), simulation.scene().mesh.num_nodes),
+                          LargestNorm{vectors}, Kokkos::Max<double>(largest));
+  return allReduce(simulation.comm(), maxOf(largest, 0.0), MPI_MAX);
+}
+
+// Loads beyond the range of forces, or else sums of the ledger beyond theirs, which have room for
+// 2^20 times the energy of an element at the speed of waves (mechanics/ledger/ledger_sums.hpp).
+// Collective.
+std::string describeMisfits(const Simulation& simulation) {
+  const auto misfits = allReduce(simulation.comm(), simulation.lastStep().load_misfits, MPI_SUM);
+  std::ostringstream message;
+  if (misfits > 0) {
+    message << misfits
+            << " nodal forces of [[load.pressure]] are not finite or beyond the fixed-point range, "
+               "which ends at "
+            << fixed_point_limit * simulation.forceQuantum().value
+            << ", a multiple of (lambda + 2 mu) h^2 of the strongest element. Lower the peak, or "
+               "mind the units";
+    return message.str();
+  }
+  double wave_speed = HUGE_VAL;
+  for (const MaterialConfig& material : simulation.config().materials)
+    wave_speed = minOf(wave_speed, material.material.dilatationalSpeed());
+  const double fastest = largestNorm(simulation, simulation.state().velocity);
+  const double farthest = largestNorm(simulation, simulation.state().displacement);
+  const double extent = largestNorm(simulation, simulation.scene().mesh.reference_coordinates);
+  message << "an energy, a momentum or a force is not finite or beyond the range of the exact "
+             "sums, which have room for at least 1000 times the speed of waves and 1000 times the "
+             "largest coordinate of the mesh; the fastest node moves at "
+          << fastest << ", " << fastest / wave_speed
+          << " times the least speed of waves, and the farthest has moved by " << farthest << ", "
+          << farthest / extent << " times the largest coordinate";
+  return message.str();
+}
+
 } // namespace
 
 ContactCounts contactCounts(const Simulation& simulation) {
@@ -229,7 +275,7 @@ std::string describeFailure(const Simulation& simulation) {
             << (sums.nodes.invalid + sums.edges.invalid > 0 ? describeLargestForce(simulation)
                                                             : "");
   else
-    message << "a load or an energy is not finite or beyond the range of the exact sums";
+    message << describeMisfits(simulation);
   return message.str();
 }
 

@@ -36,7 +36,8 @@ struct RankValue {
 // Collective, one reduction. `values` has the same entries on all ranks.
 void reduceOverRanks(MPI_Comm comm, std::vector<RankValue>& values);
 // Of this rank: elements and faces, and with contact ghost faces, candidate pairs of nodes and of
-// edges, active contacts and those of edges among them, and the work by which contact is balanced, of the last step.
+// edges, active contacts and those of edges among them, and the work by which contact is balanced,
+// of the last step.
 std::vector<RankValue> countsOfRank(const Simulation& simulation);
 
 std::int64_t numSearches(const Simulation& simulation); // since the start

@@ -81,7 +81,7 @@ std::optional<std::vector<int>> ElementBalance::newRanks(Simulation& simulation,
       simulation, {0, now.elements - _before.elements, now.contact - _before.contact}, work);
   _decision.addTime(now.step - _before.step);
   _before = now;
-  const bool is_due = _decision.isDue(work);
+  const bool is_due = _decision.isDue(work, work);
   if (!_rebalancings.empty() && _rebalancings.back().imbalance_after == 0)
     _rebalancings.back().imbalance_after = _decision.imbalance();
   if (!is_due && _config.rebalance == Rebalance::automatic)

@@ -260,9 +260,10 @@ void Simulation::bookEnergies() {
   _skipped_element_steps += _step.resting_elems;
   mechanics::StepCounts counts;
   mechanics::ContactEnergySums contact_energies;
-  counts.failures = _step.contact.failures();
+  _step.load_misfits = 0;
   for (const auto& load : _loads)
-    counts.failures += load.misfits(_space);
+    _step.load_misfits += load.misfits(_space);
+  counts.failures = _step.contact.failures() + _step.load_misfits;
   if (_contact) {
     _contact->countDeepContacts(_step.contact, counts);
     contact_energies = _contact->energies(_step.contact);

@@ -32,6 +32,7 @@ struct StepState {
   mechanics::TimeSpan load_span, previous_load_span; // spans of the last two kicks
   contact::EnforcementSums contact;
   mechanics::KickSums kick;
+  std::int64_t load_misfits = 0; // forces of loads on this rank beyond the fixed-point range
 };
 
 // The state before a drift that the tunnelling guard may undo.

@@ -1,7 +1,7 @@
 // Checksums of what each part of a step leaves behind, to find the first part in which two runs of
-// one deck differ (`brickwall run --checksums`). Sums modulo 2^64 of hashes of all bits, with global
-// ids: the same on any number of ranks and threads, and on a GPU. Without free bricks (skip.free_bricks),
-// whose positions and forces are not those of the parts.
+// one deck differ (`brickwall run --checksums`). Sums modulo 2^64 of hashes of all bits, with
+// global ids: the same on any number of ranks and threads, and on a GPU. Without free bricks
+// (skip.free_bricks), whose positions and forces are not those of the parts.
 #pragma once
 
 #include <cstdint>

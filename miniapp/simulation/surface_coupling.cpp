@@ -38,25 +38,18 @@ View<double*> contactMass(const exec_space& space, const Scene& scene,
   return contact_mass;
 }
 
-// The shared nodes of the mesh that are on the surface, where they are so on all ranks that share
-// them, by their numbers in the surface.
-mechanics::SharedNodeLists sharedOnSurface(const Scene& scene) {
+// The nodes of the surface that are so on other ranks too, by their numbers in it, [rank].
+std::vector<std::vector<int>> sharedOnSurface(const Scene& scene, int num_ranks) {
   std::vector<int> surface_of(scene.part.node_ids.size(), -1);
   const auto surface_to_node = toHost(scene.skin.surface_to_node);
   for (int i = 0; i < scene.skin.num_nodes; ++i)
     surface_of[surface_to_node(i)] = i;
-  mechanics::SharedNodeLists shared;
+  std::vector<std::vector<int>> shared(num_ranks);
   const mechanics::SharedNodeLists of_mesh = sharedNodes(scene.part);
-  for (std::size_t p = 0; p < of_mesh.ranks.size(); ++p) {
-    std::vector<int> nodes;
+  for (std::size_t p = 0; p < of_mesh.ranks.size(); ++p)
     for (const int node : of_mesh.nodes[p])
       if (surface_of[node] >= 0)
-        nodes.push_back(surface_of[node]);
-    if (nodes.empty())
-      continue;
-    shared.ranks.push_back(of_mesh.ranks[p]);
-    shared.nodes.push_back(std::move(nodes));
-  }
+        shared[of_mesh.ranks[p]].push_back(surface_of[node]);
   return shared;
 }
 
@@ -159,7 +152,9 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const S
           space, "miniapp::SurfaceCoupling::face_attributes", scene.skin.num_faces)),
       _accelerations(allocate<View<double* [3]>>(space, "miniapp::SurfaceCoupling::accelerations",
                                                  scene.skin.num_nodes)),
-      _shared_nodes(space, comm, sharedOnSurface(scene)) {
+      _is_listed("miniapp::SurfaceCoupling::is_listed", scene.skin.num_nodes) {
+  const std::vector<std::vector<int>> shared = sharedOnSurface(scene, sizeOf(comm));
+  _shared_nodes = contact::SurfaceTransfer(space, Communicator(comm), shared, shared);
   fillNodes(space, scene, _primary);
   fillFaces(space, scene, _node_mass, _attributes, _primary);
 }
@@ -218,10 +213,7 @@ contact::Surface SurfaceCoupling::surface() const {
 
 View<std::int64_t**> SurfaceCoupling::sumOnPrimary(const exec_space& space,
                                                    const View<std::int64_t**>& values) {
-  if (_secondary)
-    _secondary->surface.sumShared(space, values);
-  else
-    _shared_nodes.sum(space, values);
+  shared().sumShared(space, values);
   return toPrimary(space, values);
 }
 
@@ -265,20 +257,38 @@ void SurfaceCoupling::takeFromMesh(const exec_space& space,
 void SurfaceCoupling::sumContactForces(const exec_space& space,
                                        const contact::ContactForces& forces,
                                        contact::CandidateSearch& search) {
-  const auto statistics = search.statistics();
-  if (statistics.num_ghosts > 0 || statistics.faces_sent > 0)
-    search.reverseSum(space, surface().face_to_nodes, forces.ghost_corners, forces.nodes);
-  if (_secondary)
-    _secondary->surface.sumShared(space, forces.nodes);
-  else
-    _shared_nodes.sum(space, forces.nodes);
+  const auto corners = surface().face_to_nodes;
+  if (_shares_listed) {
+    search.reverseSumSelected(space, corners, forces.ghost_corners, forces.nodes);
+    shared().sumSelected(space, forces.nodes);
+  } else {
+    if (search.ghosts().count > 0 || search.facesToSend().size() > 0)
+      search.reverseSum(space, corners, forces.ghost_corners, forces.nodes);
+    shared().sumShared(space, forces.nodes);
+  }
 }
 
-void SurfaceCoupling::listShared(const exec_space& space, const contact::CandidateSearch& search,
-                                 contact::TouchedNodes& list) const {
-  list.addNodes(space, _secondary ? _secondary->surface.sharedNodes() : _shared_nodes.nodes());
-  const contact::PartnerLists& sent = search.facesToSend();
-  list.addCorners(space, sent.rows, sent.size(), surface().face_to_nodes);
+void SurfaceCoupling::shareWithGhosts(const exec_space& space, contact::CandidateSearch& search,
+                                      const View<const double* [3]>& values,
+                                      const View<double* [12]>& ghost_values) {
+  if (_shares_listed)
+    search.forwardSelected(space, surface(), values, ghost_values);
+  else
+    search.forward(space, surface(), values, ghost_values);
+}
+
+void SurfaceCoupling::shareListed(const exec_space& space, contact::CandidateSearch& search,
+                                  const View<const unsigned char*>& ghost_flags,
+                                  contact::TouchedNodes& list) {
+  _shares_listed = true;
+  search.selectGhosts(space, ghost_flags);
+  const contact::GhostSelection& selection = search.selection();
+  list.addCorners(space, selection.faces(), selection.numFaces(), surface().face_to_nodes);
+  flagListed(space, list.list(), _is_listed);
+  shared().selectShared(space, _is_listed);
+  list.addNodes(space, shared().selectedRows());
+  if (_secondary) // the list may have more nodes, which other copies of them do not know
+    _secondary->surface.selectNodes(space, _is_listed, _secondary->is_listed);
 }
 
 void SurfaceCoupling::storeContactForces(const exec_space& space, const contact::NodeList& changed,
@@ -287,15 +297,12 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
   View<const std::int64_t* [3]> totals = forces.nodes;
   contact::NodeList list = storesAllNext() ? contact::NodeList::allOf(_primary.num_nodes) : changed;
   _has_stored_all = !_secondary && changed.isAll();
-  View<const unsigned char*> is_selected;
+  View<const unsigned char*> is_listed;
   if (_secondary) {
-    if (!_secondary->has_selection)
-      selectListed(space, changed);
-    _secondary->has_selection = false;
     _secondary->surface.giveBackSelected(space, totals, _secondary->forces);
     totals = _secondary->forces;
     list = contact::NodeList::allOf(_primary.num_nodes);
-    is_selected = _secondary->is_selected_of_primary;
+    is_listed = _secondary->is_listed;
   }
   const auto surface_to_node = _surface_to_node;
   const auto values = target.values;
@@ -303,30 +310,21 @@ void SurfaceCoupling::storeContactForces(const exec_space& space, const contact:
       "miniapp::SurfaceCoupling::storeContactForces", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i);
-        if (is_selected.extent(0) > 0 && !is_selected(at))
+        if (is_listed.extent(0) > 0 && !is_listed(at))
           return;
         for (int d = 0; d < 3; ++d)
           values(surface_to_node(at), 3 * mechanics::contact_force + d) = totals(at, d);
       });
 }
 
-// The listed nodes of the secondary surface, which are listed on all ranks that share them.
-void SurfaceCoupling::selectListed(const exec_space& space, const contact::NodeList& list) {
-  flagListed(space, list, _secondary->is_selected);
-  _secondary->surface.selectNodes(space, _secondary->is_selected,
-                                  _secondary->is_selected_of_primary);
-}
-
 const View<double* [3]>& SurfaceCoupling::accelerations(
     const exec_space& space, const contact::NodeList& needed, const mechanics::NodalForces& forces,
     const mechanics::NodalState& state, double dt, const mechanics::BoundaryConditions& boundary) {
   contact::NodeList list = needed;
-  View<const unsigned char*> is_selected;
+  View<const unsigned char*> is_listed;
   if (_secondary) {
-    selectListed(space, needed);
-    _secondary->has_selection = true;
     list = contact::NodeList::allOf(_primary.num_nodes);
-    is_selected = _secondary->is_selected_of_primary;
+    is_listed = _secondary->is_listed;
   }
   const auto surface_to_node = _surface_to_node;
   const auto acceleration = _accelerations;
@@ -337,7 +335,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
       "miniapp::SurfaceCoupling::accelerations", rangePolicy(space, list.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int at = list(i), node = surface_to_node(at);
-        if (is_selected.extent(0) > 0 && !is_selected(at))
+        if (is_listed.extent(0) > 0 && !is_listed(at))
           return;
         motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)

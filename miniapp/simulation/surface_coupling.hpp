@@ -83,9 +83,15 @@ public:
   // node: forces on ghosts are summed at their owners, then shared nodes are summed. Collective.
   void sumContactForces(const exec_space& space, const contact::ContactForces& forces,
                         contact::CandidateSearch& search);
-  // Lists the nodes to which sumContactForces() adds forces of other ranks, and corners of ghosts.
-  void listShared(const exec_space& space, const contact::CandidateSearch& search,
-                  contact::TouchedNodes& list) const;
+  // Values of nodes at the corners of ghosts. Collective.
+  void shareWithGhosts(const exec_space& space, contact::CandidateSearch& search,
+                       const View<const double* [3]>& values,
+                       const View<double* [12]>& ghost_values);
+  // From now on both are for the contacts of this step: the ghosts whose flags [ghost] are not 0, and
+  // the shared nodes that any rank lists. Adds to the list, which has the nodes of this rank's contacts,
+  // those to which sumContactForces() adds forces of other ranks, and corners of ghosts. Collective.
+  void shareListed(const exec_space& space, contact::CandidateSearch& search,
+                   const View<const unsigned char*>& ghost_flags, contact::TouchedNodes& list);
   // Stores the totals of sumContactForces(), which are zero at nodes that are not listed, in the
   // columns contact_force: at the listed surface nodes, or at all if storesAllNext(). Collective.
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
@@ -103,8 +109,10 @@ public:
                                          const mechanics::BoundaryConditions& boundary);
 
 private:
-  void selectListed(const exec_space& space, const contact::NodeList& list);
   std::vector<char> sharedNodes(const exec_space& space);
+  contact::SurfaceTransfer& shared() {
+    return _secondary ? _secondary->surface.shared() : _shared_nodes;
+  }
   template <class ViewType>
   static auto rowsLike(const ViewType& view, const std::string& label, int num_rows) {
     if constexpr (ViewType::rank_dynamic == 2)
@@ -119,8 +127,7 @@ private:
     View<double*[3]> x_old, x_new, accelerations; // [node][xyz]
     View<double*> node_mass; // [node]
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
-    View<unsigned char*> is_selected, is_selected_of_primary; // [node], [primary surface node]
-    bool has_selection = false; // of the nodes of this step
+    View<unsigned char*> is_listed; // [primary surface node]
   };
 
   contact::Surface _primary; // all but the coordinates
@@ -133,7 +140,9 @@ private:
   View<double* [3]> _accelerations; // [surface node][xyz]
   contact::FeatureEdges _primary_features, _features;
   std::vector<char> _is_shared; // [primary node] other ranks have it; empty before a distribution
-  mechanics::SharedNodeSum _shared_nodes; // of the surface
+  contact::SurfaceTransfer _shared_nodes; // of the surface
+  View<unsigned char*> _is_listed; // [node of surface()]
+  bool _shares_listed = false; // shareListed() has been called since the last distribution
   std::unique_ptr<Secondary> _secondary; // null: the surface is the primary one
 };
 

@@ -1,8 +1,9 @@
-// A Kokkos Tools library for lone_failures.py: on one rank, the first region, kernel or allocation of
-// a name after a number of steps throws std::bad_alloc, as if memory had run out there. Environment:
+// A Kokkos Tools library for lone_failures.py: on one rank, the first region, kernel or allocation
+// of a name after a number of steps throws std::bad_alloc, as if memory had run out there.
+// Environment:
 // BRICKWALL_FAULT_RANK, BRICKWALL_FAULT_STEP; BRICKWALL_FAULT_NAME, or BRICKWALL_FAULT_LIST, a file
-// to which the names from that step on are written instead. With BRICKWALL_FAULT_ALLOCATION = N, the
-// N-th `new` of the main thread after that name throws; the library is to be preloaded then.
+// to which the names from that step on are written instead. With BRICKWALL_FAULT_ALLOCATION = N,
+// the N-th `new` of the main thread after that name throws; the library is to be preloaded then.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

@@ -1,5 +1,6 @@
-// Worked example of CONTRIBUTING.md, "Adding a contact law": a host's own law on the candidate pairs
-// of the search, here Hertz's F = k p^1.5, without history or friction. Ranks add forces exactly.
+// Worked example of CONTRIBUTING.md, "Adding a contact law": a host's own law on the candidate
+// pairs of the search, here Hertz's F = k p^1.5, without history or friction. Ranks add forces
+// exactly.
 #include "contact/base/to_device.hpp"
 #include "contact/search/candidate_search.hpp"
 #include "contact/surface/face_access.hpp"

@@ -44,8 +44,8 @@ private:
   PulseShape _shape;
 };
 
-// The impulse of a half sine is 2 T/pi, here within kicks of 0.3 T, on 27 nodes. The sum here rounds
-// 108 times to 2^-53 of at most 8.6: 1.1e-13.
+// The impulse of a half sine is 2 T/pi, here within kicks of 0.3 T, on 27 nodes. The sum here
+// rounds 108 times to 2^-53 of at most 8.6: 1.1e-13.
 TEST(ExampleLoad, ImpulseIsExactForLongSteps) {
   const exec_space space;
   const testing::BlockMesh blocks =

@@ -10,8 +10,8 @@ namespace brickwall::mechanics {
 namespace {
 
 // W = mu/2 (tr C - 3 - 2 ln J) + lambda/4 (J^2 - 1 - 2 ln J), so that F^-T has the factor
-// lambda (J^2 - 1)/2 instead of lambda ln J; else as neoHookean() in material.hpp, which explains the
-// form without cancellation at small strain. Real is double, or a pack of elements.
+// lambda (J^2 - 1)/2 instead of lambda ln J; else as neoHookean() in material.hpp, which explains
+// the form without cancellation at small strain. Real is double, or a pack of elements.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void quadraticVolume(const Real (&H)[3][3], double lambda, double mu,
                                             StressPoint<Real>& out) {

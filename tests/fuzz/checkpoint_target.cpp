@@ -1,7 +1,8 @@
-// The reader of checkpoints, on that of a small wall with contact and with one damage, which the bytes of the input
-// choose. Damaged bytes are refused by the checksums. With right checksums, a manifest or tables that lack
-// something or have something twice, of another kind or out of range are refused with a reason; what no reader can
-// know to be wrong, such as another velocity, restarts the run, which makes a step or fails with a reason.
+// The reader of checkpoints, on that of a small wall with contact and with one damage, which the
+// bytes of the input choose. Damaged bytes are refused by the checksums. With right checksums, a
+// manifest or tables that lack something or have something twice, of another kind or out of range
+// are refused with a reason; what no reader can know to be wrong, such as another velocity,
+// restarts the run, which makes a step or fails with a reason.
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/fuzz/session.hpp"
 #include "tests/miniapp/simulation/case.hpp"

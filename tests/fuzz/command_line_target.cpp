@@ -1,5 +1,5 @@
-// The command line: one argument a line. What is accepted is accepted again when it is written in full, with
-// the same meaning.
+// The command line: one argument a line. What is accepted is accepted again when it is written in
+// full, with the same meaning.
 #include "tests/fuzz/fuzz_target.hpp"
 
 #include "miniapp/commands/command_line.hpp"

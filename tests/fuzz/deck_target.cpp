@@ -1,8 +1,9 @@
-// The deck reader: TOML text to a configuration, as `brickwall check` reads it. Lines "#--set KEY=VALUE" of
-// the text are overrides too.
+// The deck reader: TOML text to a configuration, as `brickwall check` reads it. Lines "#--set
+// KEY=VALUE" of the text are overrides too.
 //
-// A deck that is accepted resolves to a deck that resolves to itself; every value of the deck stands in
-// the resolved one, so that none is passed over; and every value there is within the bounds of its key.
+// A deck that is accepted resolves to a deck that resolves to itself; every value of the deck
+// stands in the resolved one, so that none is passed over; and every value there is within the
+// bounds of its key.
 #include "tests/fuzz/fuzz_target.hpp"
 
 #include "contact/base/error.hpp"

@@ -1,5 +1,5 @@
-// What the fuzz targets have in common: each source *_target.cpp defines LLVMFuzzerTestOneInput, which
-// libFuzzer or driver.cpp calls with one input after another.
+// What the fuzz targets have in common: each source *_target.cpp defines LLVMFuzzerTestOneInput,
+// which libFuzzer or driver.cpp calls with one input after another.
 #pragma once
 
 #include <cstddef>

@@ -67,7 +67,8 @@ inline void demandSound(const io::MeshPart& part) {
            "nodes of sets");
 }
 
-// The mesh is the same after it is written and read. Names of the file format's limit may stop the writer.
+// The mesh is the same after it is written and read. Names of the file format's limit may stop the
+// writer.
 inline void demandSameWhenWritten(const io::MeshPart& part) {
   const std::string path = folder() / "again.exo";
   try {

@@ -1,7 +1,8 @@
-// The Exodus reader on valid files of meshes that may be wrong: the bytes of the input choose a grid of
-// cubes in up to three blocks, its sets, and faults: corners, sides and nodes out of range, elements that
-// appear twice, coordinates that are not finite, odd names, kinds of elements and dimensions. A mesh is
-// accepted if and only if this target finds nothing wrong with it, and is then the mesh that was written.
+// The Exodus reader on valid files of meshes that may be wrong: the bytes of the input choose a
+// grid of cubes in up to three blocks, its sets, and faults: corners, sides and nodes out of range,
+// elements that appear twice, coordinates that are not finite, odd names, kinds of elements and
+// dimensions. A mesh is accepted if and only if this target finds nothing wrong with it, and is
+// then the mesh that was written.
 #include "tests/fuzz/mesh_properties.hpp"
 
 #include <exodusII.h>

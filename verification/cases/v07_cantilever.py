@@ -4,7 +4,6 @@ in converged three-dimensional elasticity (0.010150 for the Euler-Bernoulli beam
 shear deformation nor a clamped cross-section). Elements that lock in bending are far too stiff with
 one element through the depth. The strain of bending is linear over the depth; its variation within
 elements is hourglass energy, 1/n^2 of the whole with n elements through the depth."""
-import numpy as np
 from framework.figures import draw_slope
 from framework.meshes import box
 from framework.signals import fit_frequency, tip_deflection

@@ -1,5 +1,5 @@
-// The way of messages between ranks whose data are in the memory of a device: chosen by what MPI and
-// the host offer, or by the environment variable BRICKWALL_MESSAGES.
+// The way of messages between ranks whose data are in the memory of a device: chosen by what MPI
+// and the host offer, or by the environment variable BRICKWALL_MESSAGES.
 #pragma once
 
 #include "contact/base/backend.hpp"

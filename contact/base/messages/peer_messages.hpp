@@ -1,8 +1,8 @@
 // Messages between ranks that reach each other's memory (peer_memory.hpp). The sender copies its
-// words to a slot that others can open, and sends by MPI where they are and when they will be there;
-// the receiver lets its device wait and copy. Neither host waits for its device. A sender has two
-// slots, taken in turn; a receiver says when it has launched its copy, and the device of the sender
-// waits for that copy before the slot is filled again.
+// words to a slot that others can open, and sends by MPI where they are and when they will be
+// there; the receiver lets its device wait and copy. Neither host waits for its device. A sender
+// has two slots, taken in turn; a receiver says when it has launched its copy, and the device of
+// the sender waits for that copy before the slot is filled again.
 #pragma once
 
 #include "contact/base/messages/message_path.hpp"
@@ -30,8 +30,8 @@ public:
   PeerMessages& operator=(const PeerMessages&) = delete;
   ~PeerMessages() { finish(); }
 
-  // Collective among partners: finds out which of `ranks` and this rank reach each other, where that
-  // is not known.
+  // Collective among partners: finds out which of `ranks` and this rank reach each other, where
+  // that is not known.
   void connect(MPI_Comm comm, int tag, const std::vector<int>& ranks);
   bool reaches(int rank) const { return at(rank).is_reached; }
 

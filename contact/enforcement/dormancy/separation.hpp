@@ -48,8 +48,8 @@ struct Separation {
 };
 
 // Envelope of the bounds of all pairs of a block of rows between two bodies, as of the step in
-// which they were found. It holds only while both bodies are at rest if max_spread is 0, as of pairs
-// that have no bound, such as those of flush bodies.
+// which they were found. It holds only while both bodies are at rest if max_spread is 0, as of
+// pairs that have no bound, such as those of flush bodies.
 struct SeparationBound {
   static constexpr float tiny = 2.5e-7f; // relative, more than the rounding to a float
   static constexpr double safety = 1 + 1e-6; // for the rounding of all values stored here

@@ -1,7 +1,7 @@
 // Dormant blocks of rows of candidates. When a block was last tested, none of its pairs could be in
 // contact, and the motion of the bodies since then, if any, cannot have brought any of them into
-// contact, by the bounds kept then (separation.hpp). A block wakes when its bounds are exhausted or when a
-// search has changed its rows: a new pair has no bound.
+// contact, by the bounds kept then (separation.hpp). A block wakes when its bounds are exhausted or
+// when a search has changed its rows: a new pair has no bound.
 //
 // `Kinematics` provides the geometry (node_face_separation.hpp or edge_separation.hpp). Blocks with
 // ghosts do not sleep, since the motion of other ranks is unknown here, nor do rows with a contact.
@@ -44,8 +44,8 @@ public:
   SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes);
 
   // At the start of a step: wakes the blocks that must be tested. `motion` must include this step.
-  // `is_unchanged`: nothing has moved in this step and in the last one, and there are no ghosts; rows
-  // gain pairs then by a search only.
+  // `is_unchanged`: nothing has moved in this step and in the last one, and there are no ghosts;
+  // rows gain pairs then by a search only.
   void wake(const exec_space& space, const CandidatePairs& pairs, const SurfaceMotion& motion,
             bool is_unchanged);
 

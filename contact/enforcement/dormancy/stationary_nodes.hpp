@@ -1,7 +1,7 @@
-// Stationary nodes: their coordinates have not changed by a bit since the last step, nor in this
-// one. A face is stationary if all its corners are. A stationary node whose candidates could not be
-// in contact, and are stationary too, needs no second test: its pairs are among those of the last
-// step, since boxes that do not move do not grow, and their geometry is unchanged.
+// A node is stationary if its old and its new coordinates in this step are, bit by bit, the new
+// ones of the last step. A face is stationary if all its corners are. A stationary node need not be
+// tested again if all its candidates are stationary and none could be in contact in the last step:
+// boxes that do not move do not grow, so each pair was tested in that step, with the same geometry.
 #pragma once
 
 #include "contact/enforcement/dormancy/surface_motion.hpp"

@@ -71,8 +71,8 @@ public:
   // Launches the next update() earlier, with the same surface.
   void start(const exec_space& space, const Surface& surface);
 
-  // [node] odd: its coordinates are those of the last call, and it has not moved in this step; `twice`: so
-  // it was in the last call.
+  // [node] odd: its coordinates are those of the last call, and it has not moved in this step;
+  // `twice`: so it was in the last call.
   static constexpr unsigned char twice = 3;
   const View<const unsigned char*>& stationaryNodes() const { return _stationary; }
   bool isAllStationary() const { return _num_moving == 0; }

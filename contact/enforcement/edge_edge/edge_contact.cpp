@@ -9,7 +9,7 @@ namespace {
 
 using StagedNumber = Kokkos::View<double, staging_space>;
 
-// Whether both configurations of a node are those of the last step.
+// Whether both configurations of a node are those of the last step; none are without flags.
 struct RestingNodes {
   View<const unsigned char*> stationary;
 
@@ -155,6 +155,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _accelerations = View<double* [3]>("contact::EdgeContact::accelerations", num_corrected);
   _has_changed = View<unsigned char*>("contact::EdgeContact::has_changed", num_corrected);
   _touched = TouchedNodes("contact::EdgeContact", _num_corners);
+  _ghost_in_use = View<unsigned char*>("contact::EdgeContact::ghost_in_use", 0);
   _ghost_accelerations = View<double* [12]>("contact::EdgeContact::ghost_accelerations", 0);
   _responses = View<double* [3]>("contact::EdgeContact::responses", num_corrected);
   _ghost_responses = View<double* [12]>("contact::EdgeContact::ghost_responses", 0);
@@ -171,7 +172,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
 void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surface,
                                     const View<const unsigned char*>& stationary) {
   const View<const double* [6]> boxes = _search.sweptBoxes();
-  const RestingNodes is_at_rest{stationary};
+  const RestingNodes is_at_rest{_has_gathered ? stationary : View<const unsigned char*>()};
+  _has_gathered = true;
   gatherCorners(space, surface, _corner_to_node, boxes, is_at_rest, _old, _new, _excursion[0]);
   sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, _corner_to_node, boxes,
              is_at_rest, _old, _new, _records, _excursion[1]);
@@ -245,7 +247,7 @@ void EdgeContact::collectProposals(const exec_space& space, const View<std::int6
 void EdgeContact::addToNodes(const exec_space& space, const ContactForces& values,
                              const View<std::int64_t* [3]>& nodes) {
   if (hasOtherRanks())
-    _search.reverseSum(space, _edge_to_nodes, values.ghost_corners, nodes);
+    _search.reverseSumSelected(space, _edge_to_nodes, values.ghost_corners, nodes);
   if (_set.hasForces())
     addCorners(space, _touched.list(), _corner_to_node, values.nodes, nodes);
 }
@@ -276,21 +278,25 @@ void EdgeContact::toCorners(const exec_space& space, const View<double* [3]>& of
                             const View<double* [3]>& own, View<double* [12]>& of_ghosts) {
   gatherVectors(space, _touched.list(), _corner_to_node, of_nodes, own);
   growTo(space, of_ghosts, _search.ghosts().count);
-  _search.forward(space, _edges, own, of_ghosts);
+  _search.forwardSelected(space, _edges, own, of_ghosts);
 }
 
-// Besides those of this rank's contacts, the corners whose values are sent.
+// Those of this rank's contacts.
 void EdgeContact::findTouched(const exec_space& space) {
   _touched.clear(space);
   _touched.add(space, _edges, _set.next());
-  const PartnerLists& sent = _search.facesToSend();
-  _touched.addCorners(space, sent.rows, sent.size(), _edges.face_to_nodes);
 }
 
-void EdgeContact::addTouched(const exec_space& space, TouchedNodes& of_surface) const {
+void EdgeContact::addTouched(const exec_space& space, TouchedNodes& of_surface) {
+  if (!_has_forces_anywhere)
+    return;
+  growTo(space, _ghost_in_use, _search.ghosts().count);
+  flagGhostsInUse(space, access(), _set.next(), _ghost_in_use);
+  _search.selectGhosts(space, _ghost_in_use);
+  const GhostSelection& sent = _search.selection();
+  _touched.addCorners(space, sent.faces(), sent.numFaces(), _edges.face_to_nodes);
   of_surface.add(space, _edges, _set.next(), _corner_to_node);
-  const PartnerLists& sent = _search.facesToSend();
-  of_surface.addCorners(space, sent.rows, sent.size(), _edge_to_nodes);
+  of_surface.addCorners(space, sent.faces(), sent.numFaces(), _edge_to_nodes);
 }
 
 bool EdgeContact::hasOtherRanks() const {

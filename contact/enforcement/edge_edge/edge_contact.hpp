@@ -33,8 +33,8 @@ public:
     gatherCoordinates(space, surface);
     findCandidates(space);
   }
-  // The two parts of it, for work between them. The first does not wait for a device, and leaves out
-  // nodes that `stationary` flags as SurfaceMotion::twice.
+  // The two parts of it, for work between them. The first does not wait for a device, and from its
+  // second call on leaves out nodes that `stationary` flags as SurfaceMotion::twice.
   void gatherCoordinates(const exec_space& space, const Surface& surface,
                          const View<const unsigned char*>& stationary = {});
   void findCandidates(const exec_space& space);
@@ -47,8 +47,8 @@ public:
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
   // and correctForces() are collective; `has_changed` [surface node], hasProposals(), sendNotes()
   // and takeInvalid(): see InteractionSet.
-  // addTouched() adds the surface nodes that contacts of this rank act on, and those of edges that
-  // other ranks have as ghosts.
+  // addTouched() comes first and is collective: it adds the surface nodes that contacts of this rank
+  // act on, and those of edges whose ghosts contacts of other ranks act on.
   std::function<ContactSums()> select(const exec_space& space, double dt,
                                       const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }
@@ -67,7 +67,7 @@ public:
       _set.sendNotes(space);
   }
   std::int64_t takeInvalid(const exec_space& space) { return _set.takeInvalid(space); }
-  void addTouched(const exec_space& space, TouchedNodes& of_surface) const;
+  void addTouched(const exec_space& space, TouchedNodes& of_surface);
   void advance(double dt);
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement
@@ -130,6 +130,7 @@ private:
   InteractionSet _set;
   StationaryNodes _stationary;
   SleepingBlocks _sleeping;
+  bool _has_gathered = false; // coordinates of a step
   bool _has_touched = false; // in the last step, with a force or without
   bool _has_forces_anywhere = false; // in the present step, on any rank
   EnforcementConfig _config;
@@ -138,6 +139,7 @@ private:
   TouchedNodes _touched; // of corners
   View<double* [3]> _accelerations; // [corner]
   View<unsigned char*> _has_changed; // [corner]
+  View<unsigned char*> _ghost_in_use; // [ghost] it has an interaction in this step
   View<double* [12]> _ghost_accelerations;
   View<double* [3]> _responses; // [corner]
   View<double* [12]> _ghost_responses;

@@ -1,6 +1,6 @@
 // The contact history: what a contact of a node (or edge) with an opposing body carries from step
-// to step. One interaction per (owned node or edge, body), in rows by node. Arrays of plain structs,
-// so that a restart file can hold them. Symbols are those of contact/theory.md.
+// to step. One interaction per (owned node or edge, body), in rows by node. Arrays of plain
+// structs, so that a restart file can hold them. Symbols are those of contact/theory.md.
 #pragma once
 
 #include "contact/base/struct_array.hpp"

@@ -1,6 +1,6 @@
 // The contract of `Kinematics`, the template parameter of the selection (select_interactions.hpp).
-// NodeFaceKinematics and EdgeEdgeKinematics fulfil it. They know the geometry of a pair; the law and
-// the selection know none. To add a kind of contact, write a third type and instantiate
+// NodeFaceKinematics and EdgeEdgeKinematics fulfil it. They know the geometry of a pair; the law
+// and the selection know none. To add a kind of contact, write a third type and instantiate
 // KinematicsContract with it.
 //
 // "Node" is a row of the candidate lists: a surface node, or the number that stands for an edge.

@@ -9,8 +9,8 @@
 
 namespace brickwall::contact {
 
-// The forces of one interaction in quanta, or of one in each lane. `fits` is false if a force is not
-// finite or too large.
+// The forces of one interaction in quanta, or of one in each lane. `fits` is false if a force is
+// not finite or too large.
 template <class Real>
 struct PairQuanta {
   using Integer = decltype(toFixed(Real()));

@@ -68,7 +68,8 @@ View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
   return slip;
 }
 
-// Over the interactions, whose memory is read in order; the first one of a row adds the node's slip.
+// Over the interactions, whose memory is read in order; the first one of a row adds the node's
+// slip.
 void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHistory& history,
              const View<double*>& distance) {
   const bool has_friction = history.friction.size() > 0;

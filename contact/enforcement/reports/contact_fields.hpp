@@ -6,7 +6,8 @@
 
 namespace brickwall::contact {
 
-// Normal forces with damping, without friction and fading, as partial sums in quanta (ContactForces).
+// Normal forces with damping, without friction and fading, as partial sums in quanta
+// (ContactForces).
 // `faces` and `history` as the last enforce() left them.
 ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
                            const ContactHistory& history, const Quantum& quantum);
@@ -16,9 +17,10 @@ ContactForces normalForces(const exec_space& space, const FaceAccess& faces,
 View<double* [3]> slipMotion(const exec_space& space, const FaceAccess& faces,
                              const ContactHistory& history);
 
-// Adds to `distance` [surface node], length, by how much each owned node has slipped in this step on
-// the face on which it presses hardest: the part |t_trial - t|/k_t of the tangential motion that the
-// return mapping of friction, eq. (21), takes from the spring; without friction all of that motion.
+// Adds to `distance` [surface node], length, by how much each owned node has slipped in this step
+// on the face on which it presses hardest: the part |t_trial - t|/k_t of the tangential motion that
+// the return mapping of friction, eq. (21), takes from the spring; without friction all of that
+// motion.
 void addSlip(const exec_space& space, const FaceAccess& faces, const ContactHistory& history,
              const View<double*>& distance);
 

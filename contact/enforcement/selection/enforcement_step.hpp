@@ -1,5 +1,5 @@
-// The data of one kind of contact (node-to-face or edge-to-edge) in a step, which its kernels share,
-// and the works of the last step's forces.
+// The data of one kind of contact (node-to-face or edge-to-edge) in a step, which its kernels
+// share, and the works of the last step's forces.
 //
 // `Kinematics` provides the geometry; its contract is in kinematics.hpp.
 #pragma once

@@ -43,8 +43,8 @@ public:
 
   // Launches SelectInteractions<Kinematics> over the rows of `pairs`. The function returned waits
   // for the device, and launches again with more memory if the interactions, or the contacts of
-  // crowded rows, did not fit. Afterwards next() holds the interactions of this step, history() those
-  // of the last one, and forces() the forces of next() (pair_forces.hpp).
+  // crowded rows, did not fit. Afterwards next() holds the interactions of this step, history()
+  // those of the last one, and forces() the forces of next() (pair_forces.hpp).
   template <class Select>
   std::function<ContactSums()> select(const exec_space& space, const CandidatePairs& pairs,
                                       Select functor);

@@ -6,8 +6,8 @@
 
 namespace brickwall::contact {
 
-// Times in search and enforcement, in units of 32 ns of a core: of a face, of a candidate pair that is
-// tested, and of a contact, fitted to those of ranks in verification/performance/balance/.
+// Times in search and enforcement, in units of 32 ns of a core: of a face, of a candidate pair that
+// is tested, and of a contact, fitted to those of ranks in verification/performance/balance/.
 struct WorkUnits {
   static constexpr std::int64_t face = 3, pair = 2, contact = 10;
 };

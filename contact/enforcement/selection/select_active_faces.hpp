@@ -52,8 +52,8 @@ struct SelectActiveFaces {
     return num_contacts;
   }
 
-  // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a row
-  // of the history. Returns false if a contact is not under load or its face is none of the
+  // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a
+  // row of the history. Returns false if a contact is not under load or its face is none of the
   // candidates, if accept() is false, or if a contact with another body may become active. Bodies
   // ascend among candidates and contacts.
   template <class Accept>

@@ -28,6 +28,21 @@ void zeroListed(const exec_space& space, const std::string& label, const NodeLis
         });
 }
 
+void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
+                     const View<unsigned char*>& flags) {
+  if (faces.ghosts.count == 0)
+    return;
+  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
+  const auto interactions = pairs.interactions;
+  Kokkos::parallel_for(
+      "contact::flagGhostsInUse", rangePolicy(space, pairs.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int face = interactions(i).face_index;
+        if (!faces.isOwn(face))
+          flags(faces.ghostOf(face)) = 1;
+      });
+}
+
 TouchedNodes::TouchedNodes(const std::string& label, int num_nodes)
     : _num_nodes(num_nodes), _nodes(label + "::touched_nodes", num_nodes),
       _is_listed(label + "::is_touched", num_nodes), _count(label + "::num_touched") {

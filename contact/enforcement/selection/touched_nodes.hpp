@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/enforcement/law/contact_history.hpp"
-#include "contact/surface/surface.hpp"
+#include "contact/surface/face_access.hpp"
 
 #include <string>
 
@@ -24,6 +24,10 @@ struct NodeList {
 // values = 0 at the listed nodes.
 void zeroListed(const exec_space& space, const std::string& label, const NodeList& list,
                 const View<std::int64_t* [3]>& values);
+
+// flags [ghost] = 1 at the ghosts of interactions, 0 at others.
+void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
+                     const View<unsigned char*>& flags);
 
 class TouchedNodes {
 public:

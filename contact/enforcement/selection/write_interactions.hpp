@@ -96,8 +96,8 @@ struct WriteInteractions {
     const int previous = contact.is_persistent ? contact.previous : -1;
     addForces(now, index, contact.depth, contact.motion, previous, fading, sums);
   }
-  // Adds the forces of a contact whose normal ones are known, and applies friction. `previous`: in the
-  // history, or -1.
+  // Adds the forces of a contact whose normal ones are known, and applies friction. `previous`: in
+  // the history, or -1.
   KOKKOS_INLINE_FUNCTION void addForces(const Interaction& now, std::int64_t index,
                                         double penetration, const Vec3& motion, int previous,
                                         const FadingForce& fading, ContactSums& sums) const {

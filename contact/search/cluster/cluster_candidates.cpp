@@ -80,8 +80,8 @@ std::int64_t numPartners(const PartnerLists& lists) {
   return static_cast<std::int64_t>(lists.ranks.size());
 }
 
-// Counts the results of `emit` for each partner, chunk by chunk; starts(first + partner) will be the
-// offset of those of a partner.
+// Counts the results of `emit` for each partner, chunk by chunk; starts(first + partner) will be
+// the offset of those of a partner.
 template <class Emit>
 void count(const exec_space& space, const std::string& label, const Emit& emit,
            const PartnerLists& lists, std::int64_t first, const View<std::int64_t*>& starts,

@@ -27,7 +27,8 @@ struct Hits {
 };
 
 // The hits of the last search from which a cluster made its rows, in the order of the tree and
-// without ties. Equal hits give the same rows while the order is kept, since rules look at ids only.
+// without ties. Equal hits give the same rows while the order is kept, since rules look at ids
+// only.
 struct KeptHits {
   View<int*> count; // [cluster], plus 1; 0: none are kept. Empty where clusters have one node.
   View<unsigned*> words; // [cluster][item, lanes][max_sorted_hits]

@@ -8,15 +8,23 @@ namespace {
 
 constexpr int words_per_face = 12;
 
+// Ghosts in the order of their messages: all, or those of a list.
+struct GhostRows {
+  std::int64_t count;
+  View<const int*> ghosts; // [place]; null: ghosts 0 .. count - 1
+
+  KOKKOS_INLINE_FUNCTION std::int64_t operator()(std::int64_t place) const {
+    return ghosts.data() == nullptr ? place : ghosts(place);
+  }
+};
+
 // One field of a message of `width` words a face, from word `first` on.
-void packCorners(const exec_space& space, const PartnerLists& faces_sent,
+void packCorners(const exec_space& space, const View<const int*>& faces, std::int64_t num_faces,
                  const View<const int* [4]>& face_to_nodes,
                  const View<const double* [3]>& node_values, int first, int width,
                  const View<std::int64_t*>& words) {
-  const View<const int*> faces = faces_sent.rows;
   Kokkos::parallel_for(
-      "contact::forward::pack", rangePolicy(space, faces_sent.size()),
-      KOKKOS_LAMBDA(const std::int64_t i) {
+      "contact::forward::pack", rangePolicy(space, num_faces), KOKKOS_LAMBDA(const std::int64_t i) {
         for (int corner = 0; corner < 4; ++corner)
           for (int d = 0; d < 3; ++d)
             words(i * width + first + 3 * corner + d) =
@@ -25,13 +33,79 @@ void packCorners(const exec_space& space, const PartnerLists& faces_sent,
 }
 
 void unpackCorners(const exec_space& space, const View<const std::int64_t*>& words, int first,
-                   int width, int num_ghosts, const View<double* [12]>& ghost_values) {
+                   int width, const GhostRows& rows, const View<double* [12]>& ghost_values) {
   Kokkos::parallel_for(
-      "contact::forward::unpack", rangePolicy(space, num_ghosts),
-      KOKKOS_LAMBDA(const std::int64_t ghost) {
-        for (int i = 0; i < words_per_face; ++i)
-          fromWord(words(ghost * width + first + i), ghost_values(ghost, i));
+      "contact::forward::unpack", rangePolicy(space, rows.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int w = 0; w < words_per_face; ++w)
+          fromWord(words(i * width + first + w), ghost_values(rows(i), w));
       });
+}
+
+void packGhosts(const exec_space& space, const GhostRows& rows,
+                const View<const std::int64_t* [12]>& ghost_values,
+                const View<std::int64_t*>& words) {
+  Kokkos::parallel_for(
+      "contact::reverseSum::pack", rangePolicy(space, rows.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        for (int w = 0; w < words_per_face; ++w)
+          words(i * words_per_face + w) = ghost_values(rows(i), w);
+      });
+}
+
+void addToNodes(const exec_space& space, const View<const std::int64_t*>& words,
+                const View<const int*>& faces, std::int64_t num_faces,
+                const View<const int* [4]>& face_to_nodes,
+                const View<std::int64_t* [3]>& node_values) {
+  Kokkos::parallel_for(
+      "contact::reverseSum::add", rangePolicy(space, num_faces),
+      KOKKOS_LAMBDA(const std::int64_t n) {
+        const int face = faces(n);
+        for (int j = 0; j < 4; ++j)
+          for (int d = 0; d < 3; ++d) // most are 0
+            if (const std::int64_t value = words(words_per_face * n + 3 * j + d); value != 0)
+              Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
+      });
+}
+
+// rows: the ghosts whose flags are set; before [ghost]: how many precede it, and the number.
+void chooseGhosts(const exec_space& space, const View<const unsigned char*>& flags,
+                  std::int64_t num_ghosts, const View<int*>& rows,
+                  const View<std::int64_t*>& before) {
+  Kokkos::parallel_scan(
+      "contact::GhostSelection::choose", rangePolicy(space, num_ghosts + 1),
+      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum, const bool is_final) {
+        const bool is_chosen = i < num_ghosts && flags(i) != 0;
+        if (is_final) {
+          before(i) = sum;
+          if (is_chosen)
+            rows(sum) = static_cast<int>(i);
+        }
+        sum += is_chosen ? 1 : 0;
+      });
+}
+
+// words(i) = rows(i) - first for i in [begin, end).
+void shiftRows(const exec_space& space, const View<const int*>& rows, std::int64_t begin,
+               std::int64_t end, std::int64_t first, const View<std::int64_t*>& words) {
+  Kokkos::parallel_for(
+      "contact::GhostSelection::shiftRows", range_policy(space, begin, end),
+      KOKKOS_LAMBDA(const std::int64_t i) { words(i) = rows(i) - first; });
+}
+// faces(i) = sent(first + words(i)) for i in [begin, end).
+void takeFaces(const exec_space& space, const View<const std::int64_t*>& words, std::int64_t begin,
+               std::int64_t end, const View<const int*>& sent, std::int64_t first,
+               const View<int*>& faces) {
+  Kokkos::parallel_for(
+      "contact::GhostSelection::takeFaces", range_policy(space, begin, end),
+      KOKKOS_LAMBDA(const std::int64_t i) { faces(i) = sent(first + words(i)); });
+}
+
+void copyToDevice(const exec_space& space, const std::vector<std::int64_t>& from,
+                  const View<std::int64_t*>& to) {
+  Kokkos::deep_copy(space, Kokkos::subview(to, std::make_pair(std::size_t(0), from.size())),
+                    Kokkos::View<const std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
+                        from.data(), from.size()));
 }
 
 } // namespace
@@ -41,11 +115,12 @@ void forward(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_s
              FaceMigration& migration, const View<double* [12]>& ghost_values) {
   const Region region("contact::forward");
   auto& messages = migration.messages;
-  constexpr int width = words_per_face;
-  growTo(space, messages.buffers.send, faces_sent.size() * width);
-  packCorners(space, faces_sent, face_to_nodes, node_values, 0, width, messages.buffers.send);
-  messages.forward(space, comm, tags::corner_values, width);
-  unpackCorners(space, messages.buffers.receive, 0, width, migration.ghosts.count, ghost_values);
+  growTo(space, messages.buffers.send, faces_sent.size() * words_per_face);
+  packCorners(space, faces_sent.rows, faces_sent.size(), face_to_nodes, node_values, 0,
+              words_per_face, messages.buffers.send);
+  messages.forward(space, comm, tags::corner_values, words_per_face);
+  unpackCorners(space, messages.buffers.receive, 0, words_per_face, {migration.ghosts.count, {}},
+                ghost_values);
 }
 
 void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
@@ -56,13 +131,14 @@ void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLis
   constexpr int second = words_per_face, width = 2 * words_per_face;
   growTo(space, messages.buffers.send, faces_sent.size() * width);
   const auto to_send = messages.buffers.send;
-  packCorners(space, faces_sent, surface.face_to_nodes, surface.coordinates_old, 0, width, to_send);
-  packCorners(space, faces_sent, surface.face_to_nodes, surface.coordinates_new, second, width,
-              to_send);
+  packCorners(space, faces_sent.rows, faces_sent.size(), surface.face_to_nodes,
+              surface.coordinates_old, 0, width, to_send);
+  packCorners(space, faces_sent.rows, faces_sent.size(), surface.face_to_nodes,
+              surface.coordinates_new, second, width, to_send);
   messages.forward(space, comm, tags::ghost_coordinates, width);
   const auto received = messages.buffers.receive;
-  unpackCorners(space, received, 0, width, ghosts.count, ghosts.coordinates_old);
-  unpackCorners(space, received, second, width, ghosts.count, ghosts.coordinates_new);
+  unpackCorners(space, received, 0, width, {ghosts.count, {}}, ghosts.coordinates_old);
+  unpackCorners(space, received, second, width, {ghosts.count, {}}, ghosts.coordinates_new);
 }
 
 void reverseSum(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
@@ -70,28 +146,69 @@ void reverseSum(const exec_space& space, MPI_Comm comm, const PartnerLists& face
                 const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
                 const View<std::int64_t* [3]>& node_values) {
   const Region region("contact::reverseSum");
-  auto& buffers = migration.messages.buffers;
-  const std::int64_t num_ghosts = migration.ghosts.count, num_sent = faces_sent.size();
-  growTo(space, buffers.send, num_ghosts * words_per_face);
-  const auto to_owner = buffers.send;
-  Kokkos::parallel_for(
-      "contact::reverseSum::pack", rangePolicy(space, num_ghosts),
-      KOKKOS_LAMBDA(const std::int64_t ghost) {
-        for (int i = 0; i < 12; ++i)
-          to_owner(ghost * 12 + i) = ghost_values(ghost, i);
-      });
-  migration.messages.reverse(space, comm, tags::ghost_reactions, words_per_face);
-  const auto returned = buffers.receive;
-  const View<const int*> faces = faces_sent.rows;
-  Kokkos::parallel_for(
-      "contact::reverseSum::add", rangePolicy(space, num_sent),
-      KOKKOS_LAMBDA(const std::int64_t n) {
-        const int face = faces(n);
-        for (int j = 0; j < 4; ++j)
-          for (int d = 0; d < 3; ++d) // most are 0
-            if (const std::int64_t value = returned(12 * n + 3 * j + d); value != 0)
-              Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
-      });
+  auto& messages = migration.messages;
+  const GhostRows all{migration.ghosts.count, {}};
+  growTo(space, messages.buffers.send, all.count * words_per_face);
+  packGhosts(space, all, ghost_values, messages.buffers.send);
+  messages.reverse(space, comm, tags::ghost_reactions, words_per_face);
+  addToNodes(space, messages.buffers.receive, faces_sent.rows, faces_sent.size(), face_to_nodes,
+             node_values);
+}
+
+void GhostSelection::select(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
+                            const FaceMigration& migration,
+                            const View<const unsigned char*>& flags) {
+  const Region region("contact::selectGhosts");
+  const std::vector<std::int64_t>& begins = migration.messages.receiveOffsets();
+  _ghosts.ranks = migration.messages.senders();
+  _ghosts.offsets.assign(1, 0);
+  if (!_ghosts.ranks.empty()) {
+    const std::int64_t num_ghosts = migration.ghosts.count;
+    growTo(space, _ghosts.rows, num_ghosts);
+    growTo(space, _before, num_ghosts + 1);
+    chooseGhosts(space, flags, num_ghosts, _ghosts.rows, _before);
+    growTo(space, _starts, static_cast<std::int64_t>(begins.size()));
+    copyToDevice(space, begins, _starts);
+    offsetsOfKept(space, _before, _starts, _ghosts);
+  }
+
+  // Ghosts are named by their places among those of the owner.
+  growTo(space, _messages.buffers.send, _ghosts.size());
+  for (std::size_t p = 0; p < _ghosts.ranks.size(); ++p)
+    shiftRows(space, _ghosts.rows, _ghosts.offsets[p], _ghosts.offsets[p + 1], begins[p],
+              _messages.buffers.send);
+  const std::vector<std::int64_t>& ends = _messages.forwardOfAnySize(
+      space, comm, tags::ghost_selection, 1, _ghosts.ranks, _ghosts.offsets, faces_sent.ranks);
+  _num_faces = ends.back();
+  growTo(space, _faces, _num_faces);
+  for (std::size_t p = 0; p < faces_sent.ranks.size(); ++p)
+    takeFaces(space, _messages.buffers.receive, ends[p], ends[p + 1], faces_sent.rows,
+              faces_sent.offsets[p], _faces);
+}
+
+// The roles of sender and receiver are those of select(), which sends to the owners.
+void GhostSelection::forward(const exec_space& space, MPI_Comm comm,
+                             const View<const int* [4]>& face_to_nodes,
+                             const View<const double* [3]>& node_values,
+                             const View<double* [12]>& ghost_values) {
+  const Region region("contact::forward");
+  growTo(space, _messages.buffers.send, _num_faces * words_per_face);
+  packCorners(space, _faces, _num_faces, face_to_nodes, node_values, 0, words_per_face,
+              _messages.buffers.send);
+  _messages.reverse(space, comm, tags::corner_values, words_per_face);
+  unpackCorners(space, _messages.buffers.receive, 0, words_per_face, {_ghosts.size(), _ghosts.rows},
+                ghost_values);
+}
+
+void GhostSelection::reverseSum(const exec_space& space, MPI_Comm comm,
+                                const View<const int* [4]>& face_to_nodes,
+                                const View<const std::int64_t* [12]>& ghost_values,
+                                const View<std::int64_t* [3]>& node_values) {
+  const Region region("contact::reverseSum");
+  growTo(space, _messages.buffers.send, _ghosts.size() * words_per_face);
+  packGhosts(space, {_ghosts.size(), _ghosts.rows}, ghost_values, _messages.buffers.send);
+  _messages.forward(space, comm, tags::ghost_reactions, words_per_face);
+  addToNodes(space, _messages.buffers.receive, _faces, _num_faces, face_to_nodes, node_values);
 }
 
 } // namespace brickwall::contact

@@ -37,6 +37,7 @@ public:
   // one for each row sent.
   void reverse(const exec_space& space, MPI_Comm comm, int tag, int width);
 
+  const std::vector<int>& senders() const { return _senders; }
   int numPartners() const { return static_cast<int>(_partners.size()); }
   const std::vector<std::int64_t>& receiveOffsets() const { return _receive_offsets; }
 

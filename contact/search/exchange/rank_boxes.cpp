@@ -42,8 +42,8 @@ void throwIfFaulty(const RankGroup& all) {
                      " attributes per face, lower ranks have " + std::to_string(all.attributes));
 }
 
-// In the first 600 steps of the default wall on 4 ranks, a surface leaves a box with this margin four
-// times.
+// In the first 600 steps of the default wall on 4 ranks, a surface leaves a box with this margin
+// four times.
 constexpr double margin_share = 0.01;
 
 Box withMargin(Box box) {

@@ -1,6 +1,6 @@
 // Phase 2: every rank learns which rank boxes overlap its own, and that all coordinates are finite.
-// Boxes that are sent with a margin hold until a surface leaves one: the steps between send nothing,
-// and an exchange takes 2 log2(P) messages of each of P ranks (rank_tree.hpp).
+// Boxes that are sent with a margin hold until a surface leaves one: the steps between send
+// nothing, and an exchange takes 2 log2(P) messages of each of P ranks (rank_tree.hpp).
 #pragma once
 
 #include "contact/surface/construct_boxes.hpp"
@@ -46,8 +46,8 @@ private:
   std::int64_t _sent_attributes = 0;
 };
 
-// Collective. With `keeps`, sends the boxes with a margin of a hundredth of their longest side along
-// the tree of ranks; otherwise all ranks learn the boxes of all, as in the paper.
+// Collective. With `keeps`, sends the boxes with a margin of a hundredth of their longest side
+// along the tree of ranks; otherwise all ranks learn the boxes of all, as in the paper.
 // Throws PhysicsError on all ranks if any has a coordinate that is not finite (naming the smallest
 // node id and the rank that has it), InputError if the numbers of face attributes differ.
 void exchangeRankBoxes(MPI_Comm comm, const SweptBoxes& surface, const OwnRankBoxes& own,

@@ -27,7 +27,8 @@ struct RankGroup {
   Box node_box, face_box; // the unions
   std::int64_t num_invalid = 0; // nodes with a coordinate that is not finite
   std::int64_t first_invalid = 0, invalid_rank = none; // the smallest id of these, and its rank
-  // The lowest rank with faces and its number of face attributes; the lowest one with another number.
+  // The lowest rank with faces and its number of face attributes; the lowest one with another
+  // number.
   std::int64_t rank_with_faces = none, attributes = 0;
   std::int64_t other_rank = none, other_attributes = 0;
 
@@ -37,9 +38,9 @@ struct RankGroup {
 
 class RankTree {
 public:
-  // A leaf, or position, of the tree is one rank or, with `size` not a power of two, one or two: the
-  // second one, the guest, takes part in the first round and the last only. Groups are the halves of
-  // halves of the ranks, as in the bisection that places them.
+  // A leaf, or position, of the tree is one rank or, with `size` not a power of two, one or two:
+  // the second one, the guest, takes part in the first round and the last only. Groups are the
+  // halves of halves of the ranks, as in the bisection that places them.
   RankTree(int rank, int size);
 
   // The messages of this rank in each of the rounds, whose number is the same on all ranks: at most
@@ -80,7 +81,7 @@ private:
   bool _is_guest = false, _is_host = false; // the second and the first of two ranks
   int _position = 0; // among the 2^levels that take part
   RankRecord _own;
-  RankGroup _own_group, _guest;
+  RankGroup _own_group;
   RankRecord _guest_record;
   // [level] of the 2^level positions around this one's; the last is of all ranks.
   std::vector<RankGroup> _groups;

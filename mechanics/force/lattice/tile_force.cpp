@@ -20,7 +20,8 @@ struct TileElement {
   typename StiffnessOf<Shape>::type stiffness;
 };
 
-// The scratch memory of a team. Planes have entries for most nodes, so that all offsets are constant.
+// The scratch memory of a team. Planes have entries for most nodes, so that all offsets are
+// constant.
 template <class Shape>
 struct TileScratch {
   static constexpr int nodes = LatticeTile::max_plane_nodes;

@@ -1,4 +1,5 @@
-// Sums that the host reads later (contact/base/sum_over.hpp), by the kernels of devices and of hosts.
+// Sums that the host reads later (contact/base/sum_over.hpp), by the kernels of devices and of
+// hosts.
 #include "contact/base/sum_over.hpp"
 
 #include <gtest/gtest.h>
@@ -77,6 +78,12 @@ TEST(LaunchedSumsTest, MarkedSumsAreThoseOfTheKernelsBeforeTheMark) {
     EXPECT_EQ(sums.count, num_items);
     EXPECT_EQ(sums.sum, (before + 1) * num_items);
     EXPECT_EQ(later.read(space).sum, (before + 1001) * num_items); // without a mark: waits for all
+    // A kernel after the mark belongs to the next sum that is read.
+    launchSum<CountAndLargest>("test::first", space, 0, 1, Raise{items, 0}, marked.next(space));
+    marked.mark(space);
+    launchSum<CountAndLargest>("test::second", space, 1, num_items, Raise{items, 0},
+                               marked.next(space));
+    EXPECT_EQ(marked.read(space).count, num_items);
   }
 }
 

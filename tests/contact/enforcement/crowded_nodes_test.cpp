@@ -23,8 +23,8 @@ int longestRow(const ContactHistory& history) {
   return longest;
 }
 
-// `num_plates` plates [0, 2] x [0, 2] x [-1, 0], all in the same place, and a block on them that has
-// moved down by its penetration of 0.01.
+// `num_plates` plates [0, 2] x [0, 2] x [-1, 0], all in the same place, and a block on them that
+// has moved down by its penetration of 0.01.
 Scene blockOnEqualPlates(int num_plates) {
   Scene scene;
   for (int i = 0; i < num_plates; ++i)
@@ -95,8 +95,8 @@ TEST(CrowdedNodes, AllContactsContinueAndAreLostOrEndTogether) {
   }
 }
 
-// Plates of 3 x 3 elements, inclined and at heights at random, and a block that is pressed into them
-// and slides.
+// Plates of 3 x 3 elements, inclined and at heights at random, and a block that is pressed into
+// them and slides.
 struct Inclined {
   explicit Inclined(int num_plates) : tilt(num_plates) {
     std::mt19937 random(7);

@@ -46,6 +46,28 @@ TEST(EdgeContact, CrossingRidgesPushFromTheFirstPenetrationOn) {
       0);
 }
 
+// As with a host whose surface was at rest before it made the edges.
+TEST(EdgeContact, FirstStepGathersNodesThatAreFlaggedAsAtRest) {
+  const exec_space space;
+  EdgeRun run(crossedRidges(0.01), MPI_COMM_SELF, onOneRank, config(), 0.1);
+  EdgeRun expected(crossedRidges(0.01), MPI_COMM_SELF, onOneRank, config(), 0.1);
+  run.part.update(run.scene);
+  for (int step = 0; step < 3; ++step)
+    run.motion.update(space, run.part.surface());
+  const View<const unsigned char*> stationary = run.motion.stationaryNodes();
+  const auto flags = numbersOf(stationary, stationary.extent(0));
+  EXPECT_EQ(flags, std::vector<double>(flags.size(), SurfaceMotion::twice));
+  run.edges->gatherCoordinates(space, run.part.surface(), stationary);
+  run.edges->findCandidates(space);
+  expected.step();
+  const auto boxesOf = [](const EdgeRun& of) {
+    return numbersOf(of.edges->search().sweptBoxes(), of.edges->nodeIds().extent(0));
+  };
+  EXPECT_EQ(boxesOf(run), boxesOf(expected));
+  EXPECT_GT(expected.edges->search().pairs().count, 0);
+  EXPECT_EQ(run.edges->search().pairs().count, expected.edges->search().pairs().count);
+}
+
 TEST(EdgeContact, BecomesActiveWhenEdgesCrossAndEndsWhenTheySeparate) {
   EdgeRun crossed(crossedRidges(-0.02), MPI_COMM_SELF, onOneRank);
   crossed.step();

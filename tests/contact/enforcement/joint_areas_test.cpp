@@ -191,8 +191,8 @@ TEST(JointAreas, UniformPressureGivesTheExactForcesOfMeshesOfAnyRatio) {
     }
 }
 
-// There are no exact areas then: a linear program finds that the largest error is 0.32 and 0.96 % or
-// more. With tributary areas it is 53 and 69 %.
+// There are no exact areas then: a linear program finds that the largest error is 0.32 and 0.96 %
+// or more. With tributary areas it is 53 and 69 %.
 TEST(JointAreas, ForcesOnFacesThatAreNoParallelogramsAreExactWithinThreePercent) {
   for (const double bend : {0.5, 1.0}) {
     Scene scene = cubes(3, 4, bend, 0);

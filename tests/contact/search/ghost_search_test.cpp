@@ -1,5 +1,6 @@
-// The global search alone: boxes that differ in the last place, invariants of the partners, exports,
-// reverse sums, errors thrown on all ranks. search_test.cpp compares its ghosts with brute force.
+// The global search alone: boxes that differ in the last place, invariants of the partners,
+// exports, reverse sums, errors thrown on all ranks. search_test.cpp compares its ghosts with brute
+// force.
 #include "tests/contact/search/search_checks.hpp"
 
 #include <gtest/gtest.h>
@@ -261,6 +262,90 @@ TEST(GhostSearchTest, ValuesAtNodesReachTheCornersOfGhosts) {
     for (int g = 0; g < ghosts.count; ++g)
       for (int i = 0; i < 12; ++i)
         ok = ok && found(g, i) == valueOf(corners(g, i / 3), i % 3);
+    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+  }
+}
+
+// The surface with each rank far from all others.
+LocalSurface apart(const LocalSurface& local, int rank) {
+  LocalSurface moved = local;
+  for (auto* coordinates : {&moved.surface.coordinates_old, &moved.surface.coordinates_new}) {
+    const auto x = toHost(*coordinates);
+    *coordinates = viewOf<View<const double* [3]>>(
+        x.extent(0), 3, [&](auto n, auto d) { return x(n, d) + (d == 0 ? 1e6 * rank : 0); });
+  }
+  return moved;
+}
+
+TEST(GhostSearchTest, ValuesTravelForSelectedGhostsOnly) {
+  const exec_space space;
+  const int rank = rankOf(comm), size = sizeOf(comm);
+  // Of every third ghost; of none; of all.
+  const auto isSelected = [](global_id face, int holder, int selection) {
+    return selection == 2 || (selection == 0 && (face + holder) % 3 == 0);
+  };
+  for (std::uint64_t run = 0; run < 30; ++run) {
+    const SearchMethod method = all_methods[run % 3];
+    const SurfaceCase c = makeCase(run / 3, size);
+    const LocalSurface local = localSurface(c, rank);
+    GlobalSearch search(comm, configOf(c, method));
+    const GhostFaces& ghosts = search.findGhosts(space, local.surface);
+    const auto ids = toHost(ghosts.face_ids), corners = toHost(ghosts.corner_ids);
+    const auto node_values =
+        viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
+          return static_cast<double>(10 * c.nodes[local.nodes[n]].id + static_cast<int>(d));
+        });
+    const auto reactions = viewOf<View<std::int64_t* [12]>>(
+        static_cast<std::size_t>(ghosts.count), 12,
+        [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
+    const auto face_to_nodes = toHost(local.surface.face_to_nodes);
+    bool ok = true;
+    for (int selection = 0; selection < 3; ++selection) {
+      const View<unsigned char*> flags("test", static_cast<std::size_t>(ghosts.count));
+      const auto host_flags = Kokkos::create_mirror_view(flags);
+      for (int g = 0; g < ghosts.count; ++g)
+        host_flags(g) = isSelected(ids(g), rank, selection);
+      Kokkos::deep_copy(flags, host_flags);
+      search.selectGhosts(space, flags);
+      const View<double* [12]> values("test", static_cast<std::size_t>(ghosts.count));
+      search.forwardSelected(space, local.surface, node_values, values);
+      const View<std::int64_t* [3]> returned("test", local.nodes.size());
+      search.reverseSumSelected(space, local.surface.face_to_nodes, reactions, returned);
+      space.fence();
+      const auto found = toHost(values);
+      for (int g = 0; g < ghosts.count; ++g)
+        for (int i = 0; i < 12; ++i)
+          ok = ok && found(g, i) == (host_flags(g) ? double(10 * corners(g, i / 3) + i % 3) : 0);
+      std::vector<std::array<std::int64_t, 3>> expected(local.nodes.size(), {0, 0, 0});
+      std::int64_t num_selected = 0;
+      for (int q = 0; q < size; ++q)
+        for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts) {
+          const auto own = std::find(local.faces.begin(), local.faces.end(), f);
+          if (own == local.faces.end() || !isSelected(c.faces[f].id, q, selection))
+            continue;
+          ++num_selected;
+          for (int i = 0; i < 12; ++i)
+            expected[face_to_nodes(own - local.faces.begin(), i / 3)][i % 3] +=
+                reactionOf(c.faces[f].id, q, i);
+        }
+      ok = ok && search.selection().numFaces() == num_selected;
+      const auto sums = toHost(returned);
+      for (std::size_t n = 0; n < expected.size(); ++n)
+        for (int d = 0; d < 3; ++d)
+          ok = ok && sums(n, d) == expected[n][d];
+    }
+    // Former partners that are none any more expect nothing.
+    const LocalSurface moved = apart(local, rank);
+    const int num_ghosts = search.findGhosts(space, moved.surface).count;
+    search.selectGhosts(space, View<unsigned char*>("test", static_cast<std::size_t>(num_ghosts)));
+    const View<std::int64_t* [3]> returned("test", local.nodes.size());
+    search.reverseSumSelected(space, moved.surface.face_to_nodes,
+                              View<std::int64_t* [12]>("test", num_ghosts), returned);
+    space.fence();
+    const auto sums = toHost(returned);
+    for (std::size_t n = 0; n < local.nodes.size(); ++n)
+      for (int d = 0; d < 3; ++d)
+        ok = ok && sums(n, d) == 0;
     ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
   }
 }

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace brickwall::contact::test {
 namespace {
 
@@ -15,8 +17,6 @@ using brickwall::testing::no_allocations;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-// Surfaces that are difficult for a search in floats: boxes that are equal in floats but not in
-// doubles, identical boxes, one box that overlaps all others.
 // Corners near a lattice, each coordinate off by at most two units in the last place: boxes barely
 // touch, or barely do not.
 void addTouching(SurfaceCase& c, Random& random, double offset, double spacing) {
@@ -32,11 +32,54 @@ void addTouching(SurfaceCase& c, Random& random, double offset, double spacing) 
   });
 }
 
+// Quadrilaterals of sizes from 1e-30 to 1e30 about common points; one in four is a point itself.
+void addUnlikeSizes(SurfaceCase& c, Random& random, double offset) {
+  addQuads(c, 60 + random.below(60), 9, random, [&](int q, int) {
+    Random at(static_cast<std::uint64_t>(q) + 1000 * c.seed);
+    const double size = q % 4 == 0 ? 0 : std::pow(10, at.below(61) - 30);
+    Point x{};
+    for (int d = 0; d < 3; ++d)
+      x[d] = offset + 0.25 * at.below(2) + size * random.real(-1, 1);
+    return x;
+  });
+}
+
+// Coordinates of 0, -0 and the smallest numbers, which floats round to 0.
+void addTinyNumbers(SurfaceCase& c, Random& random) {
+  const double tiny[] = {0, -0.0, 5e-324, -5e-324, 1e-310, -1e-310, 1e-45, -1e-45, 2e-38};
+  addQuads(c, 60, 7, random, [&](int, int) {
+    return Point{tiny[random.below(9)], tiny[random.below(9)], tiny[random.below(9)]};
+  });
+  c.node_tolerance = random.chance(0.5) ? 0 : 5e-324;
+}
+
+// Whole bricks in the same place, and half as far again.
+void addBricksInOnePlace(SurfaceCase& c, Random& random, double offset) {
+  for (int body = 0; body < 6; ++body) {
+    const double x = offset + (body % 3 == 2 ? 0.5 : 0), size = 1 + body / 3;
+    const int n = 1 + random.below(3);
+    addBrick(c, body, {x, offset, offset}, {x + size, offset + size, offset + size}, {n, n, n});
+  }
+}
+
+// Nodes that cross the range of floats, and most of that of doubles, within a step.
+void addFastNodes(SurfaceCase& c, Random& random) {
+  addWall(c, random, 1);
+  const double speeds[] = {0, 1e-300, 1, 1e30, 1e39, -1e39, 1e300, -1e300};
+  for (auto& node : c.nodes) {
+    Random at(static_cast<std::uint64_t>(node.body) + 1000 * c.seed);
+    for (int d = 0; d < 3; ++d)
+      node.x_new[d] += speeds[at.below(8)];
+  }
+}
+
+// Surfaces that are difficult for a search in floats: boxes that are equal in floats but not in
+// doubles, identical boxes, one box that overlaps all others, numbers beyond the range of floats.
 SurfaceCase makeHardCase(std::uint64_t seed, int num_ranks) {
   SurfaceCase c;
   Random random(seed + 5000);
   c.seed = seed;
-  switch (seed % 6) {
+  switch (seed % 11) {
   case 0:
     c.kind = "touching to the last place";
     addTouching(c, random, 0, 0.5);
@@ -69,6 +112,30 @@ SurfaceCase makeHardCase(std::uint64_t seed, int num_ranks) {
   case 4:
     c.kind = "all the same";
     addQuads(c, 200, 5, random, [](int, int k) { return Point{k % 2 * 1.0, k / 2 * 1.0, 0.1}; });
+    break;
+  case 5:
+    c.kind = "unlike sizes";
+    addUnlikeSizes(c, random, random.chance(0.5) ? 0 : 1e9);
+    c.node_tolerance = random.chance(0.5) ? 1e-9 : 0;
+    break;
+  case 6:
+    c.kind = "tiny numbers";
+    addTinyNumbers(c, random);
+    break;
+  case 7:
+    c.kind = "bricks in one place";
+    addBricksInOnePlace(c, random, random.chance(0.5) ? 0 : -1e9);
+    c.face_tolerance = random.chance(0.5) ? 0 : 0x1p-20;
+    break;
+  case 8:
+    c.kind = "fast nodes";
+    addFastNodes(c, random);
+    break;
+  case 9: // tolerances far beyond the surface
+    c.kind = "huge tolerances";
+    addWall(c, random, 1);
+    c.node_tolerance = random.chance(0.5) ? 1e39 : 1e10;
+    c.face_tolerance = random.chance(0.5) ? 1e300 : 1e10;
     break;
   default: { // one face over all others
     c.kind = "one huge box";
@@ -172,7 +239,7 @@ TEST(SearchTest, GhostsAndPairsEqualBruteForceOnRandomSurfaces) {
 
 // Own faces and ghosts: also on one rank.
 TEST(SearchTest, BoxesEqualInFloatsAreDecidedInDoubles) {
-  checkCases(60, makeHardCase);
+  checkCases(110, makeHardCase);
 }
 
 TEST(SearchTest, BuffersOfEarlierStepsDoNotShowInLaterOnes) {

@@ -10,8 +10,8 @@
 
 namespace brickwall::contact::test {
 
-// Splits a domain as recursive coordinate bisection does, with equal volumes: the longest side is cut,
-// and the ranks of the parts are consecutive.
+// Splits a domain as recursive coordinate bisection does, with equal volumes: the longest side is
+// cut, and the ranks of the parts are consecutive.
 inline void bisect(const Box& domain, int first_rank, int num_ranks, std::vector<Box>& cells) {
   if (num_ranks == 1) {
     cells[std::size_t(first_rank)] = domain;

@@ -1,5 +1,5 @@
-// Faces that move to other ranks: each arrives once with its nodes and attributes, each node has one
-// owner, values go to all copies and sums come back. Against lists that every rank can compute.
+// Faces that move to other ranks: each arrives once with its nodes and attributes, each node has
+// one owner, values go to all copies and sums come back. Against lists that every rank can compute.
 #include "contact/surface/secondary_surface.hpp"
 
 #include "contact/base/to_device.hpp"
@@ -207,7 +207,8 @@ TEST(SecondarySurface, ForwardsRecordsToTheRanksOfTheirFaces) {
   EXPECT_EQ(found, expected);
 }
 
-// Nodes whose ids are multiples of `step` are selected, then others: only their values travel, both ways.
+// Nodes whose ids are multiples of `step` are selected, then others: only their values travel, both
+// ways.
 TEST(SecondarySurface, PassesValuesOfSelectedNodesOnly) {
   const Grid grid;
   SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());

@@ -182,8 +182,8 @@ TEST(Threads, ChangeNoBit) {
 }
 
 // Sweeps over lattices, in slabs for any number of threads, and tiles give the same bits as packs,
-// also where elements fail. The blocks have any width and are boxes or sheared, whole or cut between
-// layers or anywhere. The last is cut into tiles along all axes.
+// also where elements fail. The blocks have any width and are boxes or sheared, whole or cut
+// between layers or anywhere. The last is cut into tiles along all axes.
 TEST(Lattices, ChangeNoBit) {
   const exec_space space;
   const auto bricks =

@@ -124,8 +124,8 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   EXPECT_EQ(misfits, 4 * skin.num_faces); // infinite loads are counted, not added
 }
 
-// A wave on a deformed block: the loads of packs of faces, summed by node, have the bits of those of
-// single faces.
+// A wave on a deformed block: the loads of packs of faces, summed by node, have the bits of those
+// of single faces.
 TEST(Pressure, InPacksIsThatOfEachFace) {
   const exec_space space;
   const testing::Block block{{5, 3, 2}};

@@ -1,7 +1,7 @@
 // A program in which the last rank fails alone while the others wait for it: before a barrier
-// ("of_one_rank"), in an exchange one of whose messages is too large ("in_an_exchange"), or in one for
-// which it has no memory ("out_of_memory"); or every rank fails together ("of_all_ranks"). The test
-// checks its exit code, its message and that it ends (see CMakeLists.txt).
+// ("of_one_rank"), in an exchange one of whose messages is too large ("in_an_exchange"), or in one
+// for which it has no memory ("out_of_memory"); or every rank fails together ("of_all_ranks"). The
+// test checks its exit code, its message and that it ends (see CMakeLists.txt).
 #include "contact/base/error.hpp"
 #include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/mpi.hpp"

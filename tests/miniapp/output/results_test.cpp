@@ -106,9 +106,9 @@ TEST(Results, HaveTheFieldsOfTheDeckInTheOrderOfTheTable) {
   EXPECT_TRUE(config.write_brick_id);
 }
 
-// Uniaxial strain F = diag(1 + e, 1, 1) of a neo-Hookean body, mechanics/theory.md (6), (7): sigma_xx
-// = (mu (J^2 - 1) + lambda ln J)/J, sigma_yy = sigma_zz = lambda ln J/J, with J = 1 + e. About 50
-// operations per value.
+// Uniaxial strain F = diag(1 + e, 1, 1) of a neo-Hookean body, mechanics/theory.md (6), (7):
+// sigma_xx = (mu (J^2 - 1) + lambda ln J)/J, sigma_yy = sigma_zz = lambda ln J/J, with J = 1 + e.
+// About 50 operations per value.
 TEST(Results, OfUniformStretchAreExact) {
   CubesRun run(twoCubes("0.25",
                         "\"stress\", \"von_mises\", \"principal_stress\", \"strain_energy\", "
@@ -135,9 +135,9 @@ TEST(Results, OfUniformStretchAreExact) {
   expectAll("processor_id", rankOf(world));
 }
 
-// At rest the pressure on the end is that of the joint, at nodes in corners, on edges and in faces, but
-// for changes of normals and areas by the strain, 1e-6. Damped by alpha = 1, all motion falls by
-// exp(-t/2), 6e-44 until the end; forces at corners, 6e-8, are multiples of 2^-54.
+// At rest the pressure on the end is that of the joint, at nodes in corners, on edges and in faces,
+// but for changes of normals and areas by the strain, 1e-6. Damped by alpha = 1, all motion falls
+// by exp(-t/2), 6e-44 until the end; forces at corners, 6e-8, are multiples of 2^-54.
 TEST(Results, OfCubesAtRestUnderAKnownPressureAreExact) {
   CubesRun run(twoCubes("0.0", "\"displacement\", \"contact_pressure\", \"contact_gap\", "
                                "\"contact_status\", \"force_contact\", \"slip_velocity\"") +
@@ -166,9 +166,9 @@ TEST(Results, OfCubesAtRestUnderAKnownPressureAreExact) {
     EXPECT_EQ(pressure[node] > 0, status[node] > 0);
 }
 
-// Four cubes in a square, under the same pressure on all four sides: the nodes at the edges where all
-// meet are pressed on two sides. The cubes move by up to 1e-6 past each other's edges, which takes up
-// to 1e-6/(0.1/2) of the force of the nodes there (contact.edge_tolerance).
+// Four cubes in a square, under the same pressure on all four sides: the nodes at the edges where
+// all meet are pressed on two sides. The cubes move by up to 1e-6 past each other's edges, which
+// takes up to 1e-6/(0.1/2) of the force of the nodes there (contact.edge_tolerance).
 TEST(Results, HaveOnePressureOfTwoSides) {
   std::string deck = twoCubes("0.0", "\"contact_pressure\"") + "[damping]\nmass = 1.0\n";
   deck.replace(deck.find("[2, 1, 1]"), 9, "[2, 2, 1]");
@@ -202,9 +202,9 @@ std::string slidingCubes(const std::string& fields, const std::string& speed,
 }
 
 // Two half cubes slide on a fixed cube with a prescribed velocity and mu = 0.5. Their slip is that
-// velocity, the nodes of the cube see the opposite; friction is mu times the normal force and no part
-// of the pressure. The slip of 2e-5 takes up to 2e-5/(0.1/2) of the force of the nodes beyond the
-// edge (contact.edge_tolerance), which the others bear.
+// velocity, the nodes of the cube see the opposite; friction is mu times the normal force and no
+// part of the pressure. The slip of 2e-5 takes up to 2e-5/(0.1/2) of the force of the nodes beyond
+// the edge (contact.edge_tolerance), which the others bear.
 TEST(Results, OfSlidingBodiesAreExact) {
   const double speed = 1e-7, load = 1e-6, friction = 0.5;
   CubesRun run(
@@ -231,9 +231,9 @@ TEST(Results, OfSlidingBodiesAreExact) {
   EXPECT_NEAR(sums[0], -friction * sums[1], relative * load);
 }
 
-// With and without friction, at rest under the load: a sliding node slips by all of its further motion,
-// since its spring is stretched to the limit, a sticking one not at all. All slips together are not
-// longer than the motion.
+// With and without friction, at rest under the load: a sliding node slips by all of its further
+// motion, since its spring is stretched to the limit, a sticking one not at all. All slips together
+// are not longer than the motion.
 TEST(Results, OfSlipAreTheMotionThatTheSpringDoesNotTake) {
   const auto expectSlip = [](const char* speed, const char* friction, double share) {
     CubesRun run(slidingCubes("\"slip_distance\"", speed, friction));
@@ -257,8 +257,8 @@ TEST(Results, OfSlipAreTheMotionThatTheSpringDoesNotTake) {
   expectSlip("1e-10", "0.5", 0);
 }
 
-// Two elements side by side: each corner of the joint is a candidate of the three faces that meet in
-// the opposite corner.
+// Two elements side by side: each corner of the joint is a candidate of the three faces that meet
+// in the opposite corner.
 TEST(Results, CountCandidatePairsOfFaces) {
   std::string deck = twoCubes("0.0", "\"candidate_pairs\", \"search_time\"");
   deck.replace(deck.find("[2, 2, 2]"), 9, "[1, 1, 1]");
@@ -297,8 +297,8 @@ TEST(StressMeasures, OfKnownStresses) {
   EXPECT_NEAR(principal[0], 2, 1e-15);
   EXPECT_NEAR(principal[1], 0, 1e-15);
   EXPECT_NEAR(principal[2], -2, 1e-15);
-  // Eigenvalues 1, 2, 4: Q diag Q^T with the rotation by the Pythagorean angle (3, 4, 5) about z and
-  // then x; sqrt(((2 - 1)^2 + (4 - 2)^2 + (4 - 1)^2)/2) = sqrt(7).
+  // Eigenvalues 1, 2, 4: Q diag Q^T with the rotation by the Pythagorean angle (3, 4, 5) about z
+  // and then x; sqrt(((2 - 1)^2 + (4 - 2)^2 + (4 - 1)^2)/2) = sqrt(7).
   const double c = 0.6, s = 0.8;
   const double Q[3][3] = {{c, -s, 0}, {c * s, c * c, -s}, {s * s, s * c, c}}, value[3] = {4, 1, 2};
   double a[3][3] = {};
@@ -313,8 +313,8 @@ TEST(StressMeasures, OfKnownStresses) {
   EXPECT_NEAR(vonMises(turned), std::sqrt(7.0), 1e-14);
 }
 
-// A run of three ranks was killed among the renames of its files, or before them; it continues one of
-// two ranks. A file of another deck is none of its files.
+// A run of three ranks was killed among the renames of its files, or before them; it continues one
+// of two ranks. A file of another deck is none of its files.
 TEST(EarlierResults, AreReplacedAsAWholeOrNotAtAll) {
   const auto textOf = [](const std::string& path) {
     std::string text;

@@ -77,6 +77,27 @@ TEST(MeshScene, SetsThatShareNodesAreRefusedIfTheirMotionsDiffer) {
             "");
 }
 
+// mesh.config() puts the blocks of a test on line 9 and after.
+TEST(MeshScene, NamesThatTheMeshLacksAreFoundInTheDeck) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
+  const std::string fault = faultOf(mesh.config("[[boundary.fixed]]\nnode_set = \"lft\"\n"
+                                                "[[load.pressure]]\nside_set = \"frnt\"\n"
+                                                "peak = 1.0\nshape = \"step\"\n"
+                                                "[[initial.velocity]]\nblock = \"bric\"\n"
+                                                "velocity = [1, 0, 0]\n"));
+  for (const char* part :
+       {"deck.toml:9: [[boundary.fixed]]: found no node set 'lft' in the mesh, expected one of "
+        "left, front_nodes, nothing; did you mean 'left'?",
+        "deck.toml:11: [[load.pressure]]: found no side set 'frnt' in the mesh, expected one of ",
+        "deck.toml:15: [[initial.velocity]]: found no element block 'bric' in the mesh, expected "
+        "one of brick; did you mean 'brick'?"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(faultOf(mesh.config("[[initial.deformation]]\nbody = 1\n"
+                                "gradient = [0, 0, 0, 0, 0, 0, 0, 0, 0]\n")),
+            "deck.toml:9: [[initial.deformation]] body: found the integer 1, expected one of the 1 "
+            "bodies, 0 to 0");
+}
+
 TEST(MeshScene, EmptySetsCauseWarnings) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const Scene scene =
@@ -85,6 +106,23 @@ TEST(MeshScene, EmptySetsCauseWarnings) {
                             "[[boundary.fixed]]\nnode_set = \"left\"\ncomponents = [\"x\"]\n"));
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_NE(scene.warnings[0].find("node set \"nothing\""), std::string::npos);
+}
+
+// Doubles near 2^20 have the spacing 2^-32, those near 2^40 2^-12; edges are about 1 long.
+TEST(MeshScene, CoarseCoordinatesCauseAWarning) {
+  const auto warningsAt = [](double place) {
+    const MeshFile mesh(oneBrick({1, 1, 1}), [&](io::MeshPart& part) {
+      for (double& x : part.coordinates)
+        x += place;
+    });
+    return makeScene(exec_space(), MPI_COMM_WORLD, mesh.config("")).warnings;
+  };
+  EXPECT_TRUE(warningsAt(0x1p20).empty());
+  const auto warnings = warningsAt(0x1p40);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("coordinates of up to 1.1e+12 are rounded to about 0.00024, "),
+            std::string::npos)
+      << warnings[0];
 }
 
 // Two bricks in two blocks, the second one `stiffer` times as stiff. Forces are rounded to between

@@ -114,59 +114,97 @@ TEST(ContactBalance, DistributesWhenWaitsHaveCostAsMuchAsADistribution) {
   const double lost = 1 - ContactBalance::tolerated / size; // share of the time of contact
   ContactBalance balance(MPI_COMM_WORLD, 1.0);
   balance.addTime(0.9 / lost);
-  EXPECT_FALSE(balance.isDue(work));
+  EXPECT_FALSE(balance.isDue(work, work));
   balance.addTime(0.2 / lost);
-  EXPECT_TRUE(balance.isDue(work));
+  EXPECT_TRUE(balance.isDue(work, work));
   // An imbalance that stays after a distribution is no reason for another.
-  balance.haveDistributed(0.1, size, size, false);
+  balance.haveDistributed(0.1, size);
   balance.addTime(0.2 / lost);
-  EXPECT_FALSE(balance.isDue(work));
+  EXPECT_FALSE(balance.isDue(work, work));
   balance.addTime(0.2 / lost);
-  EXPECT_FALSE(balance.isDue(work));
+  EXPECT_FALSE(balance.isDue(work, work));
   EXPECT_EQ(balance.distributions(), 1);
   // Work that is balanced loses nothing.
   ContactBalance even(MPI_COMM_WORLD, 0);
   even.addTime(1e3);
-  EXPECT_FALSE(even.isDue(1));
+  EXPECT_FALSE(even.isDue(1, 1));
+}
+
+// Work of this rank if that of all is 1 on average, and the largest is `imbalance`.
+double workOf(double imbalance) {
+  const int size = sizeOf(MPI_COMM_WORLD);
+  return rankOf(MPI_COMM_WORLD) == 0 ? imbalance : (size - imbalance) / (size - 1);
 }
 
 TEST(ContactBalance, LeavesHomeOnlyIfBalanceGainsMoreThanMessagesUsuallyCost) {
-  const int size = sizeOf(MPI_COMM_WORLD);
-  if (size == 1)
+  if (sizeOf(MPI_COMM_WORLD) == 1)
     GTEST_SKIP() << "one rank sends no message";
   for (const double imbalance : {1.4, 1.5}) { // 1.3 times 1.1 is between them
-    const double work = rankOf(MPI_COMM_WORLD) == 0 ? imbalance : (size - imbalance) / (size - 1);
+    const double work = workOf(imbalance);
     ContactBalance balance(MPI_COMM_WORLD, 1.0, ContactBalance::usual_overhead);
     balance.addTime(1e3);
-    EXPECT_EQ(balance.isDue(work), imbalance > 1.45) << imbalance;
+    EXPECT_EQ(balance.isDue(work, work), imbalance > 1.45) << imbalance;
+    EXPECT_EQ(balance.isHomeBetter(), imbalance < 1.45) << imbalance;
   }
 }
 
-TEST(ContactBalance, ReturnsFacesWhoseMessagesCostMoreThanBalanceGains) {
-  const int size = sizeOf(MPI_COMM_WORLD);
-  if (size == 1)
+TEST(ContactBalance, ReturnsHomeWhereThatIsAsBalanced) {
+  if (sizeOf(MPI_COMM_WORLD) == 1)
     GTEST_SKIP() << "one rank sends no message";
-  const double work = rankOf(MPI_COMM_WORLD) == 0 ? size : 0; // balanced: 1 on each rank
-  ContactBalance balance(MPI_COMM_WORLD, 1.0);
-  balance.addTime(4 * size);
-  EXPECT_TRUE(balance.isDue(work));
-  // A unit of work takes 1.2 times as long away from home: it stays there.
-  balance.haveDistributed(1, 1, size, false);
-  balance.addTime(1.2 * 4);
-  EXPECT_FALSE(balance.isDue(1));
-  EXPECT_DOUBLE_EQ(balance.overhead(), 1.2);
-  // It takes 2 `size` times as long: half of the time would be saved at home.
-  balance.haveDistributed(5 * size, 1, size, false);
-  balance.addTime(8 * size);
-  EXPECT_FALSE(balance.isDue(1));
-  balance.addTime(8 * size);
-  EXPECT_TRUE(balance.isDue(1));
-  // At home the faces stay, since a distribution does not pay.
-  balance.haveDistributed(1, size, size, true);
-  for (int check = 0; check < 10; ++check) {
-    balance.addTime(4 * size);
-    EXPECT_FALSE(balance.isDue(work));
+  ContactBalance balance(MPI_COMM_WORLD, 1.0, ContactBalance::usual_overhead);
+  balance.addTime(1e3);
+  ASSERT_TRUE(balance.isDue(workOf(1.8), workOf(1.8)));
+  balance.haveDistributed(1, 1, false);
+  for (int check = 0; check < 10; ++check) { // the time is 0.8 of that at home
+    balance.addTime(0.8e3);
+    EXPECT_FALSE(balance.isDue(1, workOf(1.8)));
   }
+  // Home has no imbalance now; away messages take 0.3 of the time there.
+  balance.addTime(0.9 * 1.3 / 0.3);
+  EXPECT_FALSE(balance.isDue(1, 1));
+  balance.addTime(0.2 * 1.3 / 0.3);
+  EXPECT_TRUE(balance.isDue(1, 1));
+  EXPECT_TRUE(balance.isHomeBetter());
+  balance.haveReturned(1);
+  // That was no failure: the next imbalance is answered as the first one.
+  balance.addTime(1e3);
+  EXPECT_TRUE(balance.isDue(workOf(1.5), workOf(1.5)));
+}
+
+TEST(ContactBalance, ReturnsHomeFromAVainDistributionAndTheSecondTimeForGood) {
+  if (sizeOf(MPI_COMM_WORLD) == 1)
+    GTEST_SKIP() << "one rank sends no message";
+  const auto isDueAtHome = [](ContactBalance& balance, double imbalance) {
+    balance.addTime(1e3 * imbalance);
+    return balance.isDue(workOf(imbalance), workOf(imbalance));
+  };
+  ContactBalance balance(MPI_COMM_WORLD, 1.0, ContactBalance::usual_overhead);
+  ASSERT_TRUE(isDueAtHome(balance, 1.6));
+  balance.haveDistributed(1, 1, false);
+  balance.addTime(1.5e3); // less than 1.1 times faster than at home, in the first check
+  EXPECT_TRUE(balance.isDue(1, workOf(1.6)));
+  EXPECT_TRUE(balance.isHomeBetter());
+  balance.haveReturned(1);
+  EXPECT_DOUBLE_EQ(balance.overhead(), 1.1 * 1.6);
+  EXPECT_FALSE(isDueAtHome(balance, 1.9)); // 1.1 times 1.1 times 1.6 is 1.936
+  ASSERT_TRUE(isDueAtHome(balance, 1.95));
+  balance.haveDistributed(1, 1, false);
+  balance.addTime(1.5e3); // 1.3 times faster: faces stay
+  EXPECT_FALSE(balance.isDue(1, workOf(1.95)));
+  balance.haveDistributed(1, 1, false); // a later one is not compared with home
+  balance.addTime(1e6);
+  EXPECT_FALSE(balance.isDue(1, workOf(2)));
+  balance.haveReturned(1);
+  ASSERT_TRUE(isDueAtHome(balance, 1.95));
+  balance.haveDistributed(1, 1, false);
+  balance.addTime(1.9e3);
+  EXPECT_TRUE(balance.isDue(1, workOf(1.95)));
+  EXPECT_TRUE(balance.isHomeBetter());
+  balance.haveReturned(1);
+  const int size = sizeOf(MPI_COMM_WORLD);
+  for (int check = 0; check < 10; ++check)
+    EXPECT_FALSE(isDueAtHome(balance, size));
+  EXPECT_EQ(balance.distributions(), 7);
 }
 
 } // namespace

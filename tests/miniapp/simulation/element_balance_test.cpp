@@ -1,5 +1,5 @@
-// Elements that move to other ranks during a run: the same bits, whenever and wherever they move; equal
-// work after it; and the rule by which they move.
+// Elements that move to other ranks during a run: the same bits, whenever and wherever they move;
+// equal work after it; and the rule by which they move.
 #include "tests/miniapp/simulation/case.hpp"
 
 #include "io/wall/hashed_random.hpp"
@@ -51,7 +51,8 @@ struct MovingRun {
   std::unique_ptr<miniapp::Simulation> simulation;
 };
 
-// Of all parts of 40 steps; before every fifth step elements move to random ranks, or all to the last.
+// Of all parts of 40 steps; before every fifth step elements move to random ranks, or all to the
+// last.
 std::vector<std::uint64_t> checksumsOf(const std::string& more, bool moves) {
   MovingRun run(sliding_bricks + more);
   std::vector<std::uint64_t> sums;
@@ -129,7 +130,8 @@ TEST(ElementBalance, MovesElementsToRanksOfEqualWorkAsSoonAsThatPays) {
   ASSERT_TRUE(ranks);
   run.move(*ranks);
   balance.haveMoved(0.5, {2, 2 * works, 0});
-  // Each of log2(ranks) bisections lies between two layers of the 96 elements, at most 8 elements each.
+  // Each of log2(ranks) bisections lies between two layers of the 96 elements, at most 8 elements
+  // each.
   EXPECT_LE(miniapp::imbalanceOf(MPI_COMM_WORLD, run.scene.part.numElems()), 1 + 8. * size / 96);
   EXPECT_FALSE(balance.newRanks(*run.simulation, {9, 9, 0}));
   ASSERT_EQ(balance.rebalancings().size(), 1u);

@@ -1,5 +1,5 @@
-// The checksums of the parts of a step: the same on one rank and on all, and different from the part
-// on in which two runs differ.
+// The checksums of the parts of a step: the same on one rank and on all, and different from the
+// part on in which two runs differ.
 #include "tests/miniapp/simulation/case.hpp"
 
 #include <gtest/gtest.h>

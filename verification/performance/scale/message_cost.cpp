@@ -1,6 +1,6 @@
 // Prints what messages cost between the ranks that run it, as JSON: latency and time per byte of an
-// exchange of two ranks, both directions at once as in the program, and the time of an all-reduce of
-// eight words. Median, least and largest of 20 samples. Needs at least two ranks.
+// exchange of two ranks, both directions at once as in the program, and the time of an all-reduce
+// of eight words. Median, least and largest of 20 samples. Needs at least two ranks.
 #include <mpi.h>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
-// A library to preload (LD_PRELOAD) that counts what each rank sends over MPI: messages, their bytes and
-// reductions. scale_study.py takes the difference of two runs that differ in their steps. When MPI
-// ends, rank 0 writes the sums and the largest rank as JSON to the file BRICKWALL_MESSAGE_COUNTS.
+// A library to preload (LD_PRELOAD) that counts what each rank sends over MPI: messages, their
+// bytes and reductions. scale_study.py takes the difference of two runs that differ in their steps.
+// When MPI ends, rank 0 writes the sums and the largest rank as JSON to the file
+// BRICKWALL_MESSAGE_COUNTS.
 #include <mpi.h>
 
 #include <cstdio>

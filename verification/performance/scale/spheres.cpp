@@ -1,8 +1,9 @@
-// Touching spheres in a lattice, as in ArborX's benchmarks/distributed_contact: each rank has the outer
-// layer of a cube of ROWS^3 triangulated spheres of diameter 1 at distances of 0.8. The boxes of the
-// triangles of every second sphere look for overlaps among those of the others: with 40 rows, 4.65
-// million boxes each. A looking box is a node that moves from one corner of the box to the opposite one,
-// another box is a face all of whose corners are one such node. Positions are computed in float, as there.
+// Touching spheres in a lattice, as in ArborX's benchmarks/distributed_contact: each rank has the
+// outer layer of a cube of ROWS^3 triangulated spheres of diameter 1 at distances of 0.8. The boxes
+// of the triangles of every second sphere look for overlaps among those of the others: with 40
+// rows, 4.65 million boxes each. A looking box is a node that moves from one corner of the box to
+// the opposite one, another box is a face all of whose corners are one such node. Positions are
+// computed in float, as there.
 //   contact_spheres [--rows N] [--sphere FILE] [--repetitions N] [--check]
 // FILE: ArborX's unit_sphere.txt; otherwise a sphere of as many triangles, 1018, is made. --check
 // compares the number of pairs with plain loops. Prints JSON.
@@ -104,7 +105,8 @@ struct RankBoxesOfSpheres {
   std::vector<global_id> looking_spheres, other_spheres;
 };
 
-// The boxes of rank `rank` of `size`, whose cubes stand in a cube of the largest whole number of ranks.
+// The boxes of rank `rank` of `size`, whose cubes stand in a cube of the largest whole number of
+// ranks.
 RankBoxesOfSpheres boxesOf(const Sphere& sphere, int rows, int rank, int size) {
   const int side = static_cast<int>(std::cbrt(size));
   const int place[3] = {rank / (side * side), rank % (side * side) / side, rank % side};

@@ -1,7 +1,7 @@
-// The global search on many virtual ranks in one process: the exchange of rank boxes (phase 2) among
-// all of them, by the program's RankTree; boxes, candidates, node boxes and faces to send (1, 3, 4, 5) on a few
-// ranks whose surfaces are built with those of their partners. Prints a CSV row for each scene and
-// number of ranks; README.md beside this file explains the columns.
+// The global search on many virtual ranks in one process: the exchange of rank boxes (phase 2)
+// among all of them, by the program's RankTree; boxes, candidates, node boxes and faces to send (1,
+// 3, 4, 5) on a few ranks whose surfaces are built with those of their partners. Prints a CSV row
+// for each scene and number of ranks; README.md beside this file explains the columns.
 //   contact_virtual_ranks weak RANKS...           16 bricks of W(8) a rank
 //   contact_virtual_ranks wall N FACTOR RANKS...  the wall W(N) with FACTOR times the bricks along and up
 #include "tests/contact/support/virtual_ranks.hpp"
@@ -298,8 +298,8 @@ private:
     add(_local.faces_sent, static_cast<double>(facesSent(q, rank)));
   }
 
-  // Phases 4 and 5: the faces that rank q would send, with the node boxes of each partner that is not
-  // stray. Phase 6 sends them.
+  // Phases 4 and 5: the faces that rank q would send, with the node boxes of each partner that is
+  // not stray. Phase 6 sends them.
   std::int64_t facesSent(int q, const BuiltRank& rank) const {
     std::int64_t sent = 0;
     const PartnerLists& tested = rank.found.blocks_to_test;

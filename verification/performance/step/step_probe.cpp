@@ -2,8 +2,8 @@
 // of its phases on the thread that launches. Other processes disturb that time less than wall-clock
 // time, and waits for other threads are not in it if they sleep (OMP_WAIT_POLICY=passive). Rank 0
 // writes JSON to the file BRICKWALL_STEP_PROBE. The first step, which allocates memory, is not
-// counted, nor is anything between steps. With BRICKWALL_STEP_PROBE_ONLY=1 phases are not timed, which
-// takes less time.
+// counted, nor is anything between steps. With BRICKWALL_STEP_PROBE_ONLY=1 phases are not timed,
+// which takes less time.
 #include <array>
 #include <cstdint>
 #include <cstdio>

@@ -208,7 +208,8 @@ TEST(SleepingBlocks, BodiesThatFlyApartBecomeDormant) {
   }
 }
 
-// A wall of four flush bricks, one of which moves: rows of the others sleep until one of these moves.
+// A wall of four flush bricks, one of which moves: rows of the others sleep until one of these
+// moves.
 TEST(SleepingBlocks, FlushBodiesSleepWhileTheyAreAtRest) {
   if (!rows_last)
     GTEST_SKIP() << "on a device few rows sleep";
@@ -241,8 +242,9 @@ TEST(SleepingBlocks, FlushBodiesSleepWhileTheyAreAtRest) {
   EXPECT_LT(a.asleep, before / 2);
 }
 
-// Body 0 rests after it has left its box of the last search by less than the margin. A body far away,
-// on the last rank, then makes all ranks search, which adds pairs to rows of bodies that rest.
+// Body 0 rests after it has left its box of the last search by less than the margin. A body far
+// away, on the last rank, then makes all ranks search, which adds pairs to rows of bodies that
+// rest.
 TEST(SleepingBlocks, RowsAtRestWakeWhenASearchAddsPairs) {
   EnforcementConfig with = config(), without = config();
   without.skip_stationary = false;

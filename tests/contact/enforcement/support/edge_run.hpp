@@ -68,6 +68,8 @@ struct EdgeRun {
     motion.update(exec_space(), part.surface());
     sums = edges->select(exec_space(), dt, motion)();
     edges->setHasForcesAnywhere(brickwall::allReduce(part.comm(), sums.interactions, MPI_MAX) > 0);
+    TouchedNodes touched("test", part.surface().num_nodes);
+    edges->addTouched(exec_space(), touched);
     Kokkos::deep_copy(total, 0);
     edges->collectForces(exec_space(), total);
     edges->advance(dt);
