@@ -8,6 +8,7 @@
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/scene/loads.hpp"
 #include "miniapp/scene/magnitudes.hpp"
+#include "miniapp/scene/memory_estimate.hpp"
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 
@@ -17,31 +18,6 @@
 namespace brickwall::miniapp {
 
 namespace {
-
-constexpr double program_bytes = 45e6; // of each rank, with MPI and Kokkos
-
-// Memory of a scene.
-struct SceneBytes {
-  double device = 0; // Views of the time loop, all ranks
-  double host_and_device = 0; // with the host's data for output, at the peak of the set-up
-};
-
-SceneBytes estimateBytes(std::int64_t elements, std::int64_t nodes, std::int64_t faces,
-                         bool congruent) {
-  // Per element: connectivity and ids, and geometry unless congruent. Per node: coordinates, u, v,
-  // mass, forces and ids. Per face: boxes, tree, ids, attributes and candidate pairs.
-  const double per_element = 32 + 8 + 4 + 8 + (congruent ? 0 : 370);
-  const double per_node = 3 * 24 + 8 + 12 * 8 + 8 + 1 + 24;
-  const double per_face = 700;
-  const double device = per_element * static_cast<double>(elements) +
-                        per_node * static_cast<double>(nodes) +
-                        per_face * static_cast<double>(faces);
-  // The host keeps the mesh and output buffers of 9 doubles per element and 11 per node, and needs
-  // as much again during the set-up. 400 B per element reproduce the 665 MB measured for W(8).
-  const double host =
-      400 * static_cast<double>(elements) + (36 + 11 * 8) * static_cast<double>(nodes);
-  return {device, device + host};
-}
 
 // A wall with one brick of each kind that the deck's wall has: its time step is the same.
 Config smallestLikeScene(const Config& config) {
@@ -116,6 +92,13 @@ SceneCounts countsOf(const Config& config, const Scene& scene) {
   }
   return {scene.part.num_global_bodies, scene.part.num_global_elems, scene.part.num_global_nodes,
           scene.num_faces};
+}
+
+// Over all ranks. The bodies of a wall have as many edges as those of the smallest like scene.
+std::int64_t numEdges(MPI_Comm comm, const Simulation& simulation) {
+  const bool has_edges =
+      simulation.contact() != nullptr && simulation.contact()->edges() != nullptr;
+  return allReduce(comm, has_edges ? simulation.contact()->edges()->numEdges() : 0, MPI_SUM);
 }
 
 void printCount(const char* name, std::int64_t count) {
@@ -213,12 +196,17 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
                                absurdMagnitudes(config, magnitudes, num_steps)})
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   const int ranks = sizeOf(comm);
+  const SceneCounts counts = countsOf(config, scene);
+  const SceneSize size{
+      counts.elements, counts.nodes,
+      counts.faces,    numEdges(comm, simulation) * counts.bodies / scene.part.num_global_bodies,
+      !all_congruent,  config.contact.enabled};
+  const MemoryEstimate memory = estimateMemory(size, ranks, !host_accessible);
   if (rankOf(comm) != 0)
     return 0;
 
   std::printf("%s\n", config.title.empty() ? options.caseName().c_str() : config.title.c_str());
   std::printf("  deck              %s\n", config.deck_path.c_str());
-  const SceneCounts counts = countsOf(config, scene);
   printMesh(config, counts, all_congruent);
   printMaterials(config, scene.part);
   printConditions(config);
@@ -228,11 +216,9 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::printf("  steps             %lld to time %g\n", static_cast<long long>(num_steps),
               config.time.end);
   printMagnitudes(config, magnitudes);
-  const SceneBytes bytes =
-      estimateBytes(counts.elements, counts.nodes, counts.faces, all_congruent);
   std::printf(
       "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
-      1e-6 * (bytes.host_and_device / ranks + program_bytes), ranks, 1e-6 * bytes.device / ranks);
+      1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device);
   for (const std::string& warning : scene.warnings)
     std::printf("warning: %s\n", warning.c_str());
   return 0;

@@ -2,15 +2,16 @@
 import os
 import subprocess
 
-from . import launch
+from . import launch, machine
 from .errors import InputError
 
 
 def check(program, deck, settings):
     """(what `brickwall check` prints, what it finds wrong or "")."""
     words = [word for name, value in settings.items() for word in ("--set", f"{name}={launch.spell(value)}")]
+    cores = machine.physical_cores()
     done = subprocess.run([*launch.launcher(program), "-n", "1", str(program), "check", str(deck), *words], capture_output=True, text=True,
-                          env={**os.environ, **launch.environment(1, 1, 1)})
+                          env={**os.environ, **launch.environment(1, cores, cores)})
     if done.returncode == 0:
         return done.stdout, ""
     return done.stdout, (done.stderr.strip() or f"exit code {done.returncode}").removeprefix("brickwall: error: ")
