@@ -23,8 +23,11 @@ int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options) {
   results.title = config.title;
   results.version = versionText();
   results.information = config.resolved_deck;
+  const std::string path = options.output_directory + "/" + options.caseName() + ".exo";
   makeDirectory(comm, options.output_directory);
-  io::writeMesh(comm, options.output_directory + "/" + options.caseName() + ".exo", part, results);
+  if (config.mesh)
+    refuseToReplace(comm, config.mesh->file, path);
+  io::writeMesh(comm, path, part, results);
   return 0;
 }
 

@@ -44,6 +44,15 @@ void removeFile(MPI_Comm comm, const std::string& path) {
   });
 }
 
+void refuseToReplace(MPI_Comm comm, const std::string& input, const std::string& path) {
+  rethrowOnAllRanks(comm, [&] {
+    std::error_code ignored; // a file that does not exist is not replaced
+    if (rankOf(comm) == 0 && std::filesystem::equivalent(input, path, ignored))
+      throw InputError(input + ": found the file that the results would replace, " + path +
+                       ", expected another one: name another folder with -o");
+  });
+}
+
 FolderLock::FolderLock(MPI_Comm comm, const std::string& path) {
   rethrowOnAllRanks(comm, [&] {
     if (rankOf(comm) != 0)

@@ -15,6 +15,9 @@ void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& te
 bool fileExists(MPI_Comm comm, const std::string& path);
 // Removes the file if it exists.
 void removeFile(MPI_Comm comm, const std::string& path);
+// Throws InputError if results written to `path` would replace the file `input` that the run reads,
+// under this or another name.
+void refuseToReplace(MPI_Comm comm, const std::string& input, const std::string& path);
 // A lock of a folder while the object lives, so that no two runs write there: ranks of a run whose
 // launcher was killed may still be at work.
 class FolderLock {

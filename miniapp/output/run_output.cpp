@@ -52,6 +52,8 @@ void RunOutput::begin(const Simulation& simulation) {
 
 void RunOutput::lock() {
   makeDirectory(_comm, _directory);
+  if (_config.mesh)
+    refuseToReplace(_comm, _config.mesh->file, path(_case_name) + ".exo");
   _lock = FolderLock(_comm, _directory);
   EarlierResults::endReplacement(_comm, path(_case_name) + ".exo");
 }

@@ -48,8 +48,20 @@ for ranks in 1 3; do
     $ranks run "$inputs/one_brick.toml" --set 'load.pressure[0].peak=1e11' --set limits.energy_error=1e9
   [[ -s $work/out/one_brick.exo || -s $work/out/one_brick.exo.3.0 ]] || { echo "FAILED: no results left"; failures=$((failures + 1)); }
   grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
-  expect "a load beyond all range stops the start" 3 'in step 0 .*a load' $ranks run "$inputs/one_brick.toml" \
+  expect "a load beyond all range stops the start" 3 'in step 0 .*nodal forces of .*load.pressure' $ranks run "$inputs/one_brick.toml" \
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
+  # The mesh has the place of the results; on several ranks epu would join them there.
+  output=$work/own_mesh
+  expect "a mesh is written" 0 '1 bodies' 1 mesh "$inputs/one_brick.toml"
+  cp "$output/one_brick.exo" "$work/mesh.exo"
+  sed -e '/^\[wall\]/,/^$/d' "$inputs/one_brick.toml" >"$work/one_brick.toml"
+  printf '\n[mesh]\nfile = "own_mesh/one_brick.exo"\n' >>"$work/one_brick.toml"
+  for command in run mesh; do
+    expect "$command does not replace the mesh that it reads" 2 'one_brick.exo: found the file that the results would replace' \
+      $ranks $command "$work/one_brick.toml"
+  done
+  cmp "$output/one_brick.exo" "$work/mesh.exo" || { echo "FAILED: the mesh was changed"; failures=$((failures + 1)); }
+  output=$work/out
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
   expect "a warning is printed and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
@@ -127,7 +139,7 @@ rm -r "$work/out/brick_wall.exo.2.0.new"
 expect "a run continues after such a failure" 0 '^PASS' 2 run "$inputs/brick_wall.toml" "${small[@]}" --steps 60 \
   --set output.checkpoint.steps=40 --set 'partition.rebalance="always"' --set partition.interval=50 --restart latest
 rm -rf "$work/out"
-expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
+expect "check refuses a body that the wall lacks" 2 'initial.velocity.*body: found the integer 99' 1 check "$inputs/brick_wall.toml" --set 'initial.velocity[0].body=99' --set 'initial.velocity[0].velocity=[0,0,1]'
 for command in check run; do
   code=0
   "$brickwall" $command "$inputs/brick_wall.toml" "${small[@]}" --steps 2 -o "$work/out" >/dev/full 2>"$work/log" || code=$?
