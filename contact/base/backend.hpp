@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <type_traits>
 
@@ -131,51 +130,6 @@ public:
 
 private:
   result_view_type _result;
-};
-
-// A mark behind the work launched so far, for which the host waits while later work goes on. Without
-// a mark, or where the back end has none, it waits for all work of the space.
-class LaunchMark {
-public:
-  void set(const exec_space& space) {
-#if defined(KOKKOS_ENABLE_CUDA)
-    if constexpr (std::is_same<exec_space, Kokkos::Cuda>::value) {
-      if (!_event) {
-        cudaEvent_t event = nullptr;
-        check(cudaEventCreateWithFlags(&event, cudaEventDisableTiming));
-        _event = std::shared_ptr<CUevent_st>(event, cudaEventDestroy);
-      }
-      check(cudaEventRecord(_event.get(), space.cuda_stream()));
-    }
-#endif
-    (void)space;
-    _is_set = true;
-  }
-  void clear() {
-    _is_set = false;
-  }
-  void wait(const exec_space& space) {
-#if defined(KOKKOS_ENABLE_CUDA)
-    if constexpr (std::is_same<exec_space, Kokkos::Cuda>::value)
-      if (_is_set) {
-        _is_set = false;
-        check(cudaEventSynchronize(_event.get()));
-        return;
-      }
-#endif
-    _is_set = false;
-    space.fence();
-  }
-
-private:
-#if defined(KOKKOS_ENABLE_CUDA)
-  static void check(cudaError_t error) {
-    if (error != cudaSuccess)
-      Kokkos::abort(cudaGetErrorString(error));
-  }
-  std::shared_ptr<CUevent_st> _event;
-#endif
-  bool _is_set = false;
 };
 
 // To be placed between plain memory accesses and an atomic operation by which one thread hands data

@@ -79,12 +79,9 @@ public:
           Kokkos::view_alloc(Kokkos::WithoutInitializing, "base::LaunchedSums"), max_launched);
     if (_num_launched == max_launched)
       take(space);
-    _mark.clear();
     Value& place = *new (&_stored(_num_launched++)) Value();
     return Reducer(place);
   }
-  // To be called after the last kernel: read() does not wait for what is launched later.
-  void mark(const exec_space& space) { _mark.set(space); }
   // The sum of all. Waits for the device if any was launched since the last call.
   Value read(const exec_space& space) {
     take(space);
@@ -96,7 +93,7 @@ public:
 private:
   void take(const exec_space& space) {
     if (_num_launched > 0)
-      _mark.wait(space);
+      space.fence();
     for (int k = 0; k < _num_launched; ++k)
       _sum += _stored(k);
     _num_launched = 0;
@@ -105,7 +102,6 @@ private:
   Value _sum; // of kernels that the host has waited for
   Kokkos::View<Value*, staging_space> _stored;
   int _num_launched = 0;
-  LaunchMark _mark;
 };
 
 // Adds what functor(i, Value&) adds for i of [begin, end) to `total`, word by word, in teams whose
@@ -202,15 +198,13 @@ public:
   }
   // Sends the sum on its way to the host, after the last add().
   void send(const exec_space& space) {
-    if constexpr (on_device) {
+    if constexpr (on_device)
       Kokkos::deep_copy(space, _staged, _words);
-      _mark.set(space);
-    }
   }
-  // The sum that was sent. Waits for the device, but not for what was launched after send().
+  // The sum that was sent. Waits for the device.
   Value read(const exec_space& space) {
     if constexpr (on_device) {
-      _mark.wait(space);
+      space.fence();
       memcpy(static_cast<void*>(&_sum), _staged.data(), sizeof _sum);
     }
     return _sum;
@@ -220,7 +214,6 @@ private:
   Value _sum;
   View<std::int64_t*> _words;
   Kokkos::View<std::int64_t*, staging_space> _staged;
-  LaunchMark _mark;
 };
 
 } // namespace brickwall

@@ -92,14 +92,9 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
                                               std::optional<double> motion,
                                               const std::function<void()>& meanwhile,
                                               const View<const unsigned char*>& stationary) {
-  struct Reset { // also if the search throws
-    LocalSearch& local;
-    ~Reset() { local.setMeanwhile({}); }
-  } const reset{_local};
-  _local.setMeanwhile(meanwhile);
   updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary);
   if (!_has_pairs)
-    _local.findCandidatePairs(space, surface);
+    _local.findCandidatePairs(space, surface, meanwhile);
   _has_pairs = true;
   return _local.pairs();
 }

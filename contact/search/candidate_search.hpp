@@ -55,8 +55,8 @@ public:
   // any number if there are no such boxes. Without it, update() measures the nodes that `stationary`
   // [node] does not flag. A flag that is not 0 states that both configurations of the node equal
   // coordinates_new of the last update().
-  // `meanwhile` may be called, more than once: it launches work that does not need the search, before
-  // the host waits for the device.
+  // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
+  // would wait for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
                                const std::function<void()>& meanwhile = {},

@@ -16,18 +16,17 @@ public:
   // The candidate pairs of this step; valid until the next call. A node's own faces (those that
   // list its global id as a corner) are never listed; with drop_same_body neither are faces of the
   // node's body. The global search has found the ghosts of this step. Not collective.
-  const CandidatePairs& findCandidatePairs(const exec_space& space, const SweptBoxes& surface) {
+  // `meanwhile`: see SearchPhases.
+  const CandidatePairs& findCandidatePairs(const exec_space& space, const SweptBoxes& surface,
+                                           const std::function<void()>& meanwhile = {}) {
     const Region region("contact::findCandidatePairs");
     const Region timer("contact::search::local_search");
+    _global._phases->meanwhile = meanwhile;
     _global._phases->findPairs(space, surface, _global.ghosts(), _global.config());
     return pairs();
   }
 
   const CandidatePairs& pairs() const { return _global._phases->pairs(); }
-  // See SearchPhases.
-  void setMeanwhile(const std::function<void()>& meanwhile) {
-    _global._phases->meanwhile = meanwhile;
-  }
   // The step test that pairs() carry from now on.
   void setStepTest(const StepTest& test) { _global._phases->pairs().step_test = test; }
 

@@ -119,28 +119,11 @@ void ContactStep::findCandidates(bool are_final, const std::function<void()>& me
   _has_forces_of_search = false;
   const Stopwatch time;
   View<const unsigned char*> stationary;
-  bool is_measured = false;
-  const auto measure = [&] {
-    is_measured = true;
-    if (are_final) // the host reads the motion after its waits for the search
-      stationary = _enforcement->startMotion(_space, surface());
-    if (_edges)
-      _edges->gatherCoordinates(_space, surface(), stationary);
-  };
-  // A search of one rank that does not read the motion leaves it to its first wait.
-  const bool may_wait = meanwhile && _search.margin() == 0 && sizeOf(_comm) == 1;
-  if (!may_wait)
-    measure();
-  int num_waits = 0;
-  const auto launch = [&] {
-    if (num_waits++ > 0)
-      meanwhile();
-    else if (!is_measured)
-      measure();
-  };
-  _search.update(_space, surface(), {}, meanwhile ? launch : std::function<void()>(), stationary);
-  if (!is_measured)
-    measure();
+  if (are_final) // the host reads the motion after its waits for the search
+    stationary = _enforcement->startMotion(_space, surface());
+  if (_edges)
+    _edges->gatherCoordinates(_space, surface(), stationary);
+  _search.update(_space, surface(), {}, meanwhile, stationary);
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());

@@ -211,7 +211,6 @@ void SurfaceMotion::start(const exec_space& space, const Surface& surface) {
                                                    _piece_begin, _piece_body, _last,
                                                    _stationary_flags, _step, _is_moving});
   launchSums(space);
-  _added.mark(space);
   _has_started = true;
 }
 

@@ -177,11 +177,10 @@ void EdgeContact::gatherCoordinates(const exec_space& space, const Surface& surf
   gatherCorners(space, surface, _corner_to_node, boxes, is_at_rest, _old, _new, _excursion[0]);
   sweepEdges(space, _edges.num_faces, _num_corners, _edges.face_to_nodes, _corner_to_node, boxes,
              is_at_rest, _old, _new, _records, _excursion[1]);
-  _gathered.set(space);
 }
 
 void EdgeContact::findCandidates(const exec_space& space) {
-  _gathered.wait(space);
+  space.fence();
   _search.update(space, _edges, maxOf(_excursion[0](), _excursion[1]()));
   if (_search.ghosts().count == 0)
     return;

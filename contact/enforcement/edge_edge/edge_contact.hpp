@@ -123,7 +123,6 @@ private:
   View<double*[3]> _old, _new; // coordinates of _edges
   Kokkos::View<double, staging_space>
       _excursion[2]; // of corners and edges, see gatherCoordinates()
-  LaunchMark _gathered; // behind gatherCoordinates()
   View<double*> _corner_mass; // [corner]
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;

@@ -87,7 +87,6 @@ PairCounts searchAll(const exec_space& space, FindRows find, const std::function
                                     find.capacity, find.block_begin, find.row_begin, find.faces,
                                     find.changed, find.num_clusters, queue},
                    sums.next(space), queue);
-    sums.mark(space);
     if (meanwhile)
       meanwhile();
     PairCounts counts = sums.read(space);

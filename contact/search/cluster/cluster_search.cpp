@@ -6,7 +6,7 @@ namespace brickwall::contact {
 
 OwnRankBoxes ClusterSearch::constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                            const SearchConfig& config) {
-  _clusters.update(space, surface, config, meanwhile);
+  _clusters.update(space, surface, config);
   return _clusters.rankBoxes();
 }
 

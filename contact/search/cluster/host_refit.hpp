@@ -4,8 +4,6 @@
 #include "contact/base/lanes.hpp"
 #include "contact/search/cluster/surface_refit.hpp"
 
-#include <functional>
-
 namespace brickwall::contact {
 
 // Computes the bounds of the nodes of one cluster, and of the cluster. Rows of coordinates are
@@ -142,8 +140,7 @@ struct HostRefit {
     space.fence();
   }
   template <class Input>
-  static void refitFaces(const exec_space& space, const Input& input, RefitScratch&, RefitSums&,
-                         const std::function<void()>&) {
+  static void refitFaces(const exec_space& space, const Input& input, RefitScratch&, RefitSums&) {
     const BoxTree& tree = input.tree;
     if (tree.num_levels == 0)
       return;

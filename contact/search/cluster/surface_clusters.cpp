@@ -91,7 +91,7 @@ void SurfaceClusters::noteSearch(std::int64_t num_blocks) {
 }
 
 void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
-                             const SearchConfig& config, const std::function<void()>& meanwhile) {
+                             const SearchConfig& config) {
   const Region region("contact::constructBoxes");
   const bool same_bounds = config.node_tolerance == config.face_tolerance;
   if (!_is_ordered || isNew(surface) || same_bounds != _same_bounds)
@@ -119,7 +119,7 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
     Refit::refitNodes(space, input, _scratch, sums);
   }
   const Region timer("contact::search::face_boxes");
-  Refit::refitFaces(space, input, _scratch, sums, meanwhile);
+  Refit::refitFaces(space, input, _scratch, sums);
   Refit::refitUpperLevels(space, _forest, sums);
   _rank_boxes.node_box = boxAround(sums.owned_nodes, _order.origin);
   _rank_boxes.face_box = boxAround(sums.faces, _order.origin);

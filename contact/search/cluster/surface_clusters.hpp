@@ -6,17 +6,14 @@
 #include "contact/search/cluster/surface_refit.hpp"
 #include "contact/surface/construct_boxes.hpp"
 
-#include <functional>
-
 namespace brickwall::contact {
 
 class SurfaceClusters {
 public:
   // Phase 1. Orders the surface if it is new (sizes or Views differ from those of the last call) or
   // to be ordered again, then refits all boxes. Not collective. Nodes that are not finite are
-  // counted; their faces have no box. `meanwhile`: see SearchPhases.
-  void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config,
-              const std::function<void()>& meanwhile = {});
+  // counted; their faces have no box.
+  void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
 
   // To be called when something of the surface besides its coordinates has changed in place, or
   // when unmanaged Views have been reallocated.

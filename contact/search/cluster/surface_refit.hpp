@@ -44,7 +44,6 @@ struct RefitScratch {
   View<RefitSums> sums{"contact::SurfaceClusters::sums"};
   Kokkos::View<RefitSums, staging_space> host_sums{"contact::SurfaceClusters::host_sums"};
   std::int64_t num_node_sums = 0;
-  LaunchMark is_done; // behind the copy to host_sums
 };
 
 } // namespace brickwall::contact

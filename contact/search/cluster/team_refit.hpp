@@ -5,8 +5,6 @@
 #include "contact/base/lanes.hpp"
 #include "contact/search/cluster/surface_refit.hpp"
 
-#include <functional>
-
 namespace brickwall::contact {
 
 // Computes the bounds of the nodes, 32 at a time; each team stores its sums.
@@ -262,7 +260,7 @@ struct TeamRefit {
   }
   template <class Input>
   static void refitFaces(const exec_space& space, const Input& input, RefitScratch& scratch,
-                         RefitSums& sums, const std::function<void()>& meanwhile = {}) {
+                         RefitSums& sums) {
     const BoxTree& tree = input.tree;
     const int tiles = (tree.num_items + RefitTile::faces - 1) / RefitTile::faces;
     launch(space, "contact::SurfaceClusters::faces", tiles, 1,
@@ -272,10 +270,7 @@ struct TeamRefit {
            RefitTop::num_parts * sizeof(RefitSums) + alignof(RefitSums), 0,
            RefitTop{tree, scratch.node_sums, scratch.num_node_sums, scratch.sums});
     Kokkos::deep_copy(space, scratch.host_sums, scratch.sums);
-    scratch.is_done.set(space);
-    if (meanwhile)
-      meanwhile();
-    scratch.is_done.wait(space);
+    space.fence();
     sums = scratch.host_sums();
   }
   static void refitUpperLevels(const exec_space&, BoxForest&, RefitSums&) {}

@@ -52,8 +52,8 @@ public:
   virtual void forget() {}
   virtual std::int64_t numOrderings() const { return 0; } // of the surface, since the start
 
-  // Launches work that does not need the search; constructBoxes() and findPairs() may call it before
-  // they wait for the device.
+  // Launches work that does not need the pairs; findPairs() may call it before it waits for the
+  // device.
   std::function<void()> meanwhile;
 
   CandidatePairs& pairs() { return _pairs; }

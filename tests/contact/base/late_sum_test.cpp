@@ -1,5 +1,4 @@
-// Sums that the host reads later (contact/base/sum_over.hpp), by the kernels of devices and of
-// hosts.
+// Sums that several kernels add to (contact/base/sum_over.hpp), by the kernels of devices and of hosts.
 #include "contact/base/sum_over.hpp"
 
 #include <gtest/gtest.h>
@@ -48,43 +47,6 @@ void expectSumsOfBothKernels() {
 TEST(LateSumTest, KernelsAddToOneSumOnBothPaths) {
   expectSumsOfBothKernels<true>();
   expectSumsOfBothKernels<!host_accessible>();
-}
-
-// Adds `factor` to each item and sums them.
-struct Raise {
-  View<std::int64_t*> items;
-  std::int64_t factor;
-
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, CountAndLargest& sums) const {
-    items(i) += factor;
-    sums.sum += items(i);
-    ++sums.count;
-  }
-};
-
-TEST(LaunchedSumsTest, MarkedSumsAreThoseOfTheKernelsBeforeTheMark) {
-  const exec_space space;
-  constexpr std::int64_t num_items = 1 << 20;
-  const View<std::int64_t*> items("test::items", num_items);
-  LaunchedSums<CountAndLargest> marked, later;
-  for (int round = 0; round < 20; ++round) { // each reads what the round before has left
-    const std::int64_t before = 1001 * round;
-    launchSum<CountAndLargest>("test::marked", space, 0, num_items, Raise{items, 1},
-                               marked.next(space));
-    marked.mark(space);
-    launchSum<CountAndLargest>("test::later", space, 0, num_items, Raise{items, 1000},
-                               later.next(space));
-    const CountAndLargest sums = marked.read(space);
-    EXPECT_EQ(sums.count, num_items);
-    EXPECT_EQ(sums.sum, (before + 1) * num_items);
-    EXPECT_EQ(later.read(space).sum, (before + 1001) * num_items); // without a mark: waits for all
-    // A kernel after the mark belongs to the next sum that is read.
-    launchSum<CountAndLargest>("test::first", space, 0, 1, Raise{items, 0}, marked.next(space));
-    marked.mark(space);
-    launchSum<CountAndLargest>("test::second", space, 1, num_items, Raise{items, 0},
-                               marked.next(space));
-    EXPECT_EQ(marked.read(space).count, num_items);
-  }
 }
 
 } // namespace
