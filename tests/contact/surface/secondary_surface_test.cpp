@@ -242,6 +242,39 @@ TEST(SecondarySurface, PassesValuesOfSelectedNodesOnly) {
   }
 }
 
+// Each rank selects other nodes: copies of a node that any rank selects add up on all ranks.
+TEST(SecondarySurface, AddsUpValuesOfNodesThatAnyRankSelects) {
+  const Grid grid;
+  SecondarySurface moved(grid.space, MPI_COMM_WORLD, grid.surface, grid.ranksOfFaces());
+  const int num_nodes = moved.surface().num_nodes;
+  const auto ids = toHost(moved.surface().node_ids);
+  std::vector<unsigned char> here(num_nodes);
+  constexpr int num_ids = (side + 1) * (side + 1);
+  std::vector<int> counts(2 * num_ids, 0); // of copies, and of those that select the node
+  for (int node = 0; node < num_nodes; ++node) {
+    here[node] = (ids(node) + grid.rank) % 5 == 0;
+    ++counts[ids(node) - 100];
+    counts[num_ids + ids(node) - 100] += here[node];
+  }
+  allReduce(MPI_COMM_WORLD, counts.data(), 2 * num_ids, MPI_SUM);
+  const auto flags = toDevice(grid.space, "flags", here);
+  moved.shared().selectShared(grid.space, flags);
+  const View<std::int64_t* [1]> sums("sums", num_nodes);
+  Kokkos::deep_copy(sums, 1);
+  moved.shared().sumSelected(grid.space, sums);
+  const auto got = toHost(sums);
+  const auto got_flags = toHost(flags);
+  const auto rows = toHost(moved.shared().selectedRows());
+  const std::set<int> selected(rows.data(), rows.data() + rows.extent(0));
+  for (int node = 0; node < num_nodes; ++node) {
+    const int copies = counts[ids(node) - 100];
+    const bool is_selected = counts[num_ids + ids(node) - 100] > 0;
+    EXPECT_EQ(got_flags(node) != 0, is_selected) << ids(node);
+    EXPECT_EQ(got(node, 0), is_selected ? copies : 1) << ids(node);
+    EXPECT_EQ(selected.count(node) > 0, is_selected && copies > 1) << ids(node);
+  }
+}
+
 TEST(SendToHolders, GivesEachRecordToTheRankThatListsItsId) {
   const int rank = rankOf(MPI_COMM_WORLD), num_ranks = sizeOf(MPI_COMM_WORLD);
   struct Record {
