@@ -57,10 +57,10 @@ class GmshToExodus(unittest.TestCase):
             self.assertEqual(file["connect1"][:].tolist(), [list(range(1, 9)), list(range(9, 17))])
             self.assertEqual(file["node_ns1"][:].tolist(), [13, 14, 15, 16])
         (self.folder / "part.toml").write_text(DECK)
-        run = subprocess.run([PROGRAM, "run", self.folder / "part.toml", "-o", self.folder], capture_output=True, text=True)
+        run = subprocess.run([PROGRAM, "run", self.folder / "part.toml", "-o", self.folder / "out"], capture_output=True, text=True)
         self.assertEqual(run.returncode, 0, run.stderr)
         # The pressure pushes down on an area of 1: peak 2 T/pi.
-        rows = (self.folder / "history.csv").read_text().splitlines()
+        rows = (self.folder / "out/history.csv").read_text().splitlines()
         impulse = float(rows[-1].split(",")[rows[0].split(",").index("impulse_load_z")])
         self.assertAlmostEqual(impulse / -3.183e-4, 1, delta=2e-3)  # the follower load on an area that strains of 1e-3 change
 
