@@ -69,7 +69,6 @@ public:
   }
 
   const std::vector<int>& partners() const { return _plan.partners(); }
-  const View<int*>& nodes() const { return _plan.sendRows(); } // of all partners; some repeat
 
 private:
   ExchangePlan _plan;

@@ -101,7 +101,6 @@ public:
         _receive_rows(flatten(space, "base::ExchangePlan::receive_rows", receive_rows)) {}
 
   const std::vector<int>& partners() const { return _partners; }
-  const View<int*>& sendRows() const { return _send_rows; } // of all partners, one after the other
   std::int64_t numSendRows() const { return _send_offsets.back(); }
   std::int64_t numReceiveRows() const { return _receive_offsets.back(); }
 
