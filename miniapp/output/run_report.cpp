@@ -31,7 +31,7 @@ std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecor
   std::vector<RankValue> load = countsOfRank(simulation);
   const double search = recorder.busySeconds("contact::search"),
                enforcement = recorder.busySeconds("miniapp::enforceContact"),
-               distribution = recorder.busySeconds("miniapp::distributeContact");
+               distribution = recorder.busySeconds("miniapp::balanceContact");
   load.push_back({"search", search});
   load.push_back({"enforcement", enforcement});
   load.push_back({"distribution", distribution});
@@ -39,7 +39,7 @@ std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecor
       {"solver", recorder.busySeconds("miniapp::step") - search - enforcement - distribution});
   load.push_back({"contact_with_waits", recorder.seconds("contact::search") +
                                             recorder.seconds("miniapp::enforceContact") +
-                                            recorder.seconds("miniapp::distributeContact")});
+                                            recorder.seconds("miniapp::balanceContact")});
   return load;
 }
 

@@ -117,7 +117,7 @@ void ContactStep::distributeAtStart(const View<const double* [3]>& displacement)
 void ContactStep::balance(std::int64_t step, const View<const double* [3]>& displacement) {
   if (!mayBeDistributed() || step == 0 || step % ContactBalance::check_interval != 0)
     return;
-  const Region region("miniapp::distributeContact");
+  const Region region("miniapp::balanceContact");
   const View<std::int64_t**> work_of_nodes = workOfNodes();
   const double work = workOfRank(work_of_nodes);
   std::vector<float> of_faces;
