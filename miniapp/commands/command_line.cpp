@@ -159,9 +159,13 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
         std::nullopt, "brickwall: " + io::terminalText(what) + "\nbrickwall -h lists all options\n",
         2};
   };
-  for (const std::string& word : words) // such as that of a shell's variable that is not set
+  std::string before; // the word before
+  for (const std::string& word : words) { // empty as that of a shell's variable that is not set
     if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
-      return fault("found \"" + word + "\", expected a value");
+      return fault("found \"" + word + "\"" + (before.empty() ? "" : " after " + before) +
+                   ", expected a value");
+    before = word;
+  }
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {

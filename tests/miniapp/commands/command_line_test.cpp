@@ -123,6 +123,8 @@ TEST(CommandLine, RefusesUnknownArguments) {
     EXPECT_EQ(line.exit_code, 2) << words[0];
     EXPECT_NE(line.text, "") << words[0];
   }
+  EXPECT_NE(parse({"-o", ""}).text.find("found \"\" after -o, expected a value"),
+            std::string::npos);
   EXPECT_NE(parse({"--timing", "\x1b[31m"}).text.find("--timing: ?[31m not in"), std::string::npos);
 }
 
