@@ -147,24 +147,21 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
           ->check(CLI::IsMember({"markdown"}));
   app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
 
-  std::vector<std::string> words; // in reverse order, as CLI11 expects them
-  for (int i = argc - 1; i > 0; --i) {
-    if (startsWith(argv[i], "--kokkos-"))
-      options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
-    else
-      words.emplace_back(argv[i]);
-  }
   const auto fault = [](const std::string& what) {
     return CommandLine{
         std::nullopt, "brickwall: " + io::terminalText(what) + "\nbrickwall -h lists all options\n",
         2};
   };
-  std::string before; // the word before
-  for (const std::string& word : words) { // empty as that of a shell's variable that is not set
+  std::vector<std::string> words; // in reverse order, as CLI11 expects them
+  for (int i = argc - 1; i > 0; --i) {
+    const std::string word = argv[i]; // empty as that of a shell's variable that is not set
     if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
-      return fault("found \"" + word + "\"" + (before.empty() ? "" : " after " + before) +
+      return fault("found \"" + word + "\"" + (i > 1 ? std::string(" after ") + argv[i - 1] : "") +
                    ", expected a value");
-    before = word;
+    if (startsWith(word, "--kokkos-"))
+      options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
+    else
+      words.push_back(word);
   }
   try {
     app.parse(words);
