@@ -35,17 +35,20 @@ struct NodalMotion {
   }
   // Asks for the operands of acceleration().
   KOKKOS_FORCEINLINE_FUNCTION void prefetchOperands(std::int64_t node) const {
-    for (int column = 0; column < static_cast<int>(values.extent(1)); ++column)
-      if (acts[column / 3])
-        prefetch(&values(node, column));
+    for (int kind = 0; kind < num_force_kinds; ++kind)
+      if (3 * kind < static_cast<int>(values.extent(1)) && acts[kind])
+        for (int d = 0; d < 3; ++d)
+          prefetch(&values(node, 3 * kind + d));
     prefetch(&mass(node));
   }
-  // (v+ - v)/dt of a kick from v, including damping.
-  KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d, double v, double dt) const {
+  // (v+ - v)/dt of a kick from v, including damping; v is read only with damping.
+  template <class Velocities>
+  KOKKOS_INLINE_FUNCTION double acceleration(std::int64_t node, int d, const Velocities& v,
+                                             double dt) const {
     const double free = acceleration(node, d);
     if (!(damping > 0) || isPrescribed(node, d))
       return free;
-    return (free - damping * v) / (1 + 0.5 * dt * damping);
+    return (free - damping * v(node, d)) / (1 + 0.5 * dt * damping);
   }
   // The velocity from which a kick over dt leads to v. Requires dt * damping < 2.
   KOKKOS_INLINE_FUNCTION double velocityBefore(std::int64_t node, int d, double v,

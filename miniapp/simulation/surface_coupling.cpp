@@ -339,7 +339,7 @@ const View<double* [3]>& SurfaceCoupling::accelerations(
           return;
         motion.prefetchOperands(surface_to_node(list(minOf(i + far, list.count - 1))));
         for (int d = 0; d < 3; ++d)
-          acceleration(at, d) = motion.acceleration(node, d, velocity(node, d), dt);
+          acceleration(at, d) = motion.acceleration(node, d, velocity, dt);
       });
   if (!_secondary)
     return _accelerations;
