@@ -30,11 +30,14 @@ struct ComputeFaceLoads {
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t pack, std::int64_t& misfits) const {
     const int first = static_cast<int>(pack) * W;
     const int count = minOf(W, static_cast<int>(face_to_nodes.extent(0)) - first);
+    LaneTriple<Lanes> corners[4];
     Triple<Lanes> x[4], load[4];
     Lanes mean[4];
     prefetchCorners(first + 4 * W);
+    for (int lane = 0; lane < W; ++lane) // those without a face repeat the last one
+      gather(first + minOf(lane, count - 1), lane, corners);
     for (int c = 0; c < 4; ++c) {
-      gather(first, count, c, x[c]);
+      x[c] = corners[c];
       mean[c] = gaussian ? gaussianAt(first, count, c) : Lanes(pressure.afterDelay(0));
     }
     quadPressureLoads(mean, x, load);
@@ -59,15 +62,13 @@ struct ComputeFaceLoads {
           prefetch(&displacement(face_to_nodes(face, c), 0));
         }
   }
-  // Corner c of the faces; lanes without a face repeat the last one.
-  KOKKOS_INLINE_FUNCTION void gather(int first, int count, int c, Triple<Lanes>& x) const {
-    LaneTriple<Lanes> corners;
-    for (int lane = 0; lane < W; ++lane) {
-      const int node = face_to_nodes(first + minOf(lane, count - 1), c);
+  KOKKOS_FORCEINLINE_FUNCTION void gather(int face, int lane,
+                                          LaneTriple<Lanes> (&corners)[4]) const {
+    for (int c = 0; c < 4; ++c) {
+      const int node = face_to_nodes(face, c);
       const Vec3 X = rowOf(reference, node);
-      corners.set(lane, follower ? X + rowOf(displacement, node) : X);
+      corners[c].set(lane, follower ? X + rowOf(displacement, node) : X);
     }
-    x = corners;
   }
   KOKKOS_INLINE_FUNCTION Lanes gaussianAt(int first, int count, int point) const {
     const Lanes factor = loadLanes<Lanes>(&attenuation(first, point));
