@@ -151,6 +151,17 @@ KOKKOS_FORCEINLINE_FUNCTION void startLoads() {
 #endif
 }
 
+// A number > 0 of the calling thread that no other thread of the program has; 0 on devices.
+KOKKOS_INLINE_FUNCTION int threadNumber() {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+  return 0;
+#else
+  static std::atomic<int> last{0};
+  static thread_local const int number = ++last;
+  return number;
+#endif
+}
+
 // Prefetches data that will be read soon; on a device other threads hide the latency. Forced
 // inline, as must be all functions that only call it: g++ 12 takes such functions for pure and
 // deletes their calls.

@@ -5,6 +5,7 @@
 #include "contact/base/fixed_pack.hpp"
 #include "contact/base/lane_arrays.hpp"
 #include "contact/enforcement/law/coulomb_friction.hpp"
+#include "contact/enforcement/law/node_owners.hpp"
 #include "contact/surface/face_access.hpp"
 
 namespace brickwall::contact {
@@ -83,6 +84,7 @@ struct PairForces {
   int face_corners = 4; // 4; 2 if only the first two corners of a face carry weight
   bool has_friction = false;
   bool is_alone = false; // no other thread adds at the same time
+  NodeOwners owners; // if areKnown(), addOthers() completes `target` after the kernel
 
   // Normal forces only.
   template <class Real>
@@ -135,6 +137,8 @@ struct PairForces {
                                   int lane = 0) const {
     if (is_alone)
       addBy<Alone>(pair, quanta, sign, lane);
+    else if (fills_lanes && owners.areKnown())
+      addBy<ByOwner>(pair, quanta, sign, lane);
     else
       addBy<Together>(pair, quanta, sign, lane);
   }
@@ -166,18 +170,21 @@ private:
       Kokkos::atomic_add(&to, value);
     }
   };
+  struct ByOwner : Together {};
+
   template <class How, class Real>
   KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta<Real>& quanta,
                                          int sign, int lane) const {
-    addTo<How>(target.nodes, pair.point.node[0], 0, quanta.on_point[0], sign, lane);
+    const int thread = std::is_same<How, ByOwner>::value ? threadNumber() : 0;
+    addToNode<How>(pair.point.node[0], quanta.on_point[0], sign, lane, thread);
     if (!pair.point.isNode())
-      addTo<How>(target.nodes, pair.point.node[1], 0, quanta.on_point[1], sign, lane);
+      addToNode<How>(pair.point.node[1], quanta.on_point[1], sign, lane, thread);
     const int face = pair.face_index;
     if (faces.isOwn(face))
       for (int j = 0; j < max_corners; ++j) {
         if (j < face_corners)
-          addTo<How>(target.nodes, faces.surface.face_to_nodes(face, j), 0, quanta.on_corner[j],
-                     sign, lane);
+          addToNode<How>(faces.surface.face_to_nodes(face, j), quanta.on_corner[j], sign, lane,
+                         thread);
       }
     else
       for (int j = 0; j < max_corners; ++j) {
@@ -185,6 +192,18 @@ private:
           addTo<How>(target.ghost_corners, faces.ghostOf(face), 3 * j, quanta.on_corner[j], sign,
                      lane);
       }
+  }
+  template <class How, class Integers>
+  KOKKOS_FORCEINLINE_FUNCTION void addToNode(int node, const Integers (&values)[3], int sign,
+                                             int lane, int thread) const {
+    if (!std::is_same<How, ByOwner>::value) {
+      addTo<How>(target.nodes, node, 0, values, sign, lane);
+    } else if (owners.owns(thread, NodeOwners::blockOf(node))) {
+      addTo<Alone>(target.nodes, node, 0, values, sign, lane);
+    } else {
+      addTo<Together>(owners.by_others, node, 0, values, sign, lane);
+      owners.has_others(NodeOwners::blockOf(node)) = 1;
+    }
   }
   template <class How, class ViewType, class Integers>
   KOKKOS_FORCEINLINE_FUNCTION static void addTo(const ViewType& rows, int row, int first,

@@ -129,7 +129,7 @@ struct JointProblem {
     Kokkos::deep_copy(_space, _sums.ghost_corners, std::int64_t(0));
   }
   PairForces pairForces() const {
-    return {_faces, _sums, _quantum.inverse, 4, false, concurrency(_space) == 1};
+    return {_faces, _sums, _quantum.inverse, 4, false, concurrency(_space) == 1, {}};
   }
   template <class T>
   T allocated(const std::string& name, std::int64_t count) const {

@@ -236,6 +236,8 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _may_touch(label + "::may_touch", 0) {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
+  if (fills_lanes && face_corners == 4 && concurrency(space) > 1)
+    _owners = NodeOwners(label, num_nodes);
   const bool is_corrected = config.scheme == Scheme::energy_neutral;
   _proposals.nodes = View<std::int64_t* [3]>(label + "::proposals", is_corrected ? num_nodes : 0);
   _proposals.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_proposals", 0);
@@ -335,7 +337,8 @@ PairForces InteractionSet::pairForces(const exec_space& space, const FaceAccess&
           _quantum.inverse,
           _face_corners,
           _config.friction > 0,
-          concurrency(space) == 1};
+          concurrency(space) == 1,
+          {}};
 }
 
 } // namespace brickwall::contact

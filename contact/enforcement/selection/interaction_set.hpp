@@ -131,6 +131,7 @@ private:
   RowList _other_rows;
   View<unsigned char*> _may_touch; // [pair], see EnforcementStep; likewise
   ContactForces _forces;
+  NodeOwners _owners; // of _forces, if several threads select node-to-face contacts
   ContactForces _proposals; // magnitudes
   bool _are_nodes_zero = true; // of _forces
 };
@@ -177,6 +178,7 @@ void InteractionSet::launch(const exec_space& space, Select& functor) {
     step.may_touch = _may_touch;
   }
   step.add = pairForces(space, step.faces);
+  step.add.owners = _owners;
   _are_nodes_zero = false; // until the sums tell
   selectRows(space, functor);
   _sums.send(space);
@@ -191,6 +193,8 @@ void InteractionSet::selectRows(const exec_space& space, const Select& functor) 
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
     const std::int64_t end = (num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
     _sums.add("contact::selectInteractions", space, begin, end, functor);
+    if (_owners.areKnown())
+      addOthers(space, _owners, _forces.nodes);
   }
 }
 

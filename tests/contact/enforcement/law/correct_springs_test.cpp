@@ -170,6 +170,34 @@ void expectEqual(const ViewType& a, const ViewType& b) {
       EXPECT_EQ(host_a(i, c), host_b(i, c)) << i << " " << c;
 }
 
+// Adds the magnitudes of all forces, from both ends of the list in turns, so that threads meet at
+// nodes, `times` times.
+ContactForces addedBy(const RandomContacts& contacts, const PairForces& add, int times) {
+  const ContactHistory pairs = contacts.pairs();
+  for (int time = 0; time < times; ++time) {
+    Kokkos::parallel_for(
+        "addedBy", rangePolicy(exec_space(), num_pairs), KOKKOS_LAMBDA(const std::int64_t i) {
+          const Interaction& pair = pairs.interactions(i % 2 == 0 ? i : num_pairs - 1 - i);
+          add.addMagnitude(pair, pair.first_force);
+        });
+    if (add.owners.areKnown())
+      addOthers(exec_space(), add.owners, add.target.nodes);
+  }
+  return add.target;
+}
+
+TEST(NodeOwners, SumsEqualThoseOfAtomicAdditions) {
+  const RandomContacts contacts(4);
+  PairForces by_owners = contacts.add();
+  by_owners.owners = NodeOwners("owners", num_nodes);
+  const ContactForces expected = addedBy(contacts, contacts.add(), 2);
+  const ContactForces sums = addedBy(contacts, by_owners, 2);
+  expectEqual(sums.nodes, expected.nodes);
+  expectEqual(sums.ghost_corners, expected.ghost_corners);
+  for (const std::size_t d : {0, 1, 2})
+    EXPECT_NE(toHost(sums.nodes)(0, d), 0);
+}
+
 TEST(CorrectSprings, EqualScalarCorrections) {
   for (const unsigned seed : {1u, 2u, 3u})
     for (const bool proposes : {true, false}) {
