@@ -1,151 +1,194 @@
 #include "contact/search/cluster/cluster_candidates.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 
 namespace brickwall::contact {
 namespace {
 
-// The work of one thread for one partner.
-constexpr int clusters_per_chunk = cluster_size > 1 ? 64 : 16;
-constexpr int max_chunk_levels = 2; // a block of this level of the face tree, or of its top
+// Nodes and blocks are tested in groups, each of which has a mask; on a device a thread tests one
+// of a group, so that threads side by side read boxes side by side.
+constexpr int items_per_group = 32;
+constexpr int threads_per_group = fills_lanes ? 1 : items_per_group;
 
-// Emits the owned nodes of chunk i % num_chunks that may meet the rank box of partner i /
-// num_chunks.
-struct NodesNearPartner {
-  View<const FloatBounds*> reach;
+constexpr int numGroups(std::int64_t items) {
+  return static_cast<int>((items + items_per_group - 1) / items_per_group);
+}
+
+// The owned nodes, by position.
+struct Nodes {
   View<const float*> cluster_bounds, node_bounds;
   View<const unsigned*> owned;
   View<const int*> node_order;
   int num_clusters;
-  std::int64_t num_chunks;
 
-  template <class Sink>
-  KOKKOS_INLINE_FUNCTION void operator()(std::int64_t i, const Sink& sink) const {
-    const FloatBounds& limit = reach(i / num_chunks);
-    const auto first = static_cast<int>(i % num_chunks * clusters_per_chunk);
-    const int end = minOf(first + clusters_per_chunk, num_clusters);
-    for (int cluster = first; cluster < end; ++cluster) {
-      if (!isWithin(&cluster_bounds(std::int64_t(6) * cluster), limit))
-        continue;
-      for (int lane = 0; lane < cluster_size; ++lane) {
-        const std::int64_t position = std::int64_t(cluster) * cluster_size + lane;
-        if ((owned(cluster) >> lane & 1u) != 0 && isWithin(&node_bounds(6 * position), limit))
-          sink(node_order(position));
-      }
-    }
+  KOKKOS_INLINE_FUNCTION bool mayBeNear(int group, const FloatBounds& limit) const {
+    constexpr int clusters = items_per_group / cluster_size;
+    const int end = minOf((group + 1) * clusters, num_clusters);
+    for (int cluster = group * clusters; cluster < end; ++cluster)
+      if (isWithin(&cluster_bounds(std::int64_t(6) * cluster), limit))
+        return true;
+    return false;
+  }
+  KOKKOS_INLINE_FUNCTION bool isNear(std::int64_t position, const FloatBounds& limit) const {
+    const std::int64_t cluster = position / cluster_size;
+    return cluster < num_clusters && isWithin(&node_bounds(6 * position), limit) &&
+           (owned(cluster) >> static_cast<int>(position % cluster_size) & 1u) != 0;
+  }
+  KOKKOS_INLINE_FUNCTION int row(std::int64_t position) const { return node_order(position); }
+};
+
+// The blocks of eight faces.
+struct Blocks {
+  BoxTree faces;
+
+  KOKKOS_INLINE_FUNCTION bool mayBeNear(int group, const FloatBounds& limit) const {
+    constexpr int lanes = items_per_group / block_size; // of a block of level 2
+    if (faces.num_levels <= 2)
+      return true;
+    const int first = group * lanes;
+    return (lanesOverlapping(faces.block(2, first / block_size), limit) >> first % block_size &
+            ((1u << lanes) - 1)) != 0;
+  }
+  KOKKOS_INLINE_FUNCTION bool isNear(std::int64_t block, const FloatBounds& limit) const {
+    if (block >= faces.numBlocks(0))
+      return false;
+    const FloatBounds box =
+        faces.num_levels > 1 // the union of a single block is not stored
+            ? boundsOfLane(faces.block(1, block / block_size), static_cast<int>(block % block_size))
+            : unionOfBlock(faces.block(0, 0));
+    return isWithin(box.side, limit);
+  }
+  KOKKOS_INLINE_FUNCTION static int row(std::int64_t block) { return static_cast<int>(block); }
+};
+
+// The groups of all partners.
+struct Groups {
+  View<const FloatBounds*> reach;
+  Nodes nodes;
+  Blocks blocks;
+  int node_groups, block_groups; // of a partner
+  std::int64_t node_partners, block_partners;
+
+  KOKKOS_INLINE_FUNCTION std::int64_t firstOf(std::int64_t partner) const {
+    return minOf(partner, node_partners) * node_groups +
+           maxOf(partner - node_partners, std::int64_t(0)) * block_groups;
+  }
+  std::int64_t count() const { return firstOf(node_partners + block_partners); }
+
+  // Calls visit(nodes or blocks, reach of the partner, group).
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void at(int i, const Visit& visit) const {
+    const auto first_block = static_cast<int>(firstOf(node_partners));
+    if (i < first_block)
+      visit(nodes, reach(i / node_groups), i % node_groups);
+    else
+      visit(blocks, reach(node_partners + (i - first_block) / block_groups),
+            (i - first_block) % block_groups);
   }
 };
 
-// Emits the blocks of eight faces, below block i % num_chunks of level `level`, that may meet the
-// rank box of partner i / num_chunks.
-struct BlocksNearPartner {
-  View<const FloatBounds*> reach;
-  BoxTree faces;
-  int level;
-  std::int64_t num_chunks;
+struct ScanMasks {
+  View<const unsigned*> masks;
+  View<std::int64_t*> offsets;
+  std::int64_t n;
 
-  template <class Sink>
-  KOKKOS_INLINE_FUNCTION void operator()(std::int64_t i, const Sink& sink) const {
-    const FloatBounds& limit = reach(i / num_chunks);
-    if (level == 0) { // a single block, whose union is not stored
-      const FloatBounds all = unionOfBlock(faces.block(0, 0));
-      if (isWithin(all.side, limit))
-        sink(0);
-      return;
-    }
-    walkLevels(faces, level, i % num_chunks, 1, limit, [&](std::int64_t block) {
-      sink(static_cast<int>(block));
-      return true;
-    });
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, std::int64_t& sum,
+                                         const bool final) const {
+    if (final)
+      offsets(i) = sum;
+    if (i < n)
+      sum += countBits(masks(i));
   }
 };
 
 // The device keeps them as long as rank boxes hold.
-View<FloatBounds*> reachOf(const exec_space& space, const NearRanks& partners, const Vec3& origin,
-                           ClusterCandidates::Scratch& scratch) {
+void updateReach(const exec_space& space, const RankBoxes& rank_boxes, const Vec3& origin,
+                 ClusterCandidates& candidates) {
   std::vector<FloatBounds> reach;
-  for (const Box& box : partners.boxes)
-    reach.push_back(FloatBounds::of(box, origin).reach());
-  if (reach != scratch.host_reach) {
+  for (const NearRanks* partners : {&rank_boxes.near_nodes, &rank_boxes.near_faces})
+    for (const Box& box : partners->boxes)
+      reach.push_back(FloatBounds::of(box, origin).reach());
+  if (reach != candidates.host_reach) {
     const Region copies("contact::search::host_device_copies");
-    copyToDevice(space, reach, scratch.reach);
-    scratch.host_reach = reach;
+    copyToDevice(space, reach, candidates.reach);
+    candidates.host_reach = reach;
   }
-  return scratch.reach;
 }
 
-std::int64_t numPartners(const PartnerLists& lists) {
-  return static_cast<std::int64_t>(lists.ranks.size());
-}
-
-// Counts the results of `emit` for each partner, chunk by chunk; starts(first + partner) will be
-// the offset of those of a partner.
-template <class Emit>
-void count(const exec_space& space, const std::string& label, const Emit& emit,
-           const PartnerLists& lists, std::int64_t first, const View<std::int64_t*>& starts,
-           ClusterCandidates::Scratch& scratch) {
-  const std::int64_t n = numPartners(lists), num_chunks = emit.num_chunks;
-  countAndScan<int>(space, label, n * num_chunks, emit, scratch.offsets);
-  const auto offsets = scratch.offsets;
+// Sets the masks.
+void testGroups(const exec_space& space, const Groups& groups, ClusterCandidates& candidates) {
+  const std::int64_t n = groups.count();
+  growTo(space, candidates.masks, n);
+  const auto masks = candidates.masks;
+  Kokkos::deep_copy(space, masks, 0u);
   Kokkos::parallel_for(
-      label + "::starts", rangePolicy(space, n + 1),
-      KOKKOS_LAMBDA(const std::int64_t p) { starts(first + p) = offsets(p * num_chunks); });
-}
-template <class Emit>
-void fill(const exec_space& space, const std::string& label, const Emit& emit,
-          const std::int64_t* starts, const ClusterCandidates::Scratch& scratch,
-          PartnerLists& lists) {
-  const std::int64_t n = numPartners(lists);
-  lists.offsets.assign(starts, starts + n + 1);
-  fillEmitted(space, label, n * emit.num_chunks, emit, scratch.offsets, starts[n], lists.rows);
+      "contact::ClusterCandidates::test", rangePolicy(space, n * threads_per_group),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const auto of_all = static_cast<int>(i / threads_per_group);
+        const auto first = static_cast<int>(i % threads_per_group);
+        groups.at(of_all, [&](const auto& items, const FloatBounds& limit, int group) {
+          unsigned mask = 0;
+          if (threads_per_group > 1 || items.mayBeNear(group, limit))
+            for (int k = first; k < items_per_group; k += threads_per_group)
+              mask |= static_cast<unsigned>(
+                          items.isNear(std::int64_t(group) * items_per_group + k, limit))
+                      << k;
+          if (mask != 0)
+            Kokkos::atomic_fetch_or(&masks(of_all), mask);
+        });
+      });
 }
 
-// Lists both; the host waits once, for all counts.
-void findCandidates(const exec_space& space, const SurfaceClusters& clusters,
-                    const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
+// Sets the offsets of both lists from the masks; the host waits.
+void countRows(const exec_space& space, const Groups& groups, ClusterCandidates& candidates) {
+  const std::int64_t n = groups.count();
+  const std::int64_t num_partners = groups.node_partners + groups.block_partners;
+  growTo(space, candidates.offsets, n + 1);
+  growTo(space, candidates.starts, num_partners + 1);
+  const auto offsets = candidates.offsets, starts = candidates.starts;
+  Kokkos::parallel_scan("contact::ClusterCandidates::scan", rangePolicy(space, n + 1),
+                        ScanMasks{candidates.masks, offsets, n});
+  Kokkos::parallel_for(
+      "contact::ClusterCandidates::starts", rangePolicy(space, num_partners + 1),
+      KOKKOS_LAMBDA(const std::int64_t p) { starts(p) = offsets(groups.firstOf(p)); });
+  const Region copies("contact::search::host_device_copies");
+  copyToHost(space, starts, num_partners + 1, candidates.host_starts);
+  const auto first_block = candidates.host_starts.begin() + groups.node_partners;
+  candidates.nodes_to_send.offsets.assign(candidates.host_starts.begin(), first_block + 1);
+  auto& of_blocks = candidates.blocks_to_test.offsets;
+  of_blocks.assign(first_block, candidates.host_starts.end());
+  for (std::int64_t& offset : of_blocks)
+    offset -= *first_block;
+}
+
+void listRows(const exec_space& space, const Groups& groups, ClusterCandidates& candidates) {
   auto& nodes = candidates.nodes_to_send;
   auto& blocks = candidates.blocks_to_test;
-  nodes.offsets.assign(nodes.ranks.size() + 1, 0);
-  blocks.offsets.assign(blocks.ranks.size() + 1, 0);
-  const ClusterOrder& order = clusters.order();
-  const BoxTree& faces = clusters.faceTree();
-  const bool has_nodes = !nodes.ranks.empty();
-  const bool has_blocks = !blocks.ranks.empty() && faces.num_levels > 0;
-  if (!has_nodes && !has_blocks)
-    return;
-  const int level = minOf(faces.num_levels - 1, max_chunk_levels);
-  const NodesNearPartner emit_nodes{
-      reachOf(space, rank_boxes.near_nodes, order.origin, candidates.of_nodes),
-      clusters.clusterBounds(),
-      clusters.nodeBounds(),
-      order.owned,
-      order.node_order,
-      order.num_clusters,
-      (order.num_clusters + clusters_per_chunk - 1) / clusters_per_chunk};
-  const BlocksNearPartner emit_blocks{
-      reachOf(space, rank_boxes.near_faces, order.origin, candidates.of_blocks), faces, level,
-      has_blocks ? faces.numBlocks(level) : 0};
-  const char* const name_of_nodes = "contact::ClusterCandidates::nodes";
-  const char* const name_of_blocks = "contact::ClusterCandidates::faces";
-  const std::int64_t first_block = numPartners(nodes) + 1;
-  const std::int64_t num_starts = first_block + numPartners(blocks) + 1;
-  growTo(space, candidates.starts, num_starts);
-  if (has_nodes)
-    count(space, name_of_nodes, emit_nodes, nodes, 0, candidates.starts, candidates.of_nodes);
-  if (has_blocks)
-    count(space, name_of_blocks, emit_blocks, blocks, first_block, candidates.starts,
-          candidates.of_blocks);
-  {
-    const Region copies("contact::search::host_device_copies");
-    copyToHost(space, candidates.starts, num_starts, candidates.host_starts);
-  }
-  const std::int64_t* const starts = candidates.host_starts.data();
-  if (has_nodes)
-    fill(space, name_of_nodes, emit_nodes, starts, candidates.of_nodes, nodes);
-  if (has_blocks)
-    fill(space, name_of_blocks, emit_blocks, starts + first_block, candidates.of_blocks, blocks);
+  growTo(space, nodes.rows, nodes.size());
+  growTo(space, blocks.rows, blocks.size());
+  const View<const unsigned*> masks = candidates.masks;
+  const View<const std::int64_t*> offsets = candidates.offsets;
+  const auto node_rows = nodes.rows, block_rows = blocks.rows;
+  const std::int64_t num_nodes = nodes.size();
+  Kokkos::parallel_for(
+      "contact::ClusterCandidates::list", rangePolicy(space, groups.count() * threads_per_group),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const auto of_all = static_cast<int>(i / threads_per_group);
+        const auto first = static_cast<int>(i % threads_per_group);
+        const unsigned mask = masks(of_all);
+        if ((mask >> first) == 0)
+          return;
+        groups.at(of_all, [&](const auto& items, const FloatBounds&, int group) {
+          for (int k = first; k < items_per_group; k += threads_per_group)
+            if ((mask >> k & 1u) != 0) {
+              const std::int64_t to = offsets(of_all) + countBits(mask & ((1u << k) - 1));
+              const int row = items.row(std::int64_t(group) * items_per_group + k);
+              (to < num_nodes ? node_rows(to) : block_rows(to - num_nodes)) = row;
+            }
+        });
+      });
 }
 
 } // namespace
@@ -153,10 +196,31 @@ void findCandidates(const exec_space& space, const SurfaceClusters& clusters,
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
   const Region region("contact::findPartnersAndCandidates");
-  candidates.nodes_to_send.ranks = rank_boxes.near_nodes.ranks;
-  candidates.blocks_to_test.ranks = rank_boxes.near_faces.ranks;
+  auto& nodes = candidates.nodes_to_send;
+  auto& blocks = candidates.blocks_to_test;
+  nodes.ranks = rank_boxes.near_nodes.ranks;
+  blocks.ranks = rank_boxes.near_faces.ranks;
+  nodes.offsets.assign(nodes.ranks.size() + 1, 0);
+  blocks.offsets.assign(blocks.ranks.size() + 1, 0);
   const Region timer("contact::search::searches_0_and_1");
-  findCandidates(space, clusters, rank_boxes, candidates);
+  const ClusterOrder& order = clusters.order();
+  const BoxTree& faces = clusters.faceTree();
+  const std::int64_t num_nodes = std::int64_t(order.num_clusters) * cluster_size;
+  Groups groups{candidates.reach,
+                {clusters.clusterBounds(), clusters.nodeBounds(), order.owned, order.node_order,
+                 order.num_clusters},
+                {faces},
+                numGroups(num_nodes),
+                numGroups(faces.num_levels > 0 ? faces.numBlocks(0) : 0),
+                static_cast<std::int64_t>(nodes.ranks.size()),
+                static_cast<std::int64_t>(blocks.ranks.size())};
+  if (checkedInt(groups.count(), "groups of candidates") == 0)
+    return;
+  updateReach(space, rank_boxes, order.origin, candidates);
+  groups.reach = candidates.reach;
+  testGroups(space, groups, candidates);
+  countRows(space, groups, candidates);
+  listRows(space, groups, candidates);
 }
 
 } // namespace brickwall::contact

@@ -15,14 +15,14 @@ struct ClusterCandidates {
   PartnerLists nodes_to_send; // Q_snd; rows are owned nodes, in the kept order
   PartnerLists blocks_to_test; // Q_rcv; rows are blocks of the face tree's level 0, ascending
 
-  // Scratch.
-  struct Scratch {
-    std::vector<FloatBounds> host_reach;
-    View<FloatBounds*> reach{"contact::ClusterCandidates::reach", 0}; // [partner] of its rank box
-    View<std::int64_t*> offsets{"contact::ClusterCandidates::offsets", 0}; // [partner][chunk]
-  };
-  Scratch of_nodes, of_blocks;
-  View<std::int64_t*> starts{"contact::ClusterCandidates::starts", 0}; // [partner + 1] of both
+  // Scratch. Partners are those of the nodes, then those of the blocks.
+  std::vector<FloatBounds> host_reach;
+  View<FloatBounds*> reach{"contact::ClusterCandidates::reach", 0}; // [partner] of its rank box
+  // [partner][group] those of a group of nodes or of blocks that are listed, as bits, and the
+  // number of all that are listed before them.
+  View<unsigned*> masks{"contact::ClusterCandidates::masks", 0};
+  View<std::int64_t*> offsets{"contact::ClusterCandidates::offsets", 0};
+  View<std::int64_t*> starts{"contact::ClusterCandidates::starts", 0}; // [partner + 1]
   std::vector<std::int64_t> host_starts;
 };
 
