@@ -51,25 +51,6 @@ struct StoreEmitted {
   }
 };
 
-// The first half of countScanFill(): offsets[0, n]. Does not fence.
-template <class T, class Emit>
-void countAndScan(const exec_space& space, const std::string& label, std::int64_t n,
-                  const Emit& emit, View<std::int64_t*>& offsets) {
-  growTo(space, offsets, n + 1);
-  Kokkos::parallel_for(label + "::count", rangePolicy(space, n),
-                       CountEmitted<T, Emit>{emit, offsets});
-  Kokkos::parallel_scan(label + "::scan", rangePolicy(space, n + 1), ScanCounts{offsets, n});
-}
-// The second: `total` is offsets(n).
-template <class T, class Emit>
-void fillEmitted(const exec_space& space, const std::string& label, std::int64_t n,
-                 const Emit& emit, const View<std::int64_t*>& offsets, std::int64_t total,
-                 View<T*>& values) {
-  growTo(space, values, total);
-  Kokkos::parallel_for(label + "::fill", rangePolicy(space, n),
-                       StoreEmitted<T, Emit>{emit, offsets, values});
-}
-
 // Calls emit(i, sink) for each i in [0, n) twice: in the first call sink(value) only counts, in the
 // second, which is omitted for i that emitted nothing, it stores. On return offsets[0, n] are the
 // exclusive offsets and values[offsets(i), offsets(i+1)) the values emitted by i, in order. Both
@@ -77,11 +58,16 @@ void fillEmitted(const exec_space& space, const std::string& label, std::int64_t
 template <class T, class Emit>
 std::int64_t countScanFill(const exec_space& space, const std::string& label, std::int64_t n,
                            const Emit& emit, View<std::int64_t*>& offsets, View<T*>& values) {
-  countAndScan<T>(space, label, n, emit, offsets);
+  growTo(space, offsets, n + 1);
+  Kokkos::parallel_for(label + "::count", rangePolicy(space, n),
+                       CountEmitted<T, Emit>{emit, offsets});
+  Kokkos::parallel_scan(label + "::scan", rangePolicy(space, n + 1), ScanCounts{offsets, n});
   std::int64_t total = 0;
   Kokkos::deep_copy(space, total, Kokkos::subview(offsets, static_cast<std::size_t>(n)));
   space.fence();
-  fillEmitted(space, label, n, emit, offsets, total, values);
+  growTo(space, values, total);
+  Kokkos::parallel_for(label + "::fill", rangePolicy(space, n),
+                       StoreEmitted<T, Emit>{emit, offsets, values});
   return total;
 }
 

@@ -1,13 +1,16 @@
 #include "contact/search/cluster/block_ghost_search.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
+#include "contact/search/cluster/lane_masks.hpp"
 #include "contact/search/exchange/node_box_exchange.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 #include "contact/surface/construct_boxes.hpp"
 
 namespace brickwall::contact {
 namespace {
+
+// A thread of a device takes one face of a block: few blocks are near a partner.
+constexpr int threads_per_block = fills_lanes ? 1 : block_size;
 
 void buildNodeTrees(const exec_space& space, const PartnerMessages& node_boxes, const Vec3& origin,
                     BlockGhostSearch& search) {
@@ -32,7 +35,7 @@ void buildNodeTrees(const exec_space& space, const PartnerMessages& node_boxes, 
   search.node_trees.refitUpperLevels(space);
 }
 
-// The lanes of a block of faces that overlap a node box of one sender.
+// Those faces of a block, or the face of one lane, that overlap a node box of one sender.
 struct BlockQuery {
   BoxTree faces;
   View<const int*> face_order;
@@ -41,13 +44,15 @@ struct BlockQuery {
   double face_tolerance;
   View<const std::int64_t*> words; // node boxes as received
 
-  KOKKOS_INLINE_FUNCTION unsigned operator()(std::int64_t block, const BoxTree& nodes,
-                                             std::int64_t first_node) const {
+  KOKKOS_INLINE_FUNCTION unsigned operator()(std::int64_t block, int first_lane,
+                                             const BoxTree& nodes, std::int64_t first_node) const {
     const float* const lanes = faces.block(0, block);
     unsigned hit = 0, pending = 0;
-    for (int lane = 0; lane < block_size; ++lane)
+    for (int lane = first_lane; lane < block_size; lane += threads_per_block)
       if (block * block_size + lane < faces.num_items)
         pending |= 1u << lane;
+    const FloatBounds all =
+        threads_per_block > 1 ? boundsOfLane(lanes, first_lane) : unionOfBlock(lanes);
     const auto visit = [&](std::int64_t node) {
       const FloatBounds reach =
           boundsOfLane(nodes.block(0, node / block_size), static_cast<int>(node % block_size))
@@ -64,7 +69,7 @@ struct BlockQuery {
       return pending != 0;
     };
     if (nodes.num_levels > 0)
-      walkLevels(nodes, nodes.num_levels - 1, 0, 0, unionOfBlock(lanes).reach(), visit);
+      walkLevels(nodes, nodes.num_levels - 1, 0, 0, all.reach(), visit);
     return hit;
   }
 
@@ -78,32 +83,33 @@ void findHits(const exec_space& space, const PartnerLists& blocks_to_test, const
               const View<const std::int64_t*>& node_offsets, BlockGhostSearch& search) {
   const std::int64_t num_entries = blocks_to_test.size();
   growTo(space, search.hits, num_entries);
-  growTo(space, search.positions, num_entries + 1);
   const auto num_partners = static_cast<int>(blocks_to_test.ranks.size());
   const View<const int*> blocks = blocks_to_test.rows;
   const View<const std::int64_t*> starts = search.starts;
   const View<const BoxTree*> trees = search.node_trees.deviceTrees();
   const auto hits = search.hits;
-  const auto positions = search.positions;
+  clearMasks<threads_per_block>(space, hits);
   Kokkos::parallel_for(
-      "contact::BlockGhostSearch::query", rangePolicy(space, num_entries),
-      KOKKOS_LAMBDA(const std::int64_t entry) {
+      "contact::BlockGhostSearch::query", rangePolicy(space, num_entries * threads_per_block),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const std::int64_t entry = i / threads_per_block;
         const int partner = partnerOf(starts, num_partners, entry);
-        const unsigned hit = query(blocks(entry), trees(partner), node_offsets(partner));
-        hits(entry) = hit;
-        positions(entry) = numLanes(hit);
+        storeMask<threads_per_block>(hits(entry),
+                                     query(blocks(entry), static_cast<int>(i % threads_per_block),
+                                           trees(partner), node_offsets(partner)));
       });
 }
 
 void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
               const View<const int*>& face_order, BlockGhostSearch& search) {
   const std::int64_t num_entries = blocks_to_test.size();
+  growTo(space, search.positions, num_entries + 1);
   const auto positions = search.positions;
   auto& lists = search.faces_to_send;
   // Room for all lanes, so that the host does not wait for the number of hits.
   growTo(space, lists.rows, num_entries * block_size);
   Kokkos::parallel_scan("contact::BlockGhostSearch::scan", rangePolicy(space, num_entries + 1),
-                        ScanCounts{positions, num_entries});
+                        ScanMasks{search.hits, positions, num_entries});
   const View<const int*> blocks = blocks_to_test.rows;
   const View<const unsigned*> hits = search.hits;
   const auto rows = lists.rows;

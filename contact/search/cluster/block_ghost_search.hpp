@@ -1,6 +1,6 @@
 // Phase 5 of the cluster search: finds the faces of the candidate blocks that overlap a node box of
 // the rank they may be ghosted to. Every sender has a tree of its own; eight faces traverse it
-// together; a face ends at its first hit.
+// together, on a device each alone; a face ends at its first hit.
 #pragma once
 
 #include "contact/search/cluster/cluster_candidates.hpp"
@@ -13,7 +13,7 @@ struct BlockGhostSearch {
 
   std::vector<std::int64_t> num_boxes; // [sender]
   BoxForest node_trees; // one for each sender, boxes in the order of arrival
-  // For each entry of blocks_to_test: the lanes that are hit; their number, then its scan.
+  // For each entry of blocks_to_test: the lanes that are hit, and the scan of their number.
   View<unsigned*> hits{"contact::BlockGhostSearch::hits", 0};
   View<std::int64_t*> positions{"contact::BlockGhostSearch::positions", 0};
   View<std::int64_t*> starts{"contact::BlockGhostSearch::starts", 0}; // [partner + 1]

@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "contact/search/cluster/lane_masks.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 
 namespace brickwall::contact {
@@ -10,7 +11,8 @@ namespace {
 // Nodes and blocks are tested in groups, each of which has a mask; on a device a thread tests one
 // of a group, so that threads side by side read boxes side by side.
 constexpr int items_per_group = 32;
-constexpr int threads_per_group = fills_lanes ? 1 : items_per_group;
+constexpr int testing_threads = fills_lanes ? 1 : items_per_group; // of a group
+constexpr int listing_threads = fills_lanes ? 1 : 4;
 
 constexpr int numGroups(std::int64_t items) {
   return static_cast<int>((items + items_per_group - 1) / items_per_group);
@@ -89,20 +91,6 @@ struct Groups {
   }
 };
 
-struct ScanMasks {
-  View<const unsigned*> masks;
-  View<std::int64_t*> offsets;
-  std::int64_t n;
-
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, std::int64_t& sum,
-                                         const bool final) const {
-    if (final)
-      offsets(i) = sum;
-    if (i < n)
-      sum += countBits(masks(i));
-  }
-};
-
 // The device keeps them as long as rank boxes hold.
 void updateReach(const exec_space& space, const RankBoxes& rank_boxes, const Vec3& origin,
                  ClusterCandidates& candidates) {
@@ -122,21 +110,20 @@ void testGroups(const exec_space& space, const Groups& groups, ClusterCandidates
   const std::int64_t n = groups.count();
   growTo(space, candidates.masks, n);
   const auto masks = candidates.masks;
-  Kokkos::deep_copy(space, masks, 0u);
+  clearMasks<testing_threads>(space, masks);
   Kokkos::parallel_for(
-      "contact::ClusterCandidates::test", rangePolicy(space, n * threads_per_group),
+      "contact::ClusterCandidates::test", rangePolicy(space, n * testing_threads),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        const auto of_all = static_cast<int>(i / threads_per_group);
-        const auto first = static_cast<int>(i % threads_per_group);
+        const auto of_all = static_cast<int>(i / testing_threads);
+        const auto first = static_cast<int>(i % testing_threads);
         groups.at(of_all, [&](const auto& items, const FloatBounds& limit, int group) {
           unsigned mask = 0;
-          if (threads_per_group > 1 || items.mayBeNear(group, limit))
-            for (int k = first; k < items_per_group; k += threads_per_group)
+          if (testing_threads > 1 || items.mayBeNear(group, limit))
+            for (int k = first; k < items_per_group; k += testing_threads)
               mask |= static_cast<unsigned>(
                           items.isNear(std::int64_t(group) * items_per_group + k, limit))
                       << k;
-          if (mask != 0)
-            Kokkos::atomic_fetch_or(&masks(of_all), mask);
+          storeMask<testing_threads>(masks(of_all), mask);
         });
       });
 }
@@ -173,15 +160,15 @@ void listRows(const exec_space& space, const Groups& groups, ClusterCandidates& 
   const auto node_rows = nodes.rows, block_rows = blocks.rows;
   const std::int64_t num_nodes = nodes.size();
   Kokkos::parallel_for(
-      "contact::ClusterCandidates::list", rangePolicy(space, groups.count() * threads_per_group),
+      "contact::ClusterCandidates::list", rangePolicy(space, groups.count() * listing_threads),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        const auto of_all = static_cast<int>(i / threads_per_group);
-        const auto first = static_cast<int>(i % threads_per_group);
+        const auto of_all = static_cast<int>(i / listing_threads);
+        const auto first = static_cast<int>(i % listing_threads);
         const unsigned mask = masks(of_all);
         if ((mask >> first) == 0)
           return;
         groups.at(of_all, [&](const auto& items, const FloatBounds&, int group) {
-          for (int k = first; k < items_per_group; k += threads_per_group)
+          for (int k = first; k < items_per_group; k += listing_threads)
             if ((mask >> k & 1u) != 0) {
               const std::int64_t to = offsets(of_all) + countBits(mask & ((1u << k) - 1));
               const int row = items.row(std::int64_t(group) * items_per_group + k);

@@ -29,13 +29,6 @@ KOKKOS_INLINE_FUNCTION FloatBounds boundsOfLane(const float* block, int lane) {
   return bounds;
 }
 
-// Number of bits set among the lowest eight.
-KOKKOS_INLINE_FUNCTION int numLanes(unsigned lanes) {
-  lanes -= (lanes >> 1) & 0x55u;
-  lanes = (lanes & 0x33u) + ((lanes >> 2) & 0x33u);
-  return static_cast<int>((lanes + (lanes >> 4)) & 0x0fu);
-}
-
 // Calls visit(i) for the boxes i of level `last` below block `start` of level `first` >= `last`
 // that overlap the box of this reach, in ascending order, as long as visit() returns true. Returns
 // the number of blocks whose boxes were tested.
