@@ -1,6 +1,6 @@
 // Phase 3 of the cluster search: partners, node boxes to send (L_gns) and blocks of faces that may
-// be ghosted (in place of L_gfs). Whole clusters and blocks are tested first, so that parts of the
-// surface far from the partners cost almost nothing.
+// be ghosted (in place of L_gfs). A host tests whole clusters and blocks first, so that parts of
+// the surface far from the partners cost almost nothing; a device tests all boxes side by side.
 #pragma once
 
 #include "contact/search/cluster/surface_clusters.hpp"

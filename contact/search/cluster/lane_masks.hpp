@@ -1,5 +1,5 @@
-// Results of tests in groups of up to 32, as bits of a word for each group. On a host a thread tests
-// a group, on a device several threads share it.
+// Results of tests in groups of up to 32, as bits of a word for each group. On a host a thread
+// tests a group, on a device several threads share it.
 #pragma once
 
 #include "contact/base/lanes.hpp"
