@@ -71,6 +71,24 @@ KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type isTriangle(const Triple<Real>
   return any;
 }
 
+// Whether the swept boxes of the node and the face overlap with tolerances that add up to twice the
+// reach, from x^{n+1} alone: each bound then holds exactly, and rounding is monotone. False where
+// that is not known.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type isWithin(double reach,
+                                                            const Gathered<Real>& gathered) {
+  const Triple<Real> x = gathered.node;
+  Triple<Real> low = Triple<Real>(gathered.corner[0]) - x, high = low;
+  for (int j = 1; j < 4; ++j) {
+    const Triple<Real> q = Triple<Real>(gathered.corner[j]) - x;
+    low = {minOf(low.x, q.x), minOf(low.y, q.y), minOf(low.z, q.z)};
+    high = {maxOf(high.x, q.x), maxOf(high.y, q.y), maxOf(high.z, q.z)};
+  }
+  const Real least = -reach, most = reach;
+  return (low.x <= most) & (low.y <= most) & (low.z <= most) & (least <= high.x) &
+         (least <= high.y) & (least <= high.z);
+}
+
 template <class Real>
 struct Found {
   LaneArray<Real> weight[4], gap, excess, xi, eta, inverse_mass;

@@ -107,8 +107,24 @@ private:
       evaluate(gathered, found);
       persists = where(step.kinematics.staysInside(found) & (-Real(found.gap) > Real(offset)),
                        Real(1.0), Real(0.0));
-      for (int lane = 0; lane < minOf(width, batch.count - first); ++lane)
+      const int count = minOf(width, batch.count - first);
+      for (int lane = 0; lane < count; ++lane)
         batch.places[first + lane].persists &= persists[lane] != 0;
+      if (step.pairs.step_test.is_needed)
+        testBoxes(gathered, batch.places + first, count);
+    }
+  }
+  // Whether a search in this step would list them: most are too near to need their boxes.
+  void testBoxes(const persistent_contact::Gathered<Real>& gathered, Place* places,
+                 int count) const {
+    const StepTest& boxes = step.pairs.step_test;
+    const double reach = 0.5 * (boxes.node_tolerance + boxes.face_tolerance);
+    LaneArray<Real> is_near;
+    is_near = where(isWithin(reach, gathered), Real(1.0), Real(0.0));
+    for (int lane = 0; lane < count; ++lane) {
+      Place& place = places[lane];
+      place.persists = place.persists && (is_near[lane] != 0 ||
+                                          step.faces.isOfThisStep(boxes, place.node, place.face));
     }
   }
 

@@ -63,7 +63,8 @@ struct ListRows {
         const int first = step.previous.row_begin(node);
         const auto accept = [&](int k, int face) {
           persistent_face(first + k) = face;
-          return step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
+          return step.faces.isOfThisStep(step.pairs.step_test, node, face) &&
+                 step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
         };
         if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
           persistent.add(row, count);

@@ -84,8 +84,7 @@ struct SelectActiveFaces {
             step.kinematics.mayActivate(node, face))
           return false;
       } else if (!is_found && isFaceOf(interactions(first + k), face)) {
-        if (!(interactions(first + k).depth > 0) ||
-            !step.faces.isOfThisStep(step.pairs.step_test, node, face) || !accept(k, face))
+        if (!(interactions(first + k).depth > 0) || !accept(k, face))
           return false;
         is_found = true;
       }

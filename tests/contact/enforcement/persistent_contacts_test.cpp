@@ -3,6 +3,8 @@
 // and of sums. Friction too small for a quantum selects the second path: it changes no force, but
 // contacts with friction are not computed in lanes.
 #include "contact/base/mpi.hpp"
+#include "contact/enforcement/law/persistent_contact.hpp"
+#include "contact/surface/construct_boxes.hpp"
 #include "contact/surface/feature_edges.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
@@ -242,6 +244,34 @@ void compareWays(Scheme scheme) {
   EXPECT_GT(counts.moved, 500);
   EXPECT_GT(counts.fading, 100);
   EXPECT_GT(counts.activations, 1000);
+}
+
+// Coordinates and tolerances of few digits, so that many bounds are equal, and also off the origin.
+TEST(PersistentContacts, NodesWithinReachOfAFaceAreInItsSweptBox) {
+  std::mt19937 random(5);
+  const auto digit = [&](int num_values) { return 0.25 * static_cast<int>(random() % num_values); };
+  int num_within = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double tolerance[2] = {digit(4), digit(4)}, far = i % 2 == 0 ? 0 : 1e15;
+    const auto place = [&] { return Vec3{far + digit(9), digit(9), digit(9)}; };
+    persistent_contact::Gathered<double> gathered;
+    const Vec3 x = place();
+    const Box node_box = nodeBox(x, x, tolerance[0]);
+    Box face_box;
+    gathered.node.set(0, x);
+    for (int j = 0; j < 4; ++j) {
+      const Vec3 corner = place();
+      gathered.corner[j].set(0, corner);
+      face_box.include(corner);
+    }
+    face_box.inflate(tolerance[1]);
+    if (!isWithin(0.5 * (tolerance[0] + tolerance[1]), gathered))
+      continue;
+    ++num_within;
+    ASSERT_TRUE(node_box.overlaps(face_box)) << i;
+  }
+  EXPECT_GT(num_within, 10000);
+  EXPECT_LT(num_within, 90000);
 }
 
 TEST(PersistentContactsSimd, EqualScalarContactsWithPenaltyForces) {
