@@ -170,7 +170,7 @@ private:
       Kokkos::atomic_add(&to, value);
     }
   };
-  struct ByOwner : Together {};
+  struct ByOwner : Together {}; // together, but at nodes as addToNode() says
 
   template <class How, class Real>
   KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta<Real>& quanta,

@@ -54,8 +54,9 @@ struct SelectActiveFaces {
 
   // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a
   // row of the history. Returns false if a contact is not under load or its face is none of the
-  // candidates, if accept() is false, or if a contact with another body may become active. Bodies
-  // ascend among candidates and contacts.
+  // candidates, if accept() is false, or if a contact with another body may become active. Whether
+  // the pair is of this step (isOfThisStep()) is left to the caller. Bodies ascend among candidates
+  // and contacts.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count,
                                         const Accept& accept) const {
