@@ -143,8 +143,7 @@ struct NodeFaceKinematics : NodeSurface {
     region.edge_tolerance = edge_tolerance;
     const Real outermost = maxOf(magnitude(Real(found.xi)), magnitude(Real(found.eta)));
     return (Real(found.is_found) == Real(1.0)) & (Real(found.gap) < Real(-least_depth)) &
-           (Real(found.excess) <= Real(lateral_tolerance)) &
-           (outermost <= Real(minOf(past_edge, region.start())));
+           (Real(found.excess) <= Real(lateral_tolerance)) & (outermost <= Real(region.start()));
   }
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {
@@ -195,20 +194,19 @@ struct NodeFaceKinematics : NodeSurface {
     return false;
   }
 
-  // In |xi|: more than the nodes of pressed, matching meshes vibrate about an edge between two
-  // faces; the weights of the face's far corners stay above -5e-4.
-  static constexpr double past_edge = 1 + 1e-3;
-  // Whether the node is beyond an edge where the body's surface continues.
+  // Whether the node is beyond an edge where the body's surface continues, by as much as where
+  // fading starts beyond the other edges.
   KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess& faces,
                                                 const FaceContact& contact) const {
-    const bool is_past[2] = {std::fabs(contact.place[0]) > past_edge,
-                             std::fabs(contact.place[1]) > past_edge};
+    FadeRegion region;
+    region.edge_tolerance = edge_tolerance;
+    const bool is_past[2] = {std::fabs(contact.place[0]) > region.start(),
+                             std::fabs(contact.place[1]) > region.start()};
     if (!(is_past[0] || is_past[1]))
       return false;
     const std::int64_t edges = faces.attributes(contact.face).feature_edges;
     if (edges == FaceAttributes::unknown)
       return false;
-    FadeRegion region;
     region.mask = static_cast<int>(edges);
     return (is_past[0] && !region.isTrue(0, contact.place[0])) ||
            (is_past[1] && !region.isTrue(1, contact.place[1]));

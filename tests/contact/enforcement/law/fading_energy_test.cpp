@@ -117,13 +117,13 @@ TEST(StoredAtHalfStep, IsThatOfASofterSpringAtConstantFadeWeight) {
   }
 }
 
-// The top of two faces that meet at x = 0: the node is on the one that covers it, to 1e-3
-// half-lengths, and its spring is unaffected.
+// The top of two faces that meet at x = 0: the node is on the one that covers it, to 0.04
+// half-lengths, where fading starts beyond true edges, and its spring is unaffected.
 TEST(Transfer, SelectsTheFaceThatCoversTheNodeWithoutEnergy) {
   CornerOnPlate run({-0.1, 0.13, 0.01}, 2);
   run.move({0, 0, -0.03}, 1);
   const global_id left = run.contact().face;
-  for (const double x : {0.01, -0.01, 2e-3, -2e-3}) {
+  for (const double x : {0.1, -0.1, 0.021, -0.021}) {
     run.move({x - run.position().x, 0, 0}, 1);
     const Interaction contact = run.contact();
     EXPECT_EQ(contact.face == left, x < 0) << x;
@@ -135,7 +135,7 @@ TEST(Transfer, SelectsTheFaceThatCoversTheNodeWithoutEnergy) {
       EXPECT_GE(weight, 0);
   }
   // a slide by less across the edge and back keeps the face
-  for (const double x : {2e-4, -2e-4, 4e-4}) {
+  for (const double x : {0.01, -0.01, 0.019}) {
     run.move({x - run.position().x, 0, 0}, 1);
     EXPECT_EQ(run.contact().face, left) << x;
     EXPECT_NEAR(run.stored(), 0.5 * 0.02 * 0.02, 1e-15);
