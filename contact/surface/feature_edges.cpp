@@ -32,10 +32,12 @@ struct EdgeRecord {
 struct EdgeReply {
   int face, edge;
   int is_convex; // and this face lists it
-  int unused;
+  int is_feature; // otherwise it is bent
   double cosine, sine, width[2];
 };
-constexpr EdgeReply no_reply{0, 0, 0, 0, 1, 0, {0, 0}};
+constexpr EdgeReply no_reply{0, 0, 0, 1, 1, 0, {0, 0}};
+
+constexpr double flat_cosine = 1 - 5e-7; // of an angle of 1e-3
 
 template <class T>
 using HostCopy = decltype(toHost(View<T>()));
@@ -100,11 +102,12 @@ std::vector<char> sharedNodes(MPI_Comm comm, const HostSurface& surface) {
   return is_shared;
 }
 
-// Whether the edge of two faces is a feature edge, and its reply if so.
+// Whether the edge of two faces is a feature edge or bent, and its reply if so.
 bool judgePair(const EdgeRecord& a, const EdgeRecord& b, double largest_cosine, EdgeReply& reply) {
   reply.cosine = dot(a.normal, b.normal);
-  if (reply.cosine > largest_cosine)
-    return false;
+  reply.is_feature = reply.cosine <= largest_cosine;
+  if (!reply.is_feature)
+    return reply.cosine < flat_cosine;
   reply.sine = norm(cross(a.normal, b.normal));
   reply.width[0] = a.width, reply.width[1] = b.width;
   const bool is_convex =
@@ -149,23 +152,23 @@ std::vector<EdgeReply> judgeOwnEdges(const HostSurface& surface, const std::vect
     reply.edge = static_cast<int>(edge % 4);
     if (others != 1)
       return true;
-    if (dot(surface.normals[edge / 4], surface.normals[other / 4]) > largest_cosine)
+    if (!(dot(surface.normals[edge / 4], surface.normals[other / 4]) < flat_cosine))
       return false; // as most, without records
     const bool is_first = surface.face_ids(edge / 4) < surface.face_ids(other / 4);
     const EdgeRecord mine = surface.record(edge, rank), its = surface.record(other, rank);
-    const bool is_feature = is_first ? judgePair(mine, its, largest_cosine, reply)
-                                     : judgePair(its, mine, largest_cosine, reply);
+    const bool has_reply = is_first ? judgePair(mine, its, largest_cosine, reply)
+                                    : judgePair(its, mine, largest_cosine, reply);
     reply.is_convex = reply.is_convex && is_first;
-    return is_feature;
+    return has_reply;
   };
-  std::vector<char> is_feature(num_edges);
+  std::vector<char> has_reply(num_edges);
   parallelOnHost("contact::findFeatureEdges::judge", num_edges, [&](std::int64_t edge) {
     EdgeReply reply = no_reply;
-    is_feature[edge] = judge(edge, reply);
+    has_reply[edge] = judge(edge, reply);
   });
   std::vector<EdgeReply> replies;
   for (int edge = 0; edge < num_edges; ++edge)
-    if (is_feature[edge]) {
+    if (has_reply[edge]) {
       replies.push_back(no_reply);
       judge(edge, replies.back());
     }
@@ -256,7 +259,8 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
   edges.true_edges.assign(surface.num_faces, 0);
   for (const auto& some : answers)
     for (const EdgeReply& reply : some) {
-      edges.true_edges[reply.face] |= static_cast<unsigned char>(1 << reply.edge);
+      edges.true_edges[reply.face] |=
+          static_cast<unsigned char>((reply.is_feature ? 1 : 16) << reply.edge);
       if (reply.is_convex)
         edges.convex.push_back(
             {reply.face, reply.edge, reply.cosine, reply.sine, {reply.width[0], reply.width[1]}});

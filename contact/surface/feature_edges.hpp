@@ -24,13 +24,15 @@ struct FeatureEdge {
 };
 
 struct FeatureEdges {
-  // [own face] bit j: edge j is a feature edge, convex or not
+  // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: another edge at which the
+  // surface is bent (FaceAttributes::feature_edges)
   std::vector<unsigned char> true_edges;
   std::vector<FeatureEdge> convex; // by ascending (face, edge)
 };
 
 // Collective; for set-up. Finds the edges at which the normals of the two faces at coordinates_new
-// differ by more than the angle of the given cosine. Edges of one face only, or of more than two,
+// differ by more than the angle of the given cosine, and those at which they differ by more than
+// 1e-3. Edges of one face only, or of more than two,
 // are feature edges but never listed as convex. Throws InputError on all ranks for a surface that
 // checkSurface() refuses.
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine = 0.75);

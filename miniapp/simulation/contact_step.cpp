@@ -135,11 +135,11 @@ void ContactStep::auditCandidates() {
     _missed_pairs += _edges->countMissedPairs(_space);
 }
 
-contact::PairMotion ContactStep::fastestPair(double limit) const {
+contact::PairMotion ContactStep::fastestPair(const Vec3& mean, double limit) {
   contact::PairMotion fastest =
-      contact::fastestPair(_space, _comm, surface(), _search.ghosts(), _search.pairs(), limit);
+      _fastest_pair.find(_space, _comm, surface(), _search.ghosts(), _search.pairs(), mean, limit);
   if (_edges) {
-    const auto fastest_edges = _edges->fastestPair(_space, _comm, limit);
+    const auto fastest_edges = _edges->fastestPair(_space, _comm, mean, limit);
     if (fastest_edges.motion > fastest.motion)
       fastest = fastest_edges;
   }

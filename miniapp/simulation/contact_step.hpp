@@ -127,8 +127,9 @@ public:
   // Counts pairs that the lists of candidates lack by testing all pairs. Collective.
   void auditCandidates();
 
-  // The fastest pair among the candidates; pairs slower than `limit` may be ignored. Collective.
-  contact::PairMotion fastestPair(double limit) const;
+  // The fastest pair among the candidates; pairs slower than `limit` may be ignored. `mean`: the
+  // motion of most nodes in this step (contact::FastestPair). Collective.
+  contact::PairMotion fastestPair(const Vec3& mean, double limit);
   // Shortens the reference step for `pair`, which was found after a drift of length `dt` from the
   // positions at `clock`. Returns the longest admissible drift (TunnellingGuard::shorten).
   double shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock);
@@ -226,6 +227,7 @@ private:
   contact::CandidateSearch _search;
   std::unique_ptr<contact::Enforcement> _enforcement;
   std::unique_ptr<contact::EdgeContact> _edges;
+  contact::FastestPair _fastest_pair;
   TunnellingGuard _guard;
   ContactLedger _ledger;
   ContactBalance _balance;

@@ -93,7 +93,8 @@ void Simulation::guardAgainstTunnelling() {
   ++_guarded_steps;
   while (true) {
     const double allowed = _contact->guard().tolerableMotion(clock().dt, !_contact->hasForces());
-    const contact::PairMotion fastest = _contact->fastestPair(allowed);
+    const contact::PairMotion fastest =
+        _contact->fastestPair(clock().dt * _ledger.meanVelocity(), allowed);
     if (!(fastest.motion > allowed))
       return;
     const double dt = clock().dt_before;

@@ -303,9 +303,10 @@ bool EdgeContact::hasOtherRanks() const {
   return statistics.num_ghosts > 0 || statistics.faces_sent > 0;
 }
 
-PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, double limit) const {
-  return fastestEdgePair(space, comm, _edges, _num_corners, _search.ghosts(), _search.pairs(),
-                         limit);
+PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, const Vec3& mean,
+                                    double limit) {
+  return _fastest_pair.findEdges(space, comm, _edges, _num_corners, _search.ghosts(),
+                                 _search.pairs(), mean, limit);
 }
 
 void EdgeContact::restore(const exec_space& space, const ContactCarry& carry) {

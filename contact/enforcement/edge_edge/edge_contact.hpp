@@ -72,7 +72,7 @@ public:
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement
   // The fastest pair of edges among the candidates of this step (pair_motion.hpp). Collective.
-  PairMotion fastestPair(const exec_space& space, MPI_Comm comm, double limit) const;
+  PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const Vec3& mean, double limit);
   // The largest force of the last step (largest_force.hpp). Collective.
   LargestForce largestForce(const exec_space& space, MPI_Comm comm) const {
     return largestEdgeForce(space, comm, _edges, _num_corners, _set.history());
@@ -136,6 +136,7 @@ private:
   LimbScale _energy_scale;
   double _previous_dt = 0;
   TouchedNodes _touched; // of corners
+  FastestPair _fastest_pair;
   View<double* [3]> _accelerations; // [corner]
   View<unsigned char*> _has_changed; // [corner]
   View<unsigned char*> _ghost_in_use; // [ghost] it has an interaction in this step

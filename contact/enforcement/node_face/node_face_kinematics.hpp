@@ -136,14 +136,13 @@ struct NodeFaceKinematics : NodeSurface {
     return accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
   // True only where a contact with a facing node persists without fading: acceptPersistent() is
-  // true, isBeyondInnerEdge() and mayFade() are false.
+  // true, isBeyondInnerEdge() and mayFade() are false. `reach`: reachOf() the face.
   template <class Real>
-  KOKKOS_INLINE_FUNCTION auto staysInside(const persistent_contact::Found<Real>& found) const {
-    FadeRegion region;
-    region.edge_tolerance = edge_tolerance;
+  KOKKOS_INLINE_FUNCTION auto staysInside(const persistent_contact::Found<Real>& found,
+                                          const Real& reach) const {
     const Real outermost = maxOf(magnitude(Real(found.xi)), magnitude(Real(found.eta)));
     return (Real(found.is_found) == Real(1.0)) & (Real(found.gap) < Real(-least_depth)) &
-           (Real(found.excess) <= Real(lateral_tolerance)) & (outermost <= Real(region.start()));
+           (Real(found.excess) <= Real(lateral_tolerance)) & (outermost <= reach);
   }
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {
@@ -194,20 +193,27 @@ struct NodeFaceKinematics : NodeSurface {
     return false;
   }
 
-  // Whether the node is beyond an edge where the body's surface continues, by as much as where
-  // fading starts beyond the other edges.
-  KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess& faces,
-                                                const FaceContact& contact) const {
+  // Beyond an inner edge of a flat surface contacts keep their face as far as where fading starts
+  // beyond true edges, since most nodes of pressed, matching meshes vibrate within it. On a bent
+  // surface the gap would change by the distance times the angle.
+  static constexpr double past_bent_edge = 1 + 1e-3; // in |xi|
+  KOKKOS_INLINE_FUNCTION double reachOf(const FaceAttributes& face) const {
     FadeRegion region;
     region.edge_tolerance = edge_tolerance;
-    const bool is_past[2] = {std::fabs(contact.place[0]) > region.start(),
-                             std::fabs(contact.place[1]) > region.start()};
-    if (!(is_past[0] || is_past[1]))
+    return face.isBent() ? minOf(past_bent_edge, region.start()) : region.start();
+  }
+  // Whether the node is so far beyond an edge where the body's surface continues that another face
+  // may take over.
+  KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess& faces,
+                                                const FaceContact& contact) const {
+    const FaceAttributes& attributes = faces.attributes(contact.face);
+    if (attributes.feature_edges == FaceAttributes::unknown)
       return false;
-    const std::int64_t edges = faces.attributes(contact.face).feature_edges;
-    if (edges == FaceAttributes::unknown)
-      return false;
-    region.mask = static_cast<int>(edges);
+    const double reach = reachOf(attributes);
+    const bool is_past[2] = {std::fabs(contact.place[0]) > reach,
+                             std::fabs(contact.place[1]) > reach};
+    FadeRegion region;
+    region.mask = attributes.trueEdges();
     return (is_past[0] && !region.isTrue(0, contact.place[0])) ||
            (is_past[1] && !region.isTrue(1, contact.place[1]));
   }
@@ -342,9 +348,7 @@ struct NodeFaceKinematics : NodeSurface {
     FadeRegion region;
     region.lateral_tolerance = lateral_tolerance;
     region.edge_tolerance = edge_tolerance;
-    const std::int64_t edges = faces.attributes(face).feature_edges;
-    if (edges != FaceAttributes::unknown)
-      region.mask = static_cast<int>(edges);
+    region.mask = faces.attributes(face).trueEdges();
     region.measure(quad);
     return region;
   }

@@ -96,17 +96,19 @@ private:
     }
     persistent_contact::Gathered<Real> gathered;
     for (int first = 0; first < batch.count; first += width) {
-      LaneArray<Real> offset, persists;
+      LaneArray<Real> offset, reach, persists;
       for (int lane = 0; lane < width; ++lane) {
         const Place& place = batch.places[minOf(first + lane, batch.count - 1)];
         const Interaction& last = step.previous.interactions(place.previous);
         gathered.gather(lane, step.faces, step.kinematics.node_mass, last, place.node, place.face);
         offset[lane] = last.offset;
+        reach[lane] = step.kinematics.reachOf(step.faces.attributes(place.face));
       }
       auto& found = batch.found[first / width];
       evaluate(gathered, found);
-      persists = where(step.kinematics.staysInside(found) & (-Real(found.gap) > Real(offset)),
-                       Real(1.0), Real(0.0));
+      persists =
+          where(step.kinematics.staysInside(found, Real(reach)) & (-Real(found.gap) > Real(offset)),
+                Real(1.0), Real(0.0));
       const int count = minOf(width, batch.count - first);
       for (int lane = 0; lane < count; ++lane)
         batch.places[first + lane].persists &= persists[lane] != 0;

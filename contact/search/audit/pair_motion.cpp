@@ -5,9 +5,23 @@
 namespace brickwall::contact {
 namespace {
 
+// Whether a corner of a face is fast; true of ghosts, whose corners have no flags.
+KOKKOS_INLINE_FUNCTION bool isCornerFast(const View<const unsigned char*>& nodes,
+                                         const FaceAccess& faces, int face) {
+  if (!faces.isOwn(face))
+    return true;
+  int any = 0;
+  for (int corner = 0; corner < 4; ++corner)
+    any |= nodes(faces.surface.face_to_nodes(face, corner));
+  return any != 0;
+}
+
 // Motion of nodes relative to the four corners of faces.
 struct NodeAndFace {
   FaceAccess faces;
+  KOKKOS_INLINE_FUNCTION bool isFast(const View<const unsigned char*>& nodes, int node) const {
+    return nodes(node) != 0;
+  }
   KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int face) const {
     const Vec3 of_node = faces.nodeMotion(node);
     double largest = 0;
@@ -24,6 +38,9 @@ struct NodeAndFace {
 struct EdgeAndEdge {
   FaceAccess faces;
   int num_corners;
+  KOKKOS_INLINE_FUNCTION bool isFast(const View<const unsigned char*>& nodes, int node) const {
+    return isCornerFast(nodes, faces, node - num_corners);
+  }
   KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int other) const {
     const int own = node - num_corners;
     double largest = 0;
@@ -39,15 +56,34 @@ struct EdgeAndEdge {
   }
 };
 
+// Flags nodes that move by more than sqrt(square) relative to `mean`.
+struct FlagFast {
+  View<const double*[3]> x_old, x_new;
+  Vec3 mean;
+  double square;
+  View<unsigned char*> is_fast;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node) const {
+    const Vec3 motion = rowOf(x_new, node) - rowOf(x_old, node) - mean;
+    is_fast(node) = !(dot(motion, motion) <= square);
+  }
+};
+
 template <class Pair>
 struct FindFastest {
   Pair pair_of;
   CandidatePairs pairs;
+  View<const unsigned char*> is_fast;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
     const int node = pairs.node(row);
+    if (pairs.begin(row) == pairs.end(row))
+      return;
+    const bool is_node_fast = pair_of.isFast(is_fast, node);
     for (std::int64_t pair = pairs.begin(row); pair < pairs.end(row); ++pair) {
       const int face = pairs.faces(pair);
+      if (!is_node_fast && !isCornerFast(is_fast, pair_of.faces, face))
+        continue;
       LeadingPair one;
       one.value = pair_of.squaredMotion(node, face);
       if (one.value < all.value || !pair_of.faces.isOfThisStep(pairs.step_test, node, face))
@@ -61,10 +97,19 @@ struct FindFastest {
 
 template <class Pair>
 PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of,
-                     const CandidatePairs& pairs, double limit) {
+                     const CandidatePairs& pairs, const Vec3& mean, double limit,
+                     View<unsigned char*>& is_fast) {
+  const SweptBoxes& surface = pair_of.faces.surface;
+  const auto num_nodes = static_cast<std::int64_t>(surface.num_nodes);
+  constexpr double share = 0.499; // less than half of the limit by more than rounding
+  growTo(space, is_fast, num_nodes);
+  Kokkos::parallel_for("contact::flagFastNodes", rangePolicy(space, num_nodes),
+                       FlagFast{surface.coordinates_old, surface.coordinates_new, mean,
+                                share * limit * share * limit, is_fast});
   LeadingPair local;
   Kokkos::parallel_reduce("contact::fastestPair", rangePolicy(space, pairs.num_rows),
-                          FindFastest<Pair>{pair_of, pairs}, PlusReducer<LeadingPair>(local));
+                          FindFastest<Pair>{pair_of, pairs, is_fast},
+                          PlusReducer<LeadingPair>(local));
   space.fence();
   const double square = allReduce(comm, local.value, MPI_MAX);
   PairMotion fastest;
@@ -76,16 +121,17 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
 
 } // namespace
 
-PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
-                       const GhostFaces& ghosts, const CandidatePairs& pairs, double limit) {
-  return fastestOf(space, comm, NodeAndFace{{surface, ghosts}}, pairs, limit);
+PairMotion FastestPair::find(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
+                             const GhostFaces& ghosts, const CandidatePairs& pairs,
+                             const Vec3& mean, double limit) {
+  return fastestOf(space, comm, NodeAndFace{{surface, ghosts}}, pairs, mean, limit, _is_fast);
 }
 
-PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
-                           int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
-                           double limit) {
-  PairMotion fastest =
-      fastestOf(space, comm, EdgeAndEdge{{edges, ghosts}, num_corners}, pairs, limit);
+PairMotion FastestPair::findEdges(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
+                                  int num_corners, const GhostFaces& ghosts,
+                                  const CandidatePairs& pairs, const Vec3& mean, double limit) {
+  PairMotion fastest = fastestOf(space, comm, EdgeAndEdge{{edges, ghosts}, num_corners}, pairs,
+                                 mean, limit, _is_fast);
   fastest.is_of_edges = true;
   return fastest;
 }

@@ -3,6 +3,7 @@
 // being detected, or may lie too deep to be detected later.
 #pragma once
 
+#include "contact/base/vec3.hpp"
 #include "contact/surface/leading_pair.hpp"
 #include "contact/surface/surface.hpp"
 
@@ -18,15 +19,24 @@ struct PairMotion : PairIds {
   bool is_of_edges = false;
 };
 
-// The fastest of all candidate pairs of this step on all ranks, the same on every rank and for any
-// margin of the search. Collective: one reduction of one number, and further ones where the motion
-// exceeds `limit`.
-PairMotion fastestPair(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
-                       const GhostFaces& ghosts, const CandidatePairs& pairs, double limit);
+// Finds the fastest of all candidate pairs of a step on all ranks: the same on every rank and for
+// any margin of the search, if its motion exceeds `limit`; otherwise one that moves by no more.
+// Pairs whose nodes all move by less than half the limit relative to `mean` are passed over, so
+// that any mean is correct, and one that most nodes follow is fast; length. Collective: one
+// reduction of one number, and further ones where the motion exceeds the limit.
+class FastestPair {
+public:
+  PairMotion find(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
+                  const GhostFaces& ghosts, const CandidatePairs& pairs, const Vec3& mean,
+                  double limit);
+  // The same for the boxes, ghosts and pairs of an EdgeContact, where node num_corners + e is edge
+  // e.
+  PairMotion findEdges(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
+                       int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
+                       const Vec3& mean, double limit);
 
-// The same for the boxes, ghosts and pairs of an EdgeContact, where node num_corners + e is edge e.
-PairMotion fastestEdgePair(const exec_space& space, MPI_Comm comm, const SweptBoxes& edges,
-                           int num_corners, const GhostFaces& ghosts, const CandidatePairs& pairs,
-                           double limit);
+private:
+  View<unsigned char*> _is_fast; // [node]; without meaning between calls
+};
 
 } // namespace brickwall::contact

@@ -72,12 +72,18 @@ TEST(FastestPair, IsTheOneThatAllPairsShow) {
   for (const double margin : {0.0, 1.0}) { // kept lists contain faster pairs that are too far apart
     CandidateSearch search(world, searchOf(0.05), margin);
     search.update(space, part.surface());
-    expectSame(fastestPair(space, world, part.surface(), search.ghosts(), search.pairs(), 0.1),
-               expected);
-    const PairMotion unnamed =
-        fastestPair(space, world, part.surface(), search.ghosts(), search.pairs(), 1);
-    EXPECT_EQ(unnamed.motion, expected.motion);
-    EXPECT_EQ(unnamed.node, -1);
+    FastestPair fastest;
+    const auto find = [&](const Vec3& mean, double limit) {
+      return fastest.find(space, world, part.surface(), search.ghosts(), search.pairs(), mean,
+                          limit);
+    };
+    for (const Vec3& mean : {Vec3(), Vec3{0.05, -0.05, 0.01}, Vec3{-5, 0, 0}}) {
+      for (const double share : {0.0, 0.5, 1 - 1e-12})
+        expectSame(find(mean, share * expected.motion), expected);
+      const PairMotion unnamed = find(mean, 1);
+      EXPECT_LE(unnamed.motion, expected.motion);
+      EXPECT_EQ(unnamed.node, -1);
+    }
   }
 }
 
@@ -90,9 +96,9 @@ TEST(FastestPair, OfBodiesThatMoveAsOneDoesNotMove) {
   CandidateSearch search(world, searchOf(0.05));
   search.update(exec_space(), part.surface());
   EXPECT_GT(allReduce(world, search.pairs().count, MPI_SUM), 0);
-  EXPECT_LE(
-      fastestPair(exec_space(), world, part.surface(), search.ghosts(), search.pairs(), 1).motion,
-      1e-15); // x + 5 - x rounds
+  const PairMotion fastest = FastestPair().find(exec_space(), world, part.surface(),
+                                                search.ghosts(), search.pairs(), Vec3(), 1);
+  EXPECT_LE(fastest.motion, 1e-15); // x + 5 - x rounds
 }
 
 // Bars on edge that cross in mid-cell.
@@ -114,7 +120,7 @@ TEST(FastestPair, OfCrossingEdgesIsThatOfTheirEnds) {
                       findFeatureEdges(part.comm(), part.surface()), part.nodeMass(),
                       searchOf(0.01), 0, config(), quantum(), energyScale());
     edges.findCandidates(space, part.surface());
-    const PairMotion fastest = edges.fastestPair(space, part.comm(), 0.1);
+    const PairMotion fastest = edges.fastestPair(space, part.comm(), Vec3(), 0.1);
     EXPECT_TRUE(fastest.is_of_edges);
     EXPECT_NEAR(fastest.motion, std::sqrt(0.05), 1e-14);
     EXPECT_EQ(fastest.node_body + fastest.face_body, 1);

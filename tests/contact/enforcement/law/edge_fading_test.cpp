@@ -104,6 +104,8 @@ TEST(FeatureEdges, FindsTheTwelveEdgesOfABoxForEveryPartition) {
     for (int j = 0; j < 4; ++j)
       marks += mask >> j & 1;
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, marks, MPI_SUM), 48); // each from both sides
+  for (const unsigned char mask : edges.true_edges)
+    EXPECT_EQ(mask >> 4, 0); // flat sides
   for (const FeatureEdge& edge : edges.convex) {
     EXPECT_EQ(edge.cosine, 0);
     EXPECT_EQ(edge.sine, 1);
@@ -117,16 +119,24 @@ TEST(FeatureEdges, FindsTheTwelveEdgesOfABoxForEveryPartition) {
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, going_on, MPI_SUM), 24);
 }
 
-TEST(FeatureEdges, FindsNoneOnASmoothBody) {
+TEST(FeatureEdges, FindsBentEdgesOnASmoothBodyForEveryPartition) {
   Scene scene; // a plate bent to an arc: face angles of 0.2, except at its rim
   scene.addBrick({4, 1, 1}, {8, 1, 1}, 1, [](const Vec3& p) {
     const double angle = 0.4 * p.x, radius = 5 + p.z;
     return Vec3{radius * std::sin(angle), p.y, radius * std::cos(angle)};
   });
+  const int size = sizeOf(MPI_COMM_WORLD);
   const ScenePart part(
-      scene, MPI_COMM_SELF, [](int) { return 0; }, 0.1);
-  const FeatureEdges edges = findFeatureEdges(MPI_COMM_SELF, part.surface());
-  EXPECT_EQ(edges.convex.size(), 4u * 8 + 8); // along both sides, and the two ends
+      scene, MPI_COMM_WORLD, [&](int e) { return e % size; }, 0.1);
+  const FeatureEdges edges = findFeatureEdges(MPI_COMM_WORLD, part.surface());
+  // along both sides, and the two ends
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, static_cast<int>(edges.convex.size()), MPI_SUM), 4 * 8 + 8);
+  int bent = 0;
+  for (const unsigned char mask : edges.true_edges)
+    for (int j = 4; j < 8; ++j)
+      bent += mask >> j & 1;
+  // on top and below, from both sides; the flat sides of the plate have none
+  EXPECT_EQ(allReduce(MPI_COMM_WORLD, bent, MPI_SUM), 2 * 7 * 2);
 }
 
 // Two blocks of one body side by side at different heights: the inner edge of the step is true but

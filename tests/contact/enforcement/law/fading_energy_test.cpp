@@ -21,12 +21,12 @@ TEST(SpringEnergy, IsHalfTheProductOfStiffnessAndBothDepthsWithoutFading) {
 }
 
 // A fixed plate [-1, 1] x [-1, 1] with true edges, whose top is one face of half-length 1 or more
-// along x, and a cube with one corner down. The node there has the mass 1, its spring the stiffness
+// along x, in the middle higher by `ridge`, and a cube with one corner down. The node there has the mass 1, its spring the stiffness
 // 1.
 class CornerOnPlate {
 public:
-  CornerOnPlate(const Vec3& start, int faces = 1)
-      : _scene(sceneAt(start, faces)), _tip(_scene.nodeAt(1, start)),
+  CornerOnPlate(const Vec3& start, int faces = 1, double ridge = 0)
+      : _scene(sceneAt(start, faces, ridge)), _tip(_scene.nodeAt(1, start)),
         _part((_scene.mass[_tip] = 1, _scene), MPI_COMM_SELF, onOneRank, 0.5),
         _surface(_part.surface()) {
     _surface.face_attributes = withTrueEdges(_surface);
@@ -65,9 +65,11 @@ public:
   ContactSums sums;
 
 private:
-  static Scene sceneAt(const Vec3& start, int faces) {
+  static Scene sceneAt(const Vec3& start, int faces, double ridge) {
     Scene scene;
-    scene.addBox({-1, -1, -2}, {2, 2, 2}, {faces, 1, 1});
+    scene.addBrick({2, 2, 2}, {faces, 1, 1}, 1, [&](const Vec3& p) {
+      return Vec3{p.x - 1, p.y - 1, p.z - 2 + (p.x == 1 && p.z == 2 ? ridge : 0)};
+    });
     scene.fix(0);
     scene.addBrick({0.6, 0.6, 0.6}, {1, 1, 1}, 1, [&](const Vec3& p) {
       return start + Vec3{(p.x - p.y) / std::sqrt(2.0), (p.x + p.y - 2 * p.z) / std::sqrt(6.0),
@@ -139,6 +141,18 @@ TEST(Transfer, SelectsTheFaceThatCoversTheNodeWithoutEnergy) {
     run.move({x - run.position().x, 0, 0}, 1);
     EXPECT_EQ(run.contact().face, left) << x;
     EXPECT_NEAR(run.stored(), 0.5 * 0.02 * 0.02, 1e-15);
+  }
+}
+
+// The same where the faces form a flat ridge: the node leaves its face 1e-3 half-lengths beyond the
+// edge, where the gap would change otherwise.
+TEST(Transfer, LeavesABentFaceAtItsEdge) {
+  CornerOnPlate run({-0.1, 0.13, 0.01}, 2, 0.002);
+  run.move({0, 0, -0.03}, 1);
+  const global_id left = run.contact().face;
+  for (const double x : {6e-4, -6e-4, 4e-4}) {
+    run.move({x - run.position().x, 0, 0}, 1);
+    EXPECT_EQ(run.contact().face == left, x < 5e-4) << x;
   }
 }
 
