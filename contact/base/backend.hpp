@@ -210,4 +210,12 @@ inline void letToolsSkipFences() {
 #endif
 }
 
+// Calls body(i) for i in [0, n) on all threads of the host.
+template <class Body>
+void parallelOnHost(const std::string& label, std::int64_t n, const Body& body) {
+  using policy = Kokkos::RangePolicy<host_exec_space, Kokkos::IndexType<std::int64_t>>;
+  Kokkos::parallel_for(label, policy(0, n), body);
+  host_exec_space().fence();
+}
+
 } // namespace brickwall

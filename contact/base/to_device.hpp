@@ -20,13 +20,13 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
   const std::size_t n = values.size() / width;
   auto device = allocate<ViewType>(space, label, n);
   auto host = Kokkos::create_mirror_view(device);
-  for (std::size_t i = 0; i < n; ++i) {
+  parallelOnHost("base::toDevice", static_cast<std::int64_t>(n), [&](const std::int64_t i) {
     if constexpr (rank == 1)
       host(i) = values[i];
     else
       for (std::size_t w = 0; w < width; ++w)
         host(i, w) = values[i * width + w];
-  }
+  });
   Kokkos::deep_copy(space, device, host);
   space.fence();
   return device;

@@ -9,7 +9,6 @@
 #include "io/mesh/shared_nodes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace brickwall::io {
@@ -36,36 +35,68 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
   return sendTo(comm, partitionPoints(comm, ids, centroids), ids);
 }
 
+// The elements of a brick on this rank, [first, end), and the nodes of the brick that they use.
+struct BrickPart {
+  const WallLayout& wall;
+  const MeshPart& part;
+  int first, end;
+
+  global_id brick() const { return part.elem_body[first]; }
+  global_id firstNode() const { return wall.firstNode(brick()); }
+  // Sets local[i] to the number, from 0 on, of node i of the brick if it is used, otherwise to -1.
+  // Returns how many are.
+  int numberNodes(std::vector<int>& local) const {
+    local.assign(wall.firstNode(brick() + 1) - firstNode(), -1);
+    for (int elem = first; elem < end; ++elem)
+      for (const global_id node : wall.elemNodes(part.elem_ids[elem]))
+        local[node - firstNode()] = 0;
+    int count = 0;
+    for (int& number : local)
+      if (number == 0)
+        number = count++;
+    return count;
+  }
+};
+
 // Elements in ascending order, and so brick by brick; the nodes of each brick follow those of the
 // bricks before it.
 void generateElems(const WallLayout& wall, MeshPart& part) {
   const int num_elems = part.numElems();
   part.elem_body.resize(num_elems);
   part.elem_block.resize(num_elems);
-  std::vector<std::array<global_id, 8>> corners(num_elems);
   parallelOnHost("io::generateWall::elements", num_elems, [&](std::int64_t elem) {
-    const global_id id = part.elem_ids[elem], brick = wall.brickOfElem(id);
-    corners[elem] = wall.elemNodes(id);
+    const global_id brick = wall.brickOfElem(part.elem_ids[elem]);
     part.elem_body[elem] = brick;
     part.elem_block[elem] = wall.numWholeBricks() > 0 && brick >= wall.numWholeBricks() ? 1 : 0;
   });
-  part.elem_nodes.reserve(8 * corners.size());
-  std::vector<int> local; // [node of the brick] its number; -1 without an element on this rank
-  for (int begin = 0, end = 0; begin < num_elems; begin = end) {
-    const global_id brick = part.elem_body[begin], first = wall.firstNode(brick);
-    local.assign(wall.firstNode(brick + 1) - first, -1);
-    for (; end < num_elems && part.elem_body[end] == brick; ++end)
-      for (const global_id node : corners[end])
-        local[node - first] = 0;
-    for (std::size_t i = 0; i < local.size(); ++i)
-      if (local[i] == 0) {
-        local[i] = part.numNodes();
-        part.node_ids.push_back(first + static_cast<global_id>(i));
-      }
-    for (int elem = begin; elem < end; ++elem)
-      for (const global_id node : corners[elem])
-        part.elem_nodes.push_back(local[node - first]);
+  std::vector<BrickPart> bricks;
+  for (int elem = 0; elem < num_elems; ++elem) {
+    if (elem == 0 || part.elem_body[elem] != part.elem_body[elem - 1])
+      bricks.push_back({wall, part, elem, elem});
+    ++bricks.back().end;
   }
+  const auto num_bricks = static_cast<std::int64_t>(bricks.size());
+  std::vector<int> first_node(bricks.size() + 1, 0);
+  parallelOnHost("io::generateWall::count", num_bricks, [&](std::int64_t b) {
+    std::vector<int> local;
+    first_node[b + 1] = bricks[b].numberNodes(local);
+  });
+  std::partial_sum(first_node.begin(), first_node.end(), first_node.begin());
+  part.node_ids.resize(first_node.back());
+  part.elem_nodes.resize(8 * std::size_t(num_elems));
+  parallelOnHost("io::generateWall::number", num_bricks, [&](std::int64_t b) {
+    const BrickPart& brick = bricks[b];
+    std::vector<int> local;
+    brick.numberNodes(local);
+    for (std::size_t i = 0; i < local.size(); ++i)
+      if (local[i] >= 0)
+        part.node_ids[first_node[b] + local[i]] = brick.firstNode() + static_cast<global_id>(i);
+    for (int elem = brick.first; elem < brick.end; ++elem) {
+      int* corner = &part.elem_nodes[8 * std::size_t(elem)];
+      for (const global_id node : wall.elemNodes(part.elem_ids[elem]))
+        *corner++ = first_node[b] + local[node - brick.firstNode()];
+    }
+  });
   part.coordinates.resize(3 * part.node_ids.size());
   parallelOnHost("io::generateWall::nodes", part.numNodes(), [&](std::int64_t node) {
     const auto x = wall.nodeCoordinates(part.node_ids[node]);

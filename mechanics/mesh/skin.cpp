@@ -73,11 +73,14 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
   parallelOnHost("mechanics::findSkin::match", mesh.num_nodes, [&](std::int64_t node) {
     const int* const begin = groups.items.data() + groups.begin[node];
     const int* const end = groups.items.data() + groups.begin[node + 1];
+    static thread_local std::vector<std::array<int, 4>> nodes; // of these faces
+    nodes.clear();
+    for (const int* face = begin; face < end; ++face)
+      nodes.push_back(nodesOf(host, *face));
     for (const int* face = begin; face < end; ++face) {
-      const auto nodes = nodesOf(host, *face);
       int before = 0, after = 0;
       for (const int* other = begin; other < end; ++other)
-        if (other != face && nodesOf(host, *other) == nodes)
+        if (other != face && nodes[other - begin] == nodes[face - begin])
           ++(*other < *face ? before : after);
       is_alone[*face] = before + after == 0;
       if (before == 2)

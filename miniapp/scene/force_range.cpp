@@ -20,19 +20,29 @@ struct ForceRange {
 ForceRange forceRangeOf(const io::MeshPart& part,
                         const std::vector<mechanics::Material>& materials) {
   ForceRange range;
-  range.weakest.assign(part.blocks.size(), HUGE_VAL);
-  for (int elem = 0; elem < part.numElems(); ++elem) {
-    mechanics::CornerCoordinates X;
-    for (int corner = 0; corner < 8; ++corner) {
-      const std::size_t node = part.elem_nodes[std::size_t(8) * elem + corner];
-      for (int d = 0; d < 3; ++d)
-        X[corner][d] = part.coordinates[3 * node + d];
-    }
-    const int block = part.elem_block[elem];
-    const double h = mechanics::longestEdge(X);
-    const double force = (materials[block].lambda() + 2 * materials[block].mu()) * h * h;
-    range.weakest[block] = std::min(range.weakest[block], force);
-    range.strongest = std::max(range.strongest, force);
+  for (std::size_t block = 0; block < part.blocks.size(); ++block) {
+    const auto [first, last] =
+        std::equal_range(part.elem_block.begin(), part.elem_block.end(), static_cast<int>(block));
+    const double modulus = materials[block].lambda() + 2 * materials[block].mu();
+    double weakest = HUGE_VAL, strongest = 0;
+    Kokkos::parallel_reduce(
+        "miniapp::checkForceRange",
+        Kokkos::RangePolicy<host_exec_space, Kokkos::IndexType<std::int64_t>>(
+            first - part.elem_block.begin(), last - part.elem_block.begin()),
+        [&](const std::int64_t elem, double& least, double& most) {
+          mechanics::CornerCoordinates X;
+          for (int corner = 0; corner < 8; ++corner) {
+            const std::size_t node = part.elem_nodes[8 * elem + corner];
+            for (int d = 0; d < 3; ++d)
+              X[corner][d] = part.coordinates[3 * node + d];
+          }
+          const double h = mechanics::longestEdge(X), force = modulus * h * h;
+          least = std::min(least, force);
+          most = std::max(most, force);
+        },
+        Kokkos::Min<double>(weakest), Kokkos::Max<double>(strongest));
+    range.weakest.push_back(weakest);
+    range.strongest = std::max(range.strongest, strongest);
   }
   return range;
 }
