@@ -6,6 +6,7 @@
 
 #include <mpi.h>
 
+#include <memory>
 #include <vector>
 
 namespace brickwall::mechanics {
@@ -15,6 +16,8 @@ struct ElementRange {
   int first = 0, count = 0;
   global_id body = -1; // number of the body, the same on every rank that holds a part of it
 };
+
+struct HostMesh; // host_mesh.hpp
 
 struct HexMesh {
   int num_nodes = 0;
@@ -27,6 +30,8 @@ struct HexMesh {
   View<Material*> materials; // [block]
   View<double* [3]> reference_coordinates; // X [node][xyz], length
   std::vector<ElementRange> bodies; // this rank's part of each body, consecutive elements
+  // Kept by copyToHost(), after which the Views do not change, for later calls until it is reset.
+  mutable std::shared_ptr<const HostMesh> host;
 };
 
 // The Views of a mesh that kernels capture, without host containers.

@@ -17,9 +17,13 @@ struct HostMesh {
 };
 
 inline HostMesh copyToHost(const exec_space& space, const HexMesh& mesh) {
-  space.fence();
-  return {toHost(mesh.elem_to_nodes), toHost(mesh.elem_ids),  toHost(mesh.node_ids),
-          toHost(mesh.elem_block),    toHost(mesh.materials), toHost(mesh.reference_coordinates)};
+  if (!mesh.host) {
+    space.fence();
+    mesh.host = std::make_shared<const HostMesh>(HostMesh{
+        toHost(mesh.elem_to_nodes), toHost(mesh.elem_ids), toHost(mesh.node_ids),
+        toHost(mesh.elem_block), toHost(mesh.materials), toHost(mesh.reference_coordinates)});
+  }
+  return *mesh.host;
 }
 
 } // namespace brickwall::mechanics

@@ -327,18 +327,14 @@ LargestFrequency converge(const exec_space& space, MPI_Comm comm, Representative
 
 LargestFrequency largestFrequency(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                                   const SharedNodeLists& shared, const View<const double*>& mass,
-                                  ElementKind kind, double element_step) {
+                                  const BodyTypes& types, ElementKind kind, double element_step) {
   if (!(element_step < HUGE_VAL))
     return {};
-  const BodyTypes types = findBodyTypes(space, comm, mesh);
   Representatives bodies = representativesOf(space, comm, mesh, shared, mass, types);
   const double omega_square = 4 / (element_step * element_step);
-  LargestFrequency result =
-      kind == ElementKind::one_point
-          ? converge<OnePointGeometry<double>>(space, comm, bodies, omega_square)
-          : converge<FullGeometry<double>>(space, comm, bodies, omega_square);
-  result.body_types = types.count;
-  return result;
+  return kind == ElementKind::one_point
+             ? converge<OnePointGeometry<double>>(space, comm, bodies, omega_square)
+             : converge<FullGeometry<double>>(space, comm, bodies, omega_square);
 }
 
 } // namespace brickwall::mechanics

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "mechanics/force/internal_force.hpp"
+#include "mechanics/mesh/body_types.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/stability/stable_time_step.hpp"
 
@@ -24,14 +25,13 @@ struct LargestFrequency {
   RestFrequency bound; // theta/(1 - eps) and the element bound; the default if nothing was found
   double ritz = 0; // theta, a lower bound
   int products = 0; // with K
-  std::int64_t body_types = 0;
 };
 
-// `mass` as from lumpedMass, `element_step` as from stableTimeStep without viscosity; the element
+// `mass` as from lumpedMass, `types` as from findBodyTypes, `element_step` as from stableTimeStep without viscosity; the element
 // bound caps the result. Takes 60 to 120 products of about 0.3 us per element of one body per type,
 // and 500 B per element during the call. Collective.
 LargestFrequency largestFrequency(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                                   const SharedNodeLists& shared, const View<const double*>& mass,
-                                  ElementKind kind, double element_step);
+                                  const BodyTypes& types, ElementKind kind, double element_step);
 
 } // namespace brickwall::mechanics

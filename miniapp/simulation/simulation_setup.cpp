@@ -66,6 +66,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _ledger = mechanics::EnergyLedger(comm, _scales, _boundary.gravity(),
                                     mechanics::totalMass(_space, comm, mesh, scene.mass),
                                     mechanics::motionOf(_space, mesh, _state, _scales));
+  mesh.host.reset();
 }
 
 void Simulation::allocateForces() {

@@ -24,6 +24,11 @@ void StepController::plan(mechanics::ElementKind kind,
 // exactly at rest. A step may therefore use half of the margin, and under contact all of it.
 void StepController::setLimits(mechanics::ElementKind kind) {
   constexpr double share_in_contact = 0.97;
+  mechanics::BodyTypes types;
+  if (_config.time.bound != StepBound::element) {
+    types = mechanics::findBodyTypes(_space, _comm, _scene.mesh);
+    _gain.body_types = types.count;
+  }
   const ContactConfig& contact = _config.contact;
   const auto add = [&](double contact_load, double share) {
     StepLimit limit;
@@ -33,7 +38,7 @@ void StepController::setLimits(mechanics::ElementKind kind) {
     limit.share = share;
     limit.largest_share = contact_load > 0 ? 1 : 0.5 * (share + 1);
     limit.elements = mechanics::findElementsAtRest(_space, _comm, _scene.mesh, limit.load);
-    findLargestFrequency(kind, limit);
+    findLargestFrequency(kind, types, limit);
     _limits.push_back(limit);
   };
   add(0, _config.time.safety);
@@ -42,7 +47,8 @@ void StepController::setLimits(mechanics::ElementKind kind) {
         share_in_contact);
 }
 
-void StepController::findLargestFrequency(mechanics::ElementKind kind, StepLimit& limit) {
+void StepController::findLargestFrequency(mechanics::ElementKind kind,
+                                          const mechanics::BodyTypes& types, StepLimit& limit) {
   if (_config.time.bound == StepBound::element)
     return;
   const double contact = limit.load.contact;
@@ -50,11 +56,10 @@ void StepController::findLargestFrequency(mechanics::ElementKind kind, StepLimit
                                                               _scene.skin.surface_to_node, contact)
                                 : _scene.mass;
   const auto found =
-      mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part), mass, kind,
-                                  limit.elements.step_without_viscosity);
+      mechanics::largestFrequency(_space, _comm, _scene.mesh, sharedNodes(_scene.part), mass, types,
+                                  kind, limit.elements.step_without_viscosity);
   limit.rest = found.bound;
   _gain.products += found.products;
-  _gain.body_types = found.body_types;
 }
 
 // The limits for bodies at rest: the longer of the steps by elements and by whole bodies.

@@ -117,7 +117,8 @@ public:
 
 private:
   void setLimits(mechanics::ElementKind kind); // collective
-  void findLargestFrequency(mechanics::ElementKind kind, StepLimit& limit); // collective
+  void findLargestFrequency(mechanics::ElementKind kind, const mechanics::BodyTypes& types,
+                            StepLimit& limit); // collective
   double longestStepAtRest();
   double longestStepAtStart(const View<const double* [3]>& displacement); // collective
   void planSteps(double longest);

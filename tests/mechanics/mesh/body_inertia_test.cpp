@@ -258,8 +258,9 @@ TEST_F(BodyInertia, HasASafeElementBound) {
         const auto at_rest = nodalField(space, blocks.mesh, [](const Vec3&) { return Vec3{}; });
         EXPECT_NEAR(stableTimeStep(space, MPI_COMM_SELF, blocks.mesh, at_rest, terms).dt, bound,
                     1e-9 * bound);
-        const LargestFrequency found = largestFrequency(space, MPI_COMM_SELF, blocks.mesh,
-                                                        blocks.shared, masses.mass, kind, bound);
+        const LargestFrequency found =
+            largestFrequency(space, MPI_COMM_SELF, blocks.mesh, blocks.shared, masses.mass,
+                             findBodyTypes(space, MPI_COMM_SELF, blocks.mesh), kind, bound);
         const double limit = 2 / std::sqrt(found.ritz);
         EXPECT_LE(bound, limit);
         if (kind == ElementKind::one_point) {

@@ -103,7 +103,7 @@ void checkSteps(ElementKind kind, MaterialModel model, double distortion, double
   const HexMesh& mesh = solver.blocks.mesh;
   const RestFrequency rest =
       largestFrequency(solver.space, MPI_COMM_SELF, mesh, solver.blocks.shared, solver.state.mass,
-                       kind, solver.stableStep())
+                       findBodyTypes(solver.space, MPI_COMM_SELF, mesh), kind, solver.stableStep())
           .bound;
   for (const Deformation& deformation : deformations(size)) {
     const auto u = nodalField(solver.space, mesh, deformation.displacement);
