@@ -37,7 +37,7 @@ struct EdgeReply {
 };
 constexpr EdgeReply no_reply{0, 0, 0, 1, 1, 0, {0, 0}};
 
-constexpr double flat_cosine = 1 - 5e-7; // of an angle of 1e-3
+constexpr double flat_cosine = 1 - 5e-7; // of the angle 1e-3
 
 template <class T>
 using HostCopy = decltype(toHost(View<T>()));

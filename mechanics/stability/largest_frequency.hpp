@@ -27,9 +27,9 @@ struct LargestFrequency {
   int products = 0; // with K
 };
 
-// `mass` as from lumpedMass, `types` as from findBodyTypes, `element_step` as from stableTimeStep without viscosity; the element
-// bound caps the result. Takes 60 to 120 products of about 0.3 us per element of one body per type,
-// and 500 B per element during the call. Collective.
+// `mass` as from lumpedMass, `types` as from findBodyTypes, `element_step` as from stableTimeStep
+// without viscosity; the element bound caps the result. Takes 60 to 120 products of about 0.3 us per
+// element of one body per type, and 500 B per element during the call. Collective.
 LargestFrequency largestFrequency(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                                   const SharedNodeLists& shared, const View<const double*>& mass,
                                   const BodyTypes& types, ElementKind kind, double element_step);

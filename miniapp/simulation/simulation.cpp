@@ -94,7 +94,7 @@ void Simulation::guardAgainstTunnelling() {
   while (true) {
     const double allowed = _contact->guard().tolerableMotion(clock().dt, !_contact->hasForces());
     const contact::PairMotion fastest =
-        _contact->fastestPair(clock().dt * _ledger.meanVelocity(), allowed);
+        _contact->fastestPair(clock().dt_before * _ledger.meanVelocity(), allowed);
     if (!(fastest.motion > allowed))
       return;
     const double dt = clock().dt_before;
