@@ -27,6 +27,35 @@ inline std::int64_t scanCounts(const exec_space& space, const std::string& label
   return total;
 }
 
+template <class Rows, class Count>
+struct ListFlagged {
+  View<const unsigned char*> flags;
+  Rows rows;
+  std::int64_t n;
+  View<int*> listed;
+  View<Count*> before;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, Count& sum, const bool final) const {
+    const bool is_listed = i < n && flags(rows(i)) != 0;
+    if (final) {
+      before(i) = sum;
+      if (is_listed)
+        listed(sum) = static_cast<int>(rows(i));
+    }
+    sum += is_listed ? 1 : 0;
+  }
+};
+
+// Lists those of rows(i), i of [0, n), whose flags [row] are set, in order; before(i) is how many of
+// them precede rows(i), and before(n) their number.
+template <class Rows, class Count>
+void listFlagged(const exec_space& space, const std::string& label,
+                 const View<const unsigned char*>& flags, const Rows& rows, std::int64_t n,
+                 const View<int*>& listed, const View<Count*>& before) {
+  Kokkos::parallel_scan(label, rangePolicy(space, n + 1),
+                        ListFlagged<Rows, Count>{flags, rows, n, listed, before});
+}
+
 template <class T, class Emit>
 struct CountEmitted {
   Emit emit;

@@ -1,5 +1,6 @@
 #include "contact/surface/surface_transfer.hpp"
 
+#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
 
@@ -47,23 +48,6 @@ void copyFlags(const exec_space& space, const SurfaceTransfer::Flags& source,
       });
 }
 
-// chosen: the rows whose flags are set, in order; before [row]: how many precede it, and the number.
-void chooseRows(const exec_space& space, const SurfaceTransfer::Flags& flags,
-                const View<int*>& rows, const View<int*>& chosen, const View<int*>& before) {
-  const auto num_rows = static_cast<std::int64_t>(rows.extent(0));
-  Kokkos::parallel_scan(
-      "contact::SurfaceTransfer::chooseRows", rangePolicy(space, num_rows + 1),
-      KOKKOS_LAMBDA(const std::int64_t i, int& sum, const bool is_final) {
-        const bool is_chosen = i < num_rows && flags(rows(i)) != 0;
-        if (is_final) {
-          before(i) = sum;
-          if (is_chosen)
-            chosen(sum) = rows(i);
-        }
-        sum += is_chosen ? 1 : 0;
-      });
-}
-
 } // namespace
 
 SurfaceTransfer::Side::Side(const exec_space& space,
@@ -88,7 +72,8 @@ SurfaceTransfer::Side::Side(const exec_space& space,
 }
 
 void SurfaceTransfer::Side::select(const exec_space& space, const Flags& flags) {
-  chooseRows(space, flags, rows, selected, place);
+  listFlagged(space, "contact::SurfaceTransfer::list", View<const unsigned char*>(flags), rows,
+              static_cast<std::int64_t>(rows.extent(0)), selected, place);
   Kokkos::deep_copy(space, host_place, place);
   space.fence();
   selected_ends.clear();

@@ -1,5 +1,6 @@
 #include "contact/search/exchange/ghost_exchange.hpp"
 
+#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/tags.hpp"
 
@@ -65,23 +66,6 @@ void addToNodes(const exec_space& space, const View<const std::int64_t*>& words,
           for (int d = 0; d < 3; ++d) // most are 0
             if (const std::int64_t value = words(words_per_face * n + 3 * j + d); value != 0)
               Kokkos::atomic_add(&node_values(face_to_nodes(face, j), d), value);
-      });
-}
-
-// rows: the ghosts whose flags are set; before [ghost]: how many precede it, and the number.
-void chooseGhosts(const exec_space& space, const View<const unsigned char*>& flags,
-                  std::int64_t num_ghosts, const View<int*>& rows,
-                  const View<std::int64_t*>& before) {
-  Kokkos::parallel_scan(
-      "contact::GhostSelection::choose", rangePolicy(space, num_ghosts + 1),
-      KOKKOS_LAMBDA(const std::int64_t i, std::int64_t& sum, const bool is_final) {
-        const bool is_chosen = i < num_ghosts && flags(i) != 0;
-        if (is_final) {
-          before(i) = sum;
-          if (is_chosen)
-            rows(sum) = static_cast<int>(i);
-        }
-        sum += is_chosen ? 1 : 0;
       });
 }
 
@@ -166,7 +150,8 @@ void GhostSelection::select(const exec_space& space, MPI_Comm comm, const Partne
     const std::int64_t num_ghosts = migration.ghosts.count;
     growTo(space, _ghosts.rows, num_ghosts);
     growTo(space, _before, num_ghosts + 1);
-    chooseGhosts(space, flags, num_ghosts, _ghosts.rows, _before);
+    listFlagged(space, "contact::GhostSelection::list", flags, GhostRows{num_ghosts, {}},
+                num_ghosts, _ghosts.rows, _before);
     growTo(space, _starts, static_cast<std::int64_t>(begins.size()));
     copyToDevice(space, begins, _starts);
     offsetsOfKept(space, _before, _starts, _ghosts);
