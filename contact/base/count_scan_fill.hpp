@@ -5,25 +5,35 @@
 
 namespace brickwall {
 
+template <class Count>
 struct ScanCounts {
-  View<std::int64_t*> counts;
+  Count count;
+  View<std::int64_t*> offsets;
   std::int64_t n;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, std::int64_t& sum,
                                          const bool final) const {
-    const std::int64_t count = i < n ? counts(i) : 0;
+    const std::int64_t number = i < n ? count(i) : 0;
     if (final)
-      counts(i) = sum;
-    sum += count;
+      offsets(i) = sum;
+    sum += number;
   }
 };
+
+// Sets offsets(i), i of [0, n], to the sum of count(k) for k < i. `count` may be the View `offsets`.
+template <class Count>
+void launchScan(const exec_space& space, const std::string& label, const Count& count,
+                std::int64_t n, const View<std::int64_t*>& offsets) {
+  Kokkos::parallel_scan(label, rangePolicy(space, n + 1), ScanCounts<Count>{count, offsets, n});
+}
 
 // Turns counts[0, n) into exclusive offsets in place, with offsets[n] the total, which is returned.
 // `counts` has n + 1 entries or more. Fences (the total is read by the host).
 inline std::int64_t scanCounts(const exec_space& space, const std::string& label,
                                const View<std::int64_t*>& counts, std::int64_t n) {
   std::int64_t total = 0;
-  Kokkos::parallel_scan(label, rangePolicy(space, n + 1), ScanCounts{counts, n}, total);
+  Kokkos::parallel_scan(label, rangePolicy(space, n + 1),
+                        ScanCounts<View<std::int64_t*>>{counts, counts, n}, total);
   return total;
 }
 
@@ -90,7 +100,7 @@ std::int64_t countScanFill(const exec_space& space, const std::string& label, st
   growTo(space, offsets, n + 1);
   Kokkos::parallel_for(label + "::count", rangePolicy(space, n),
                        CountEmitted<T, Emit>{emit, offsets});
-  Kokkos::parallel_scan(label + "::scan", rangePolicy(space, n + 1), ScanCounts{offsets, n});
+  launchScan(space, label + "::scan", offsets, n, offsets);
   std::int64_t total = 0;
   Kokkos::deep_copy(space, total, Kokkos::subview(offsets, static_cast<std::size_t>(n)));
   space.fence();

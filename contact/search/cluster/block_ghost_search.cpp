@@ -1,5 +1,6 @@
 #include "contact/search/cluster/block_ghost_search.hpp"
 
+#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
 #include "contact/search/cluster/lane_masks.hpp"
 #include "contact/search/exchange/node_box_exchange.hpp"
@@ -108,8 +109,8 @@ void listHits(const exec_space& space, const PartnerLists& blocks_to_test,
   auto& lists = search.faces_to_send;
   // Room for all lanes, so that the host does not wait for the number of hits.
   growTo(space, lists.rows, num_entries * block_size);
-  Kokkos::parallel_scan("contact::BlockGhostSearch::scan", rangePolicy(space, num_entries + 1),
-                        ScanMasks{search.hits, positions, num_entries});
+  launchScan(space, "contact::BlockGhostSearch::scan", CountMasked{search.hits}, num_entries,
+             positions);
   const View<const int*> blocks = blocks_to_test.rows;
   const View<const unsigned*> hits = search.hits;
   const auto rows = lists.rows;

@@ -1,5 +1,6 @@
 #include "contact/search/cluster/cluster_candidates.hpp"
 
+#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/search/cluster/lane_masks.hpp"
@@ -135,8 +136,7 @@ void countRows(const exec_space& space, const Groups& groups, ClusterCandidates&
   growTo(space, candidates.offsets, n + 1);
   growTo(space, candidates.starts, num_partners + 1);
   const auto offsets = candidates.offsets, starts = candidates.starts;
-  Kokkos::parallel_scan("contact::ClusterCandidates::scan", rangePolicy(space, n + 1),
-                        ScanMasks{candidates.masks, offsets, n});
+  launchScan(space, "contact::ClusterCandidates::scan", CountMasked{candidates.masks}, n, offsets);
   Kokkos::parallel_for(
       "contact::ClusterCandidates::starts", rangePolicy(space, num_partners + 1),
       KOKKOS_LAMBDA(const std::int64_t p) { starts(p) = offsets(groups.firstOf(p)); });

@@ -22,19 +22,11 @@ KOKKOS_INLINE_FUNCTION void storeMask(unsigned& mask, unsigned bits) {
     Kokkos::atomic_fetch_or(&mask, bits);
 }
 
-// Scan over n + 1 entries: offsets(i) is the number of bits of the masks before i.
-struct ScanMasks {
+// The number of bits of each mask, for launchScan().
+struct CountMasked {
   View<const unsigned*> masks;
-  View<std::int64_t*> offsets;
-  std::int64_t n;
 
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i, std::int64_t& sum,
-                                         const bool final) const {
-    if (final)
-      offsets(i) = sum;
-    if (i < n)
-      sum += countBits(masks(i));
-  }
+  KOKKOS_INLINE_FUNCTION int operator()(const std::int64_t i) const { return countBits(masks(i)); }
 };
 
 } // namespace brickwall::contact

@@ -1,5 +1,7 @@
 #include "contact/search/paper/tree_pairs.hpp"
 
+#include "contact/base/count_scan_fill.hpp"
+
 namespace brickwall::contact {
 namespace {
 
@@ -26,16 +28,10 @@ struct IsCandidate {
 void compressRows(const exec_space& space, int num_nodes, const QueryResults& results,
                   const View<std::int64_t*>& offsets, CandidatePairs& pairs) {
   growTo(space, pairs.faces, results.num_rows);
-  const auto begin = results.begin, count = results.count;
+  const auto begin = results.begin;
   const auto items = results.items;
   const auto faces = pairs.faces;
-  Kokkos::parallel_scan(
-      "contact::findPairsByTree::offsets", rangePolicy(space, num_nodes + 1),
-      KOKKOS_LAMBDA(const std::int64_t node, std::int64_t& sum, const bool final) {
-        if (final)
-          offsets(node) = sum;
-        sum += node < num_nodes ? count(node) : 0;
-      });
+  launchScan(space, "contact::findPairsByTree::offsets", results.count, num_nodes, offsets);
   Kokkos::parallel_for(
       "contact::findPairsByTree::gather", rangePolicy(space, num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
