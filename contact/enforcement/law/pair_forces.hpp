@@ -138,7 +138,7 @@ struct PairForces {
     if (is_alone)
       addBy<Alone>(pair, quanta, sign, lane);
     else if (fills_lanes && owners.areKnown())
-      addBy<ByOwner>(pair, quanta, sign, lane);
+      addBy<Together, true>(pair, quanta, sign, lane);
     else
       addBy<Together>(pair, quanta, sign, lane);
   }
@@ -170,21 +170,21 @@ private:
       Kokkos::atomic_add(&to, value);
     }
   };
-  struct ByOwner : Together {}; // together, but at nodes as addToNode() says
 
-  template <class How, class Real>
+  // `by_owner`: without atomic operations at the nodes that this thread owns.
+  template <class How, bool by_owner = false, class Real>
   KOKKOS_FORCEINLINE_FUNCTION void addBy(const Interaction& pair, const PairQuanta<Real>& quanta,
                                          int sign, int lane) const {
-    const int thread = std::is_same<How, ByOwner>::value ? threadNumber() : 0;
-    addToNode<How>(pair.point.node[0], quanta.on_point[0], sign, lane, thread);
+    const int thread = by_owner ? threadNumber() : 0;
+    addToNode<How, by_owner>(pair.point.node[0], quanta.on_point[0], sign, lane, thread);
     if (!pair.point.isNode())
-      addToNode<How>(pair.point.node[1], quanta.on_point[1], sign, lane, thread);
+      addToNode<How, by_owner>(pair.point.node[1], quanta.on_point[1], sign, lane, thread);
     const int face = pair.face_index;
     if (faces.isOwn(face))
       for (int j = 0; j < max_corners; ++j) {
         if (j < face_corners)
-          addToNode<How>(faces.surface.face_to_nodes(face, j), quanta.on_corner[j], sign, lane,
-                         thread);
+          addToNode<How, by_owner>(faces.surface.face_to_nodes(face, j), quanta.on_corner[j], sign,
+                                   lane, thread);
       }
     else
       for (int j = 0; j < max_corners; ++j) {
@@ -193,15 +193,15 @@ private:
                      lane);
       }
   }
-  template <class How, class Integers>
+  template <class How, bool by_owner, class Integers>
   KOKKOS_FORCEINLINE_FUNCTION void addToNode(int node, const Integers (&values)[3], int sign,
                                              int lane, int thread) const {
-    if (!std::is_same<How, ByOwner>::value) {
+    if (!by_owner) {
       addTo<How>(target.nodes, node, 0, values, sign, lane);
     } else if (owners.owns(thread, NodeOwners::blockOf(node))) {
       addTo<Alone>(target.nodes, node, 0, values, sign, lane);
     } else {
-      addTo<Together>(owners.by_others, node, 0, values, sign, lane);
+      addTo<How>(owners.by_others, node, 0, values, sign, lane);
       owners.has_others(NodeOwners::blockOf(node)) = 1;
     }
   }
