@@ -120,11 +120,12 @@ void ContactStep::balance(std::int64_t step, const View<const double* [3]>& disp
   const Region region("miniapp::balanceContact");
   const View<std::int64_t**> work_of_nodes = workOfNodes();
   const double work = workOfRank(work_of_nodes);
-  std::vector<float> of_faces;
-  if (!_balance.areHome())
-    of_faces = workOfFaces(work_of_nodes);
-  if (!_balance.isDue(
-          work, _balance.areHome() ? work : std::accumulate(of_faces.begin(), of_faces.end(), 0.0)))
+  double work_at_home = work;
+  if (!_balance.areHome()) {
+    const std::vector<float> of_faces = workOfFaces(work_of_nodes);
+    work_at_home = std::accumulate(of_faces.begin(), of_faces.end(), 0.0);
+  }
+  if (!_balance.isDue(work, work_at_home))
     return;
   const Stopwatch time;
   const bool may_return = _config.search.decomposition == Decomposition::automatic;
@@ -133,8 +134,7 @@ void ContactStep::balance(std::int64_t step, const View<const double* [3]>& disp
     _balance.haveReturned(time.seconds());
     return;
   }
-  if (_balance.areHome())
-    of_faces = workOfFaces(work_of_nodes);
+  const std::vector<float> of_faces = workOfFaces(work_of_nodes);
   const std::vector<int> ranks = ranksOfFaces(of_faces);
   distribute(ranks, displacement);
   _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, of_faces, ranks), !may_return);
