@@ -9,12 +9,24 @@
 
 namespace brickwall {
 
+// For a kernel of `Teams` over n items: as many teams as they need, or as the device runs at once. The
+// number of multiprocessors is counted as if each had 2048 threads (A100, H100), so others run fewer.
+template <class Teams>
+typename Teams::policy teamPolicy(const exec_space& space, std::int64_t n, int teams_at_once) {
+  const int team_size = host_accessible ? 1 : +Teams::team_size;
+  const std::int64_t fitting = maxOf(1, teams_at_once * (concurrency(space) / 2048)),
+                     needed = maxOf<std::int64_t>(1, (n + team_size - 1) / team_size);
+  typename Teams::policy policy(space, static_cast<int>(minOf(fitting, needed)), team_size);
+  policy.set_scratch_size(0, Kokkos::PerTeam(+Teams::scratch_bytes));
+  return policy;
+}
+
 // Reduces a functor over [begin, end) by teams whose threads add many items to sums of their own
 // and join these once. With a range policy, Kokkos keeps a value for each thread of a device in
 // shared memory, in which few large ones fit. Each multiprocessor holds `teams_at_once` teams.
 template <class Value, class Functor, int teams_at_once>
 struct SumByTeams {
-  static constexpr int team_size = 256;
+  static constexpr int team_size = 256, scratch_bytes = 0;
   // Threads that take items in a row; few items are spread over all teams.
   static constexpr int group_size = 32;
   using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>,
@@ -46,13 +58,8 @@ void launchSum(const std::string& label, const exec_space& space, std::int64_t b
     Kokkos::parallel_reduce(label, range_policy(space, begin, end), functor, sum);
   } else {
     using Teams = SumByTeams<Value, Functor, teams_at_once>;
-    const std::int64_t fitting = // by registers
-        maxOf(1, teams_at_once * (concurrency(space) / (8 * Teams::team_size)));
-    const std::int64_t needed = (end - begin + Teams::team_size - 1) / Teams::team_size;
-    Kokkos::parallel_reduce(
-        label,
-        typename Teams::policy(space, static_cast<int>(minOf(fitting, needed)), Teams::team_size),
-        Teams{functor, begin, end}, sum);
+    Kokkos::parallel_reduce(label, teamPolicy<Teams>(space, end - begin, teams_at_once),
+                            Teams{functor, begin, end}, sum);
   }
 }
 // The sum itself. Fences.
@@ -113,14 +120,13 @@ struct AddWordsByTeams {
   static constexpr int team_size = 128, group_size = 32; // as in SumByTeams
   static constexpr int num_words = sizeof(Value) / 8;
   static constexpr int row = num_words | 1; // odd: no two threads use one bank of scratch memory
+  static constexpr int scratch_bytes = sizeof(std::int64_t) * row * team_size;
   using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, teams_at_once>,
                                     launch_by_argument>;
 
   Functor functor;
   std::int64_t begin, end;
   View<std::int64_t*> total;
-
-  static std::size_t scratchBytes(int threads) { return sizeof(std::int64_t) * row * threads; }
 
   KOKKOS_INLINE_FUNCTION void operator()(const typename policy::member_type& team) const {
     const int num_threads = team.team_size(), thread = team.team_rank();
@@ -176,22 +182,15 @@ public:
     return _words;
   }
   // `teams_at_once`: teams of 128 threads that a multiprocessor runs at once, each of which has
-  // 512/teams_at_once registers a thread; the number of multiprocessors is counted as if each had
-  // 2048 threads (A100, H100), so others run fewer teams. Waits on a host only.
+  // 512/teams_at_once registers a thread. Waits on a host only.
   template <int teams_at_once = 2, class Functor>
   void add(const std::string& label, const exec_space& space, std::int64_t begin, std::int64_t end,
            const Functor& functor) {
     if constexpr (on_device) {
       using Teams = AddWordsByTeams<Value, Functor, teams_at_once>;
-      const int team_size = host_accessible ? 1 : +Teams::team_size;
-      const std::int64_t fitting = maxOf(1, teams_at_once * (concurrency(space) / 2048)),
-                         needed = (end - begin + team_size - 1) / team_size;
-      if (needed == 0)
-        return;
-      auto policy =
-          typename Teams::policy(space, static_cast<int>(minOf(fitting, needed)), team_size);
-      policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(Teams::scratchBytes(team_size))));
-      Kokkos::parallel_for(label, policy, Teams{functor, begin, end, _words});
+      if (end > begin)
+        Kokkos::parallel_for(label, teamPolicy<Teams>(space, end - begin, teams_at_once),
+                             Teams{functor, begin, end, _words});
     } else {
       _sum += sumOver<Value>(label, space, begin, end, functor);
     }

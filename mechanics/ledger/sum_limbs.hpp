@@ -3,6 +3,7 @@
 #pragma once
 
 #include "contact/base/fixed_point.hpp"
+#include "contact/base/sum_over.hpp"
 
 #include <string>
 #include <utility>
@@ -80,16 +81,17 @@ struct AddLimbsByTeams {
   View<std::int64_t*> total;
 
   // Words of some sums of all threads, and partial sums of all words in padded rows.
-  KOKKOS_INLINE_FUNCTION static constexpr std::size_t scratchBytes() {
-    return (3 * sums_at_once * team_size + 3 * N * (rows_per_word + 1)) * sizeof(std::int64_t);
-  }
+  static constexpr int scratch_bytes =
+      (3 * sums_at_once * team_size + 3 * N * (rows_per_word + 1)) * sizeof(std::int64_t);
+  static_assert(scratch_bytes <= 48 * 1024, "scratch memory that every device has");
+
   KOKKOS_INLINE_FUNCTION void operator()(const member_type& team) const {
     SparseLimbSums<N> mine;
     functor(std::int64_t(team.league_rank()) * team.team_size() + team.team_rank(),
             std::int64_t(team.league_size()) * team.team_size(), mine);
     if (mine.invalid != 0)
       Kokkos::atomic_add(&total(3 * N), mine.invalid);
-    auto* const scratch = static_cast<std::int64_t*>(team.team_shmem().get_shmem(scratchBytes()));
+    auto* const scratch = static_cast<std::int64_t*>(team.team_shmem().get_shmem(+scratch_bytes));
     std::int64_t* const partial = scratch + 3 * sums_at_once * team_size;
     for (int first = 0; first < functor.listed.count; first += sums_at_once) {
       const int num_words = 3 * minOf(+sums_at_once, functor.listed.count - first);
@@ -133,16 +135,10 @@ LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::i
   LimbSums<N> sums;
   if constexpr (on_device) {
     using Teams = AddLimbsByTeams<N, Functor>;
-    const int team_size = host_accessible ? 1 : +Teams::team_size;
-    const std::int64_t fitting = maxOf(1, concurrency(space) * Teams::teams_at_once / 2048),
-                       needed = maxOf<std::int64_t>(1, (n + team_size - 1) / team_size);
-    static_assert(Teams::scratchBytes() <= 48 * 1024, "scratch memory that every device has");
     const auto words = Kokkos::subview(wordsOfSums(sums.size()), std::make_pair(0, +sums.size()));
     Kokkos::deep_copy(space, words, 0);
-    auto policy =
-        typename Teams::policy(space, static_cast<int>(minOf(fitting, needed)), team_size);
-    policy.set_scratch_size(0, Kokkos::PerTeam(Teams::scratchBytes()));
-    Kokkos::parallel_for(label, policy, Teams{functor, words});
+    Kokkos::parallel_for(label, teamPolicy<Teams>(space, n, Teams::teams_at_once),
+                         Teams{functor, words});
     Kokkos::deep_copy(space,
                       Kokkos::View<std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
                           sums.data(), static_cast<std::size_t>(sums.size())),
