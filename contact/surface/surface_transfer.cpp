@@ -81,13 +81,6 @@ void SurfaceTransfer::Side::select(const exec_space& space, const Flags& flags) 
     selected_ends.push_back(host_place(end));
 }
 
-std::vector<std::int64_t> SurfaceTransfer::Side::words(std::int64_t width) const {
-  std::vector<std::int64_t> scaled;
-  for (const std::int64_t end : selected_ends)
-    scaled.push_back(end * width);
-  return scaled;
-}
-
 SurfaceTransfer::SurfaceTransfer(const exec_space& space, const Communicator& comm,
                                  std::vector<std::vector<int>> from_rows,
                                  std::vector<std::vector<int>> to_rows)

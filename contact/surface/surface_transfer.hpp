@@ -77,11 +77,11 @@ private:
     View<int*>::HostMirror host_place;
     View<int*> selected;
     std::vector<std::int64_t> selected_ends{0}; // as `ends`
+    std::vector<std::int64_t> selected_word_ends; // in words of a message
 
     Side() = default;
     Side(const exec_space& space, const std::vector<std::vector<int>>& of_partners);
     void select(const exec_space& space, const Flags& flags);
-    std::vector<std::int64_t> words(std::int64_t width) const; // of selected rows
   };
 
   template <class SourceView, class TargetView>
@@ -100,8 +100,9 @@ private:
     const auto width = static_cast<std::int64_t>(source.extent(1));
     growTo(space, _buffers.send, _sent.selected_ends.back() * width);
     packRows(space, source, _sent.selected, _sent.selected_ends.back(), _buffers.send);
-    _buffers.exchange(space, _comm, _tag, _plan.partners(), _sent.words(width),
-                      _received.words(width));
+    _buffers.exchange(space, _comm, _tag, _plan.partners(),
+                      wordOffsets(_sent.selected_ends, width, _sent.selected_word_ends),
+                      wordOffsets(_received.selected_ends, width, _received.selected_word_ends));
     unpackRows<Place>(space, _buffers.receive, _received.selected, _received.selected_ends.back(),
                       target);
   }

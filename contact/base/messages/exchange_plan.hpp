@@ -85,6 +85,16 @@ void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, cons
                        UnpackRow<Place, TargetView>{packed, rows, target, width});
 }
 
+// Offsets of messages in words, from those in rows of `width` words; `words` is filled and returned.
+inline const std::vector<std::int64_t>& wordOffsets(const std::vector<std::int64_t>& offsets,
+                                                    std::int64_t width,
+                                                    std::vector<std::int64_t>& words) {
+  words.resize(offsets.size());
+  for (std::size_t p = 0; p < offsets.size(); ++p)
+    words[p] = offsets[p] * width;
+  return words;
+}
+
 // Rows of local arrays that go to and come from each partner. Row lists of partner p are
 // [offsets[p], offsets[p+1]); both sides must list matching rows in the same order.
 class ExchangePlan {
@@ -160,8 +170,8 @@ private:
     const auto width = static_cast<std::int64_t>(source.extent(1));
     growTo(space, _buffers.send, from_offsets.back() * width);
     packRows(space, source, from_rows, from_offsets.back(), _buffers.send);
-    _buffers.start(space, _comm, _tag, _partners, scaled(from_offsets, width, _send_words),
-                   scaled(to_offsets, width, _receive_words));
+    _buffers.start(space, _comm, _tag, _partners, wordOffsets(from_offsets, width, _send_words),
+                   wordOffsets(to_offsets, width, _receive_words));
   }
   template <class Place, class TargetView>
   void finish(const exec_space& space, const TargetView& target, const View<int*>& to_rows,
@@ -190,14 +200,6 @@ private:
     Kokkos::deep_copy(space, flat, host);
     space.fence();
     return flat;
-  }
-  static const std::vector<std::int64_t>& scaled(const std::vector<std::int64_t>& offsets,
-                                                 std::int64_t width,
-                                                 std::vector<std::int64_t>& words) {
-    words.resize(offsets.size());
-    for (std::size_t p = 0; p < offsets.size(); ++p)
-      words[p] = offsets[p] * width;
-    return words;
   }
 
   Communicator _comm;

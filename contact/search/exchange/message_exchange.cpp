@@ -28,10 +28,8 @@ const std::vector<std::int64_t>& PartnerMessages::forwardOfAnySize(
     const exec_space& space, MPI_Comm comm, int tag, int width, const std::vector<int>& receivers,
     const std::vector<std::int64_t>& send_offsets, const std::vector<int>& senders) {
   setPartners(receivers, send_offsets, senders);
-  _send_words.assign(1, 0);
-  for (std::size_t p = 0; p < receivers.size(); ++p)
-    _send_words.push_back(send_offsets[p + 1] * width);
-  buffers.exchangeOfAnySize(space, comm, tag, receivers, _send_words, senders, _receive_words);
+  buffers.exchangeOfAnySize(space, comm, tag, receivers,
+                            wordOffsets(send_offsets, width, _send_words), senders, _receive_words);
   _receive_offsets.resize(_receive_words.size());
   for (std::size_t p = 0; p < _receive_words.size(); ++p)
     _receive_offsets[p] = _receive_words[p] / width;
