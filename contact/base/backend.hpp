@@ -143,6 +143,17 @@ KOKKOS_INLINE_FUNCTION void orderMemory() {
 #endif
 }
 
+// A value that other threads may change meanwhile, by atomic operations. (Kokkos::atomic_load is
+// missing in Kokkos 3, and exchanges the value in Kokkos 4.)
+template <class T>
+KOKKOS_FORCEINLINE_FUNCTION T loadShared(const T& value) {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+  return const_cast<const volatile T&>(value);
+#else
+  return __atomic_load_n(&value, __ATOMIC_RELAXED);
+#endif
+}
+
 // Keeps the compiler of a device from moving loads of the code before to where their values are
 // used, so that a thread waits for all of them at once.
 KOKKOS_FORCEINLINE_FUNCTION void startLoads() {

@@ -27,7 +27,7 @@ struct NodeOwners {
   KOKKOS_FORCEINLINE_FUNCTION bool areKnown() const { return owner.extent(0) > 0; }
   // Whether the thread owns the block, if need be from now on.
   KOKKOS_FORCEINLINE_FUNCTION bool owns(int thread, int block) const {
-    const int present = owner(block);
+    const int present = loadShared(owner(block));
     return present == thread ||
            (present == 0 && Kokkos::atomic_compare_exchange(&owner(block), 0, thread) == 0);
   }
