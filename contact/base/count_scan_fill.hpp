@@ -20,7 +20,7 @@ struct ScanCounts {
   }
 };
 
-// Sets offsets(i), i of [0, n], to the sum of count(k) for k < i. `count` may be the View `offsets`.
+// Sets offsets(i), i of [0, n], to the sum of count(k) for k < i; `count` may be `offsets` itself.
 template <class Count>
 void launchScan(const exec_space& space, const std::string& label, const Count& count,
                 std::int64_t n, const View<std::int64_t*>& offsets) {
@@ -56,8 +56,8 @@ struct ListFlagged {
   }
 };
 
-// Lists those of rows(i), i of [0, n), whose flags [row] are set, in order; before(i) is how many of
-// them precede rows(i), and before(n) their number.
+// Lists those of rows(i), i of [0, n), whose flags [row] are set, in order; before(i) is how many
+// of them precede rows(i), and before(n) their number.
 template <class Rows, class Count>
 void listFlagged(const exec_space& space, const std::string& label,
                  const View<const unsigned char*>& flags, const Rows& rows, std::int64_t n,

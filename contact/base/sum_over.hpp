@@ -9,8 +9,9 @@
 
 namespace brickwall {
 
-// For a kernel of `Teams` over n items: as many teams as they need, or as the device runs at once. The
-// number of multiprocessors is counted as if each had 2048 threads (A100, H100), so others run fewer.
+// For a kernel of `Teams` over n items: as many teams as these need, or as the device runs at once.
+// The number of multiprocessors is counted as if each had 2048 threads (A100, H100), so others run
+// fewer teams.
 template <class Teams>
 typename Teams::policy teamPolicy(const exec_space& space, std::int64_t n, int teams_at_once) {
   const int team_size = host_accessible ? 1 : +Teams::team_size;

@@ -85,7 +85,7 @@ void unpackRows(const exec_space& space, const View<std::int64_t*>& packed, cons
                        UnpackRow<Place, TargetView>{packed, rows, target, width});
 }
 
-// Offsets of messages in words, from those in rows of `width` words; `words` is filled and returned.
+// Offsets of messages in words, from those in rows of `width` words. Fills and returns `words`.
 inline const std::vector<std::int64_t>& wordOffsets(const std::vector<std::int64_t>& offsets,
                                                     std::int64_t width,
                                                     std::vector<std::int64_t>& words) {
