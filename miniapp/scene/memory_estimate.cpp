@@ -14,9 +14,11 @@ MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu) {
   const double of_elements =
       (32 + 8 + 4 + 40 + 8 + 1.25 * 9 * 8 + (size.stores_geometry ? 370 : 0)) * elements;
   // Skin and load. With contact: coordinates, records, boxes, tree, lists of candidates and their
-  // rows (730), and the contacts of two steps with a reserve (0.8 of 604).
+  // rows (650), the contacts of two steps with a reserve (0.8 of 604), and the forces that threads
+  // of a host add to the nodes of others (24).
+  const double of_contact = 650 + 0.8 * 604 + (on_gpu ? 0 : 24);
   const double of_faces =
-      (82 + (size.has_contact ? 650 + 0.8 * 604 : 0)) * static_cast<double>(size.faces);
+      (82 + (size.has_contact ? of_contact : 0)) * static_cast<double>(size.faces);
   // Coordinates, records, boxes, lists and the bounds of sleeping rows, of which a GPU has more.
   const double of_edges =
       size.has_contact ? (on_gpu ? 2170 : 860) * static_cast<double>(size.edges) : 0;
