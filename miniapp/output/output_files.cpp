@@ -1,6 +1,7 @@
 #include "miniapp/output/output_files.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "io/exodus/results_writer.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -46,10 +47,12 @@ void removeFile(MPI_Comm comm, const std::string& path) {
 
 void refuseToReplace(MPI_Comm comm, const std::string& input, const std::string& path) {
   rethrowOnAllRanks(comm, [&] {
-    std::error_code ignored; // a file that does not exist is not replaced
-    if (rankOf(comm) == 0 && std::filesystem::equivalent(input, path, ignored))
-      throw InputError(input + ": found the file that the results would replace, " + path +
-                       ", expected another one: name another folder with -o");
+    for (const std::string& result : {path, io::rankFileName(path, sizeOf(comm), rankOf(comm))}) {
+      std::error_code ignored; // a file that does not exist is not replaced
+      if (std::filesystem::equivalent(input, result, ignored))
+        throw InputError(input + ": found the file that the results would replace, " + result +
+                         ", expected another one: name another folder with -o");
+    }
   });
 }
 

@@ -1,5 +1,5 @@
-// Files and folders of the output. All functions are collective: rank 0 acts, and a failure is an
-// OutputError on every rank.
+// Files and folders of the output. All functions are collective: rank 0 acts, unless said, and a
+// failure is an OutputError on every rank.
 #pragma once
 
 #include <mpi.h>
@@ -15,8 +15,8 @@ void writeTextFile(MPI_Comm comm, const std::string& path, const std::string& te
 bool fileExists(MPI_Comm comm, const std::string& path);
 // Removes the file if it exists.
 void removeFile(MPI_Comm comm, const std::string& path);
-// Throws InputError if results written to `path` would replace the file `input` that the run reads,
-// under this or another name.
+// Throws InputError if the file `input` that the run reads is, under this or another name, one that
+// results of the base name `path` would replace: that file, or one of a rank. Every rank looks.
 void refuseToReplace(MPI_Comm comm, const std::string& input, const std::string& path);
 // A lock of a folder while the object lives, so that no two runs write there: ranks of a run whose
 // launcher was killed may still be at work.

@@ -50,17 +50,22 @@ for ranks in 1 3; do
   grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
   expect "a load beyond all range stops the start" 3 'in step 0 .*nodal forces of .*load.pressure' $ranks run "$inputs/one_brick.toml" \
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
-  # The mesh has the place of the results; on several ranks epu would join them there.
+  # The mesh has the place of the results: of those of a rank, or where epu would join those of several.
   output=$work/own_mesh
   expect "a mesh is written" 0 '1 bodies' 1 mesh "$inputs/one_brick.toml"
   cp "$output/one_brick.exo" "$work/mesh.exo"
-  sed -e '/^\[wall\]/,/^$/d' "$inputs/one_brick.toml" >"$work/one_brick.toml"
-  printf '\n[mesh]\nfile = "own_mesh/one_brick.exo"\n' >>"$work/one_brick.toml"
-  for command in run mesh; do
-    expect "$command does not replace the mesh that it reads" 2 'one_brick.exo: found the file that the results would replace' \
-      $ranks $command "$work/one_brick.toml"
+  names=(one_brick.exo)
+  [[ $ranks -eq 1 ]] || names+=("one_brick.exo.$ranks.1")
+  for name in "${names[@]}"; do
+    cp "$work/mesh.exo" "$output/$name"
+    sed -e '/^\[wall\]/,/^$/d' "$inputs/one_brick.toml" >"$work/one_brick.toml"
+    printf '\n[mesh]\nfile = "own_mesh/%s"\n' "$name" >>"$work/one_brick.toml"
+    for command in run mesh; do
+      expect "$command does not replace the mesh $name that it reads" 2 "$name: found the file that the results would replace" \
+        $ranks $command "$work/one_brick.toml"
+    done
+    cmp "$output/$name" "$work/mesh.exo" || { echo "FAILED: the mesh was changed"; failures=$((failures + 1)); }
   done
-  cmp "$output/one_brick.exo" "$work/mesh.exo" || { echo "FAILED: the mesh was changed"; failures=$((failures + 1)); }
   output=$work/out
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
