@@ -35,15 +35,15 @@ using staging_space = Kokkos::HostSpace;
 template <class T>
 using View = Kokkos::View<T, memory_space>;
 
-// Functors travel as kernel arguments also if they are large: each launch that copies its functor to
-// the constant memory of a device waits for the launch before.
+// Functors travel as kernel arguments also if they are large: each launch that copies its functor
+// to the constant memory of a device waits for the launch before.
 using launch_by_argument = Kokkos::Experimental::WorkItemProperty::HintLightWeight_t;
 
 using range_policy =
     Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::int64_t>, launch_by_argument>;
 
-// True where kernels run on the host, so that staging copies vanish; false with managed memory, whose
-// kernels run on a device.
+// True where kernels run on the host, so that staging copies vanish; false with managed memory,
+// whose kernels run on a device.
 constexpr bool host_accessible = std::is_same<memory_space, Kokkos::HostSpace>::value;
 
 // Whether threads have SIMD lanes to fill; on a device the lanes are threads. With

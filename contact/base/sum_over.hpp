@@ -51,7 +51,8 @@ struct SumByTeams {
 
 // Launches the sum of what functor(i, Value&) adds for i of [begin, end). Value is as for
 // PlusReducer, and its sums do not depend on the order. `teams_at_once`: on a device, teams of 256
-// threads that a multiprocessor runs at once, each of which has 256/teams_at_once registers a thread.
+// threads that a multiprocessor runs at once, each of which has 256/teams_at_once registers a
+// thread.
 template <class Value, int teams_at_once = 1, class Space, class Functor>
 void launchSum(const std::string& label, const exec_space& space, std::int64_t begin,
                std::int64_t end, const Functor& functor, const PlusReducer<Value, Space>& sum) {

@@ -47,8 +47,8 @@ public:
               const Quantum& quantum, const LimbScale& energy_scale);
 
   // Launches what enforce() will read first of this surface, which stays so until then. May be left
-  // out: the host then waits once more. Returns SurfaceMotion::stationaryNodes(), which saves work in
-  // CandidateSearch::update() and EdgeContact::gatherCoordinates(); empty if they are not used.
+  // out: the host then waits once more. Returns SurfaceMotion::stationaryNodes(), which saves work
+  // in CandidateSearch::update() and EdgeContact::gatherCoordinates(); empty if they are not used.
   View<const unsigned char*> startMotion(const exec_space& space, const Surface& surface) {
     if (!_config.skip_stationary)
       return {};
@@ -61,7 +61,8 @@ public:
   // change. Overlaps that exist at the first call become offsets and give no force; then joints of
   // flush bodies are found, with `neutral`, which is needed for Scheme::energy_neutral only. If
   // `edges` is given, it must have found the candidates of this step; its forces are included in
-  // forces(). Collective. Returns this rank's sums. Throws InputError on all ranks for a surface of other counts, or candidates of another surface.
+  // forces(). Collective. Returns this rank's sums. Throws InputError on all ranks for a surface of
+  // other counts, or candidates of another surface.
   EnforcementSums enforce(const exec_space& space, const Surface& surface, const GhostFaces& ghosts,
                           const CandidatePairs& pairs, const StepLengths& steps,
                           const NeutralInput* neutral = nullptr, EdgeContact* edges = nullptr);
@@ -91,8 +92,8 @@ public:
   // The contact history, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
-  // Adds to work [surface node][1], WorkUnits, the work of the nodes that this rank owns in the last step,
-  // in which `pairs` were its candidates.
+  // Adds to work [surface node][1], WorkUnits, the work of the nodes that this rank owns in the
+  // last step, in which `pairs` were its candidates.
   void addWork(const exec_space& space, const CandidatePairs& pairs,
                const View<std::int64_t**>& work) const;
 

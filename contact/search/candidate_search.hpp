@@ -52,11 +52,10 @@ public:
   // that are too short, and other Views with other content.
   // `motion`, from a host that reads the coordinates in any case, is the greatest
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
-  // any number if there are no such boxes. Without it, update() measures the nodes that `stationary`
-  // [node] does not flag. A flag that is not 0 states that both configurations of the node equal
-  // coordinates_new of the last update().
-  // `meanwhile` may be called, once: it launches work that does not need the pairs, while the host
-  // would wait for the device.
+  // any number if there are no such boxes. Without it, update() measures the nodes that
+  // `stationary` [node] does not flag. A flag that is not 0 states that both configurations of the
+  // node equal coordinates_new of the last update(). `meanwhile` may be called, once: it launches
+  // work that does not need the pairs, while the host would wait for the device.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
                                const std::function<void()>& meanwhile = {},
@@ -87,9 +86,10 @@ public:
   const GhostFaces& ghosts() const { return _global.ghosts(); }
   const CandidatePairs& pairs() const { return _local.pairs(); }
 
-  // Collective. Restores the lists and counts of an earlier run: `surface` as for update(), but with
-  // the low and the high corners of that run's sweptBoxes() as coordinates_old and coordinates_new.
-  // With empty coordinates there were no lists to keep, and the next update() searches.
+  // Collective. Restores the lists and counts of an earlier run: `surface` as for update(), but
+  // with the low and the high corners of that run's sweptBoxes() as coordinates_old and
+  // coordinates_new. With empty coordinates there were no lists to keep, and the next update()
+  // searches.
   void restore(const exec_space& space, const SweptBoxes& surface, std::int64_t searches,
                std::int64_t updates);
 

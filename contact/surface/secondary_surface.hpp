@@ -29,13 +29,13 @@ public:
   // This rank's part, without coordinates.
   const Surface& surface() const { return _surface; }
 
-  // Records of primary faces at the ranks that have the faces: `face` of each changes from the primary
-  // to the local number. Collective.
+  // Records of primary faces at the ranks that have the faces: `face` of each changes from the
+  // primary to the local number. Collective.
   template <class Record>
   std::vector<Record> forwardRecords(const Communicator& comm,
                                      const std::vector<Record>& of_primary) const {
-    std::vector<std::pair<int, int>>
-        place; // [primary face] its rank, and its place among those sent
+    // [primary face] its rank, and its place among those sent
+    std::vector<std::pair<int, int>> place;
     for (std::size_t q = 0; q < _sent_faces.size(); ++q)
       for (std::size_t i = 0; i < _sent_faces[q].size(); ++i) {
         const auto face = static_cast<std::size_t>(_sent_faces[q][i]);
@@ -77,9 +77,9 @@ public:
     _to_primary.forward(space, values, of_primary);
   }
 
-  // Selects nodes by flags [node] that are equal on all copies of a node, and sets the flags of primary
-  // nodes. forwardSelected() and giveBackSelected() do the same as forward() and giveBack() for these
-  // nodes only, until the next selection. Collective.
+  // Selects nodes by flags [node] that are equal on all copies of a node, and sets the flags of
+  // primary nodes. forwardSelected() and giveBackSelected() do the same as forward() and giveBack()
+  // for these nodes only, until the next selection. Collective.
   void selectNodes(const exec_space& space, const SurfaceTransfer::Flags& flags,
                    const SurfaceTransfer::Flags& of_primary) {
     Kokkos::deep_copy(space, of_primary, static_cast<unsigned char>(0));

@@ -42,8 +42,8 @@ public:
 
   // As forward(), in messages of a bit for each row, but flags of the target that are set stay so.
   void forwardFlags(const exec_space& space, const Flags& source, const Flags& target);
-  // forwardSelected() then transfers the rows whose flags are set: those of a row that is sent and of
-  // where it is received must be equal.
+  // forwardSelected() then transfers the rows whose flags are set: those of a row that is sent and
+  // of where it is received must be equal.
   void select(const exec_space& space, const Flags& source, const Flags& target);
   template <class SourceView, class TargetView>
   void forwardSelected(const exec_space& space, const SourceView& source,

@@ -135,8 +135,8 @@ struct SearchConfig {
   double margin = 0.1;
   bool has_margin = false; // given by the deck
   Decomposition decomposition = Decomposition::primary; // miniapp/simulation/contact_balance.hpp
-  std::int64_t audit =
-      0; // steps between audits, which count the pairs that the lists miss; 0: none
+  // steps between audits, which count the pairs that the lists miss; 0: none
+  std::int64_t audit = 0;
   // `brickwall search` only
   double jitter = 0.01; // over an edge
   double drift = 0.01; // over an edge, per step

@@ -15,9 +15,8 @@ namespace brickwall::miniapp {
 class EarlierResults {
 public:
   // Opens the files of `base`: those of `ranks` ranks, or else of any number of ranks, with at
-  // least
-  // `steps` steps (0: none yet), the last of them at `time`. `reason` tells why none is suitable;
-  // "" with files, or without any. Each rank reads its share of the files. Collective.
+  // least `steps` steps (0: none yet), the last of them at `time`. `reason` tells why none is
+  // suitable; "" with files, or without any. Each rank reads its share of the files. Collective.
   EarlierResults(MPI_Comm comm, const std::string& base, int ranks, int steps, double time,
                  const io::ResultsConfig& config);
 

@@ -9,8 +9,8 @@ MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu) {
   // output.
   const double of_nodes =
       (9 * 8 + 3 * 24 + 8 + 8 + 3 + 1 + 2 * 8) * static_cast<double>(size.nodes);
-  // Connectivity, id, block, chunk with its pack, share of the mass; the output's stresses, pressure
-  // and energies with a reserve of a quarter; geometry.
+  // Connectivity, id, block, chunk with its pack, share of the mass; the output's stresses,
+  // pressure and energies with a reserve of a quarter; geometry.
   const double of_elements =
       (32 + 8 + 4 + 40 + 8 + 1.25 * 9 * 8 + (size.stores_geometry ? 370 : 0)) * elements;
   // Skin and load. With contact: coordinates, records, boxes, tree, lists of candidates and their
@@ -24,8 +24,8 @@ MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu) {
       size.has_contact ? (on_gpu ? 2170 : 860) * static_cast<double>(size.edges) : 0;
   const double views = (of_nodes + of_elements + of_faces + of_edges) / ranks;
   // Measured: code and libraries with MPI and Kokkos; the context of CUDA with the local memory of
-  // the largest kernel; and what the host holds beside the Views at the end of the set-up or, with a
-  // GPU, while it writes output.
+  // the largest kernel; and what the host holds beside the Views at the end of the set-up or, with
+  // a GPU, while it writes output.
   const double program = 45e6, context = on_gpu ? 1.28e9 : 0;
   const double beside = (on_gpu ? 390 : 120) * elements / ranks;
   return {context + views, program + context + views + beside};

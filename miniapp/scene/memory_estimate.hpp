@@ -17,8 +17,8 @@ struct MemoryEstimate {
   double of_rank = 0; // all bytes of one rank, on host and device
 };
 
-// The largest memory of a run with output on ranks of equal size, in which contacts are under load on
-// three quarters of the faces. `on_gpu`: its Views lie in a memory of their own.
+// The largest memory of a run with output on ranks of equal size, in which contacts are under load
+// on three quarters of the faces. `on_gpu`: its Views lie in a memory of their own.
 MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu);
 
 } // namespace brickwall::miniapp

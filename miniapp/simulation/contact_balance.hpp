@@ -1,5 +1,5 @@
-// Which ranks search and enforce which faces (search.decomposition), and when that changes. No bit of
-// the results depends on it.
+// Which ranks search and enforce which faces (search.decomposition), and when that changes. No bit
+// of the results depends on it.
 #pragma once
 
 #include "contact/surface/surface.hpp"
@@ -19,16 +19,16 @@ double imbalanceOf(MPI_Comm comm, double work);
 double imbalanceOf(MPI_Comm comm, const std::vector<float>& work,
                    const std::vector<int>& rank_of_face);
 
-// The rank on which each face of this rank is to be, [face], such that the sums of `work` [face] are
-// about equal and ranks are compact: recursive coordinate bisection. Collective.
+// The rank on which each face of this rank is to be, [face], such that the sums of `work` [face]
+// are about equal and ranks are compact: recursive coordinate bisection. Collective.
 std::vector<int> balancedRanks(MPI_Comm comm, const contact::Surface& surface,
                                const std::vector<float>& work);
 
 // Decides when faces are distributed anew: as soon as the time that another distribution would have
-// saved since the last one exceeds the time that it takes. Time is expected to be in proportion to the
-// largest work of a rank, and away from their home ranks to the overhead of messages besides. The first
-// check after faces have left home measures whether that was right. If not, they return, and leave
-// again only for a larger imbalance; the second time they return for good.
+// saved since the last one exceeds the time that it takes. Time is expected to be in proportion to
+// the largest work of a rank, and away from their home ranks to the overhead of messages besides.
+// The first check after faces have left home measures whether that was right. If not, they return,
+// and leave again only for a larger imbalance; the second time they return for good.
 class ContactBalance {
 public:
   static constexpr std::int64_t check_interval = 10; // steps
@@ -53,8 +53,8 @@ public:
   bool isHomeBetter() const { return _at_home <= tolerated * _overhead; }
   double imbalance() const { return _imbalance; } // of the work at the last isDue()
   double overhead() const { return _overhead; } // assumed; grows where faces leave home in vain
-  // To be called after each distribution, which took `seconds` on this rank. It leaves this imbalance,
-  // or has brought all faces home. Elements have no other home than their ranks.
+  // To be called after each distribution, which took `seconds` on this rank. It leaves this
+  // imbalance, or has brought all faces home. Elements have no other home than their ranks.
   void haveDistributed(double seconds, double imbalance, bool are_home = true);
   void haveReturned(double seconds) { haveDistributed(seconds, 0); }
 
@@ -69,8 +69,8 @@ private:
   double _imbalance = 1, _at_home = 1; // at the last check: as faces are, and with all at home
   double _reached = tolerated; // imbalance after the last distribution, if larger
   bool _are_home = true;
-  double _rate_at_home =
-      0; // seconds for a unit of the largest work at home, when faces were there last
+  // seconds for a unit of the largest work at home, when faces were there last
+  double _rate_at_home = 0;
   double _overhead;
   bool _is_measured = true; // since faces left home
   bool _has_failed = false; // faces have left home in vain

@@ -232,8 +232,8 @@ private:
   ContactLedger _ledger;
   ContactBalance _balance;
   bool _has_forces_of_search = false; // enforce() has followed the last search
-  View<double*>
-      _slip; // [surface node] since the start, length; 0 if not owned; empty if not chosen
+  // [surface node] since the start, length; 0 if not owned; empty if not chosen
+  View<double*> _slip;
   // since the start
   std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
   std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks

@@ -12,8 +12,7 @@ namespace brickwall::miniapp {
 // Counts of the last step over all ranks, or since the start where stated.
 struct ContactCounts {
   std::int64_t searches = 0; // since the start
-  std::int64_t updates =
-      0; // since the start: searches and steps that kept the lists of the last one
+  std::int64_t updates = 0; // likewise: searches and steps that kept the lists of the last one
   std::int64_t rank_box_exchanges = 0; // since the start or the restart
   std::int64_t distributions = 0; // of faces over ranks, likewise
   std::int64_t ghost_faces = 0;
@@ -55,8 +54,8 @@ mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation);
 // number of ranks.
 struct Checksums {
   std::uint64_t nodes = 0; // displacement and velocity of every node
-  std::uint64_t contacts =
-      0; // of nodes and of edges (contact/enforcement/reports/history_checksum.hpp)
+  // of nodes and of edges (contact/enforcement/reports/history_checksum.hpp)
+  std::uint64_t contacts = 0;
   std::int64_t interactions = 0; // number of contacts
 };
 Checksums checksums(const Simulation& simulation); // collective

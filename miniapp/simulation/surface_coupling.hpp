@@ -23,9 +23,9 @@ public:
   SurfaceCoupling(const exec_space& space, MPI_Comm comm, const Scene& scene,
                   const mechanics::BoundaryConditions& boundary);
 
-  // From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of its element.
-  // Coordinates are undefined until resetCoordinates(). Returns the rank that then owns each node,
-  // [node of the former surface]. Collective.
+  // From now on primary face f is on rank_of_face[f]; empty on all ranks: on the rank of its
+  // element. Coordinates are undefined until resetCoordinates(). Returns the rank that then owns
+  // each node, [node of the former surface]. Collective.
   std::vector<int> distribute(const exec_space& space, const Communicator& comm,
                               const std::vector<int>& rank_of_face);
   // That of this rank's elements.
@@ -47,8 +47,8 @@ public:
   // [surface node]
   View<const double*> nodeMass() const { return _secondary ? _secondary->node_mass : _node_mass; }
 
-  // Adds up `values` [surface node][W] over the ranks that share a node: the totals [primary node][W].
-  // `values` are overwritten. Collective.
+  // Adds up `values` [surface node][W] over the ranks that share a node: the totals [primary
+  // node][W]. `values` are overwritten. Collective.
   View<std::int64_t**> sumOnPrimary(const exec_space& space, const View<std::int64_t**>& values);
   // Values [surface node][W], equal on all ranks that share a node, at primary nodes, and the way
   // back. They may be the same View. Collective.
@@ -74,8 +74,8 @@ public:
   // `values` are overwritten. Collective.
   void sumOnMesh(const exec_space& space, const View<std::int64_t**>& values,
                  mechanics::SharedNodeSum& shared, const View<std::int64_t**>& of_mesh);
-  // The way back: values [mesh node][W], equal on all ranks that share a node, to [surface node][W].
-  // Collective.
+  // The way back: values [mesh node][W], equal on all ranks that share a node, to [surface
+  // node][W]. Collective.
   void takeFromMesh(const exec_space& space, const View<const std::int64_t**>& of_mesh,
                     const View<std::int64_t**>& values);
 
@@ -87,9 +87,10 @@ public:
   void shareWithGhosts(const exec_space& space, contact::CandidateSearch& search,
                        const View<const double* [3]>& values,
                        const View<double* [12]>& ghost_values);
-  // From now on both are for the contacts of this step: the ghosts whose flags [ghost] are not 0, and
-  // the shared nodes that any rank lists. Adds to the list, which has the nodes of this rank's contacts,
-  // those to which sumContactForces() adds forces of other ranks, and corners of ghosts. Collective.
+  // From now on both are for the contacts of this step: the ghosts whose flags [ghost] are not 0,
+  // and the shared nodes that any rank lists. Adds to the list, which has the nodes of this rank's
+  // contacts, those to which sumContactForces() adds forces of other ranks, and corners of ghosts.
+  // Collective.
   void shareListed(const exec_space& space, contact::CandidateSearch& search,
                    const View<const unsigned char*>& ghost_flags, contact::TouchedNodes& list);
   // Stores the totals of sumContactForces(), which are zero at nodes that are not listed, in the
@@ -97,8 +98,8 @@ public:
   void storeContactForces(const exec_space& space, const contact::NodeList& list,
                           const contact::ContactForces& forces,
                           const mechanics::NodalForces& target);
-  // Whether the next storeContactForces() will be for all nodes, as the last one was: it then replaces
-  // the columns, which need not be zeroed between them.
+  // Whether the next storeContactForces() will be for all nodes, as the last one was: it then
+  // replaces the columns, which need not be zeroed between them.
   bool storesAllNext() const { return _has_stored_all && !_secondary; }
 
   // Accelerations of the listed surface nodes in the next kick, of length `dt`, by all forces in

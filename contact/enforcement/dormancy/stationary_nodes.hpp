@@ -12,8 +12,8 @@ namespace brickwall::contact {
 struct StationaryFlags {
   bool is_any = false; // otherwise nodes and faces are not valid
   View<const unsigned char*> nodes, faces; // [node], [own face] 1: stationary
-  View<unsigned char*>
-      known_apart; // [node] 1: in the last step no pair of its row could be in contact
+  // [node] 1: in the last step no pair of its row could be in contact
+  View<unsigned char*> known_apart;
 
   // Whether no pair of a row can be in contact, since nothing has changed.
   KOKKOS_INLINE_FUNCTION bool isKnownApart(const CandidatePairs& pairs, std::int64_t row) const {

@@ -47,8 +47,8 @@ public:
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
   // and correctForces() are collective; `has_changed` [surface node], hasProposals(), sendNotes()
   // and takeInvalid(): see InteractionSet.
-  // addTouched() comes first and is collective: it adds the surface nodes that contacts of this rank
-  // act on, and those of edges whose ghosts contacts of other ranks act on.
+  // addTouched() comes first and is collective: it adds the surface nodes that contacts of this
+  // rank act on, and those of edges whose ghosts contacts of other ranks act on.
   std::function<ContactSums()> select(const exec_space& space, double dt,
                                       const SurfaceMotion& motion);
   void setHasForcesAnywhere(bool has_forces) { _has_forces_anywhere = has_forces; }

@@ -24,9 +24,8 @@ struct NodeFaceLists {
 struct RecordSelection {
   View<const unsigned char*> stationary; // [own face] has not moved since the last step
   View<const unsigned char*> is_requested; // [own face]
-  View<unsigned char*>
-      // [own face] the record is that of the last step; after select(), that of this step
-      is_current;
+  // [own face] the record is that of the last step; after select(), that of this step
+  View<unsigned char*> is_current;
 
   KOKKOS_INLINE_FUNCTION bool select(std::int64_t face) const {
     const bool has_it = stationary.extent(0) > 0 && stationary(face) && is_current(face);

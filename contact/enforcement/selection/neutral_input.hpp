@@ -20,9 +20,9 @@ struct NeutralInput {
   std::function<void(const View<const double* [3]>& values, const View<double* [12]>& ghost_values)>
       share_with_ghosts;
   // Collective. Adds to the list, which has the nodes that contacts of this rank act on, those to
-  // which sum_forces adds forces of other ranks, and those whose values share_with_ghosts sends. From
-  // then on both are called for these nodes and for the ghosts whose flags [ghost] are not 0 only.
-  // Optional, for any scheme: without it several ranks visit all nodes.
+  // which sum_forces adds forces of other ranks, and those whose values share_with_ghosts sends.
+  // From then on both are called for these nodes and for the ghosts whose flags [ghost] are not 0
+  // only. Optional, for any scheme: without it several ranks visit all nodes.
   std::function<void(const View<const unsigned char*>& flags, TouchedNodes&)> list_shared;
   // Enforcement::enforce() does not wait for the last corrections: the caller will call
   // completeSums().

@@ -1,4 +1,5 @@
-// Refit of the boxes of a surface on hosts: a cluster of nodes, or a block of faces, to each thread.
+// Refit of the boxes of a surface on hosts: a cluster of nodes, or a block of faces, to each
+// thread.
 #pragma once
 
 #include "contact/base/lanes.hpp"

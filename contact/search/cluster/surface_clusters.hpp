@@ -18,8 +18,8 @@ public:
   // To be called when something of the surface besides its coordinates has changed in place, or
   // when unmanaged Views have been reallocated.
   void orderAgain() { _is_ordered = false; }
-  // A search in these clusters has tested so many blocks: orders again, in the next update(), if they
-  // have become many.
+  // A search in these clusters has tested so many blocks: orders again, in the next update(), if
+  // they have become many.
   void noteSearch(std::int64_t num_blocks);
 
   const ClusterOrder& order() const { return _order; }

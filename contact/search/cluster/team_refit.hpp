@@ -95,8 +95,8 @@ struct RefitNodes {
   }
 };
 
-// Computes the boxes of the faces of a tile, the blocks of the next two levels above them, and their
-// union as a box of level 3.
+// Computes the boxes of the faces of a tile, the blocks of the next two levels above them, and
+// their union as a box of level 3.
 struct RefitTile {
   static constexpr int blocks = block_size * block_size, faces = blocks * block_size; // of a tile
   static constexpr int team_size = host_accessible ? 1 : 256;

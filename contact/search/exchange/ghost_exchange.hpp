@@ -23,8 +23,8 @@ void reverseSum(const exec_space& space, MPI_Comm comm, const PartnerLists& face
                 const View<const std::int64_t* [12]>& ghost_values, FaceMigration& migration,
                 const View<std::int64_t* [3]>& node_values);
 
-// The ghosts that are in use, chosen in each step. Values travel between these and their owners only,
-// so ranks without contacts at their common boundary send each other nothing.
+// The ghosts that are in use, chosen in each step. Values travel between these and their owners
+// only, so ranks without contacts at their common boundary send each other nothing.
 class GhostSelection {
 public:
   // Collective among partners. Selects the ghosts of the last migration whose flags [ghost] are not
