@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -109,82 +110,96 @@ struct Adjacent {
   bool operator<(const Adjacent& b) const { return face_id < b.face_id; }
 };
 
-} // namespace
-
-NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface)
-    : _num_faces(surface.num_faces) {
-  const HostSurface host(surface);
-  const int size = sizeOf(comm);
-  const auto owners = findOwners(comm, host);
-
-  // Own faces around own nodes; for nodes of others, the records to send and the faces each partner
-  // requests.
-  std::vector<Adjacent> around;
-  around.reserve(4 * static_cast<std::size_t>(host.num_faces));
-  std::vector<std::vector<RemoteCorner>> records(size);
-  std::vector<std::vector<int>> sent_faces(size); // [rank] own faces, ascending
-  std::vector<double> surface_mass, corner_share;
-  for (int face = 0; face < host.num_faces; ++face) {
-    surface_mass.push_back(host.surfaceMass(face));
-    corner_share.push_back(host.cornerShare(face));
-    host.forCorners(face, [&](int node) {
-      if (host.owned(node)) {
-        around.push_back({node, host.face_ids(face), face});
-        return;
-      }
-      const int q = owners[node];
-      if (sent_faces[q].empty() || sent_faces[q].back() != face)
-        sent_faces[q].push_back(face);
-      const int index = static_cast<int>(sent_faces[q].size()) - 1;
-      records[q].push_back({host.node_ids(node), host.face_ids(face), surface_mass.back(),
-                            corner_share.back(), index, 0});
-    });
-  }
-  const auto received = exchangeByRank(comm, std::move(records));
-
-  // Remote rows in the order of (rank, index), as both sides of the plan list them.
-  const RowOfId node_of(surface.node_ids);
-  std::vector<int> partners, border_faces;
-  std::vector<std::vector<int>> send_rows, receive_rows;
-  for (int q = 0; q < size; ++q) {
-    if (sent_faces[q].empty() && received[q].empty())
-      continue;
-    partners.push_back(q);
-    std::vector<int> sent;
-    for (const int face : sent_faces[q]) {
-      sent.push_back(static_cast<int>(border_faces.size()));
-      border_faces.push_back(face);
+// The faces around nodes, for set-up.
+struct Adjacency {
+  // Adds own faces around own nodes. Returns what the owners of the other nodes need, [rank].
+  std::vector<std::vector<RemoteCorner>> addOwn(const HostSurface& host,
+                                                const std::vector<int>& owners, int num_ranks) {
+    std::vector<std::vector<RemoteCorner>> records(num_ranks);
+    sent_faces.resize(num_ranks);
+    around.reserve(4 * static_cast<std::size_t>(host.num_faces));
+    for (int face = 0; face < host.num_faces; ++face) {
+      surface_mass.push_back(host.surfaceMass(face));
+      corner_share.push_back(host.cornerShare(face));
+      host.forCorners(face, [&](int node) {
+        if (host.owned(node)) {
+          around.push_back({node, host.face_ids(face), face});
+          return;
+        }
+        std::vector<int>& sent = sent_faces[owners[node]];
+        if (sent.empty() || sent.back() != face)
+          sent.push_back(face);
+        const int index = static_cast<int>(sent.size()) - 1;
+        records[owners[node]].push_back({host.node_ids(node), host.face_ids(face),
+                                         surface_mass.back(), corner_share.back(), index, 0});
+      });
     }
-    send_rows.push_back(sent);
+    return records;
+  }
+  // Adds the faces of another rank. Returns their rows, in the order of that rank's list.
+  std::vector<int> addRemote(const std::vector<RemoteCorner>& corners, const RowOfId& node_of) {
     std::vector<int> rows;
-    for (const RemoteCorner& corner : received[q]) {
+    for (const RemoteCorner& corner : corners) {
       // Indices first appear in ascending order.
       if (corner.index == static_cast<int>(rows.size())) {
-        rows.push_back(_num_remote++);
+        rows.push_back(static_cast<int>(surface_mass.size()));
         surface_mass.push_back(corner.surface_mass);
         corner_share.push_back(corner.corner_share);
       }
-      around.push_back(
-          {node_of.find(corner.node_id), corner.face_id, _num_faces + rows[corner.index]});
+      around.push_back({node_of.find(corner.node_id), corner.face_id, rows[corner.index]});
     }
-    receive_rows.push_back(rows);
+    return rows;
+  }
+  NodeFaceLists lists(const exec_space& space, int num_nodes) const {
+    const int num_adjacent = checkedInt(static_cast<std::int64_t>(around.size()), "NodeFaces");
+    Groups groups = groupByKey("contact::NodeFaces::groups", num_adjacent, num_nodes,
+                               [of = around.data()](std::int64_t i) { return of[i].node; });
+    std::vector<int> rows(groups.items.size());
+    parallelOnHost("contact::NodeFaces::rows", num_nodes, [&](std::int64_t node) {
+      const auto begin = groups.items.begin() + groups.begin[node];
+      const auto end = groups.items.begin() + groups.begin[node + 1];
+      std::sort(begin, end, [&](int a, int b) { return around[a] < around[b]; });
+      std::transform(begin, end, rows.begin() + groups.begin[node],
+                     [&](int i) { return around[i].row; });
+    });
+    return {toDevice(space, "contact::NodeFaces::offsets", groups.begin),
+            toDevice(space, "contact::NodeFaces::rows", rows),
+            toDevice(space, "contact::NodeFaces::surface_mass", surface_mass),
+            toDevice(space, "contact::NodeFaces::corner_share", corner_share)};
   }
 
-  const int num_adjacent = checkedInt(static_cast<std::int64_t>(around.size()), "NodeFaces");
-  Groups groups = groupByKey("contact::NodeFaces::groups", num_adjacent, host.num_nodes,
-                             [of = around.data()](std::int64_t i) { return of[i].node; });
-  std::vector<int> rows(groups.items.size());
-  parallelOnHost("contact::NodeFaces::rows", host.num_nodes, [&](std::int64_t node) {
-    const auto begin = groups.items.begin() + groups.begin[node];
-    const auto end = groups.items.begin() + groups.begin[node + 1];
-    std::sort(begin, end, [&](int a, int b) { return around[a] < around[b]; });
-    std::transform(begin, end, rows.begin() + groups.begin[node],
-                   [&](int i) { return around[i].row; });
-  });
-  _lists.offsets = toDevice(space, "contact::NodeFaces::offsets", groups.begin);
-  _lists.rows = toDevice(space, "contact::NodeFaces::rows", rows);
-  _lists.surface_mass = toDevice(space, "contact::NodeFaces::surface_mass", surface_mass);
-  _lists.corner_share = toDevice(space, "contact::NodeFaces::corner_share", corner_share);
+  std::vector<Adjacent> around;
+  std::vector<double> surface_mass, corner_share; // [row]
+  std::vector<std::vector<int>> sent_faces; // [rank] own faces, ascending
+};
+
+} // namespace
+
+// Remote rows are in the order of (rank, index), as both sides of the plan list them.
+NodeFaces::NodeFaces(const exec_space& space, const Communicator& comm, const Surface& surface)
+    : _num_faces(surface.num_faces) {
+  const HostSurface host(surface);
+  Adjacency all;
+  const auto received =
+      exchangeByRank(comm, all.addOwn(host, findOwners(comm, host), sizeOf(comm)));
+  const RowOfId node_of(surface.node_ids);
+  std::vector<int> partners, border_faces;
+  std::vector<std::vector<int>> send_rows, receive_rows;
+  for (int q = 0; q < sizeOf(comm); ++q) {
+    if (all.sent_faces[q].empty() && received[q].empty())
+      continue;
+    partners.push_back(q);
+    std::vector<int> sent(all.sent_faces[q].size());
+    std::iota(sent.begin(), sent.end(), static_cast<int>(border_faces.size()));
+    send_rows.push_back(sent);
+    border_faces.insert(border_faces.end(), all.sent_faces[q].begin(), all.sent_faces[q].end());
+    std::vector<int> rows = all.addRemote(received[q], node_of);
+    for (int& row : rows)
+      row -= _num_faces;
+    receive_rows.push_back(rows);
+  }
+  _num_remote = static_cast<int>(all.surface_mass.size()) - _num_faces;
+  _lists = all.lists(space, host.num_nodes);
   _border_faces = toDevice(space, "contact::NodeFaces::border_faces", border_faces);
   _border_areas =
       allocate<View<double* [3]>>(space, "contact::NodeFaces::border_areas", border_faces.size());
