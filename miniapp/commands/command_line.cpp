@@ -88,24 +88,17 @@ std::string takePositionals(const std::vector<std::string>& words, Options& opti
   return "found \"" + words[next] + "\" after the deck \"" + options.deck + "\", expected " + hint;
 }
 
-} // namespace
-
-std::string Options::caseName() const {
-  return std::filesystem::path(deck).stem().string();
-}
-
-CommandLine parseCommandLine(int argc, const char* const* argv) {
-  Options options;
-  CLI::App app(description, "brickwall");
-  app.footer(footer);
+// What CLI11 reads and takeArguments() turns into options.
+struct Arguments {
   std::vector<std::string> positionals;
   std::int64_t steps = 0;
-  std::string timing = "normal";
-  std::string time_limit;
+  std::string timing = "normal", time_limit, keys;
   double extend_to = 0;
-  std::string keys;
   bool no_output = false, version = false;
-  app.add_option("command", positionals,
+};
+
+void addOptions(CLI::App& app, Arguments& given, Options& options) {
+  app.add_option("command", given.positionals,
                  "[run|check|mesh|search] [DECK]; default: run inputs/brick_wall.toml")
       ->type_name("");
   app.add_option("-o,--output", options.output_directory,
@@ -117,22 +110,22 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
                  "and of several for one key the last one wins")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
-  auto* steps_option = app.add_option("--steps", steps, "end after N steps (--set time.steps=N)")
-                           ->option_text("N")
-                           ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
-  app.add_option("--time-limit", time_limit,
+  app.add_option("--steps", given.steps, "end after N steps (--set time.steps=N)")
+      ->option_text("N")
+      ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
+  app.add_option("--time-limit", given.time_limit,
                  "end the run after this wall clock time, with output and a checkpoint")
       ->type_name("HH:MM:SS");
   app.add_option("--restart", options.restart,
                  "continue from a checkpoint: latest (in the output folder), or the path of one or "
                  "of a run")
       ->type_name("latest|PATH");
-  auto* extend_option = app.add_option("--extend-to", extend_to,
-                                       "with --restart: run on to this time of the simulation")
-                            ->type_name("TIME")
-                            ->check(CLI::PositiveNumber);
-  app.add_flag("--no-output", no_output, "write no files");
-  app.add_option("--timing", timing,
+  app.add_option("--extend-to", given.extend_to,
+                 "with --restart: run on to this time of the simulation")
+      ->type_name("TIME")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--no-output", given.no_output, "write no files");
+  app.add_option("--timing", given.timing,
                  "normal, or paper: fences and barriers between the phases of the search,\n"
                  "which separate waiting from work")
       ->type_name("HOW")
@@ -140,68 +133,96 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   app.add_flag("-q,--quiet", options.quiet, "print warnings and the last lines only");
   app.add_flag("--checksums", options.checksums,
                "print checksums of each part of each step, to compare runs bit by bit");
-  auto* keys_option =
-      app.add_option("--keys", keys, "list all blocks and keys of a deck, as text or Markdown")
-          ->type_name("[markdown]")
-          ->expected(0, 1)
-          ->check(CLI::IsMember({"markdown"}));
-  app.add_flag("--version", version, "version, commit, compiler, flags, Kokkos");
+  app.add_option("--keys", given.keys, "list all blocks and keys of a deck, as text or Markdown")
+      ->type_name("[markdown]")
+      ->expected(0, 1)
+      ->check(CLI::IsMember({"markdown"}));
+  app.add_flag("--version", given.version, "version, commit, compiler, flags, Kokkos");
+}
 
-  const auto fault = [](const std::string& what) {
-    return CommandLine{
-        std::nullopt, "brickwall: " + io::terminalText(what) + "\nbrickwall -h lists all options\n",
-        2};
-  };
-  std::vector<std::string> words; // in reverse order, as CLI11 expects them
+// Sorts argv into options of Kokkos and `words`, which are in reverse order, as CLI11 expects them.
+// Returns "" or the fault.
+std::string takeWords(int argc, const char* const* argv, std::vector<std::string>& words,
+                      Options& options) {
   for (int i = argc - 1; i > 0; --i) {
     const std::string word = argv[i]; // empty as that of a shell's variable that is not set
     if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
-      return fault("found \"" + word + "\"" + (i > 1 ? std::string(" after ") + argv[i - 1] : "") +
-                   ", expected a value");
+      return "found \"" + word + "\"" + (i > 1 ? std::string(" after ") + argv[i - 1] : "") +
+             ", expected a value";
     if (startsWith(word, "--kokkos-"))
       options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
     else
       words.push_back(word);
   }
+  return "";
+}
+
+// Returns "" or the fault.
+std::string takeArguments(const CLI::App& app, const Arguments& given, Options& options) {
+  const bool has_steps = app.count("--steps") > 0, extends = app.count("--extend-to") > 0;
+  const std::string surplus = takePositionals(given.positionals, options);
+  if (!surplus.empty())
+    return surplus;
+  if (has_steps && (options.command == Command::mesh || options.command == Command::search))
+    return "--steps: 'brickwall mesh' makes no steps, and the number of searches of "
+           "'brickwall search' is search.repetitions";
+  if (options.command != Command::run &&
+      (!given.time_limit.empty() || !options.restart.empty() || extends || options.checksums))
+    return "--time-limit, --restart, --extend-to and --checksums belong to 'brickwall run'";
+  if (!given.time_limit.empty() && !(options.time_limit = secondsOf(given.time_limit)))
+    return "--time-limit: found \"" + given.time_limit +
+           "\", expected hours, minutes and seconds, such as 01:30:00";
+  if (extends && options.restart.empty())
+    return "--extend-to needs --restart; a run from the start ends at time.end of its deck";
+  if (extends)
+    options.extend_to = given.extend_to;
+  if (has_steps)
+    options.overrides.push_back("time.steps=" + std::to_string(given.steps));
+  if (options.checksums) // free bricks have no forces of their own in a step, and drift at its end
+    options.overrides.push_back("skip.free_bricks=false");
+  options.write_output = !given.no_output;
+  options.timing = given.timing == "paper" ? Timing::paper : Timing::normal;
+  if (options.output_directory.empty())
+    options.output_directory = "out/" + options.caseName();
+  return "";
+}
+
+CommandLine endWith(const std::string& fault) {
+  return {std::nullopt,
+          "brickwall: " + io::terminalText(fault) + "\nbrickwall -h lists all options\n", 2};
+}
+
+} // namespace
+
+std::string Options::caseName() const {
+  return std::filesystem::path(deck).stem().string();
+}
+
+CommandLine parseCommandLine(int argc, const char* const* argv) {
+  Options options;
+  Arguments given;
+  CLI::App app(description, "brickwall");
+  app.footer(footer);
+  addOptions(app, given, options);
+  std::vector<std::string> words;
+  std::string fault = takeWords(argc, argv, words, options);
+  if (!fault.empty())
+    return endWith(fault);
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, app.help(), 0};
   } catch (const CLI::ParseError& error) {
-    return fault(error.what());
+    return endWith(error.what());
   }
-  if (version)
+  if (given.version)
     return {std::nullopt, versionText(), 0};
-  if (keys_option->count() > 0)
+  if (app.count("--keys") > 0)
     return {std::nullopt,
-            keys == "markdown" ? deckReference(deckSchema()) : io::describe(deckSchema()), 0};
-  const std::string surplus = takePositionals(positionals, options);
-  if (!surplus.empty())
-    return fault(surplus);
-  if (steps_option->count() > 0 &&
-      (options.command == Command::mesh || options.command == Command::search))
-    return fault("--steps: 'brickwall mesh' makes no steps, and the number of searches of "
-                 "'brickwall search' is search.repetitions");
-  if (options.command != Command::run && (!time_limit.empty() || !options.restart.empty() ||
-                                          extend_option->count() > 0 || options.checksums))
-    return fault("--time-limit, --restart, --extend-to and --checksums belong to 'brickwall run'");
-  if (!time_limit.empty() && !(options.time_limit = secondsOf(time_limit)))
-    return fault("--time-limit: found \"" + time_limit +
-                 "\", expected hours, minutes and seconds, such as 01:30:00");
-  if (extend_option->count() > 0) {
-    if (options.restart.empty())
-      return fault(
-          "--extend-to needs --restart; a run from the start ends at time.end of its deck");
-    options.extend_to = extend_to;
-  }
-  if (steps_option->count() > 0)
-    options.overrides.push_back("time.steps=" + std::to_string(steps));
-  if (options.checksums) // free bricks have no forces of their own in a step, and drift at its end
-    options.overrides.push_back("skip.free_bricks=false");
-  options.write_output = !no_output;
-  options.timing = timing == "paper" ? Timing::paper : Timing::normal;
-  if (options.output_directory.empty())
-    options.output_directory = "out/" + options.caseName();
+            given.keys == "markdown" ? deckReference(deckSchema()) : io::describe(deckSchema()), 0};
+  fault = takeArguments(app, given, options);
+  if (!fault.empty())
+    return endWith(fault);
   return {options, "", 0};
 }
 
