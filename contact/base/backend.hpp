@@ -209,6 +209,15 @@ inline int concurrency(const exec_space& space) {
 #endif
 }
 
+// Another queue of a device, whose kernels run beside those of `space`; a host has none.
+inline exec_space queueBeside(const exec_space& space) {
+#if defined(KOKKOS_VERSION) && KOKKOS_VERSION >= 40000
+  if constexpr (!host_accessible)
+    return Kokkos::Experimental::partition_space(space, 1)[0];
+#endif
+  return space;
+}
+
 // To be called before Kokkos::initialize. Kokkos 4 and later fence the device around every
 // profiling region if a tool is registered; the recorder of phase times does not need these fences
 // (a tool that is loaded can still request them).

@@ -112,10 +112,12 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     throwWithAllRanks(space, problem);
   const FaceAccess faces{surface, ghosts};
   if (_config.skip_stationary) {
-    _motion.update(space, surface);
+    _motion.update(space, surface); // waits for the device
     _stationary.update(space, surface, _motion, pairs.step_test);
     // Ghosts of other ranks may have moved.
     _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
+  } else if (edges != nullptr) {
+    space.fence(); // edges are selected in another queue
   }
   EnforcementSums sums;
   std::function<ContactSums()> selected_nodes, selected_edges;

@@ -136,7 +136,8 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
                          const FeatureEdges& edges, const View<const double*>& node_mass,
                          const SearchConfig& search, double margin, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
-    : _search(comm, search, margin), _config(config), _energy_scale(energy_scale) {
+    : _beside(queueBeside(space)), _search(comm, search, margin), _config(config),
+      _energy_scale(energy_scale) {
   checkEnforcementInput(space, comm, "EdgeContact", surface, node_mass, config, quantum,
                         energy_scale);
   const EdgeSurface made = edgeSurface(space, surface, edges, node_mass);
@@ -197,10 +198,12 @@ std::function<ContactSums()> EdgeContact::select(const exec_space& space, double
                                                  const SurfaceMotion& motion) {
   const CandidatePairs& pairs = _search.pairs();
   if (_config.skip_stationary) {
-    _stationary.update(space, _edges, motion, pairs.step_test);
-    _sleeping.wake(space, pairs, motion, _stationary.isUnchanged() && _search.ghosts().count == 0);
+    _stationary.update(_beside, _edges, motion, pairs.step_test);
+    _sleeping.wake(_beside, pairs, motion,
+                   _stationary.isUnchanged() && _search.ghosts().count == 0);
   }
   if (canSkipAll()) {
+    _beside.fence();
     _set.selectNone(space, access());
     findTouched(space);
     return [] { return ContactSums(); };
@@ -220,7 +223,7 @@ std::function<ContactSums()> EdgeContact::select(const exec_space& space, double
   select.step.kinematics.node_mass = _corner_mass;
   select.step.kinematics.records = {_records, _ghost_records};
   select.step.kinematics.previous = _set.history().interactions;
-  return [this, space, select, &pairs, &motion, finish = _set.select(space, pairs, select)] {
+  return [this, space, select, &pairs, &motion, finish = _set.select(_beside, pairs, select)] {
     const ContactSums sums = finish();
     _has_touched = sums.penetrating > 0;
     if (_config.skip_stationary)
