@@ -117,7 +117,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     // Ghosts of other ranks may have moved.
     _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
   } else if (edges != nullptr) {
-    space.fence(); // edges are selected in another queue
+    space.fence(); // select() of edges reads what was launched
   }
   EnforcementSums sums;
   std::function<ContactSums()> selected_nodes, selected_edges;

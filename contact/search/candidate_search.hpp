@@ -54,8 +54,9 @@ public:
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
   // any number if there are no such boxes. Without it, update() measures the nodes that
   // `stationary` [node] does not flag. A flag that is not 0 states that both configurations of the
-  // node equal coordinates_new of the last update(). `meanwhile` may be called, once: it launches
-  // work that does not need the pairs, while the host would wait for the device.
+  // node equal coordinates_new of the last update(). `meanwhile` may be called, once, after the
+  // host has waited for all that was launched before the search: it launches work that does not
+  // need the pairs.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
                                const std::function<void()>& meanwhile = {},

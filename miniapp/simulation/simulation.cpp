@@ -66,7 +66,7 @@ void Simulation::findContactCandidates() {
     _contact->growSearchTolerance(_step.contact);
   std::function<void()> meanwhile;
   if (!host_accessible && !_step.is_guarded) // the positions are final
-    meanwhile = [this] { computeInternalForces(); };
+    meanwhile = [this] { launchInternalForces(_beside); };
   _contact->findCandidates(!_step.is_guarded, meanwhile);
 }
 
@@ -139,22 +139,27 @@ void Simulation::adaptTimeStep() {
   _steps.shortenIfUnstable(_state.displacement);
 }
 
-// Does nothing if they are under way, launched during the search.
+// Waits for them if they are under way, launched during the search.
 void Simulation::computeInternalForces() {
-  if (_step.awaits_sums)
-    return;
+  if (!_step.awaits_sums)
+    return launchInternalForces(_space);
+  const Region region("miniapp::computeInternalForces");
+  _beside.fence();
+}
+
+void Simulation::launchInternalForces(const exec_space& space) {
   _step.has_all_forces = !_free_bricks.any();
   if (_free_bricks.any() && _other_nodes.numRuns() == 0)
     _forces.values = {}; // only output needs them
   else {
     if (_contact && _contact->willStoreAllForces())
       _forces.acts[mechanics::contact_force] = false; // not to be zeroed
-    _internal_force->zeroForces(_space, _config.viscosity, _forces);
+    _internal_force->zeroForces(space, _config.viscosity, _forces);
   }
   _forces.acts[mechanics::contact_force] = false;
   const Region region("miniapp::computeInternalForces");
   _step.resting_elems = _resting.numElems();
-  _internal_force->launch(_space, _state.displacement, _state.velocity, _config.viscosity, _forces,
+  _internal_force->launch(space, _state.displacement, _state.velocity, _config.viscosity, _forces,
                           true);
   _step.awaits_sums = true;
 }

@@ -140,6 +140,7 @@ private:
   void finish(StepPart part) const;
   void saveStateForGuard();
   void shortenDrift(double longest);
+  void launchInternalForces(const exec_space& space);
   void stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift);
   void stepBack();
   mechanics::TimeSpan nextLoadSpan() const;
@@ -154,6 +155,7 @@ private:
   const Config& _config;
   const Scene& _scene;
   exec_space _space;
+  exec_space _beside = queueBeside(_space); // internal forces are computed beside the search
 
   StepController _steps;
   mechanics::NodalState _state;

@@ -40,9 +40,9 @@ public:
   void findCandidates(const exec_space& space);
 
   // The parts of Enforcement::enforce(), which calls them. `motion`, that of the host's surface,
-  // must include this step if skip_stationary is set. The function that select() returns waits for
-  // the device and completes the selection, which runs in a queue of its own: what it reads must have been
-  // waited for. Then ranks agree on whether edges
+  // must include this step if skip_stationary is set. select() works in a queue of its own
+  // (queueBeside()), and the host must have waited for what it reads; the function that it returns
+  // waits for it and completes the selection. Then ranks agree on whether edges
   // of any rank have forces; if not, the other functions do nothing. collectForces() is collective:
   // it adds the forces of all edges to `nodes` [surface node][xyz] in quanta, as partial sums.
   // proposeChanges(), collectProposals(), which is like collectForces() and leaves no proposals,
@@ -118,7 +118,7 @@ private:
   // Surface nodes: the corners of the listed faces, then one for each edge, which stands for its
   // box: x^n is the box's low corner, x^{n+1} its high one. Faces: the edges.
   SweptBoxes _edges;
-  exec_space _beside; // select() runs beside the selection of nodes
+  exec_space _beside; // the queue of select()
   int _num_corners = 0;
   View<const int*> _corner_to_node; // [corner] node of the host's surface
   View<const int* [4]> _edge_to_nodes; // [edge][corner] likewise
