@@ -116,5 +116,6 @@ cores=$(nproc)
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
 jobs=$((fitting < cores ? fitting : cores))
 jobs=$((jobs < 1 ? 1 : jobs))
+jobs=${CMAKE_BUILD_PARALLEL_LEVEL:-$jobs}
 : >"$log"
 cmake --build "$build" --target "$target" --parallel "$jobs" 2>&1 | show_progress || fail "the build failed"

@@ -4,6 +4,7 @@
 
 #include "contact/base/backend.hpp"
 
+#include <climits>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ struct SharedNodes {
   int rank = 0;
   std::vector<int> nodes; // local nodes
 };
+
+constexpr global_id most_elems_of_rank = INT_MAX / 8; // corners have 32-bit numbers
 
 struct MeshPart {
   // nodes, in the order of global node id

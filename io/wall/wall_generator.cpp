@@ -1,7 +1,7 @@
 // The wall's volume mesh in parallel.
 #include "io/wall/wall_generator.hpp"
 
-#include "contact/base/group_by_key.hpp"
+#include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/local_numbering.hpp"
@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 
 namespace brickwall::io {
 
@@ -147,6 +148,11 @@ void generateSets(const WallLayout& wall, MeshPart& part) {
 
 MeshPart generateWall(MPI_Comm comm, const WallConfig& config) {
   const WallLayout wall(config);
+  if (wall.numElems() / sizeOf(comm) > most_elems_of_rank)
+    throw InputError("wall.bricks and wall.elements give " + std::to_string(wall.numElems()) +
+                     " elements on " + std::to_string(sizeOf(comm)) +
+                     " rank(s); expected at most " + std::to_string(most_elems_of_rank) +
+                     " on each: use more ranks");
   MeshPart part;
   part.blocks = wall.blocks();
   part.num_global_nodes = wall.numNodes();

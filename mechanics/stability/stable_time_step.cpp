@@ -272,11 +272,12 @@ double contactMassFraction(double penalty, double damping, bool edges) {
   const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
   constexpr double most = 0.99; // a tenth of the step is left
   if (!(penalty > 0 && 0.25 * mult * penalty < most))
-    throw InputError("contact.penalty = " + std::to_string(penalty) +
-                     "; a value above 0 and below " + std::to_string(4 * most / mult) +
-                     " is needed" + (edges ? "; contact.edges = false allows more" : ""));
+    throw InputError("found contact.penalty = " + std::to_string(penalty) +
+                     ", expected a value above 0 and below " + std::to_string(4 * most / mult) +
+                     (edges ? "; contact.edges = false allows more" : ""));
   if (!(damping >= 0))
-    throw InputError("contact.damping = " + std::to_string(damping) + "; a value >= 0 is needed");
+    throw InputError("found contact.damping = " + std::to_string(damping) +
+                     ", expected a value >= 0");
   const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
   if (!(load <= most))
     throw InputError("contact.penalty = " + std::to_string(penalty) +

@@ -4,6 +4,7 @@
 #include "io/wall/wall_layout.hpp"
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/deck/words.hpp"
+#include "miniapp/output/report.hpp"
 #include "miniapp/output/skipped_work.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/scene/loads.hpp"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <unistd.h>
 
 namespace brickwall::miniapp {
 
@@ -202,6 +204,15 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
       counts.faces,    numEdges(comm, simulation) * counts.bodies / scene.part.num_global_bodies,
       !all_congruent,  config.contact.enabled};
   const MemoryEstimate memory = estimateMemory(size, ranks, !host_accessible);
+  if (counts.elements / ranks > io::most_elems_of_rank)
+    scene.warnings.push_back(format("the elements of a rank are too many for 32-bit numbers; a run "
+                                    "needs at least %lld ranks",
+                                    counts.elements / io::most_elems_of_rank + 1));
+  const double of_host = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  if (memory.of_rank - (host_accessible ? 0 : memory.of_device) > of_host)
+    scene.warnings.push_back(format("a rank needs more memory than this machine has, %.0f MB: use "
+                                    "more ranks on more machines",
+                                    1e-6 * of_host));
   if (rankOf(comm) != 0)
     return 0;
 

@@ -51,7 +51,8 @@ void judgeNumbers(RunReport& report) {
                report.balance.peak_total));
   if (report.contact.lost > 0)
     report.warnings.push_back(
-        "contacts under load that were lost because they were deeper than the search reaches: " +
+        "contacts under load that were lost because they were deeper than the search reaches, or "
+        "far beyond a bent edge of their face: " +
         std::to_string(report.contact.lost) + "; a larger contact.tolerance keeps them");
   if (report.contact.missed_pairs > 0)
     report.failures.push_back("the audit of the search found " +

@@ -10,8 +10,8 @@ std::string ContactSums::problem() const {
            " contact forces or energies are not finite or beyond the fixed-point range";
   if (lost > 0)
     return std::to_string(lost) +
-           " loaded contacts are lost, since they are deeper than the search reaches (largest "
-           "penetration " +
+           " loaded contacts are lost, since they are deeper than the search reaches or far beyond "
+           "a bent edge of their face (largest penetration " +
            std::to_string(max_penetration) +
            " of a face's size among the others): increase contact.tolerance or contact.penalty";
   return "";

@@ -31,7 +31,7 @@ struct ContactSums {
   std::int64_t interactions = 0; // interactions in the contact history: those under load
   std::int64_t active = 0; // interactions with p > 0
   // Loaded interactions whose face is no longer a candidate, since they are deeper than the search
-  // reaches.
+  // reaches, or retained (ContactTest::retain) farther beyond a bent edge than it reaches.
   std::int64_t lost = 0;
   std::int64_t workspace = 0; // places that this rank's crowded rows take in the RowWorkspace
   std::int64_t invalid = 0; // forces that are not finite or exceed the fixed-point range

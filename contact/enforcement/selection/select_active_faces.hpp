@@ -275,7 +275,7 @@ struct SelectActiveFaces {
   }
 
   // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
-  // than their tolerance.
+  // than their tolerance, or retained farther beyond an edge.
   KOKKOS_INLINE_FUNCTION void countLost(int node, const Persistents& persistent,
                                         ContactSums& sums) const {
     History history = historyOf(node, persistent);

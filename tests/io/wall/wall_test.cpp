@@ -100,6 +100,7 @@ TEST(Wall, RefusesWhatCannotBeBuilt) {
   EXPECT_TRUE(refused(wallOf({2, 1, 2}, {2, 1, 1}, WallEnds::flush, std::nan(""))));
   EXPECT_TRUE(refused(wallOf({1LL << 30, 1LL << 30, 1LL << 30}, {2, 1, 1}, WallEnds::ragged)));
   EXPECT_TRUE(refused(wallOf({1LL << 30, 1, 1}, {1LL << 30, 8, 1}, WallEnds::ragged)));
+  EXPECT_TRUE(refused(wallOf({400, 100, 100}, {8, 4, 4}, WallEnds::ragged))); // on one rank
 }
 
 TEST(Wall, FlushCoursesEndTogetherAndRaggedOnesHalfABrickApart) {
