@@ -242,7 +242,7 @@ TEST(Report, FailsForMissedPairsAndWarnsOfLostContacts) {
   judgeNumbers(report);
   EXPECT_FALSE(report.pass());
   EXPECT_CONTAINS(report.failures.at(0), "3 candidate pairs");
-  EXPECT_CONTAINS(report.warnings.at(0), "deeper than the search reaches: 2;");
+  EXPECT_CONTAINS(report.warnings.at(0), "beyond a bent edge of their face: 2;");
   const auto json = nlohmann::json::parse(reportJson(report));
   EXPECT_EQ(json["search"]["missed_pairs"], 3);
   EXPECT_EQ(json["pass"], false);
