@@ -256,10 +256,10 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
   auto answers = exchangeByRank(comm, replies);
   answers.push_back(judgeOwnEdges(host, is_shared, rank, cosine));
   FeatureEdges edges;
-  edges.true_edges.assign(surface.num_faces, 0);
+  edges.face_edges.assign(surface.num_faces, 0);
   for (const auto& some : answers)
     for (const EdgeReply& reply : some) {
-      edges.true_edges[reply.face] |=
+      edges.face_edges[reply.face] |=
           static_cast<unsigned char>((reply.is_feature ? 1 : 16) << reply.edge);
       if (reply.is_convex)
         edges.convex.push_back(

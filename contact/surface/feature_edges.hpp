@@ -26,7 +26,7 @@ struct FeatureEdge {
 struct FeatureEdges {
   // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: another edge at which the
   // surface is bent (FaceAttributes::feature_edges)
-  std::vector<unsigned char> true_edges;
+  std::vector<unsigned char> face_edges;
   std::vector<FeatureEdge> convex; // by ascending (face, edge)
 };
 

@@ -161,8 +161,8 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const S
 
 void SurfaceCoupling::setFeatureEdges(const exec_space& space, contact::FeatureEdges features) {
   _features = _primary_features = std::move(features);
-  const auto masks = toDevice<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::true_edges",
-                                                    _features.true_edges);
+  const auto masks = toDevice<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::face_edges",
+                                                    _features.face_edges);
   const auto attributes = _attributes;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::setFeatureEdges", rangePolicy(space, _primary.num_faces),

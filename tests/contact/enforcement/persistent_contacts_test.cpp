@@ -51,13 +51,13 @@ int rankOfElement(int element) {
 }
 
 // [face id] mask of true edges.
-std::map<global_id, unsigned char> trueEdges(const Scene& scene) {
+std::map<global_id, unsigned char> faceEdges(const Scene& scene) {
   const ScenePart whole(scene, MPI_COMM_SELF, onOneRank, 0);
   const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, whole.surface());
   const auto ids = toHost(whole.surface().face_ids);
   std::map<global_id, unsigned char> edges;
   for (int face = 0; face < whole.surface().num_faces; ++face)
-    edges[ids(face)] = features.true_edges[face];
+    edges[ids(face)] = features.face_edges[face];
   return edges;
 }
 
@@ -66,7 +66,7 @@ class Run {
 public:
   Run(const Scene& scene, const EnforcementConfig& config)
       : _scheme(config.scheme), _part(scene, MPI_COMM_WORLD, rankOfElement, 0.3),
-        _true_edges(trueEdges(scene)), _surface(_part.surface()) {
+        _face_edges(faceEdges(scene)), _surface(_part.surface()) {
     _surface.face_attributes = withTrueEdges(_surface.face_attributes, _surface.face_ids);
     _enforcement = std::make_unique<Enforcement>(
         exec_space(), MPI_COMM_WORLD, _surface, _part.nodeMass(), config, quantum(), energyScale());
@@ -104,14 +104,14 @@ private:
     Kokkos::deep_copy(host, attributes);
     const auto ids = toHost(face_ids);
     for (std::size_t f = 0; f < host.extent(0); ++f)
-      attributesAt<FaceAttributes>(host, f).feature_edges = _true_edges.at(ids(f));
+      attributesAt<FaceAttributes>(host, f).feature_edges = _face_edges.at(ids(f));
     Kokkos::deep_copy(known, host);
     return known;
   }
 
   Scheme _scheme;
   ScenePart _part;
-  std::map<global_id, unsigned char> _true_edges;
+  std::map<global_id, unsigned char> _face_edges;
   Surface _surface;
   std::unique_ptr<Enforcement> _enforcement;
 };

@@ -385,7 +385,7 @@ TEST_F(SearchInHost, MessagesOfTheHostDoNotMeetThoseOfSetUp) {
     HostTraffic traffic(comm, kind);
     const FeatureEdges found = findFeatureEdges(comm, local.surface);
     EXPECT_TRUE(traffic.hasArrived());
-    EXPECT_EQ(found.true_edges, expected.true_edges);
+    EXPECT_EQ(found.face_edges, expected.face_edges);
     EXPECT_EQ(found.convex.size(), expected.convex.size());
   }
 }

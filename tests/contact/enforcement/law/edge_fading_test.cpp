@@ -100,11 +100,11 @@ TEST(FeatureEdges, FindsTheTwelveEdgesOfABoxForEveryPartition) {
   const FeatureEdges edges = findFeatureEdges(MPI_COMM_WORLD, part.surface());
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, static_cast<int>(edges.convex.size()), MPI_SUM), 24);
   int marks = 0;
-  for (const unsigned char mask : edges.true_edges)
+  for (const unsigned char mask : edges.face_edges)
     for (int j = 0; j < 4; ++j)
       marks += mask >> j & 1;
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, marks, MPI_SUM), 48); // each from both sides
-  for (const unsigned char mask : edges.true_edges)
+  for (const unsigned char mask : edges.face_edges)
     EXPECT_EQ(mask >> 4, 0); // flat sides
   for (const FeatureEdge& edge : edges.convex) {
     EXPECT_EQ(edge.cosine, 0);
@@ -132,7 +132,7 @@ TEST(FeatureEdges, FindsBentEdgesOnASmoothBodyForEveryPartition) {
   // along both sides, and the two ends
   EXPECT_EQ(allReduce(MPI_COMM_WORLD, static_cast<int>(edges.convex.size()), MPI_SUM), 4 * 8 + 8);
   int bent = 0;
-  for (const unsigned char mask : edges.true_edges)
+  for (const unsigned char mask : edges.face_edges)
     for (int j = 4; j < 8; ++j)
       bent += mask >> j & 1;
   // on top and below, from both sides; the flat sides of the plate have none
@@ -151,7 +151,7 @@ TEST(FeatureEdges, ReentrantEdgesAreTrueButNotConvex) {
       scene, MPI_COMM_SELF, [](int) { return 0; }, 0.1);
   const FeatureEdges edges = findFeatureEdges(MPI_COMM_SELF, part.surface());
   int marks = 0;
-  for (const unsigned char mask : edges.true_edges)
+  for (const unsigned char mask : edges.face_edges)
     for (int j = 0; j < 4; ++j)
       marks += mask >> j & 1;
   EXPECT_GT(marks, 2 * static_cast<int>(edges.convex.size()));

@@ -85,7 +85,7 @@ private:
     const auto host = Kokkos::create_mirror_view(known);
     Kokkos::deep_copy(host, surface.face_attributes);
     for (int f = 0; f < surface.num_faces; ++f)
-      attributesAt<FaceAttributes>(host, f).feature_edges = features.true_edges[f];
+      attributesAt<FaceAttributes>(host, f).feature_edges = features.face_edges[f];
     Kokkos::deep_copy(known, host);
     return known;
   }
