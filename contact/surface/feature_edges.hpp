@@ -32,9 +32,8 @@ struct FeatureEdges {
 
 // Collective; for set-up. Finds the edges at which the normals of the two faces at coordinates_new
 // differ by more than the angle of the given cosine, and those at which they differ by more than
-// 1e-3. Edges of one face only, or of more than two,
-// are feature edges but never listed as convex. Throws InputError on all ranks for a surface that
-// checkSurface() refuses.
+// 1e-3. Edges of one face only, or of more than two, are feature edges but never listed as convex.
+// Throws InputError on all ranks for a surface that checkSurface() refuses.
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine = 0.75);
 
 } // namespace brickwall::contact

@@ -30,8 +30,7 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
       .below(1.95);
   keys.add("lateral_tolerance", contact.lateral_tolerance,
            "a node up to this far beyond the edge of a face touches it; in half lengths of the "
-           "face; "
-           "above 0.1 contacts that slide over curved surfaces do not keep their energy")
+           "face; above 0.1 contacts that slide over curved surfaces do not keep their energy")
       .above(0)
       .atMost(0.5);
   keys.add("edge_tolerance", contact.edge_tolerance,

@@ -20,6 +20,7 @@ struct ForceRange {
 ForceRange forceRangeOf(const io::MeshPart& part,
                         const std::vector<mechanics::Material>& materials) {
   ForceRange range;
+  // elem_block ascends (MeshPart)
   for (std::size_t block = 0; block < part.blocks.size(); ++block) {
     const auto [first, last] =
         std::equal_range(part.elem_block.begin(), part.elem_block.end(), static_cast<int>(block));

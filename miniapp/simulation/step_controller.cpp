@@ -24,8 +24,9 @@ void StepController::plan(mechanics::ElementKind kind,
 // exactly at rest. A step may therefore use half of the margin, and under contact all of it.
 void StepController::setLimits(mechanics::ElementKind kind) {
   constexpr double share_in_contact = 0.97;
+  const bool bounds_bodies = _config.time.bound != StepBound::element;
   mechanics::BodyTypes types;
-  if (_config.time.bound != StepBound::element) {
+  if (bounds_bodies) {
     types = mechanics::findBodyTypes(_space, _comm, _scene.mesh);
     _gain.body_types = types.count;
   }
@@ -38,7 +39,8 @@ void StepController::setLimits(mechanics::ElementKind kind) {
     limit.share = share;
     limit.largest_share = contact_load > 0 ? 1 : 0.5 * (share + 1);
     limit.elements = mechanics::findElementsAtRest(_space, _comm, _scene.mesh, limit.load);
-    findLargestFrequency(kind, types, limit);
+    if (bounds_bodies)
+      findLargestFrequency(kind, types, limit);
     _limits.push_back(limit);
   };
   add(0, _config.time.safety);
@@ -49,8 +51,6 @@ void StepController::setLimits(mechanics::ElementKind kind) {
 
 void StepController::findLargestFrequency(mechanics::ElementKind kind,
                                           const mechanics::BodyTypes& types, StepLimit& limit) {
-  if (_config.time.bound == StepBound::element)
-    return;
   const double contact = limit.load.contact;
   const auto mass = contact > 0 ? mechanics::massUnderContact(_space, _scene.mass,
                                                               _scene.skin.surface_to_node, contact)
