@@ -96,6 +96,12 @@ public:
       for (std::size_t byte = 0; byte < sizeof(T); byte += 64)
         brickwall::prefetch(reinterpret_cast<const unsigned char*>(&_packs(i)) + byte);
   }
+  // The cache line of a member.
+  template <class Member>
+  KOKKOS_FORCEINLINE_FUNCTION void prefetch(std::int64_t i, Member T::*which) const {
+    if constexpr (is_plain)
+      brickwall::prefetch(&(_packs(i).*which));
+  }
 
   // Structs that it holds.
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t size() const {

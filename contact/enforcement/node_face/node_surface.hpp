@@ -26,12 +26,14 @@ struct NodeSurface {
   // A face of the node opposes the direction, or the node sticks out towards it with all its faces
   // steep.
   KOKKOS_INLINE_FUNCTION bool isOpposed(int node, const Vec3& normal, double cosine) const {
+    const int begin = adjacent_faces.offsets(node), end = adjacent_faces.offsets(node + 1);
+    for (int k = begin; k < end; ++k)
+      if (opposes(records(adjacent_faces.rows(k)).plane, normal, cosine))
+        return true;
     Vec3 outward;
-    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
+    for (int k = begin; k < end; ++k) {
       const int row = adjacent_faces.rows(k);
       const MeanPlane& plane = records(row).plane;
-      if (opposes(plane, normal, cosine))
-        return true;
       outward += (adjacent_faces.corner_share(row) * plane.area) * plane.normal;
     }
     const double along = dot(outward, normal);

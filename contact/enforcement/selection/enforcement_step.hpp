@@ -9,6 +9,7 @@
 #include "contact/enforcement/law/contact_sums.hpp"
 #include "contact/enforcement/law/face_contact.hpp"
 #include "contact/enforcement/law/pair_forces.hpp"
+#include "contact/enforcement/selection/steady_rows.hpp"
 
 namespace brickwall::contact {
 
@@ -33,6 +34,7 @@ struct EnforcementStep {
   Kinematics kinematics;
   FaceAccess faces = {{}, GhostFaces::none()};
   CandidatePairs pairs = CandidatePairs::none();
+  SteadyFlags steady;
   // [pair] 0: no contact at ContactTest::activate or transfer; set for rows in lists only
   // (row_lists.hpp)
   View<unsigned char*> may_touch;

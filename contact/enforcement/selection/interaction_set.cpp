@@ -181,8 +181,10 @@ private:
     std::int64_t listed[pairs_at_once];
     int num_listed = 0;
     if (correct.isProposal() && has_changed.extent(0) > 0)
-      for (std::int64_t i = begin; i < end; ++i)
+      for (std::int64_t i = begin; i < end; ++i) {
+        pairs.interactions.prefetch(minOf(i + pairs_ahead, pairs.count - 1), &Interaction::node);
         correct.faces.prefetchNumbers(pairs.interactions(i).face_index);
+      }
     for (std::int64_t i = begin; i < end; ++i)
       if (isListed(i))
         listed[num_listed++] = i;
@@ -236,6 +238,8 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _may_touch(label + "::may_touch", 0) {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
+  if (face_corners == 4)
+    _steady_rows = SteadyRows(label, surface.num_nodes);
   if (fills_lanes && face_corners == 4 && concurrency(space) > 1)
     _owners = NodeOwners(label, num_nodes);
   const bool is_corrected = config.scheme == Scheme::energy_neutral;

@@ -124,6 +124,7 @@ private:
   bool _awaits_notes = false; // takeInvalid() has not read them
   std::int64_t _num_proposing = 0; // first passes so far
   LastContacts _last;
+  SteadyRows _steady_rows; // of node-to-face contacts
   RowWorkspace _workspace; // empty until a row is crowded
   // Empty unless selectListedRows() is used; see ListRows.
   HistoryRows _persistent_rows;
@@ -144,6 +145,7 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
   step.number = ++_last.num_steps;
   step.last_contact = _last.step;
   step.pairs = pairs;
+  step.steady = _steady_rows.flags(pairs, step.number);
   step.previous = _history;
   step.next_count = _next_count;
   // Memory that is not used costs less than a repeated step. At first a guess: in flush joints of

@@ -4,6 +4,7 @@
 // SelectInteractions on processors; PersistRows (row_lists.hpp) is that of devices.
 #pragma once
 
+#include "contact/base/lane_sums.hpp"
 #include "contact/enforcement/selection/select_active_faces.hpp"
 #include "contact/enforcement/selection/write_interactions.hpp"
 
@@ -51,7 +52,7 @@ private:
   struct Row {
     std::int64_t number;
     int node, first, count;
-    bool persists;
+    bool persists, is_steady;
   };
   struct Batch {
     int num_rows = 0, count = 0;
@@ -74,10 +75,12 @@ private:
       batch.places[batch.count + k] = {node, first + k, face, -1, true};
       return true;
     };
-    if (!SelectActiveFaces<Kinematics>{step}.findFaces(number, node, first, count, accept))
+    bool is_steady;
+    if (!SelectActiveFaces<Kinematics>{step}.findFaces(number, node, first, count, is_steady,
+                                                       accept))
       return false;
     step.kinematics.prefetchAdjacentFaces(node);
-    batch.rows[batch.num_rows++] = {number, node, batch.count, count, true};
+    batch.rows[batch.num_rows++] = {number, node, batch.count, count, true, is_steady};
     batch.count += count;
     return true;
   }
@@ -156,22 +159,34 @@ private:
       step.kinematics.record(row.node, row.count, deepest);
       step.returns(row.node);
       known_apart(row.node) = 0;
+      if (row.is_steady)
+        step.steady.note(row.node);
     }
-    for (int first = 0; first < batch.count; first += width)
-      writePack(batch.places + first, minOf(width, batch.count - first), batch.found[first / width],
-                sums);
+    const SplitScale scale = SplitScale::of(step.energy_scale);
+    LaneSums<1, width> stored;
+    for (int first = 0; first < batch.count; first += width) {
+      stored.add(0,
+                 writePack(batch.places + first, minOf(width, batch.count - first),
+                           batch.found[first / width], sums),
+                 scale);
+      stored.endRow();
+    }
+    stored.foldInto(sums.terms, {spring_stored}, {&scale});
   }
-  void writePack(const Place* places, int count, const persistent_contact::Found<Real>& found,
+  // Returns the stored energies.
+  Real writePack(const Place* places, int count, const persistent_contact::Found<Real>& found,
                  ContactSums& sums) const {
     const WriteInteractions<Kinematics> write{step};
     ContactState<Real> state;
     LaneTriple<Real> last_normal;
-    LaneArray<Real> last_force, last_closing, closing, area, relative_depth, fits, bound;
+    LaneArray<Real> last_force, last_closing, closing, area, relative_depth, fits, bound,
+        is_written;
     bound = step.kinematics.stiffnessCap(step.law.config, Real(found.inverse_mass));
     for (int lane = 0; lane < width; ++lane) {
       const Place& place = places[minOf(lane, count - 1)];
       const Interaction& last = step.previous.interactions(place.previous);
       state.recall(lane, last);
+      is_written[lane] = lane < count && place.next >= 0;
       last_normal.set(lane, last.normal);
       last_force[lane] = last.force;
       last_closing[lane] = last.closing;
@@ -210,7 +225,6 @@ private:
       now.face_index = place.face;
       if (last.damping != 0)
         sums.terms.add(damping_work, -last.damping * closing[lane], step.energy_scale);
-      sums.terms.add(spring_stored, state.recoverable[lane], step.energy_scale);
       if (now.depth > 0)
         write.count(state.penetration[lane], relative_depth[lane], sums);
       if (step.law.config.friction > 0) {
@@ -223,6 +237,7 @@ private:
         ++sums.invalid;
       }
     }
+    return where(Real(is_written) == none, none, Real(state.recoverable));
   }
 };
 

@@ -66,7 +66,9 @@ struct ListRows {
           return step.faces.isOfThisStep(step.pairs.step_test, node, face) &&
                  step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
         };
-        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
+        bool is_steady;
+        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, is_steady,
+                                                          accept)) {
           persistent.add(row, count);
           return;
         }

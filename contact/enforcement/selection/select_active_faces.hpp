@@ -54,13 +54,29 @@ struct SelectActiveFaces {
 
   // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a
   // row of the history. Returns false if a contact is not under load or its face is none of the
-  // candidates, if accept() is false, or if a contact with another body may become active. Whether
-  // the pair is of this step (isOfThisStep()) is left to the caller. Bodies ascend among candidates
-  // and contacts.
+  // candidates, if accept() is false, or if a contact with another body may become active.
+  // `is_steady` receives whether the row is, if its contacts persist. Whether the pair is of this
+  // step (isOfThisStep()) is left to the caller.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count,
-                                        const Accept& accept) const {
+                                        bool& is_steady, const Accept& accept) const {
+    is_steady = step.steady.isSteady(row, node);
+    if (!is_steady)
+      return findFacesAmongCandidates(row, node, first, count, is_steady, accept);
+    for (int k = 0; k < count; ++k) {
+      const Interaction& last = step.previous.interactions(first + k);
+      if (!(last.depth > 0) || !accept(k, last.face_index))
+        return false;
+    }
+    return true;
+  }
+  // Bodies ascend among candidates and contacts.
+  template <class Accept>
+  KOKKOS_INLINE_FUNCTION bool findFacesAmongCandidates(std::int64_t row, int node, int first,
+                                                       int count, bool& is_steady,
+                                                       const Accept& accept) const {
     const auto& interactions = step.previous.interactions;
+    is_steady = true;
     const global_id own_body = step.faces.surface.node_body(node);
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
     if (begin == end)
@@ -81,12 +97,16 @@ struct SelectActiveFaces {
         body_of_contact = interactions(first + k).body;
       }
       if (body != body_of_contact) {
-        if (isTested(own_body, body) && step.kinematics.mayPenetrate(step.faces, node, face) &&
+        if (!isTested(own_body, body))
+          continue;
+        is_steady = false;
+        if (step.kinematics.mayPenetrate(step.faces, node, face) &&
             step.kinematics.mayActivate(node, face))
           return false;
       } else if (!is_found && isFaceOf(interactions(first + k), face)) {
         if (!(interactions(first + k).depth > 0) || !accept(k, face))
           return false;
+        is_steady &= step.faces.isOwn(face);
         is_found = true;
       }
     }

@@ -162,6 +162,8 @@ struct SelectInteractions {
     step.kinematics.prefetchHead(node);
     prefetch(&step.previous.row_count(node));
     prefetch(&step.previous.row_begin(node));
+    if (step.steady.are_known)
+      prefetch(&step.steady.step_of_node(node));
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = step.pairs.node(row);
@@ -172,13 +174,13 @@ struct SelectInteractions {
         step.kinematics.prefetchFace(step.pairs.faces(p));
       return;
     }
-    if (begin < end) {
+    if (begin < end && !step.steady.isSteady(row, node)) {
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(begin));
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
+      prefetch(&step.faces.surface.node_body(node));
     }
     step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
     step.previous.interactions.prefetch(step.previous.row_begin(node));
-    prefetch(&step.faces.surface.node_body(node));
     step.kinematics.prefetchNode(node);
   }
   // Keeps rows with history, and rows without history where a node may penetrate by its position;
