@@ -286,7 +286,9 @@ struct EdgeEdgeKinematics {
   KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess&, const FaceContact&) const {
     return false;
   }
-  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess&, int, int) const { return false; }
+  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess&, const PersistentContact&) const {
+    return false;
+  }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
     const Quad one = faces.quad(edgeOf(now.node)), other = faces.quad(now.face_index);

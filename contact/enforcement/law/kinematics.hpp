@@ -32,7 +32,7 @@
 //       isFacing(faces, node, face, persist) && acceptPersistent(faces, persistent, contact)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
-//   isInFront(faces, node, face)
+//   isInFront(faces, persistent)
 //       whether the node is in front of the face: gap >= 0, within its edges
 //
 // Quick rejection: false only if test() at ContactTest::activate is false for all pairs
@@ -111,7 +111,7 @@ struct KinematicsContract {
   static_assert(is<decltype(k().projectPersistent(faces(), history(), 0, persistents())), void>);
   static_assert(is<decltype(k().testPersistent(faces(), persistent(), contact())), bool>);
   static_assert(is<decltype(k().isBeyondInnerEdge(faces(), contact())), bool>);
-  static_assert(is<decltype(k().isInFront(faces(), 0, 0)), bool>);
+  static_assert(is<decltype(k().isInFront(faces(), persistent())), bool>);
   static_assert(is<decltype(k().inverseMass(ContactPoint())), double>);
   static_assert(
       is<decltype(k().stiffnessAtActivation(config(), faces(), contact(), &contact(), 1)), double>);

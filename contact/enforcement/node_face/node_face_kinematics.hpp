@@ -177,8 +177,11 @@ struct NodeFaceKinematics : NodeSurface {
     if (maxOf(std::fabs(contact.place[0]), std::fabs(contact.place[1])) <
         1 - edge_overlap_tolerance)
       return false;
+    FadeRegion region;
+    region.mask = faces.attributes(face).trueEdges();
+    if (region.mask == 0)
+      return false;
     const Quad quad = faces.quad(face);
-    const FadeRegion region = fadeRegionOf(faces, face, quad);
     const Vec3* q = quad.corner;
     const Vec3 along[2] = {(q[1] - q[0]) + (q[2] - q[3]), (q[3] - q[0]) + (q[2] - q[1])};
     for (int d = 0; d < 2; ++d) {
@@ -218,10 +221,11 @@ struct NodeFaceKinematics : NodeSurface {
            (is_past[1] && !region.isTrue(1, contact.place[1]));
   }
   // Whether the node is in front of the face, not behind or beside it.
-  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces, int node, int face) const {
-    const Quad quad = faces.quad(face);
-    const FacePoint point = project(quad, rowOf(faces.surface.coordinates_new, node));
-    return point.gap >= 0 && fadeRegionOf(faces, face, quad).covers(point, lateral_tolerance);
+  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces,
+                                        const PersistentContact& persistent) const {
+    const int face = persistent.face;
+    return persistent.point.gap >= 0 &&
+           fadeRegionOf(faces, face, faces.quad(face)).covers(persistent.point, lateral_tolerance);
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {

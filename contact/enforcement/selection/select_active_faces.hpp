@@ -141,11 +141,10 @@ struct SelectActiveFaces {
     // the face that covers it better takes over.
     const double covered = persists ? leastWeight(contact) : -HUGE_VAL;
     if (!persists) {
-      contact.persistent = nullptr;
       // A node that has left through the face has ended its contact and returned its energy.
       // Another contact with the body then starts anew.
-      contact.has_ended =
-          has_face && step.kinematics.isInFront(step.faces, node, contact.previous_face);
+      contact.has_ended = has_face && step.kinematics.isInFront(step.faces, *contact.persistent);
+      contact.persistent = nullptr;
     }
     for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
       if (findNearest(node, begin, end, kind, is_loaded, contact, covered) || persists)
