@@ -52,7 +52,7 @@ private:
   struct Row {
     std::int64_t number;
     int node, first, count;
-    bool persists, is_steady;
+    bool persists;
   };
   struct Batch {
     int num_rows = 0, count = 0;
@@ -75,12 +75,10 @@ private:
       batch.places[batch.count + k] = {node, first + k, face, -1, true};
       return true;
     };
-    bool is_steady;
-    if (!SelectActiveFaces<Kinematics>{step}.findFaces(number, node, first, count, is_steady,
-                                                       accept))
+    if (!SelectActiveFaces<Kinematics>{step}.findFaces(number, node, first, count, accept))
       return false;
     step.kinematics.prefetchAdjacentFaces(node);
-    batch.rows[batch.num_rows++] = {number, node, batch.count, count, true, is_steady};
+    batch.rows[batch.num_rows++] = {number, node, batch.count, count, true};
     batch.count += count;
     return true;
   }
@@ -159,8 +157,6 @@ private:
       step.kinematics.record(row.node, row.count, deepest);
       step.returns(row.node);
       known_apart(row.node) = 0;
-      if (row.is_steady)
-        step.steady.note(row.node);
     }
     const SplitScale scale = SplitScale::of(step.energy_scale);
     LaneSums<1, width> stored;

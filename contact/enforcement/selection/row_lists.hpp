@@ -66,9 +66,7 @@ struct ListRows {
           return step.faces.isOfThisStep(step.pairs.step_test, node, face) &&
                  step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
         };
-        bool is_steady;
-        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, is_steady,
-                                                          accept)) {
+        if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
           persistent.add(row, count);
           return;
         }

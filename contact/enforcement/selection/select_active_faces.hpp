@@ -54,29 +54,28 @@ struct SelectActiveFaces {
 
   // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a
   // row of the history. Returns false if a contact is not under load or its face is none of the
-  // candidates, if accept() is false, or if a contact with another body may become active.
-  // `is_steady` receives whether the row is, if its contacts persist. Whether the pair is of this
-  // step (isOfThisStep()) is left to the caller.
+  // candidates, if accept() is false, or if a contact with another body may become active. Whether
+  // the pair is of this step (isOfThisStep()) is left to the caller. Notes rows that are steady if
+  // all these contacts persist.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFaces(std::int64_t row, int node, int first, int count,
-                                        bool& is_steady, const Accept& accept) const {
-    is_steady = step.steady.isSteady(row, node);
-    if (!is_steady)
-      return findFacesAmongCandidates(row, node, first, count, is_steady, accept);
+                                        const Accept& accept) const {
+    if (!step.steady.isSteady(row, node))
+      return findFacesAmongCandidates(row, node, first, count, accept);
     for (int k = 0; k < count; ++k) {
       const Interaction& last = step.previous.interactions(first + k);
       if (!(last.depth > 0) || !accept(k, last.face_index))
         return false;
     }
+    step.steady.note(node);
     return true;
   }
   // Bodies ascend among candidates and contacts.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFacesAmongCandidates(std::int64_t row, int node, int first,
-                                                       int count, bool& is_steady,
-                                                       const Accept& accept) const {
+                                                       int count, const Accept& accept) const {
     const auto& interactions = step.previous.interactions;
-    is_steady = true;
+    bool is_steady = true;
     const global_id own_body = step.faces.surface.node_body(node);
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
     if (begin == end)
@@ -110,7 +109,11 @@ struct SelectActiveFaces {
         is_found = true;
       }
     }
-    return is_found && k + 1 == count;
+    if (!is_found || k + 1 < count)
+      return false;
+    if (is_steady)
+      step.steady.note(node);
+    return true;
   }
   // Indices of own faces are those of the last step.
   KOKKOS_FORCEINLINE_FUNCTION bool isFaceOf(const Interaction& last, int face) const {

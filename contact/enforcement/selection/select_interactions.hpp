@@ -143,6 +143,8 @@ struct SelectInteractions {
     if (count > 0) {
       const int node = step.pairs.node(row);
       stationary.known_apart(node) = 0;
+      if constexpr (Kinematics::projects_persistent_contacts)
+        step.steady.forget(node);
       findPersistent(row, node, count, batch);
     }
   }
@@ -163,7 +165,7 @@ struct SelectInteractions {
     prefetch(&step.previous.row_count(node));
     prefetch(&step.previous.row_begin(node));
     if (step.steady.are_known)
-      prefetch(&step.steady.step_of_node(node));
+      prefetch(&step.steady.last_step(node));
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = step.pairs.node(row);
