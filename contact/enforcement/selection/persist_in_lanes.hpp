@@ -10,9 +10,8 @@
 
 namespace brickwall::contact {
 
-template <class Kinematics, int max_rows>
+template <class Kinematics, int max_rows, class Real = Lanes>
 struct PersistInLanes {
-  using Real = Lanes;
   static constexpr int width = NumLanes<Real>::value;
   static constexpr int max_contacts = 2 * max_rows;
   static_assert(max_contacts % width == 0, "whole packs");
