@@ -1,13 +1,26 @@
 // Copies of host arrays as device Views and back.
 #pragma once
 
-#include "contact/base/backend.hpp"
+#include "contact/base/host_arrays.hpp"
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
 namespace brickwall {
+
+// A host View for the values of `view`, not initialised; `view` itself where it is host-accessible.
+template <class ViewType>
+auto hostMirror(const ViewType& view) {
+  if constexpr (std::is_same<typename ViewType::memory_space, Kokkos::HostSpace>::value) {
+    return view;
+  } else {
+    typename ViewType::HostMirror host(
+        Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), view.layout());
+    touchPages(host.data(), sizeof(typename ViewType::value_type) * host.span());
+    return host;
+  }
+}
 
 // A device copy of `values`, entry by entry: rank-1 Views, or [n][W] from rows stored one after
 // another.
@@ -19,7 +32,7 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
   const std::size_t width = rank == 1 ? 1 : shape.extent(1);
   const std::size_t n = values.size() / width;
   auto device = allocate<ViewType>(space, label, n);
-  auto host = Kokkos::create_mirror_view(device);
+  const auto host = hostMirror(device);
   parallelOnHost("base::toDevice", static_cast<std::int64_t>(n), [&](const std::int64_t i) {
     if constexpr (rank == 1)
       host(i) = values[i];
@@ -75,7 +88,12 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
 // A View that the host can read; `view` itself where it is host-accessible. Fences.
 template <class ViewType>
 auto toHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+  const auto host = hostMirror(view);
+  if constexpr (std::is_same<typename ViewType::memory_space, Kokkos::HostSpace>::value)
+    Kokkos::fence();
+  else
+    Kokkos::deep_copy(host, view);
+  return host;
 }
 
 } // namespace brickwall
