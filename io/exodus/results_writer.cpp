@@ -2,6 +2,7 @@
 // the header never grows and moves the data.
 #include "io/exodus/results_writer.hpp"
 
+#include "contact/base/host_arrays.hpp"
 #include "contact/base/mpi.hpp"
 #include "io/exodus/exodus_file.hpp"
 
@@ -60,7 +61,7 @@ std::string now(const char* format) {
 
 int createFlags(const MeshPart& part, FileFormat format) {
   constexpr global_id largest = std::numeric_limits<int>::max();
-  const int flags = EX_CLOBBER | EX_ALL_INT64_API;
+  const int flags = EX_CLOBBER | EX_MAPS_INT64_API | EX_IDS_INT64_API; // local numbers are ints
   if (std::max(part.num_global_nodes, part.num_global_elems) > largest)
     return flags | EX_NETCDF4 | EX_ALL_INT64_DB;
   return flags | (format == FileFormat::netcdf4 ? EX_NETCDF4 : EX_64BIT_OFFSET);
@@ -206,17 +207,20 @@ void ResultsWriter::State::writeCoordinates(const MeshPart& part) {
   if (num_nodes == 0)
     return;
   std::vector<double> xyz[3];
-  for (int d = 0; d < 3; ++d)
-    for (int node = 0; node < num_nodes; ++node)
-      xyz[d].push_back(part.coordinates[3 * static_cast<std::size_t>(node) + d]);
+  for (int d = 0; d < 3; ++d) {
+    xyz[d] = hostArray<double>(num_nodes);
+    parallelOnHost("io::writeCoordinates", num_nodes,
+                   [&](std::int64_t node) { xyz[d][node] = part.coordinates[3 * node + d]; });
+  }
   file.check(ex_put_coord(file.id(), xyz[0].data(), xyz[1].data(), xyz[2].data()),
              "the coordinates");
 }
 
 void ResultsWriter::State::writeConnectivity(const MeshPart& part) {
-  std::vector<std::int64_t> corners(part.elem_nodes.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = part.elem_nodes[i] + 1;
+  const auto num_corners = static_cast<std::int64_t>(part.elem_nodes.size());
+  std::vector<int> corners = hostArray<int>(num_corners);
+  parallelOnHost("io::writeConnectivity", num_corners,
+                 [&](std::int64_t i) { corners[i] = part.elem_nodes[i] + 1; });
   for (std::size_t b = 0; b < block_ids.size(); ++b)
     if (block_begin[b + 1] > block_begin[b])
       file.check(ex_put_conn(file.id(), EX_ELEM_BLOCK, block_ids[b],
@@ -238,11 +242,10 @@ void ResultsWriter::State::writeIdMaps(const MeshPart& part) {
 }
 
 void ResultsWriter::State::writeSets(const MeshPart& part) {
-  const auto fromOne = [](const std::vector<int>& from) {
-    std::vector<std::int64_t> to(from.begin(), from.end());
-    for (std::int64_t& value : to)
+  const auto fromOne = [](std::vector<int> values) {
+    for (int& value : values)
       ++value;
-    return to;
+    return values;
   };
   for (const SideSet& set : part.side_sets)
     if (!set.elems.empty())
