@@ -1,5 +1,5 @@
-// Exodus results, one file per rank. All variables are defined before any data are written, so that
-// the header never grows and moves the data.
+// Exodus results, one file per rank. All variables are defined before any data are written. The
+// header gets room to grow meanwhile, as netCDF would move the space of all data behind it each time.
 #include "io/exodus/results_writer.hpp"
 
 #include "contact/base/host_arrays.hpp"
@@ -87,6 +87,7 @@ struct ResultsWriter::State {
   std::vector<std::vector<double>> fixed_element; // brick_id, processor_id: written with each step
   int num_steps = 0;
 
+  void reserveHeader(std::size_t num_variables);
   void describeMesh(const MeshPart& part, const ResultsConfig& config);
   void declareBlocks(const MeshPart& part);
   void declareSets(const MeshPart& part);
@@ -121,6 +122,13 @@ void ResultsWriter::State::describeMesh(const MeshPart& part, const ResultsConfi
   sizes.num_node_sets = static_cast<std::int64_t>(part.node_sets.size());
   sizes.num_side_sets = static_cast<std::int64_t>(part.side_sets.size());
   file.check(ex_put_init_ext(file.id(), &sizes), "the sizes of the mesh");
+}
+
+// Room for `num_variables` more, and for what each file has.
+void ResultsWriter::State::reserveHeader(std::size_t num_variables) {
+  const std::size_t room = (1 << 16) + 256 * num_variables;
+  file.check(-std::abs(nc_redef(file.id())), "the header");
+  file.check(-std::abs(nc__enddef(file.id(), room, 4, 0, 4)), "the header");
 }
 
 void ResultsWriter::State::putNames(ex_entity_type type, std::vector<std::string> names,
@@ -292,6 +300,7 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
       s.file.check(ex_set_option(s.file.id(), EX_OPT_COMPRESSION_SHUFFLE, 1), "the compression");
     }
     s.describeMesh(part, config);
+    s.reserveHeader(part.blocks.size() * (3 + config.element_names.size()));
     s.describeRun(config);
     s.declareBlocks(part);
     s.declareSets(part);
