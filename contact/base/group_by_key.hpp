@@ -1,7 +1,7 @@
 // Items grouped by a number: a counting sort by the threads of the host, for set-up.
 #pragma once
 
-#include "contact/base/host_arrays.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <numeric>
 #include <string>

@@ -1,13 +1,36 @@
-// Copies of host arrays as device Views and back.
+// Host arrays for set-up, copies of them as device Views and back.
 #pragma once
 
-#include "contact/base/host_arrays.hpp"
+#include "contact/base/backend.hpp"
 
 #include <algorithm>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace brickwall {
+
+// Writes to each page of memory whose contents do not matter: one thread gets new pages at about
+// 2 GB/s, so all threads of the host touch them.
+inline void touchPages(void* memory, std::size_t num_bytes) {
+  constexpr std::size_t page = 4096, large = std::size_t(1) << 20;
+  if (num_bytes < large || host_exec_space().concurrency() == 1)
+    return;
+  char* const bytes = static_cast<char*>(memory);
+  parallelOnHost("base::touchPages", static_cast<std::int64_t>(num_bytes / page),
+                 [bytes](const std::int64_t i) { bytes[i * page] = 0; });
+}
+
+// A vector of n values T().
+template <class T>
+std::vector<T> hostArray(std::int64_t n) {
+  static_assert(std::is_trivially_copyable<T>::value);
+  std::vector<T> values;
+  values.reserve(static_cast<std::size_t>(n));
+  touchPages(values.data(), sizeof(T) * values.capacity());
+  values.resize(static_cast<std::size_t>(n));
+  return values;
+}
 
 // A host View for the values of `view`, not initialised; `view` itself where it is host-accessible.
 template <class ViewType>

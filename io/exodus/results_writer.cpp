@@ -2,8 +2,8 @@
 // header gets room to grow meanwhile, as netCDF would move the space of all data behind it each time.
 #include "io/exodus/results_writer.hpp"
 
-#include "contact/base/host_arrays.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "io/exodus/exodus_file.hpp"
 
 #include <exodusII.h>

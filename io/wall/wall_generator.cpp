@@ -2,8 +2,8 @@
 #include "io/wall/wall_generator.hpp"
 
 #include "contact/base/error.hpp"
-#include "contact/base/host_arrays.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/local_numbering.hpp"
 #include "io/mesh/partition.hpp"

@@ -2,7 +2,7 @@
 
 #include "contact/base/group_by_key.hpp"
 #include "mechanics/element/hex8_geometry.hpp"
-#include "mechanics/mesh/body_of_nodes.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
 #include "mechanics/mesh/mass_correction.hpp"
 #include "mechanics/mesh/recent_results.hpp"
 #include "mechanics/mesh/sum_by_body.hpp"

@@ -1,7 +1,7 @@
 #include "mechanics/step/resting_bodies.hpp"
 
 #include "contact/base/to_device.hpp"
-#include "mechanics/mesh/body_of_nodes.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "mechanics/mesh/body_of_nodes.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
 
 #include <map>
 
