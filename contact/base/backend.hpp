@@ -154,6 +154,16 @@ KOKKOS_FORCEINLINE_FUNCTION T loadShared(const T& value) {
 #endif
 }
 
+// Stores a value that other threads may store at the same time.
+template <class T>
+KOKKOS_FORCEINLINE_FUNCTION void storeShared(T& to, T value) {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+  static_cast<volatile T&>(to) = value;
+#else
+  __atomic_store_n(&to, value, __ATOMIC_RELAXED);
+#endif
+}
+
 // Keeps the compiler of a device from moving loads of the code before to where their values are
 // used, so that a thread waits for all of them at once.
 KOKKOS_FORCEINLINE_FUNCTION void startLoads() {

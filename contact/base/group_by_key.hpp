@@ -1,7 +1,7 @@
 // Items grouped by a number: a counting sort by the threads of the host, for set-up.
 #pragma once
 
-#include "contact/base/backend.hpp"
+#include "contact/base/to_device.hpp"
 
 #include <numeric>
 #include <string>
@@ -19,7 +19,7 @@ template <class KeyOf>
 Groups groupByKey(const std::string& label, int num_items, int num_keys, const KeyOf& key_of) {
   Groups groups;
   groups.begin.assign(static_cast<std::size_t>(num_keys) + 1, 0);
-  groups.items.resize(num_items);
+  groups.items = hostArray<int>(num_items);
   int* const begin = groups.begin.data();
   int* const items = groups.items.data();
   parallelOnHost(label + "::count", num_items,

@@ -1,13 +1,49 @@
-// Copies of host arrays as device Views and back.
+// Host arrays for set-up, copies of them as device Views and back.
 #pragma once
 
 #include "contact/base/backend.hpp"
 
 #include <algorithm>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace brickwall {
+
+// Writes to each page of memory whose contents do not matter: one thread gets new pages at about
+// 2 GB/s, so all threads of the host touch them.
+inline void touchPages(void* memory, std::size_t num_bytes) {
+  constexpr std::size_t page = 4096, large = std::size_t(1) << 20;
+  if (num_bytes < large || host_exec_space().concurrency() == 1)
+    return;
+  char* const bytes = static_cast<char*>(memory);
+  parallelOnHost("base::touchPages", static_cast<std::int64_t>(num_bytes / page),
+                 [bytes](const std::int64_t i) { bytes[i * page] = 0; });
+}
+
+// A vector of n values T().
+template <class T>
+std::vector<T> hostArray(std::int64_t n) {
+  static_assert(std::is_trivially_copyable<T>::value);
+  std::vector<T> values;
+  values.reserve(static_cast<std::size_t>(n));
+  touchPages(values.data(), sizeof(T) * values.capacity());
+  values.resize(static_cast<std::size_t>(n));
+  return values;
+}
+
+// A host View for the values of `view`, not initialised; `view` itself where it is host-accessible.
+template <class ViewType>
+auto hostMirror(const ViewType& view) {
+  if constexpr (std::is_same<typename ViewType::memory_space, Kokkos::HostSpace>::value) {
+    return view;
+  } else {
+    typename ViewType::HostMirror host(
+        Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), view.layout());
+    touchPages(host.data(), sizeof(typename ViewType::value_type) * host.span());
+    return host;
+  }
+}
 
 // A device copy of `values`, entry by entry: rank-1 Views, or [n][W] from rows stored one after
 // another.
@@ -19,7 +55,7 @@ ViewType toDevice(const exec_space& space, const std::string& label, const std::
   const std::size_t width = rank == 1 ? 1 : shape.extent(1);
   const std::size_t n = values.size() / width;
   auto device = allocate<ViewType>(space, label, n);
-  auto host = Kokkos::create_mirror_view(device);
+  const auto host = hostMirror(device);
   parallelOnHost("base::toDevice", static_cast<std::int64_t>(n), [&](const std::int64_t i) {
     if constexpr (rank == 1)
       host(i) = values[i];
@@ -75,7 +111,12 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
 // A View that the host can read; `view` itself where it is host-accessible. Fences.
 template <class ViewType>
 auto toHost(const ViewType& view) {
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+  const auto host = hostMirror(view);
+  if constexpr (std::is_same<typename ViewType::memory_space, Kokkos::HostSpace>::value)
+    Kokkos::fence();
+  else
+    Kokkos::deep_copy(host, view);
+  return host;
 }
 
 } // namespace brickwall

@@ -1,8 +1,9 @@
-// Exodus results, one file per rank. All variables are defined before any data are written, so that
-// the header never grows and moves the data.
+// Exodus results, one file per rank. All variables are defined before any data are written. The
+// header gets room to grow meanwhile, as netCDF would move the space of all data behind it each time.
 #include "io/exodus/results_writer.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "io/exodus/exodus_file.hpp"
 
 #include <exodusII.h>
@@ -60,7 +61,7 @@ std::string now(const char* format) {
 
 int createFlags(const MeshPart& part, FileFormat format) {
   constexpr global_id largest = std::numeric_limits<int>::max();
-  const int flags = EX_CLOBBER | EX_ALL_INT64_API;
+  const int flags = EX_CLOBBER | EX_MAPS_INT64_API | EX_IDS_INT64_API; // local numbers are ints
   if (std::max(part.num_global_nodes, part.num_global_elems) > largest)
     return flags | EX_NETCDF4 | EX_ALL_INT64_DB;
   return flags | (format == FileFormat::netcdf4 ? EX_NETCDF4 : EX_64BIT_OFFSET);
@@ -86,6 +87,7 @@ struct ResultsWriter::State {
   std::vector<std::vector<double>> fixed_element; // brick_id, processor_id: written with each step
   int num_steps = 0;
 
+  void reserveHeader(std::size_t num_variables);
   void describeMesh(const MeshPart& part, const ResultsConfig& config);
   void declareBlocks(const MeshPart& part);
   void declareSets(const MeshPart& part);
@@ -120,6 +122,13 @@ void ResultsWriter::State::describeMesh(const MeshPart& part, const ResultsConfi
   sizes.num_node_sets = static_cast<std::int64_t>(part.node_sets.size());
   sizes.num_side_sets = static_cast<std::int64_t>(part.side_sets.size());
   file.check(ex_put_init_ext(file.id(), &sizes), "the sizes of the mesh");
+}
+
+// Room for `num_variables` more, and for what each file has.
+void ResultsWriter::State::reserveHeader(std::size_t num_variables) {
+  const std::size_t room = (1 << 16) + 256 * num_variables;
+  file.check(-std::abs(nc_redef(file.id())), "the header");
+  file.check(-std::abs(nc__enddef(file.id(), room, 4, 0, 4)), "the header");
 }
 
 void ResultsWriter::State::putNames(ex_entity_type type, std::vector<std::string> names,
@@ -206,17 +215,20 @@ void ResultsWriter::State::writeCoordinates(const MeshPart& part) {
   if (num_nodes == 0)
     return;
   std::vector<double> xyz[3];
-  for (int d = 0; d < 3; ++d)
-    for (int node = 0; node < num_nodes; ++node)
-      xyz[d].push_back(part.coordinates[3 * static_cast<std::size_t>(node) + d]);
+  for (int d = 0; d < 3; ++d) {
+    xyz[d] = hostArray<double>(num_nodes);
+    parallelOnHost("io::writeCoordinates", num_nodes,
+                   [&](std::int64_t node) { xyz[d][node] = part.coordinates[3 * node + d]; });
+  }
   file.check(ex_put_coord(file.id(), xyz[0].data(), xyz[1].data(), xyz[2].data()),
              "the coordinates");
 }
 
 void ResultsWriter::State::writeConnectivity(const MeshPart& part) {
-  std::vector<std::int64_t> corners(part.elem_nodes.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = part.elem_nodes[i] + 1;
+  const auto num_corners = static_cast<std::int64_t>(part.elem_nodes.size());
+  std::vector<int> corners = hostArray<int>(num_corners);
+  parallelOnHost("io::writeConnectivity", num_corners,
+                 [&](std::int64_t i) { corners[i] = part.elem_nodes[i] + 1; });
   for (std::size_t b = 0; b < block_ids.size(); ++b)
     if (block_begin[b + 1] > block_begin[b])
       file.check(ex_put_conn(file.id(), EX_ELEM_BLOCK, block_ids[b],
@@ -238,11 +250,10 @@ void ResultsWriter::State::writeIdMaps(const MeshPart& part) {
 }
 
 void ResultsWriter::State::writeSets(const MeshPart& part) {
-  const auto fromOne = [](const std::vector<int>& from) {
-    std::vector<std::int64_t> to(from.begin(), from.end());
-    for (std::int64_t& value : to)
+  const auto fromOne = [](std::vector<int> values) {
+    for (int& value : values)
       ++value;
-    return to;
+    return values;
   };
   for (const SideSet& set : part.side_sets)
     if (!set.elems.empty())
@@ -289,6 +300,7 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
       s.file.check(ex_set_option(s.file.id(), EX_OPT_COMPRESSION_SHUFFLE, 1), "the compression");
     }
     s.describeMesh(part, config);
+    s.reserveHeader(part.blocks.size() * (3 + config.element_names.size()));
     s.describeRun(config);
     s.declareBlocks(part);
     s.declareSets(part);

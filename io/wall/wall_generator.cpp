@@ -3,6 +3,7 @@
 
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/local_numbering.hpp"
 #include "io/mesh/partition.hpp"
@@ -22,7 +23,7 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
   const IdSlices slices{wall.numElems(), size};
   const global_id first = slices.begin(rank);
   const int count = checkedInt(slices.end(rank) - first, "generateWall: elements of a rank");
-  std::vector<global_id> ids(count);
+  std::vector<global_id> ids = hostArray<global_id>(count);
   std::iota(ids.begin(), ids.end(), first);
   if (size == 1)
     return ids;
@@ -63,8 +64,8 @@ struct BrickPart {
 // bricks before it.
 void generateElems(const WallLayout& wall, MeshPart& part) {
   const int num_elems = part.numElems();
-  part.elem_body.resize(num_elems);
-  part.elem_block.resize(num_elems);
+  part.elem_body = hostArray<global_id>(num_elems);
+  part.elem_block = hostArray<int>(num_elems);
   parallelOnHost("io::generateWall::elements", num_elems, [&](std::int64_t elem) {
     const global_id brick = wall.brickOfElem(part.elem_ids[elem]);
     part.elem_body[elem] = brick;
@@ -83,8 +84,8 @@ void generateElems(const WallLayout& wall, MeshPart& part) {
     first_node[b + 1] = bricks[b].numberNodes(local);
   });
   std::partial_sum(first_node.begin(), first_node.end(), first_node.begin());
-  part.node_ids.resize(first_node.back());
-  part.elem_nodes.resize(8 * std::size_t(num_elems));
+  part.node_ids = hostArray<global_id>(first_node.back());
+  part.elem_nodes = hostArray<int>(8 * std::int64_t(num_elems));
   parallelOnHost("io::generateWall::number", num_bricks, [&](std::int64_t b) {
     const BrickPart& brick = bricks[b];
     std::vector<int> local;
@@ -98,7 +99,7 @@ void generateElems(const WallLayout& wall, MeshPart& part) {
         *corner++ = first_node[b] + local[node - brick.firstNode()];
     }
   });
-  part.coordinates.resize(3 * part.node_ids.size());
+  part.coordinates = hostArray<double>(3 * std::int64_t(part.numNodes()));
   parallelOnHost("io::generateWall::nodes", part.numNodes(), [&](std::int64_t node) {
     const auto x = wall.nodeCoordinates(part.node_ids[node]);
     std::copy(x.begin(), x.end(), &part.coordinates[3 * node]);
@@ -108,7 +109,7 @@ void generateElems(const WallLayout& wall, MeshPart& part) {
 // bits_of(i) for i in [0, n).
 template <class BitsOf>
 std::vector<unsigned char> memberships(const char* label, int n, const BitsOf& bits_of) {
-  std::vector<unsigned char> bits(n);
+  std::vector<unsigned char> bits = hostArray<unsigned char>(n);
   parallelOnHost(label, n,
                  [&](std::int64_t i) { bits[i] = static_cast<unsigned char>(bits_of(i)); });
   return bits;

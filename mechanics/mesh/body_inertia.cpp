@@ -2,6 +2,7 @@
 
 #include "contact/base/group_by_key.hpp"
 #include "mechanics/element/hex8_geometry.hpp"
+#include "mechanics/mesh/host_mesh.hpp"
 #include "mechanics/mesh/mass_correction.hpp"
 #include "mechanics/mesh/recent_results.hpp"
 #include "mechanics/mesh/sum_by_body.hpp"
@@ -12,19 +13,14 @@ namespace brickwall::mechanics {
 
 namespace {
 
-// Where each node belongs: nodes of one row are together.
+// Nodes by the first row of their body.
 struct NodesByBody {
   View<int*> nodes;
   std::vector<BodyChunk> chunks;
 };
 NodesByBody groupNodes(const exec_space& space, const HexMesh& mesh) {
-  const auto elem_to_nodes = toHost(mesh.elem_to_nodes);
   const auto num_rows = static_cast<int>(mesh.bodies.size());
-  std::vector<int> row_of_node(mesh.num_nodes, num_rows); // nodes without elements come last
-  for (int row = 0; row < num_rows; ++row)
-    for (int e = 0; e < mesh.bodies[row].count; ++e)
-      for (int c = 0; c < 8; ++c)
-        row_of_node[elem_to_nodes(mesh.bodies[row].first + e, c)] = row;
+  const std::vector<int> row_of_node = bodyOfNodes(space, mesh, firstRows(mesh));
   const int* const rows = row_of_node.data();
   const Groups groups = groupByKey("mechanics::massWithInertia::nodes", mesh.num_nodes,
                                    num_rows + 1, [rows](std::int64_t node) { return rows[node]; });
@@ -311,9 +307,12 @@ BodyMass massWithInertia(const exec_space& space, MPI_Comm comm, const HexMesh& 
   const auto least = sumByBody<Least>(
       space, comm, "mechanics::massWithInertia::correct", mesh, grouped.chunks,
       CorrectMasses{nodes, X, lumped, final_frames, correctionsOnDevice(), result.mass});
-  std::vector<double> shares(mesh.num_elems, 1);
-  for (std::size_t row = 0; row < num_rows; ++row)
-    std::fill_n(shares.begin() + mesh.bodies[row].first, mesh.bodies[row].count, least[row].share);
+  std::vector<double> shares = hostArray<double>(mesh.num_elems);
+  parallelOnHost("mechanics::massWithInertia::least_shares", static_cast<std::int64_t>(num_rows),
+                 [&](std::int64_t row) {
+                   std::fill_n(shares.begin() + mesh.bodies[row].first, mesh.bodies[row].count,
+                               least[row].share);
+                 });
   result.least_shares = toDevice(space, "mechanics::massWithInertia::least_shares", shares);
   return result;
 }

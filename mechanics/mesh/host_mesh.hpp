@@ -26,4 +26,12 @@ inline HostMesh copyToHost(const exec_space& space, const HexMesh& mesh) {
   return *mesh.host;
 }
 
+// [row of HexMesh::bodies] the first row of the same body. The elements of a body with several
+// blocks need not be consecutive.
+std::vector<int> firstRows(const HexMesh& mesh);
+
+// [node] the first row of its body; the number of rows for a node without elements on this rank.
+std::vector<int> bodyOfNodes(const exec_space& space, const HexMesh& mesh,
+                             const std::vector<int>& first_rows);
+
 } // namespace brickwall::mechanics

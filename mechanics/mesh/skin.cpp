@@ -68,7 +68,7 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
   const int num_faces = checkedInt(6 * std::int64_t(mesh.num_elems), "findSkin: element sides");
   const Groups groups = groupByKey("mechanics::findSkin::groups", num_faces, mesh.num_nodes,
                                    [&](std::int64_t face) { return nodesOf(host, face)[0]; });
-  std::vector<char> is_alone(num_faces);
+  std::vector<char> is_outer = hostArray<char>(num_faces);
   int third = num_faces; // the first that two elements have before it
   parallelOnHost("mechanics::findSkin::match", mesh.num_nodes, [&](std::int64_t node) {
     const int* const begin = groups.items.data() + groups.begin[node];
@@ -82,18 +82,25 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
       for (const int* other = begin; other < end; ++other)
         if (other != face && nodes[other - begin] == nodes[face - begin])
           ++(*other < *face ? before : after);
-      is_alone[*face] = before + after == 0;
+      is_outer[*face] = before + after == 0 || allShared(host, *face / 6, *face % 6, is_shared);
       if (before == 2)
         Kokkos::atomic_fetch_min(&third, *face);
     }
   });
   if (third < num_faces)
     throwThirdElement(host, third / 6, third % 6);
+  // by parts of the faces, in order
+  constexpr int part = 1 << 16;
+  std::vector<std::vector<LocalFace>> parts(num_faces / part + 1);
+  parallelOnHost("mechanics::findSkin::outer", parts.size(), [&](std::int64_t p) {
+    for (std::int64_t face = p * part; face < minOf<std::int64_t>((p + 1) * part, num_faces);
+         ++face)
+      if (is_outer[face])
+        parts[p].push_back({static_cast<int>(face / 6), static_cast<int>(face % 6)});
+  });
   std::vector<LocalFace> faces;
-  for (int elem = 0; elem < mesh.num_elems; ++elem)
-    for (int side = 0; side < 6; ++side)
-      if (is_alone[6 * elem + side] || allShared(host, elem, side, is_shared))
-        faces.push_back({elem, side});
+  for (const auto& some : parts)
+    faces.insert(faces.end(), some.begin(), some.end());
   return faces;
 }
 
@@ -170,17 +177,19 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   const std::vector<int> surface_of =
       surfaceNodes(comm, mesh, host, shared, faces, surface_to_node);
 
-  std::vector<int> elems, sides, nodes, surface;
-  std::vector<global_id> ids;
-  for (const LocalFace& face : faces) {
-    elems.push_back(face.elem);
-    sides.push_back(face.side);
-    ids.push_back(host.elem_ids(face.elem) * 6 + face.side);
-    for (const int c : hex8_sides[face.side]) {
-      nodes.push_back(host.elem_to_nodes(face.elem, c));
-      surface.push_back(surface_of[nodes.back()]);
+  const auto num_faces = static_cast<std::int64_t>(faces.size());
+  std::vector<int> elems(num_faces), sides(num_faces), nodes(4 * num_faces), surface(4 * num_faces);
+  std::vector<global_id> ids(num_faces);
+  parallelOnHost("mechanics::findSkin::faces", num_faces, [&](std::int64_t f) {
+    const LocalFace face = faces[f];
+    elems[f] = face.elem;
+    sides[f] = face.side;
+    ids[f] = host.elem_ids(face.elem) * 6 + face.side;
+    for (int j = 0; j < 4; ++j) {
+      nodes[4 * f + j] = host.elem_to_nodes(face.elem, hex8_sides[face.side][j]);
+      surface[4 * f + j] = surface_of[nodes[4 * f + j]];
     }
-  }
+  });
   Skin skin;
   skin.num_faces = static_cast<int>(faces.size());
   skin.num_nodes = static_cast<int>(surface_to_node.size());
@@ -196,7 +205,7 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
 
 std::vector<int> sideNodes(const HexMesh& mesh, const std::vector<int>& elems,
                            const std::vector<int>& sides) {
-  const auto elem_to_nodes = toHost(mesh.elem_to_nodes);
+  const auto elem_to_nodes = copyToHost(exec_space(), mesh).elem_to_nodes;
   std::vector<int> nodes;
   for (std::size_t f = 0; f < elems.size(); ++f)
     for (const int c : hex8_sides[sides[f]])

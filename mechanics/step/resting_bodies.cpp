@@ -3,40 +3,40 @@
 #include "contact/base/to_device.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
-#include <cmath>
-#include <map>
+#include <algorithm>
+#include <cstring>
 
 namespace brickwall::mechanics {
 
 namespace {
 
-// First row of the body of each row. The elements of a body with several blocks need not be
-// consecutive.
-std::vector<int> firstRows(const HexMesh& mesh) {
-  std::map<global_id, int> first;
-  std::vector<int> rows;
-  for (std::size_t b = 0; b < mesh.bodies.size(); ++b)
-    rows.push_back(first.emplace(mesh.bodies[b].body, static_cast<int>(b)).first->second);
-  return rows;
-}
-
-// [node] first row of its body; `none` for a node without elements on this rank.
-std::vector<int> bodyOfNodes(const HostMesh& host, const HexMesh& mesh,
-                             const std::vector<int>& first_row, int none) {
-  std::vector<int> body_of(mesh.num_nodes, none);
-  for (std::size_t b = 0; b < mesh.bodies.size(); ++b)
-    for (int e = mesh.bodies[b].first; e < mesh.bodies[b].first + mesh.bodies[b].count; ++e)
-      for (int c = 0; c < 8; ++c)
-        body_of[host.elem_to_nodes(e, c)] = first_row[b];
-  return body_of;
-}
-
 // A negative zero counts as motion, since a kick changes it to a positive zero.
-bool moves(const View<double* [3]>::HostMirror& field, int node) {
-  bool any = false;
-  for (int i = 0; i < 3; ++i)
-    any = any || field(node, i) != 0 || std::signbit(field(node, i));
-  return any;
+KOKKOS_INLINE_FUNCTION bool moves(const View<double* [3]>& field, std::int64_t node) {
+  for (int i = 0; i < 3; ++i) {
+    std::int64_t bits = 0;
+    memcpy(&bits, &field(node, i), sizeof bits);
+    if (bits != 0)
+      return true;
+  }
+  return false;
+}
+
+// [body] whether each of its nodes has zero displacement and velocity, by the body of each node.
+std::vector<int> bodiesAtRest(const exec_space& space, const NodalState& state,
+                              const std::vector<int>& body_of_nodes, int num_bodies) {
+  const auto body_of = toDevice(space, "mechanics::RestingBodies::body_of_nodes", body_of_nodes);
+  const auto rests = allocate<View<int*>>(space, "mechanics::RestingBodies::rests", num_bodies);
+  const auto u = state.displacement, v = state.velocity;
+  Kokkos::deep_copy(space, rests, 1);
+  Kokkos::parallel_for(
+      "mechanics::RestingBodies::rests", rangePolicy(space, body_of.extent(0)),
+      KOKKOS_LAMBDA(const std::int64_t node) {
+        if (moves(u, node) || moves(v, node))
+          storeShared(rests(body_of(node)), 0);
+      });
+  space.fence();
+  const auto host = toHost(rests);
+  return std::vector<int>(host.data(), host.data() + num_bodies);
 }
 
 } // namespace
@@ -46,18 +46,18 @@ RestingBodies::RestingBodies(const exec_space& space, const HexMesh& mesh, const
                              const std::vector<char>& may_be_pushed)
     : _first_row(firstRows(mesh)), _num_nodes(mesh.num_nodes) {
   const int num_bodies = static_cast<int>(mesh.bodies.size());
-  const auto body_of = bodyOfNodes(copyToHost(space, mesh), mesh, _first_row, num_bodies);
-  const auto u = toHost(state.displacement);
-  const auto v = toHost(state.velocity);
-  std::vector<int> rests(num_bodies + 1, dot(gravity, gravity) == 0);
+  const std::vector<int> body_of = bodyOfNodes(space, mesh, _first_row);
+  std::vector<int> rests(num_bodies + 1, 0); // the last entry is that of nodes without a body
+  if (dot(gravity, gravity) == 0)
+    rests = bodiesAtRest(space, state, body_of, num_bodies + 1);
   rests[num_bodies] = 0;
-  for (int node = 0; node < _num_nodes; ++node)
-    if (moves(u, node) || moves(v, node))
-      rests[body_of[node]] = 0;
   for (const PrescribedMotion& motion : motions)
     if (dot(motion.velocity, motion.velocity) != 0)
       for (const int node : motion.nodes)
         rests[body_of[node]] = 0;
+  _moving = NodeSelection::allOf(_num_nodes);
+  if (std::count(rests.begin(), rests.end(), 1) == 0)
+    return;
 
   _runs.resize(num_bodies + 1);
   std::vector<int> watched, body_of_watched;

@@ -108,10 +108,17 @@ void measureSkinEdges(const exec_space& space, MPI_Comm comm, Scene& scene) {
 constexpr double coarse_positions = 1e-6;
 
 // A warning, or nothing. Collective.
-std::vector<std::string> coarsePositions(MPI_Comm comm, const Scene& scene) {
+std::vector<std::string> coarsePositions(const exec_space& space, MPI_Comm comm,
+                                         const Scene& scene) {
+  const auto X = scene.mesh.reference_coordinates;
   double farthest = 0;
-  for (const double x : scene.part.coordinates)
-    farthest = std::max(farthest, std::fabs(x));
+  Kokkos::parallel_reduce(
+      "miniapp::coarsePositions", rangePolicy(space, scene.mesh.num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t node, double& most) {
+        for (int d = 0; d < 3; ++d)
+          most = maxOf(most, X(node, d) < 0 ? -X(node, d) : X(node, d));
+      },
+      Kokkos::Max<double>(farthest));
   farthest = allReduce(comm, farthest, MPI_MAX);
   const double spacing = farthest * std::numeric_limits<double>::epsilon();
   if (!(spacing > coarse_positions * scene.shortest_edge))
@@ -275,9 +282,10 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   refuseConflictingSets(comm, config, scene.part);
   scene.warnings = emptySets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
-  scene.node_is_owned.reserve(scene.part.node_owner.size());
-  for (const int owner : scene.part.node_owner)
-    scene.node_is_owned.push_back(owner == rankOf(comm));
+  scene.node_is_owned = hostArray<unsigned char>(scene.part.numNodes());
+  std::transform(scene.part.node_owner.begin(), scene.part.node_owner.end(),
+                 scene.node_is_owned.begin(),
+                 [rank = rankOf(comm)](int owner) { return owner == rank; });
   scene.mesh = toHexMesh(space, scene.part, scene.node_is_owned, materials);
 
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
@@ -296,7 +304,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   } catch (const InputError& error) { // on all ranks
     throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
-  for (const std::string& warning : coarsePositions(comm, scene))
+  for (const std::string& warning : coarsePositions(space, comm, scene))
     scene.warnings.push_back(warning);
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
   return scene;

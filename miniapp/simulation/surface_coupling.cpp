@@ -40,11 +40,13 @@ View<double*> contactMass(const exec_space& space, const Scene& scene,
 
 // The nodes of the surface that are so on other ranks too, by their numbers in it, [rank].
 std::vector<std::vector<int>> sharedOnSurface(const Scene& scene, int num_ranks) {
+  std::vector<std::vector<int>> shared(num_ranks);
+  if (num_ranks == 1)
+    return shared;
   std::vector<int> surface_of(scene.part.node_ids.size(), -1);
   const auto surface_to_node = toHost(scene.skin.surface_to_node);
   for (int i = 0; i < scene.skin.num_nodes; ++i)
     surface_of[surface_to_node(i)] = i;
-  std::vector<std::vector<int>> shared(num_ranks);
   const mechanics::SharedNodeLists of_mesh = sharedNodes(scene.part);
   for (std::size_t p = 0; p < of_mesh.ranks.size(); ++p)
     for (const int node : of_mesh.nodes[p])
@@ -62,14 +64,24 @@ void flagListed(const exec_space& space, const contact::NodeList& list,
       KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i)) = 1; });
 }
 
+// [node] the body of each node of the mesh.
+View<global_id*> bodiesOfNodes(const exec_space& space, const Scene& scene,
+                               const View<const global_id*>& elem_body) {
+  const View<global_id*> bodies("miniapp::SurfaceCoupling::bodies_of_nodes", scene.mesh.num_nodes);
+  const auto elem_to_nodes = scene.mesh.elem_to_nodes;
+  Kokkos::parallel_for(
+      "miniapp::SurfaceCoupling::bodiesOfNodes", rangePolicy(space, scene.mesh.num_elems),
+      KOKKOS_LAMBDA(const std::int64_t elem) {
+        for (int corner = 0; corner < 8; ++corner)
+          storeShared(bodies(elem_to_nodes(elem, corner)), global_id(elem_body(elem)));
+      });
+  return bodies;
+}
+
 // Ids, ownership and bodies of surface nodes.
-void fillNodes(const exec_space& space, const Scene& scene, contact::Surface& surface) {
-  std::vector<global_id> bodies(scene.part.node_ids.size());
-  for (int elem = 0; elem < scene.part.numElems(); ++elem)
-    for (int corner = 0; corner < 8; ++corner)
-      bodies[scene.part.elem_nodes[std::size_t(8) * elem + corner]] = scene.part.elem_body[elem];
-  const auto body_of_node =
-      toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::body_of_node", bodies);
+void fillNodes(const exec_space& space, const Scene& scene, const View<const global_id*>& elem_body,
+               contact::Surface& surface) {
+  const auto body_of_node = bodiesOfNodes(space, scene, elem_body);
   const int num_nodes = scene.skin.num_nodes;
   const auto ids =
       allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::node_ids", num_nodes);
@@ -96,10 +108,9 @@ void fillNodes(const exec_space& space, const Scene& scene, contact::Surface& su
 }
 
 // Ids, corners, bodies and attributes of faces; the attribute of true edges is set later.
-void fillFaces(const exec_space& space, const Scene& scene, const View<const double*>& node_mass,
-               const contact::AttributeWords& attributes, contact::Surface& surface) {
-  const auto elem_body = toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::elem_body",
-                                                    scene.part.elem_body);
+void fillFaces(const exec_space& space, const Scene& scene, const View<const global_id*>& elem_body,
+               const View<const double*>& node_mass, const contact::AttributeWords& attributes,
+               contact::Surface& surface) {
   const auto body = allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::face_body",
                                                scene.skin.num_faces);
   const auto face_to_elem = scene.skin.face_to_elem;
@@ -155,8 +166,10 @@ SurfaceCoupling::SurfaceCoupling(const exec_space& space, MPI_Comm comm, const S
       _is_listed("miniapp::SurfaceCoupling::is_listed", scene.skin.num_nodes) {
   const std::vector<std::vector<int>> shared = sharedOnSurface(scene, sizeOf(comm));
   _shared_nodes = contact::SurfaceTransfer(space, Communicator(comm), shared, shared);
-  fillNodes(space, scene, _primary);
-  fillFaces(space, scene, _node_mass, _attributes, _primary);
+  const auto elem_body = toDevice<View<global_id*>>(space, "miniapp::SurfaceCoupling::elem_body",
+                                                    scene.part.elem_body);
+  fillNodes(space, scene, elem_body, _primary);
+  fillFaces(space, scene, elem_body, _node_mass, _attributes, _primary);
 }
 
 void SurfaceCoupling::setFeatureEdges(const exec_space& space, contact::FeatureEdges features) {

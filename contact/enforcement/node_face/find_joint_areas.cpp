@@ -5,6 +5,7 @@
 #include "contact/base/sum_over.hpp"
 #include "contact/enforcement/law/correct_pair.hpp"
 #include "contact/enforcement/law/pair_forces.hpp"
+#include "contact/enforcement/node_face/flush_contacts.hpp"
 
 #include <cmath>
 #include <string>
@@ -12,12 +13,6 @@
 namespace brickwall::contact {
 namespace {
 
-// A node and a face are flush if their planes are parallel by this cosine, and if the gap or
-// penetration is within this share of the face's size.
-constexpr double flush_cosine = 0.999, flush_gap = 1e-4;
-// At a bend by this cosine at most a surface is curved, and its nodes have no plane that is flush
-// with a face; at a sharper one it ends.
-constexpr double bend_cosine = 0.9;
 // Areas are not changed if nodal forces err by less than `needless`; they are improved until all
 // err by less than `sufficient`, or for `max_rounds`.
 constexpr double needless = 1e-6, sufficient = 1e-3;
@@ -26,58 +21,6 @@ constexpr int max_rounds = 300, rounds_per_check = 10;
 constexpr double min_share = 1e-3;
 // A corner is covered if the sum of the normals of its contacts leads against the face's normal.
 constexpr double covered_cosine = 0.9;
-
-// Emits the flush contacts of a row of candidates, one for each opposing body. Their `force` is the
-// tributary area.
-struct FlushContacts {
-  NodeFaceKinematics kinematics;
-  FaceAccess faces;
-  CandidatePairs pairs;
-
-  template <class Sink>
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, const Sink& sink) const {
-    const int node = pairs.node(row);
-    const global_id own_body = faces.surface.node_body(node);
-    const std::int64_t end = pairs.end(row);
-    for (std::int64_t p = pairs.begin(row); p < end;) {
-      const global_id body = kinematics.bodyOf(faces, pairs.faces(p));
-      Interaction contact;
-      double least_excess = HUGE_VAL;
-      for (; p < end && kinematics.bodyOf(faces, pairs.faces(p)) == body; ++p)
-        if (body != own_body)
-          takeIfFlush(node, pairs.faces(p), contact, least_excess);
-      if (least_excess < HUGE_VAL)
-        sink(contact);
-    }
-  }
-  // Takes the face if it is flush with the node and covers it better than those before.
-  KOKKOS_INLINE_FUNCTION void takeIfFlush(int node, int face, Interaction& contact,
-                                          double& least_excess) const {
-    const MeanPlane& plane = kinematics.recordOfFace(face).plane;
-    const double area = kinematics.tributary(node, plane.normal, flush_cosine).area;
-    if (!(area > 0) || area != kinematics.tributary(node, plane.normal, bend_cosine).area ||
-        !faces.isOfThisStep(pairs.step_test, node, face))
-      return;
-    const FacePoint point = project(faces.quad(face), rowOf(faces.surface.coordinates_new, node));
-    if (!point.activeWithin(kinematics.lateral_tolerance) || !(point.excess < least_excess) ||
-        !(std::fabs(point.gap) <= flush_gap * std::sqrt(plane.area)))
-      return;
-    FaceContact found;
-    found.place[0] = point.xi;
-    found.place[1] = point.eta;
-    if (kinematics.overlapsOnlyAtEdge(faces, node, face, found))
-      return;
-    least_excess = point.excess;
-    contact.body = kinematics.bodyOf(faces, face);
-    contact.face_index = face;
-    contact.node = node;
-    contact.point = atNode(node);
-    contact.normal = point.normal;
-    for (int j = 0; j < 4; ++j)
-      contact.weight[j] = point.weight[j];
-    contact.force = area;
-  }
-};
 
 // Which corners of own faces are covered by contacts.
 struct Coverage {
@@ -108,8 +51,7 @@ struct JointProblem {
                const NodeFaceKinematics& kinematics, const FaceAccess& faces,
                const CandidatePairs& pairs, const NeutralInput& host)
       : _space(space), _comm(comm), _faces(faces), _host(host), _num_nodes(pairs.num_rows) {
-    _count = countScanFill(space, "contact::findJointAreas", pairs.num_rows,
-                           FlushContacts{kinematics, faces, pairs}, _offsets, _contacts);
+    findContacts(kinematics, pairs);
     divideAreas(pairs, kinematics.shared_cosine);
   }
 
@@ -117,6 +59,7 @@ struct JointProblem {
   bool solve();
   JointAreas areas() const;
 
+  void findContacts(const NodeFaceKinematics& kinematics, const CandidatePairs& pairs);
   void divideAreas(const CandidatePairs& pairs, double shared_cosine);
   void findTargets();
   void findDiagonal();
@@ -152,6 +95,27 @@ struct JointProblem {
   View<double*[3]> _y, _last_y; // [node][xyz]
   View<double* [12]> _ghost_y;
 };
+
+void JointProblem::findContacts(const NodeFaceKinematics& kinematics, const CandidatePairs& pairs) {
+  const FlushContacts flush{kinematics, _faces, pairs,
+                            allocated<View<unsigned char*>>("is_chosen", pairs.faces.extent(0))};
+  Kokkos::parallel_for(
+      "contact::findJointAreas::choose", rangePolicy(_space, _num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t row) { flush.choose(row); });
+  const auto offsets = _offsets = allocated<View<std::int64_t*>>("offsets", _num_nodes + 1);
+  launchScan(_space, "contact::findJointAreas::scan", flush, _num_nodes, offsets);
+  Kokkos::deep_copy(_space, _count, Kokkos::subview(offsets, static_cast<std::size_t>(_num_nodes)));
+  _space.fence();
+  const auto contacts = _contacts = allocated<View<Interaction*>>("contacts", _count);
+  Kokkos::parallel_for(
+      "contact::findJointAreas::fill", rangePolicy(_space, _num_nodes),
+      KOKKOS_LAMBDA(const std::int64_t row) {
+        std::int64_t next = offsets(row);
+        for (std::int64_t p = pairs.begin(row); next < offsets(row + 1); ++p)
+          if (flush.is_chosen(p))
+            contacts(next++) = flush.contact(pairs.node(row), pairs.faces(p));
+      });
+}
 
 // Contacts of a node with nearly equal normals share its area.
 void JointProblem::divideAreas(const CandidatePairs& pairs, double shared_cosine) {
@@ -353,17 +317,17 @@ bool JointProblem::solve() {
   _last_y = allocated<View<double* [3]>>("last_y", _num_nodes);
   _ghost_y = allocated<View<double* [12]>>("ghost_y", _faces.ghosts.count);
   findTargets();
-  addAreas();
-  if (largestError() < needless)
-    return false;
   findDiagonal();
-  double t = 1;
-  for (int round = 0; round < max_rounds; ++round) {
-    addAreas();
-    if (round % rounds_per_check == 0 && largestError() < sufficient)
-      break;
+  addAreas();
+  double error = largestError(), t = 1;
+  if (error < needless)
+    return false;
+  for (int round = 1; !(error < sufficient) && round < max_rounds; ++round) {
     const double next_t = (1 + std::sqrt(1 + 4 * t * t)) / 2;
     t = ascend((t - 1) / next_t) ? next_t : 1;
+    addAreas();
+    if (round % rounds_per_check == 0)
+      error = largestError();
   }
   return true;
 }

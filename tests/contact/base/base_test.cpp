@@ -286,6 +286,19 @@ TEST(MpiTest, CountOnAllRanksCountsWhatEachRankLists) {
   EXPECT_EQ(countOnAllRanks(comm, keys, [](std::int64_t key) { return key; }), expected);
 }
 
+TEST(HostArrayTest, HasDefaultValuesOfAnyNumber) {
+  struct Pair {
+    int first = 7, second = -1;
+  };
+  for (const std::int64_t n : {0, 1, 1000000}) {
+    const std::vector<Pair> values = hostArray<Pair>(n);
+    ASSERT_EQ(values.size(), static_cast<std::size_t>(n));
+    EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](const Pair& value) {
+      return value.first == 7 && value.second == -1;
+    }));
+  }
+}
+
 TEST(GroupByKeyTest, ListsEachItemOnceUnderItsKey) {
   for (const int num_items : {0, 1, 1000}) {
     const int num_keys = 37;
