@@ -32,6 +32,8 @@
 //       isFacing(faces, node, face, persist) && acceptPersistent(faces, persistent, contact)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
+//   hasLeftThrough(faces, node, face, contact)
+//       whether the node is in front of `face`, which continues the surface of the contact's face
 //   isInFront(faces, node, face)
 //       whether the node is in front of the face: gap >= 0, within its edges
 //
@@ -111,6 +113,7 @@ struct KinematicsContract {
   static_assert(is<decltype(k().projectPersistent(faces(), history(), 0, persistents())), void>);
   static_assert(is<decltype(k().testPersistent(faces(), persistent(), contact())), bool>);
   static_assert(is<decltype(k().isBeyondInnerEdge(faces(), contact())), bool>);
+  static_assert(is<decltype(k().hasLeftThrough(faces(), 0, 0, contact())), bool>);
   static_assert(is<decltype(k().isInFront(faces(), 0, 0)), bool>);
   static_assert(is<decltype(k().inverseMass(ContactPoint())), double>);
   static_assert(

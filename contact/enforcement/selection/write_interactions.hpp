@@ -45,7 +45,8 @@ struct WriteInteractions {
 
   // Whether the contact has only a spring and damping along the normal.
   KOKKOS_FORCEINLINE_FUNCTION bool isPlain(const FaceContact& contact) const {
-    return !(step.law.config.friction > 0) && !step.kinematics.mayFade(contact) &&
+    return !(step.law.config.friction > 0) && !contact.releases &&
+           !step.kinematics.mayFade(contact) &&
            !(contact.is_persistent && lastOf(contact).fade_weight < 1);
   }
   // Writes a plain contact at `index`.
@@ -90,6 +91,8 @@ struct WriteInteractions {
       sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
     }
     state.write(0, now);
+    if (contact.releases)
+      now.offset = -HUGE_VAL; // see Interaction::releases()
     step.next.interactions.commit(index, now);
     if (now.fade_weight < 1)
       step.next.fading.store(index, fading);
