@@ -146,20 +146,18 @@ struct SelectActiveFaces {
                                                   bool persists, FaceContact& contact) const {
     const int face = contact.previous_face;
     const bool may_be_retained = !step.previous.interactions(contact.previous).releases();
-    if ((persists ||
-         (may_be_retained && isTouching(node, face, ContactTest::retain, contact))) &&
+    if ((persists || (may_be_retained && isTouching(node, face, ContactTest::retain, contact))) &&
         !isOutside(node, begin, end, contact))
       return true;
-    contact.releases =
-        holdsEnergy(contact) &&
-        step.kinematics.test(step.faces, node, face, ContactTest::release, contact);
+    contact.releases = holdsEnergy(contact) &&
+                       step.kinematics.test(step.faces, node, face, ContactTest::release, contact);
     return contact.releases;
   }
   // Whether the last step has not returned nearly all of the energy of a loaded contact.
   KOKKOS_INLINE_FUNCTION bool holdsEnergy(const FaceContact& contact) const {
     constexpr double least_share = 0.01;
     const double stored = step.previous.interactions(contact.previous).stored;
-    return stored > 0 && stored + contact.contact_work > least_share * stored;
+    return stored + contact.contact_work > least_share * maxOf(stored, contact.contact_work);
   }
   // Whether the node is outside the body, beyond an edge of the contact's face.
   KOKKOS_INLINE_FUNCTION bool isOutside(int node, std::int64_t begin, std::int64_t end,

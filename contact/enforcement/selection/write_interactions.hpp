@@ -4,6 +4,7 @@
 // where there are no lanes. Kernel part of SelectInteractions.
 #pragma once
 
+#include "contact/enforcement/law/energy_neutral.hpp"
 #include "contact/enforcement/selection/enforcement_step.hpp"
 
 namespace brickwall::contact {
@@ -91,7 +92,7 @@ struct WriteInteractions {
       sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
     }
     state.write(0, now);
-    if (contact.releases)
+    if (contact.releases && canRelease(state))
       now.offset = -HUGE_VAL; // see Interaction::releases()
     step.next.interactions.commit(index, now);
     if (now.fade_weight < 1)
@@ -145,6 +146,14 @@ struct WriteInteractions {
   }
 
 private:
+  // Whether about the largest force of a last step returns the energy of a contact. One that
+  // approaches faster is kept meanwhile, since such a force would store more.
+  KOKKOS_INLINE_FUNCTION bool canRelease(const ContactState<double>& state) const {
+    const double closing = state.closing, stored = maxOf(double(state.stored), 0.0);
+    const double mobility = step.law.dt * step.law.dt * state.inverse_mass;
+    return closing <= 0 ||
+           forceThatReturns(stored, -closing, mobility) <= 4 * double(state.first_force);
+  }
   KOKKOS_FORCEINLINE_FUNCTION decltype(auto) lastOf(const FaceContact& contact) const {
     return step.previous.interactions(contact.previous);
   }
