@@ -89,7 +89,9 @@ struct WriteInteractions {
     if (contact.is_persistent) {
       state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
       law.followEnergy(state);
-      sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
+      const bool has_released = lastOf(contact).releases();
+      sums.terms.add(spring_stored, has_released ? state.stored[0] : state.recoverable[0],
+                     step.energy_scale);
     }
     state.write(0, now);
     if (contact.releases && canRelease(state))
