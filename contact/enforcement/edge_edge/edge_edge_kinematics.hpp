@@ -124,6 +124,11 @@ struct EdgeEdgeKinematics {
     const int own = edgeOf(node);
     Vec3 da, db, between;
     lines(faces, own, other, da, db, between);
+    if (test_kind == ContactTest::release) {
+      contact.is_retained = true;
+      return previous(contact.previous).fade_weight == 1 &&
+             retainPoints(da, db, between, previous(contact.previous), other, contact);
+    }
     const Crossing crossing(da, db, between);
     const bool is_retained = test_kind == ContactTest::retain;
     contact.is_retained = is_retained && (previous(contact.previous).is_retained ||
@@ -286,7 +291,11 @@ struct EdgeEdgeKinematics {
   KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess&, const FaceContact&) const {
     return false;
   }
-  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess&, const PersistentContact&) const {
+  KOKKOS_INLINE_FUNCTION bool hasLeftThrough(const FaceAccess&, int, int,
+                                             const FaceContact&) const {
+    return false;
+  }
+  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess&, int, const FacePoint&) const {
     return false;
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,

@@ -28,7 +28,8 @@ struct Interaction {
   double weight[4] = {0, 0, 0, 0}; // N_j in that step
   double first_force = 0; // F0 = k w p in that step, before the energy-neutral corrections
   ContactPoint point; // in that step; local node numbers
-  int is_retained = 0; // 1: an edge contact that continues at fixed points (ContactTest::retain)
+  // 1: an edge contact that continues at fixed points (ContactTest::retain), or releases()
+  int is_retained = 0;
 
   // Of the current step only.
   bool is_new = true; // activated in this step
@@ -37,6 +38,10 @@ struct Interaction {
   int face_index = -1; // own face below num_faces, otherwise ghost face index - num_faces
   double first_damping = 0; // F_d before the corrections
   double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j, 1/mass
+
+  // Whether the contact returns all that it stores, whatever its motion: then e is -infinity, so
+  // that neutralForce() finds that no force keeps it from ending.
+  KOKKOS_INLINE_FUNCTION bool releases() const { return offset == -HUGE_VAL; }
 };
 static_assert(sizeof(Interaction) == 3 * 64, "as many cache lines as needed, and no more");
 

@@ -14,7 +14,7 @@ struct FaceContact {
   double place[2]; // of a node: xi, eta on the face; of an edge: weight of its second node
   double depth; // P, length
   int face; // candidate index
-  bool is_retained; // ContactTest::retain
+  bool is_retained; // see Interaction
 
   // The contact with the same body in the contact history
   int previous; // index of the interaction, or -1
@@ -25,6 +25,7 @@ struct FaceContact {
   // approach of this step along the last normal, at the points where the last force acted
   double closing_at_last_point;
   bool has_ended; // its node is in front of the face again
+  bool releases; // see Interaction
   bool is_persistent; // it continues under load; all other contacts become active in this step
   bool is_compressive; // it has a force
   bool settles; // see Interaction
@@ -44,7 +45,7 @@ struct FaceContact {
   }
   // Whether the contact continues on another face, or at other points, than `last`.
   KOKKOS_INLINE_FUNCTION bool hasChangedFace(const Interaction& last) const {
-    return face != previous_face || (last.is_retained && !is_retained);
+    return face != previous_face || last.releases() || (last.is_retained && !is_retained);
   }
 };
 
@@ -56,6 +57,7 @@ struct FaceContact {
 //   retain    to continue a loaded contact where no face passes `transfer`: a node or edge in the
 //             wedge between two faces or edges that are bent away from each other is covered by
 //             neither
-enum class ContactTest { persist, activate, transfer, retain };
+//   release   to return the energy of a loaded contact that ends otherwise than through its face
+enum class ContactTest { persist, activate, transfer, retain, release };
 
 } // namespace brickwall::contact

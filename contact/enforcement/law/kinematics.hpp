@@ -32,8 +32,11 @@
 //       isFacing(faces, node, face, persist) && acceptPersistent(faces, persistent, contact)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
-//   isInFront(faces, persistent)
-//       whether the node is in front of the face: gap >= 0, within its edges
+//   hasLeftThrough(faces, node, face, contact)
+//       whether the node is in front of `face`, which continues the surface of the contact's face
+//   isInFront(faces, face, point)
+//       whether a node that projects onto the face at `point` is in front of it: gap >= 0, within
+//       its edges
 //
 // Quick rejection: false only if test() at ContactTest::activate is false for all pairs
 //   mayPenetrate(faces, node, face)   by position
@@ -111,7 +114,8 @@ struct KinematicsContract {
   static_assert(is<decltype(k().projectPersistent(faces(), history(), 0, persistents())), void>);
   static_assert(is<decltype(k().testPersistent(faces(), persistent(), contact())), bool>);
   static_assert(is<decltype(k().isBeyondInnerEdge(faces(), contact())), bool>);
-  static_assert(is<decltype(k().isInFront(faces(), persistent())), bool>);
+  static_assert(is<decltype(k().hasLeftThrough(faces(), 0, 0, contact())), bool>);
+  static_assert(is<decltype(k().isInFront(faces(), 0, FacePoint())), bool>);
   static_assert(is<decltype(k().inverseMass(ContactPoint())), double>);
   static_assert(
       is<decltype(k().stiffnessAtActivation(config(), faces(), contact(), &contact(), 1)), double>);

@@ -105,7 +105,7 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face,
                                    ContactTest test_kind, FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    return isFacing(faces, node, face, test_kind) &&
+    return (test_kind == ContactTest::release || isFacing(faces, node, face, test_kind)) &&
            testPoint(faces, node, face, test_kind, project(faces.quad(face), x), contact);
   }
   // test() from the closest point of a face that is facing the node.
@@ -113,8 +113,7 @@ struct NodeFaceKinematics : NodeSurface {
                                         ContactTest test_kind, const FacePoint& point,
                                         FaceContact& contact) const {
     return accept(faces, face, test_kind, point, contact) &&
-           !((test_kind == ContactTest::activate || test_kind == ContactTest::transfer) &&
-             overlapsOnlyAtEdge(faces, node, face, contact));
+           !(test_kind == ContactTest::activate && overlapsOnlyAtEdge(faces, node, face, contact));
   }
   // Host code; a template, since builds for devices have no packs.
   template <int width = candidates_at_once>
@@ -165,7 +164,7 @@ struct NodeFaceKinematics : NodeSurface {
     contact.place[1] = point.eta;
     contact.depth = -point.gap;
     contact.face = face;
-    contact.is_retained = false;
+    contact.is_retained = test_kind == ContactTest::release;
     return true;
   }
 
@@ -220,12 +219,24 @@ struct NodeFaceKinematics : NodeSurface {
     return (is_past[0] && !region.isTrue(0, contact.place[0])) ||
            (is_past[1] && !region.isTrue(1, contact.place[1]));
   }
-  // Whether the node is in front of the face, not behind or beside it.
-  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces,
-                                        const PersistentContact& persistent) const {
-    const int face = persistent.face;
-    return persistent.point.gap >= 0 &&
-           fadeRegionOf(faces, face, faces.quad(face)).covers(persistent.point, lateral_tolerance);
+  // Whether the node is in front of a face that continues the surface of the contact's face. It has
+  // then left the body, though it is behind the plane of the contact's face. On a flat surface it
+  // may be about to return within the lateral tolerance.
+  static constexpr double smooth_cosine = 0.7; // a little less than that of feature edges
+  KOKKOS_INLINE_FUNCTION bool hasLeftThrough(const FaceAccess& faces, int node, int face,
+                                             const FaceContact& contact) const {
+    const double outermost = maxOf(std::fabs(contact.place[0]), std::fabs(contact.place[1]));
+    return face != contact.face &&
+           (outermost > 1 + lateral_tolerance || faces.attributes(contact.face).isBent()) &&
+           dot(records(recordOf(face)).plane.normal, contact.unitNormal()) > smooth_cosine &&
+           isInFront(faces, face,
+                     project(faces.quad(face), rowOf(faces.surface.coordinates_new, node)));
+  }
+  // Whether a node that projects onto the face at `point` is in front of it, not behind or beside it.
+  KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces, int face,
+                                        const FacePoint& point) const {
+    return point.gap >= 0 &&
+           fadeRegionOf(faces, face, faces.quad(face)).covers(point, lateral_tolerance);
   }
   KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
                                         Vec3 (&lever)[2]) const {
@@ -357,7 +368,9 @@ struct NodeFaceKinematics : NodeSurface {
     return region;
   }
   KOKKOS_INLINE_FUNCTION double innerTolerance(ContactTest test_kind) const {
-    return test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
+    return test_kind == ContactTest::release  ? HUGE_VAL
+           : test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance)
+                                              : lateral_tolerance;
   }
   // A persistent contact continues while a face of the node faces the other one at all.
   KOKKOS_INLINE_FUNCTION double opposedCosine(ContactTest test_kind) const {

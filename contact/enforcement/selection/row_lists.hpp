@@ -167,7 +167,7 @@ private:
     contact.previous = persistent.previous;
     contact.previous_face = persistent.face;
     contact.persistent = &persistent;
-    contact.has_ended = false;
+    contact.has_ended = contact.releases = false;
     if (!step.kinematics.acceptPersistent(step.faces, persistent, contact) ||
         step.kinematics.isBeyondInnerEdge(step.faces, contact) ||
         !rules.isCompressive(persistent.node, contact))

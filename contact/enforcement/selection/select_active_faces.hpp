@@ -103,7 +103,8 @@ struct SelectActiveFaces {
             step.kinematics.mayActivate(node, face))
           return false;
       } else if (!is_found && isFaceOf(interactions(first + k), face)) {
-        if (!(interactions(first + k).depth > 0) || !accept(k, face))
+        if (!(interactions(first + k).depth > 0) || interactions(first + k).releases() ||
+            !accept(k, face))
           return false;
         is_steady &= step.faces.isOwn(face);
         is_found = true;
@@ -133,8 +134,11 @@ struct SelectActiveFaces {
                                                FaceContact& contact) const {
     // An unloaded contact is selected anew; otherwise a node that slid in beside a face would keep
     // it for ever.
-    const bool is_loaded =
-        contact.previous >= 0 && step.previous.interactions(contact.previous).depth > 0;
+    const bool is_released = contact.previous >= 0 &&
+                             step.previous.interactions(contact.previous).releases() &&
+                             !holdsEnergy(contact);
+    const bool is_loaded = !is_released && contact.previous >= 0 &&
+                           step.previous.interactions(contact.previous).depth > 0;
     const bool has_face = is_loaded && contact.previous_face >= 0;
     const bool persists =
         has_face && step.kinematics.testPersistent(step.faces, *contact.persistent, contact);
@@ -146,17 +150,47 @@ struct SelectActiveFaces {
     if (!persists) {
       // A node that has left through the face has ended its contact and returned its energy.
       // Another contact with the body then starts anew.
-      contact.has_ended = has_face && step.kinematics.isInFront(step.faces, *contact.persistent);
+      contact.has_ended =
+          is_released || (has_face && step.kinematics.isInFront(step.faces, contact.previous_face,
+                                                                contact.persistent->point));
       contact.persistent = nullptr;
     }
     for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
-      if (findNearest(node, begin, end, kind, is_loaded, contact, covered) || persists)
-        return true;
-      if (!is_loaded || contact.has_ended)
+      if (findNearest(node, begin, end, kind, is_loaded, contact, covered))
+        return is_loaded || !isOutside(node, begin, end, contact);
+      if (!persists && (!is_loaded || contact.has_ended))
         return false;
-      if (kind == ContactTest::transfer)
-        return has_face && isTouching(node, contact.previous_face, ContactTest::retain, contact);
+      if (persists || kind == ContactTest::transfer)
+        return has_face && continuesOrReleases(node, begin, end, persists, contact);
     }
+  }
+  // The same for a loaded contact that no other face takes over.
+  KOKKOS_INLINE_FUNCTION bool continuesOrReleases(int node, std::int64_t begin, std::int64_t end,
+                                                  bool persists, FaceContact& contact) const {
+    const int face = contact.previous_face;
+    const bool may_be_retained = !step.previous.interactions(contact.previous).releases();
+    if ((persists || (may_be_retained && isTouching(node, face, ContactTest::retain, contact))) &&
+        !isOutside(node, begin, end, contact))
+      return true;
+    contact.releases = holdsEnergy(contact) &&
+                       step.kinematics.test(step.faces, node, face, ContactTest::release, contact);
+    return contact.releases;
+  }
+  // Whether the last step has not returned nearly all of the energy of a loaded contact.
+  KOKKOS_INLINE_FUNCTION bool holdsEnergy(const FaceContact& contact) const {
+    constexpr double least_share = 0.01;
+    const double stored = step.previous.interactions(contact.previous).stored;
+    return stored + contact.contact_work > least_share * maxOf(stored, contact.contact_work);
+  }
+  // Whether the node is outside the body, beyond an edge of the contact's face.
+  KOKKOS_INLINE_FUNCTION bool isOutside(int node, std::int64_t begin, std::int64_t end,
+                                        const FaceContact& contact) const {
+    if (!step.kinematics.isBeyondInnerEdge(step.faces, contact))
+      return false;
+    for (std::int64_t p = begin; p < end; ++p)
+      if (step.kinematics.hasLeftThrough(step.faces, node, step.pairs.faces(p), contact))
+        return true;
+    return false;
   }
 
   // Completes the data of a contact. Returns whether it has a force, as far as is known yet: one
@@ -235,6 +269,7 @@ struct SelectActiveFaces {
     nearest.contact_work = contact.contact_work;
     nearest.closing_at_last_point = contact.closing_at_last_point;
     nearest.has_ended = contact.has_ended;
+    nearest.releases = false;
     contact = nearest;
     return true;
   }
@@ -257,7 +292,7 @@ struct SelectActiveFaces {
     contact.previous_face = -1;
     contact.persistent = nullptr;
     contact.contact_work = contact.closing_at_last_point = 0;
-    contact.has_ended = false;
+    contact.has_ended = contact.releases = false;
     if (!is_known || history.persistent == history.persistent_end ||
         history.persistent->previous != history.next)
       return;
@@ -304,7 +339,7 @@ struct SelectActiveFaces {
     for (int i = history.next; i < history.end; ++i)
       if (history.persistent != history.persistent_end && history.persistent->previous == i)
         ++history.persistent;
-      else if (step.previous.interactions(i).depth > 0)
+      else if (step.previous.interactions(i).depth > 0 && !step.previous.interactions(i).releases())
         ++sums.lost;
   }
 };

@@ -4,6 +4,7 @@
 // where there are no lanes. Kernel part of SelectInteractions.
 #pragma once
 
+#include "contact/enforcement/law/energy_neutral.hpp"
 #include "contact/enforcement/selection/enforcement_step.hpp"
 
 namespace brickwall::contact {
@@ -45,7 +46,8 @@ struct WriteInteractions {
 
   // Whether the contact has only a spring and damping along the normal.
   KOKKOS_FORCEINLINE_FUNCTION bool isPlain(const FaceContact& contact) const {
-    return !(step.law.config.friction > 0) && !step.kinematics.mayFade(contact) &&
+    return !(step.law.config.friction > 0) && !contact.releases &&
+           !step.kinematics.mayFade(contact) &&
            !(contact.is_persistent && lastOf(contact).fade_weight < 1);
   }
   // Writes a plain contact at `index`.
@@ -87,9 +89,13 @@ struct WriteInteractions {
     if (contact.is_persistent) {
       state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
       law.followEnergy(state);
-      sums.terms.add(spring_stored, state.recoverable[0], step.energy_scale);
+      const bool has_released = lastOf(contact).releases();
+      sums.terms.add(spring_stored, has_released ? state.stored[0] : state.recoverable[0],
+                     step.energy_scale);
     }
     state.write(0, now);
+    if (contact.releases && canRelease(state))
+      now.offset = -HUGE_VAL; // see Interaction::releases()
     step.next.interactions.commit(index, now);
     if (now.fade_weight < 1)
       step.next.fading.store(index, fading);
@@ -142,6 +148,14 @@ struct WriteInteractions {
   }
 
 private:
+  // Whether about the largest force of a last step returns the energy of a contact. One that
+  // approaches faster is kept meanwhile, since such a force would store more.
+  KOKKOS_INLINE_FUNCTION bool canRelease(const ContactState<double>& state) const {
+    const double closing = state.closing, stored = maxOf(double(state.stored), 0.0);
+    const double mobility = step.law.dt * step.law.dt * state.inverse_mass;
+    return closing <= 0 ||
+           forceThatReturns(stored, -closing, mobility) <= 4 * double(state.first_force);
+  }
   KOKKOS_FORCEINLINE_FUNCTION decltype(auto) lastOf(const FaceContact& contact) const {
     return step.previous.interactions(contact.previous);
   }

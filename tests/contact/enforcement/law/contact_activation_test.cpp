@@ -198,7 +198,8 @@ TEST(RetainedContact, WedgeBetweenBentFacesRetainsALoadedNode) {
   EXPECT_EQ(run->sums.interactions, 0);
 }
 
-TEST(RetainedContact, WedgeActivatesNoContactAndRetainsNoneHalfAFaceAway) {
+// Half a face away the contact is to return its energy, once it no longer approaches.
+TEST(RetainedContact, WedgeActivatesNoContactAndReleasesOneHalfAFaceAway) {
   auto deep = alone(edgeInValley(0.2), shallow(), 1.0);
   deep->step();
   EXPECT_EQ(deep->sums.interactions, 0); // beyond the tolerance of both
@@ -207,7 +208,14 @@ TEST(RetainedContact, WedgeActivatesNoContactAndRetainsNoneHalfAFaceAway) {
   run->scene.step();
   run->scene.move(1, {0, 0, -0.47}); // .51 half-lengths beyond
   run->step();
-  EXPECT_EQ(run->sums.interactions, 0);
+  ASSERT_EQ(run->sums.interactions, 2);
+  const int node = run->scene.nodeAt(1, {0, 0.3, -0.51});
+  EXPECT_FALSE(run->of(node)[0].releases());
+  run->moveAndStep(1, {0, 0, 0.001});
+  EXPECT_TRUE(run->of(node)[0].releases());
+  EXPECT_NEAR(run->of(node)[0].depth, 0.509 * std::sqrt(0.75), 1e-15);
+  run->moveAndStep(1, {0, 0, 0.009}); // as long as it holds energy, it may be covered again
+  EXPECT_EQ(run->sums.interactions, 2);
 }
 
 // Crossing ridges of single edges, with the upper one rotated by `angle` from the lower one's

@@ -121,6 +121,36 @@ double offsetAfter(double work, double held) {
 }
 
 // The energy at the next half step is k w p^n p^{n+1}/2, and p = P - e.
+// A block's edge is pressed into a valley and slips sideways, farther beyond the end of its face than
+// contacts are retained.
+TEST(ContactEnergy, ContactThatEndsBeyondAnEdgeReturnsItsEnergy) {
+  const double c = std::sqrt(0.75), s = 0.5;
+  Impact impact;
+  impact.scene.addBrick({2, 1, 1}, {2, 1, 1}, 1, [&](const Vec3& p) {
+    return Vec3{c * (p.x - 1), p.y, s * std::fabs(p.x - 1) + p.z - 1};
+  });
+  impact.scene.addBrick({1, 0.4, 1}, {1, 1, 1}, 1, [&](const Vec3& p) {
+    return Vec3{s * (p.x - p.z), 0.3 + p.y, c * (p.x + p.z) + 0.001};
+  });
+  impact.scene.fix(0);
+  impact.launch(0, {});
+  impact.launch(1, {0, 0, -0.05});
+  EnforcementConfig config;
+  config.penalty = 0.01;
+  config.max_activation_depth = 0.1; // no sides of the bodies
+  SpringBricks bricks(impact.scene, config, 0.1, 0.8, 1);
+  bricks.velocity = impact.velocity;
+  bricks.step();
+  const double start = bricks.energy;
+  double worst = 0;
+  for (int step = 0; step < 60; ++step) {
+    bricks.step();
+    worst = std::max(worst, std::fabs(bricks.energy / start - 1));
+  }
+  EXPECT_EQ(bricks.sums.interactions, 0);
+  EXPECT_LT(worst, 2e-3);
+}
+
 TEST(ContactEnergy, OffsetMakesUpHalfOfTheMissingWork) {
   const double held = 0.01, missing = 1e-4, gain = 0.1 - offsetAfter(held + missing, held);
   EXPECT_NEAR(0.5 * 3 * 0.5 * 0.2 * gain, missing / 2, 1e-17);

@@ -156,6 +156,38 @@ TEST(Transfer, LeavesABentFaceAtItsEdge) {
   }
 }
 
+// The same beyond a true edge, where the spring fades.
+TEST(Transfer, SelectsTheFaceThatCoversAFadingNode) {
+  CornerOnPlate run({-0.1, 0.9, 0.01}, 2);
+  run.move({0, 0, -0.03}, 1);
+  run.move({0, 0.2, 0}, 1);
+  const Interaction left = run.contact();
+  EXPECT_LT(left.fade_weight, 0.9);
+  run.move({0.2, 0, 0}, 1);
+  EXPECT_NE(run.contact().face, left.face);
+  EXPECT_NEAR(run.contact().fade_weight, left.fade_weight, 1e-12);
+  EXPECT_NEAR(run.contact().depth, left.depth, 1e-15);
+}
+
+// A node that is behind the plane of a face, but beyond its edge and in front of the next face, has
+// left the body: no contact begins there, and one that comes there returns its energy and ends.
+TEST(Transfer, EndsTheContactOfANodeThatLeavesOverARidge) {
+  constexpr double ridge = 0.2; // faces z = 0.2 +- 0.2 x
+  CornerOnPlate outside({0.02, 0.13, ridge + 0.01}, 2, ridge);
+  outside.move({0, 0, -0.01}, 1);
+  EXPECT_EQ(outside.sums.interactions, 0);
+  CornerOnPlate run({-0.02, 0.13, ridge}, 2, ridge);
+  run.move({0, 0, -0.01}, 1);
+  ASSERT_EQ(run.sums.interactions, 1);
+  const Interaction left = run.contact();
+  run.move({0.06, 0, 0.008},
+           1); // 0.01 behind the left face's plane, 0.006 in front of the right face
+  ASSERT_EQ(run.sums.interactions, 1);
+  EXPECT_TRUE(run.contact().releases());
+  EXPECT_EQ(run.contact().face, left.face);
+  EXPECT_NEAR(norm(run.contact().normal - left.normal), 0, 1e-15);
+}
+
 // The corner moves down near the true edge and slides over it freely, while the spring oscillates
 // once, as sin t. The worst error of kinetic energy + spring energy, relative to the initial normal
 // energy.
