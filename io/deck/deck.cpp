@@ -186,11 +186,12 @@ void Deck::complain(const std::string& block, const std::string& key, const std:
   _contents->faults.add(at, instance->header + blank + key, found, expected);
 }
 
-std::string Deck::placeOf(const std::string& block) const {
+std::string Deck::placeOf(const std::string& block, const std::string& key) const {
   const DeckBlock* instance = _contents->findBlock(block);
   if (!instance)
     throw Error(ExitCode::internal, "Deck::placeOf: no block \"" + block + "\"");
-  return _contents->faults.placeOf(instance->at);
+  const Position of_key = key.empty() ? instance->at : _contents->value(block, key).at;
+  return _contents->faults.placeOf(of_key.option >= 0 ? of_key : instance->at);
 }
 
 void Deck::assignText(const std::string& block, const std::string& key, const std::string& value) {

@@ -140,8 +140,8 @@ public:
   // and `expected` complete the sentences "found ..." and "expected ...".
   void complain(const std::string& block, const std::string& key, const std::string& found,
                 const std::string& expected);
-  // Place of a block, for a message: `a.toml:12`, or the --set that gave it.
-  std::string placeOf(const std::string& block) const;
+  // Place of a block, for a message: `a.toml:12`, or the --set that gave it, or its `key` if any.
+  std::string placeOf(const std::string& block, const std::string& key = "") const;
   // Replaces a text, such as a relative path by the absolute path, also in resolved().
   void assignText(const std::string& block, const std::string& key, const std::string& value);
   // Gives a key that the deck leaves out a value that depends on other keys, also in resolved().

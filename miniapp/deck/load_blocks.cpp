@@ -139,7 +139,7 @@ void checkPulse(Deck& deck, const std::string& block, const PulseConfig& pulse) 
 PressureConfig readPressure(Deck& deck, const std::string& block) {
   PressureConfig load;
   readBlock(deck, block, pressureKeys, load);
-  load.place = deck.placeOf(block);
+  load.place = deck.placeOf(block, "side_set");
   checkPulse(deck, block, load.pulse);
   const bool is_gaussian = load.distribution == Distribution::gaussian;
   for (const std::string key : {"center", "radius"})
@@ -158,13 +158,13 @@ void readBoundaries(Deck& deck, Config& config) {
     const std::string block = instance("boundary.fixed", i);
     auto& fixed = config.fixed.emplace_back();
     readBlock(deck, block, fixedKeys, fixed);
-    fixed.place = deck.placeOf(block);
+    fixed.place = deck.placeOf(block, "node_set");
   }
   for (int i = 0; i < deck.count("boundary.velocity"); ++i) {
     const std::string block = instance("boundary.velocity", i);
     auto& prescribed = config.prescribed.emplace_back();
     readBlock(deck, block, prescribedKeys, prescribed);
-    prescribed.place = deck.placeOf(block);
+    prescribed.place = deck.placeOf(block, "node_set");
     checkPulse(deck, block, prescribed.pulse);
   }
   complainOfConflicts(config, deck);
@@ -195,7 +195,7 @@ void readInitialVelocities(Deck& deck, Config& config) {
     const std::string block = instance("initial.velocity", i);
     auto& initial = config.initial_velocities.emplace_back();
     readBlock(deck, block, initialVelocityKeys, initial);
-    initial.place = deck.placeOf(block);
+    initial.place = deck.placeOf(block, deck.has(block, "body") ? "body" : "block");
     if (!deck.has(block, "velocity") && !deck.has(block, "angular_velocity"))
       deck.complain(block, "", "neither velocity nor angular_velocity",
                     "at least one of them, a list of 3 numbers");
@@ -211,7 +211,7 @@ void readInitialDeformations(Deck& deck, Config& config) {
     const std::string block = instance("initial.deformation", i);
     auto& initial = config.initial_deformations.emplace_back();
     readBlock(deck, block, initialDeformationKeys, initial);
-    initial.place = deck.placeOf(block);
+    initial.place = deck.placeOf(block, deck.has(block, "body") ? "body" : "block");
     checkSelection(deck, block, initial, config.wall);
     double H[3][3];
     for (int k = 0; k < 9; ++k)

@@ -6,14 +6,13 @@ namespace brickwall::contact {
 
 std::string ContactSums::problem() const {
   if (invalid + terms.invalid > 0)
-    return std::to_string(invalid + terms.invalid) +
-           " contact forces or energies are not finite or beyond the fixed-point range";
+    return "contact forces or energies that are not finite or beyond the fixed-point range: " +
+           std::to_string(invalid + terms.invalid);
   if (lost > 0)
-    return std::to_string(lost) +
-           " loaded contacts are lost, since they are deeper than the search reaches or far beyond "
-           "a bent edge of their face (largest penetration " +
-           std::to_string(max_penetration) +
-           " of a face's size among the others): increase contact.tolerance or contact.penalty";
+    return "loaded contacts that are lost, since they are deeper than the search reaches or far "
+           "beyond a bent edge of their face: " +
+           std::to_string(lost) + " (largest penetration " + std::to_string(max_penetration) +
+           " of a face's size among the others); increase contact.tolerance or contact.penalty";
   return "";
 }
 

@@ -182,6 +182,8 @@ TEST(Deck, ReportsWhereABlockStands) {
   const Deck deck = parse(good + "[[load.pressure]]\nside_set = \"a\"\n",
                           {"load.pressure[1].side_set=\"b\"", "load.pressure[0].peak=2"});
   EXPECT_EQ(deck.placeOf("load.pressure[0]"), "a.toml:4");
+  EXPECT_EQ(deck.placeOf("load.pressure[0]", "side_set"), "a.toml:4");
+  EXPECT_EQ(deck.placeOf("load.pressure[0]", "peak"), "--set load.pressure[0].peak=2");
   EXPECT_EQ(deck.placeOf("load.pressure[1]"), "--set load.pressure[1].side_set=\"b\"");
 }
 
