@@ -275,18 +275,6 @@ struct EdgeEdgeKinematics {
     return dot(a - b, old_normal) >= 0;
   }
 
-  // Whether the two edges belong to one body and share a node, or `own` is the second of the pair.
-  // Such a pair is never in contact.
-  KOKKOS_INLINE_FUNCTION static bool sharesNode(const FaceAccess& faces, int own, int other) {
-    if (faces.body(own) != faces.body(other))
-      return false;
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j)
-        if (faces.cornerId(own, i) == faces.cornerId(other, j))
-          return true;
-    return faces.id(own) >= faces.id(other);
-  }
-
   // Edges slide over bends (isOn()), and end their contacts before they separate.
   KOKKOS_INLINE_FUNCTION bool isBeyondInnerEdge(const FaceAccess&, const FaceContact&) const {
     return false;

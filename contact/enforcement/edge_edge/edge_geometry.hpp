@@ -7,7 +7,7 @@
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_surface.hpp"
-#include "contact/surface/projection.hpp"
+#include "contact/surface/face_access.hpp"
 
 namespace brickwall::contact {
 
@@ -53,5 +53,17 @@ struct Crossing {
     return maxOf(maxOf(-s, s - 1), maxOf(-t, t - 1)) > reach;
   }
 };
+
+// Whether the two edges belong to one body and share a node, or `own` is the second of the pair.
+// Such a pair is never in contact.
+KOKKOS_INLINE_FUNCTION bool sharesNode(const FaceAccess& faces, int own, int other) {
+  if (faces.body(own) != faces.body(other))
+    return false;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      if (faces.cornerId(own, i) == faces.cornerId(other, j))
+        return true;
+  return faces.id(own) >= faces.id(other);
+}
 
 } // namespace brickwall::contact
