@@ -1,6 +1,5 @@
-// Kinematics of edge-to-edge contact: convex edges against convex edges that they cross; eqs. (29)
-// to (32) of theory.md. Node-to-face contact detects edges that cross between their nodes only when
-// a node is inside, half an element too late. Fulfils the contract in kinematics.hpp.
+// Kinematics of edge-to-edge contact: convex edges that cross; eqs. (29) to (32) of theory.md. Nodes
+// of edges that cross between them are inside half an element too late. Fulfils kinematics.hpp.
 #pragma once
 
 #include "contact/enforcement/edge_edge/edge_activation.hpp"
@@ -21,14 +20,12 @@ struct EdgeEdgeKinematics {
   // half an element away is inside before the penetration reaches a twentieth of an element.
   static constexpr double least_sine = 0.05;
   static constexpr double parallel_sine = 0.2; // below it a contact may be retained at fixed points
-  // An edge that spans a side of the other body has no node over that side which could be inside,
-  // so it becomes active there too; otherwise bars narrower than their elements would pass through
-  // each other. The edge must end beyond the side by this many lateral tolerances of half its
-  // width; nearer nodes are in contact with the side.
+  // An edge that spans a side of the other body has no node over that side, so it becomes active
+  // there too; otherwise narrow bars would pass through each other. It must end beyond the side by
+  // this many lateral tolerances of half its width; nearer nodes are in contact with the side.
   static constexpr double side_overhang = 0.8;
-  // Edges that have crossed less deeply than this, relative to the shorter edge, may become active.
-  // Edges of bricks that lie flat on each other cross at zero depth and angle; once they have
-  // rotated by `least_sine`, nodes half an element away have let them in by half of that.
+  // Edges that have crossed less deeply, relative to the shorter edge, may become active. Edges of
+  // flush bricks cross at zero depth and angle; rotated by `least_sine`, by half of that.
   static constexpr double shallow_depth = 0.06;
   // how far the pushing edge continues over the next one, in lengths of the edge
   static constexpr double overhang = 1.0;
@@ -275,8 +272,7 @@ struct EdgeEdgeKinematics {
     return dot(a - b, old_normal) >= 0;
   }
 
-  // Whether the two edges belong to one body and share a node, or `own` is the second of the pair.
-  // Such a pair is never in contact.
+  // Whether the edges belong to one body and share a node, or `own` is the second: no contact.
   KOKKOS_INLINE_FUNCTION static bool sharesNode(const FaceAccess& faces, int own, int other) {
     if (faces.body(own) != faces.body(other))
       return false;
