@@ -119,6 +119,8 @@ for ranks in 1 3; do
   program=$brickwall
   rm -rf "$work/out"
 done
+expect "a check warns of more elements than a rank can number" 0 'too many for 32-bit numbers; a run needs at least 2 ranks' \
+  1 check "$inputs/brick_wall.toml" --set 'wall.bricks=[1500,1,1500]'
 expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-foo=1' 1 check "$inputs/brick_wall.toml" --kokkos-foo=1
 expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
