@@ -100,7 +100,7 @@ public:
     contract(0);
     const FeatureEdges features = findFeatureEdges(MPI_COMM_SELF, _surface);
     for (std::size_t f = 0; f < num_faces; ++f)
-      attributesAt<FaceAttributes>(host, f).feature_edges = features.true_edges[f];
+      attributesAt<FaceAttributes>(host, f).feature_edges = features.face_edges[f];
     Kokkos::deep_copy(attributes, host);
     edges = features;
   }
