@@ -18,19 +18,16 @@ SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label
 
 void SleepingBlocks::wake(const exec_space& space, const CandidatePairs& pairs,
                           const SurfaceMotion& motion, bool is_unchanged) {
-  const bool are_same = pairs.version > 0 && pairs.version == _version;
-  const bool are_next = pairs.version > 0 && pairs.version == _version + 1;
-  const bool is_known = _changed == pairs.changed.data() && (are_same || are_next);
-  _version = pairs.version;
-  _changed = pairs.changed.data();
-  if (!is_known) {
+  const SeenRows::Comparison rows = _seen.see(pairs);
+  const bool are_same = rows.are_same;
+  if (!rows.are_known) {
     Kokkos::deep_copy(space, _state.num_bounds, SleepState::awake);
     _num_awake = _num_blocks;
     _is_counting = false;
   }
   const bool has_slept = _state.bounds.extent(0) > 0;
   // A search may add pairs at nodes at rest, since boxes kept with a margin were left before.
-  if (!is_known || (is_unchanged && are_same) || !has_slept)
+  if (!rows.are_known || (is_unchanged && are_same) || !has_slept)
     return;
   const SleepState state = _state;
   const View<const unsigned char*> changed = pairs.changed;

@@ -9,6 +9,7 @@
 
 #include "contact/enforcement/dormancy/separation.hpp"
 #include "contact/surface/face_access.hpp"
+#include "contact/surface/seen_rows.hpp"
 
 namespace brickwall::contact {
 
@@ -71,8 +72,7 @@ private:
   mutable std::int64_t _num_awake = 0;
   mutable bool _is_counting = false; // _counted holds _num_awake once the device is done
   Kokkos::View<std::int64_t, staging_space> _counted;
-  std::int64_t _version = 0; // of the pairs seen last
-  const unsigned char* _changed = nullptr; // likewise
+  SeenRows _seen;
 };
 
 // Kernel functor of putToSleep(), for one block.

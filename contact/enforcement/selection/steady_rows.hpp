@@ -2,7 +2,7 @@
 // last step, no candidate is of another body, and no search has changed the row since.
 #pragma once
 
-#include "contact/surface/surface.hpp"
+#include "contact/surface/seen_rows.hpp"
 
 namespace brickwall::contact {
 
@@ -31,21 +31,16 @@ public:
 
   // To be called once a step, with its number.
   SteadyFlags flags(const CandidatePairs& pairs, int step) {
-    const bool are_same = pairs.version == _version, are_next = pairs.version == _version + 1;
-    SteadyFlags flags{_last_step, {}, step, false};
-    flags.are_known = _last_step.extent(0) > 0 && _version > 0 && (are_same || are_next) &&
-                      pairs.changed.data() == _changed;
-    if (!are_same)
+    const SeenRows::Comparison rows = _seen.see(pairs);
+    SteadyFlags flags{_last_step, {}, step, rows.are_known && _last_step.extent(0) > 0};
+    if (!rows.are_same)
       flags.changed = pairs.changed;
-    _version = pairs.version;
-    _changed = pairs.changed.data();
     return flags;
   }
 
 private:
   View<int*> _last_step;
-  std::int64_t _version = 0; // of the pairs of the last step
-  const unsigned char* _changed = nullptr; // likewise
+  SeenRows _seen;
 };
 
 } // namespace brickwall::contact
