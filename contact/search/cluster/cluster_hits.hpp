@@ -36,6 +36,15 @@ struct KeptHits {
   KOKKOS_INLINE_FUNCTION unsigned* wordsOf(int cluster) const {
     return words.data() + std::int64_t(cluster) * (2 * max_sorted_hits);
   }
+  // Asks for what areEqual() reads.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchHits(int cluster) const {
+    constexpr int words_of_line = 16;
+    const unsigned* const items = wordsOf(cluster);
+    for (int i = 0; i < count(cluster) - 1; i += words_of_line) {
+      prefetch(items + i);
+      prefetch(items + max_sorted_hits + i);
+    }
+  }
   KOKKOS_INLINE_FUNCTION bool areEqual(int cluster, const Hits& hits) const {
     if (count(cluster) != hits.count + 1)
       return false;

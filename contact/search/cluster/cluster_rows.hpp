@@ -181,6 +181,8 @@ struct FindRows {
         begin[lane] = 0;
       return;
     }
+    if constexpr (cluster_size > 1)
+      kept.prefetchHits(cluster);
     const int first = cluster * cluster_size;
     NodeCluster nodes;
     nodes.load(&node_bounds(std::int64_t(first) * 6), &cluster_bounds(std::int64_t(cluster) * 6),
