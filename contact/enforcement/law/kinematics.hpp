@@ -29,7 +29,7 @@
 //       fills the data of contacts whose face is still a candidate
 //   testPersistent(faces, persistent, contact)
 //       test() at ContactTest::persist, from these data; where projects_persistent_contacts, it is
-//       isFacing(faces, node, face, persist) && acceptPersistent(faces, persistent, contact)
+//       acceptPersistent(faces, persistent, contact) && isOpposing(node, face, persist)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
 //   hasLeftThrough(faces, node, face, contact)

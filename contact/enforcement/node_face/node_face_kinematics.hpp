@@ -68,8 +68,7 @@ struct NodeFaceKinematics : NodeSurface {
                             ContactTest::activate);
   }
   KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
-    return isOpposed(node, records(recordOf(face)).plane.normal,
-                     opposedCosine(ContactTest::activate));
+    return isOpposing(node, face, ContactTest::activate);
   }
   // False only if test() is false at ContactTest::activate and at transfer, which differ in limits.
   KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
@@ -126,15 +125,15 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
                                              const PersistentContact& persistent,
                                              FaceContact& contact) const {
-    return isFacing(faces, persistent.node, persistent.face, ContactTest::persist) &&
-           acceptPersistent(faces, persistent, contact);
+    return acceptPersistent(faces, persistent, contact) &&
+           isOpposing(persistent.node, persistent.face, ContactTest::persist);
   }
   KOKKOS_INLINE_FUNCTION bool acceptPersistent(const FaceAccess& faces,
                                                const PersistentContact& persistent,
                                                FaceContact& contact) const {
     return accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
-  // True only where a contact with a facing node persists without fading: acceptPersistent() is
+  // True only where a contact whose node opposes the face persists without fading: acceptPersistent() is
   // true, isBeyondInnerEdge() and mayFade() are false. `reach`: reachOf() the face.
   template <class Real>
   KOKKOS_INLINE_FUNCTION auto staysInside(const persistent_contact::Found<Real>& found,
@@ -146,7 +145,10 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool isFacing(const FaceAccess& faces, int node, int face,
                                        ContactTest test_kind) const {
     return !isSurelyOutside(rowOf(faces.surface.coordinates_new, node), face, test_kind) &&
-           isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
+           isOpposing(node, face, test_kind);
+  }
+  KOKKOS_INLINE_FUNCTION bool isOpposing(int node, int face, ContactTest test_kind) const {
+    return isOpposed(node, records(recordOf(face)).plane.normal, opposedCosine(test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
                                      const FacePoint& point, FaceContact& contact) const {

@@ -91,8 +91,7 @@ private:
       step.faces.prefetchCorners(place.face, surface.coordinates_old);
       step.faces.prefetchCorners(place.face, step.add.target.nodes);
       step.faces.prefetchRow(step.add.target.nodes, place.node);
-      place.persists =
-          step.kinematics.isFacing(step.faces, place.node, place.face, ContactTest::persist);
+      place.persists = step.kinematics.isOpposing(place.node, place.face, ContactTest::persist);
     }
     persistent_contact::Gathered<Real> gathered;
     for (int first = 0; first < batch.count; first += width) {

@@ -64,7 +64,7 @@ struct ListRows {
         const auto accept = [&](int k, int face) {
           persistent_face(first + k) = face;
           return step.faces.isOfThisStep(step.pairs.step_test, node, face) &&
-                 step.kinematics.isFacing(step.faces, node, face, ContactTest::persist);
+                 step.kinematics.isOpposing(node, face, ContactTest::persist);
         };
         if (SelectActiveFaces<Kinematics>{step}.findFaces(row, node, first, count, accept)) {
           persistent.add(row, count);
