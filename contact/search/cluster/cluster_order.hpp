@@ -29,6 +29,11 @@ struct ClusterOrder {
   KOKKOS_INLINE_FUNCTION global_id bodyOfCluster(std::int64_t cluster) const {
     return cluster_body.extent(0) > 0 ? cluster_body(cluster) : many_bodies;
   }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchCorners(std::int64_t block) const {
+    constexpr int words = 4 * block_size, words_of_line = 16;
+    for (int i = 0; i < words; i += words_of_line)
+      prefetch(&corners(block * words + i));
+  }
 };
 
 // Orders the surface at coordinates_new. Outliers are clipped, so that they do not coarsen the

@@ -141,8 +141,11 @@ struct FindRows {
     else
       addChildren(0);
     list.finish();
-    for (int i = 0; i < minOf(list.count, max_near_blocks); ++i)
+    for (int i = 0; i < minOf(list.count, max_near_blocks); ++i) {
       prefetchBlock(tree.block(0, list.block[i]));
+      if (!of_ghosts && body == many_bodies)
+        test.order.prefetchCorners(list.block[i]);
+    }
     return std::int64_t(num_tested) + list.count;
   }
 
