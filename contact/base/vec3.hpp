@@ -111,5 +111,10 @@ template <class ViewType>
 KOKKOS_INLINE_FUNCTION Vec3 rowOf(const ViewType& view, std::int64_t i) {
   return {view(i, 0), view(i, 1), view(i, 2)};
 }
+template <class ViewType>
+KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(const ViewType& view, std::int64_t i) {
+  prefetch(&view(i, 0));
+  prefetch(&view(i, 2)); // may lie in the next cache line
+}
 
 } // namespace brickwall

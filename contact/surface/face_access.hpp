@@ -82,11 +82,6 @@ struct FaceAccess {
       for (int j = 0; j < 4; ++j)
         prefetchRow(of_nodes, surface.face_to_nodes(face, j));
   }
-  template <class NodeView>
-  KOKKOS_FORCEINLINE_FUNCTION static void prefetchRow(const NodeView& rows, int row) {
-    prefetch(&rows(row, 0));
-    prefetch(&rows(row, 2)); // may lie in the next cache line
-  }
   // Whether the swept boxes of node and face overlap at these tolerances, decided with the same
   // bits as in the searches.
   KOKKOS_INLINE_FUNCTION bool boxesOverlap(int node, int face, double node_tolerance,

@@ -205,7 +205,7 @@ private:
     faces.prefetchFace(edge);
     for (int j = 2; j < 4; ++j)
       if (faces.isOwn(edge))
-        faces.prefetchRow(faces.surface.coordinates_new, faces.surface.face_to_nodes(edge, j));
+        prefetchRow(faces.surface.coordinates_new, faces.surface.face_to_nodes(edge, j));
   }
   KOKKOS_FORCEINLINE_FUNCTION double narrowerSide(int edge) const {
     const EdgeAttributes& attributes = faces.attributes<EdgeAttributes>(edge);

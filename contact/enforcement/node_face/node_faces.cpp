@@ -245,6 +245,10 @@ struct MakeRecords {
   };
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t face) const {
+    constexpr std::int64_t ahead = 16; // faces
+    if (face + ahead < surface.num_faces)
+      for (int j = 0; j < 4; j += 2) // neighbours have the others
+        prefetchRow(surface.coordinates_new, surface.face_to_nodes(face + ahead, j));
     if (selection.select(face))
       records(face) = recordOf(static_cast<int>(face));
   }

@@ -68,13 +68,13 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
   }
   for (int w = 0; w < count; ++w) {
     const Interaction& pair = pairs.interactions(numbers[w]);
-    faces.prefetchRow(correct.accelerations.nodes, pair.point.node[0]);
+    prefetchRow(correct.accelerations.nodes, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, correct.accelerations.nodes);
     if (correct.isProposal()) // it adds for few pairs
       continue;
-    faces.prefetchRow(correct.responses.nodes, pair.point.node[0]);
+    prefetchRow(correct.responses.nodes, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, correct.responses.nodes);
-    faces.prefetchRow(add.target.nodes, pair.point.node[0]);
+    prefetchRow(add.target.nodes, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, add.target.nodes);
   }
 }

@@ -90,7 +90,7 @@ private:
       step.faces.prefetchCorners(place.face, surface.coordinates_new);
       step.faces.prefetchCorners(place.face, surface.coordinates_old);
       step.faces.prefetchCorners(place.face, step.add.target.nodes);
-      step.faces.prefetchRow(step.add.target.nodes, place.node);
+      prefetchRow(step.add.target.nodes, place.node);
       place.persists = step.kinematics.isOpposing(place.node, place.face, ContactTest::persist);
     }
     persistent_contact::Gathered<Real> gathered;

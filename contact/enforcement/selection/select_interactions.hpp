@@ -169,7 +169,7 @@ struct SelectInteractions {
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchRow(std::int64_t row) const {
     const int node = step.pairs.node(row);
-    step.faces.prefetchRow(step.faces.surface.coordinates_new, node);
+    brickwall::prefetchRow(step.faces.surface.coordinates_new, node);
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
     if (step.previous.row_count(node) == 0) {
       for (std::int64_t p = begin; p < end; ++p)
@@ -181,7 +181,7 @@ struct SelectInteractions {
       step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
       prefetch(&step.faces.surface.node_body(node));
     }
-    step.faces.prefetchRow(step.faces.surface.coordinates_old, node);
+    brickwall::prefetchRow(step.faces.surface.coordinates_old, node);
     step.previous.interactions.prefetch(step.previous.row_begin(node));
     step.kinematics.prefetchNode(node);
   }
@@ -299,7 +299,7 @@ struct SelectInteractions {
     if (batch.num_rows == 0)
       return;
     for (int k = 0; k < batch.num_persistent; ++k) {
-      step.faces.prefetchRow(step.add.target.nodes, batch.persistent[k].node);
+      brickwall::prefetchRow(step.add.target.nodes, batch.persistent[k].node);
       step.faces.prefetchCorners(batch.persistent[k].face, step.add.target.nodes);
     }
     step.kinematics.projectPersistent(step.faces, step.previous, batch.num_persistent,

@@ -47,8 +47,8 @@ struct RefitCluster : RefitInput {
     if constexpr (cluster_size > 1)
       for (int lane = 0; lane < cluster_size && first + cluster_size <= num_nodes; ++lane) {
         const int node = node_order(first + lane);
-        prefetch(&x_old(node, 0));
-        prefetch(&x_new(node, 0));
+        prefetchRow(x_old, node);
+        prefetchRow(x_new, node);
       }
   }
 
