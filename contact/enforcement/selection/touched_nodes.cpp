@@ -4,7 +4,7 @@ namespace brickwall::contact {
 namespace {
 
 constexpr int nodes_of_pair = 6;
-constexpr int most_share = 3; // a list of more than a third of the nodes costs more than it saves
+constexpr int most_share = 8; // a list of more than an eighth of the nodes costs more than it saves
 
 struct InsertNode {
   View<int*> nodes, is_listed;
