@@ -43,7 +43,7 @@ struct NodalForces {
   // false: the columns of this kind are zero. A kernel with an index that is not known when it is
   // compiled copies its arguments in each thread.
   KindFlags acts = {{true, true, true, true}};
-  View<const unsigned char*> may_touch; // [node] 0: no contact acts on it; empty: not known
+  View<const unsigned char*> may_touch = {}; // [node] 0: no contact acts on it; empty: not known
 
   KOKKOS_INLINE_FUNCTION bool hasKind(int kind) const {
     return 3 * kind < static_cast<int>(values.extent(1));
