@@ -228,6 +228,56 @@ inline exec_space queueBeside(const exec_space& space) {
   return space;
 }
 
+// A place in a queue of a device that other queues can wait for while the host goes on. A host
+// computes in one queue.
+class QueueMark {
+public:
+  QueueMark() = default;
+  QueueMark(const QueueMark&) = delete;
+  QueueMark& operator=(const QueueMark&) = delete;
+#if defined(KOKKOS_ENABLE_CUDA)
+  ~QueueMark() {
+    if (_event != nullptr)
+      cudaEventDestroy(_event);
+  }
+#endif
+
+  // Moves the mark to the end of what has been launched in `queue`.
+  template <class Queue>
+  void set(const Queue& queue) {
+    if constexpr (host_accessible)
+      return;
+#if defined(KOKKOS_ENABLE_CUDA)
+    if constexpr (std::is_same<Queue, Kokkos::Cuda>::value) {
+      if (_event == nullptr)
+        requireSuccess(cudaEventCreateWithFlags(&_event, cudaEventDisableTiming));
+      requireSuccess(cudaEventRecord(_event, queue.cuda_stream()));
+      return;
+    }
+#endif
+    queue.fence();
+  }
+  // What is launched in `queue` from now on starts after the mark, if it has been set.
+  template <class Queue>
+  void waitIn(const Queue& queue) const {
+    (void)queue;
+#if defined(KOKKOS_ENABLE_CUDA)
+    if constexpr (std::is_same<Queue, Kokkos::Cuda>::value)
+      if (_event != nullptr)
+        requireSuccess(cudaStreamWaitEvent(queue.cuda_stream(), _event, 0));
+#endif
+  }
+
+#if defined(KOKKOS_ENABLE_CUDA)
+private:
+  static void requireSuccess(cudaError_t error) {
+    if (error != cudaSuccess)
+      Kokkos::abort(cudaGetErrorString(error));
+  }
+  cudaEvent_t _event = nullptr;
+#endif
+};
+
 // To be called before Kokkos::initialize. Kokkos 4 and later fence the device around every
 // profiling region if a tool is registered; the recorder of phase times does not need these fences
 // (a tool that is loaded can still request them).

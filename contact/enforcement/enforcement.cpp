@@ -11,16 +11,31 @@ namespace brickwall::contact {
 
 namespace {
 
-// Accelerations by all forces: the given ones and the contact totals. Flags those that have
-// changed.
-void accelerate(const exec_space& space, const NodeList& list,
+// Nodes that a kernel visits: the listed ones or, with marks [node], those of them that are marked.
+struct MarkedNodes {
+  NodeList list;
+  View<const unsigned char*> marks;
+
+  // The node at a place, or -1.
+  KOKKOS_FORCEINLINE_FUNCTION int operator()(std::int64_t place) const {
+    const int node = list(place);
+    return marks.extent(0) == 0 || marks(node) != 0 ? node : -1;
+  }
+};
+
+// Accelerations by all forces: the given ones and the contact totals. Flags those that have changed
+// since the last round, none `at_first`.
+void accelerate(const exec_space& space, const MarkedNodes& nodes, bool at_first,
                 const View<const double* [3]>& by_others,
                 const View<std::int64_t* [3]>& contact_totals, const Quantum& quantum,
                 const View<const double*>& node_mass, const View<double* [3]>& accelerations,
                 const View<unsigned char*>& has_changed) {
   Kokkos::parallel_for(
-      "contact::accelerate", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
-        const int node = list(i);
+      "contact::accelerate", rangePolicy(space, nodes.list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = nodes(i);
+        if (node < 0)
+          return;
         const double per_quantum = quantum.value / node_mass(node);
         double acceleration[3];
         bool is_same = true;
@@ -29,7 +44,7 @@ void accelerate(const exec_space& space, const NodeList& list,
               by_others(node, d) + static_cast<double>(contact_totals(node, d)) * per_quantum;
           is_same &= sameBits(acceleration[d], accelerations(node, d));
         }
-        has_changed(node) = !is_same;
+        has_changed(node) = !is_same && !at_first;
         if (is_same)
           return;
         for (int d = 0; d < 3; ++d)
@@ -37,13 +52,19 @@ void accelerate(const exec_space& space, const NodeList& list,
       });
 }
 
-// Responses of the nodes to the magnitudes of the proposed changes, which are zeroed.
-void respond(const exec_space& space, const NodeList& list, const View<std::int64_t* [3]>& totals,
-             const Quantum& quantum, const View<const double*>& node_mass,
-             const View<double* [3]>& responses) {
+// Responses of the nodes to the magnitudes of the proposed changes, which are zeroed; `marks` too,
+// where a node is marked.
+void respond(const exec_space& space, const MarkedNodes& nodes, const View<unsigned char*>& marks,
+             const View<std::int64_t* [3]>& totals, const Quantum& quantum,
+             const View<const double*>& node_mass, const View<double* [3]>& responses) {
   Kokkos::parallel_for(
-      "contact::respond", rangePolicy(space, list.count), KOKKOS_LAMBDA(const std::int64_t i) {
-        const int node = list(i);
+      "contact::respond", rangePolicy(space, nodes.list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const int node = nodes(i);
+        if (node < 0)
+          return;
+        if (nodes.marks.extent(0) > 0)
+          marks(node) = 0;
         const double per_quantum = quantum.value / node_mass(node);
         for (int d = 0; d < 3; ++d) {
           const std::int64_t total = totals(node, d);
@@ -96,6 +117,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
   _has_changed =
       View<unsigned char*>("contact::Enforcement::has_changed", _accelerations.extent(0));
+  _is_proposed =
+      View<unsigned char*>("contact::Enforcement::is_proposed", _accelerations.extent(0));
   _ghost_in_use = View<unsigned char*>("contact::Enforcement::ghost_in_use", 0);
   _ghost_accelerations = View<double* [12]>("contact::Enforcement::ghost_accelerations", 0);
   _responses = View<double* [3]>("contact::Enforcement::responses", _accelerations.extent(0));
@@ -312,15 +335,22 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
   growTo(space, _ghost_accelerations, faces.ghosts.count);
   growTo(space, _ghost_responses, faces.ghosts.count);
   const View<const double* [3]> by_others = neutral->accelerations(_touched.list());
+  // Other ranks do not know which nodes are marked here.
+  const bool has_marks = sizeOf(_comm) == 1;
+  const View<unsigned char*> none;
+  const auto marks_changed = has_marks ? _has_changed : none;
+  const auto marks_proposed = has_marks ? _is_proposed : none;
   for (int round = 0; round < _config.corrections; ++round) {
     collectForces(space, edges);
+    if (edges != nullptr && has_marks && round > 0)
+      edges->markTouched(space, _has_changed);
     neutral->sum_forces(_forces);
-    accelerate(space, _touched.list(), by_others, _forces.nodes, _quantum, _node_mass,
-               _accelerations, _has_changed);
+    accelerate(space, {_touched.list(), round > 0 ? marks_changed : none}, round == 0, by_others,
+               _forces.nodes, _quantum, _node_mass, _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
     const NodeVectors accelerations{_accelerations, _ghost_accelerations};
     const auto has_changed = round > 0 ? _has_changed : View<unsigned char*>();
-    _set.proposeChanges(space, faces, steps, accelerations, has_changed);
+    _set.proposeChanges(space, faces, steps, accelerations, has_changed, marks_proposed);
     if (edges != nullptr)
       edges->proposeChanges(space, steps, _accelerations, has_changed);
     if (!mayHaveProposals(space, edges))
@@ -328,11 +358,14 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     const ContactForces proposals = _set.proposals();
     if (edges != nullptr)
       edges->collectProposals(space, proposals.nodes);
+    if (edges != nullptr && has_marks)
+      edges->markTouched(space, _is_proposed);
     neutral->sum_forces(proposals);
-    respond(space, _touched.list(), proposals.nodes, _quantum, _node_mass, _responses);
+    respond(space, {_touched.list(), marks_proposed}, _is_proposed, proposals.nodes, _quantum,
+            _node_mass, _responses);
     neutral->share_with_ghosts(_responses, _ghost_responses);
     const NodeVectors responses{_responses, _ghost_responses};
-    _set.correctForces(space, faces, steps, accelerations, responses);
+    _set.correctForces(space, faces, steps, accelerations, responses, marks_changed);
     if (edges != nullptr)
       edges->correctForces(space, steps, _responses);
   }

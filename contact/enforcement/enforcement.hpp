@@ -152,6 +152,7 @@ private:
   View<double* [3]> _accelerations;
   // [surface node] its acceleration has changed since the last round
   View<unsigned char*> _has_changed;
+  View<unsigned char*> _is_proposed; // [surface node] a change of its force is proposed
   View<unsigned char*> _ghost_in_use; // [ghost] it has an interaction in this step
   View<double* [12]> _ghost_accelerations;
   View<double* [3]> _responses; // to the proposed changes (correct_pair.hpp)

@@ -92,9 +92,13 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
                                               std::optional<double> motion,
                                               const std::function<void()>& meanwhile,
                                               const View<const unsigned char*>& stationary) {
-  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary);
-  if (!_has_pairs)
+  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary, true);
+  if (!_has_pairs) {
+    _has_lists = false; // in case of a throw
     _local.findCandidatePairs(space, surface, meanwhile);
+    _global.finishGhosts(space, surface);
+    _has_lists = true;
+  }
   _has_pairs = true;
   return _local.pairs();
 }
@@ -102,7 +106,8 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
 // A coordinate that is not finite makes all ranks search, which reports it.
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                                 std::optional<double> motion,
-                                                const View<const unsigned char*>& stationary) {
+                                                const View<const unsigned char*>& stationary,
+                                                bool seeks_pairs) {
   ++_updates;
   bool may_keep = false;
   if (_margin > 0) {
@@ -116,7 +121,7 @@ const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const S
   if (may_keep)
     _global.forwardCoordinates(space, surface);
   else
-    findGhosts(space, surface);
+    findGhosts(space, surface, seeks_pairs);
   return _global.ghosts();
 }
 
@@ -130,9 +135,13 @@ void CandidateSearch::restore(const exec_space& space, const SweptBoxes& surface
   _updates = updates;
 }
 
-void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
+void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface,
+                                 bool seeks_pairs) {
   _has_lists = _has_pairs = false; // in case of a throw
-  _global.findGhosts(space, surface);
+  if (seeks_pairs)
+    _global.launchGhosts(space, surface);
+  else
+    _global.findGhosts(space, surface);
   if (_margin > 0) {
     growTo(space, _searched_at, surface.num_nodes);
     keepSweptBoxes(space, surface, _searched_at);

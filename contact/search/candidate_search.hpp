@@ -54,9 +54,9 @@ public:
   // excursionOutside() of this rank's nodes from sweptBoxes(), in either configuration of the step;
   // any number if there are no such boxes. Without it, update() measures the nodes that
   // `stationary` [node] does not flag. A flag that is not 0 states that both configurations of the
-  // node equal coordinates_new of the last update(). `meanwhile` may be called, once, after the
-  // host has waited for all that was launched before the search: it launches work that does not
-  // need the pairs.
+  // node equal coordinates_new of the last update(). `meanwhile` may be called, once: it launches
+  // work that does not need the pairs, in another queue, while the device may still be busy with
+  // what was launched before.
   const CandidatePairs& update(const exec_space& space, const SweptBoxes& surface,
                                std::optional<double> motion = {},
                                const std::function<void()>& meanwhile = {},
@@ -69,7 +69,9 @@ public:
   // Collective. The same without pairs, for hosts that need only the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                  std::optional<double> motion = {},
-                                 const View<const unsigned char*>& stationary = {});
+                                 const View<const unsigned char*>& stationary = {}) {
+    return updateGhosts(space, surface, motion, stationary, false);
+  }
 
   // To be called, on one rank or more, when something of the surface besides its coordinates has
   // changed: the next update() searches on all ranks, whatever the motion, and sorts the surface
@@ -142,7 +144,10 @@ public:
 
 private:
   void applyTolerances();
-  void findGhosts(const exec_space& space, const SweptBoxes& surface);
+  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
+                                 std::optional<double> motion,
+                                 const View<const unsigned char*>& stationary, bool seeks_pairs);
+  void findGhosts(const exec_space& space, const SweptBoxes& surface, bool seeks_pairs);
 
   Communicator _comm;
   SearchConfig _config; // of a step, without the margin

@@ -26,12 +26,17 @@ GlobalSearch::GlobalSearch(const Communicator& comm, const SearchConfig& config)
 
 // The input is checked where it is new, and the rank boxes are exchanged where they do not hold.
 // The one reduction of a call in which nothing is new.
-void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& surface) {
+void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& surface,
+                                   bool may_wait_later) {
   OwnRankBoxes own;
   bool is_same = _check.isSame(space, surface);
   if (is_same)
     _check.startLook(space, surface);
   const bool has_boxes = _has_agreed && is_same;
+  _awaits_boxes = may_wait_later && has_boxes && _rank_boxes.areKnown() &&
+                  _phases->launchBoxes(space, surface, _config);
+  if (_awaits_boxes)
+    return;
   if (has_boxes)
     own = _phases->constructBoxes(space, surface, _config);
   if (is_same) // the host has waited for the boxes
@@ -50,6 +55,19 @@ void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& su
   _num_rank_box_exchanges += holds[1] == 0;
 }
 
+void GlobalSearch::finishGhosts(const exec_space& space, const SweptBoxes& surface) {
+  if (!_awaits_boxes)
+    return;
+  _awaits_boxes = false;
+  const OwnRankBoxes own = _phases->readBoxes(space);
+  if (!_check.looksSame(space))
+    checkInput(space, surface, false);
+  if (_rank_boxes.hold(surface, own))
+    return;
+  exchangeRankBoxes(_comm, surface, own, _phases->keepsRankBoxes(), _rank_boxes);
+  ++_num_rank_box_exchanges;
+}
+
 void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same) {
   const Region region("contact::GlobalSearch::checkInput");
   checkSearchConfig(_comm, "GlobalSearch", _config);
@@ -59,9 +77,10 @@ void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface
     _phases->forget(); // a surface that is checked anew is put in order anew
 }
 
-const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface) {
+const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface,
+                                           bool may_wait_later) {
   const Region region("contact::findGhosts");
-  updateRankBoxes(space, surface);
+  updateRankBoxes(space, surface, may_wait_later);
   _phases->findPartnersAndCandidates(space, surface, _rank_boxes);
   _phases->exchangeNodeBoxes(space, _comm, surface, _config);
   _phases->searchLocalFacesAgainstRemoteNodes(space, surface, _config);

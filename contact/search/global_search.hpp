@@ -39,7 +39,15 @@ public:
   // is not finite; InputError for a surface that checkSurface() refuses, at the first call and
   // after forget(), or that has changed without forget(). A change in place of less than a
   // sixteenth of the rows may be noticed up to 15 calls later.
-  const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface);
+  const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface) {
+    return findGhosts(space, surface, false);
+  }
+  // The same in two parts, between which the caller may search for pairs: where the first need not
+  // wait for the device, on one rank, the second does so, and throws what findGhosts() would throw.
+  const GhostFaces& launchGhosts(const exec_space& space, const SweptBoxes& surface) {
+    return findGhosts(space, surface, sizeOf(_comm) == 1);
+  }
+  void finishGhosts(const exec_space& space, const SweptBoxes& surface);
 
   // Collective. Adds the values of each ghost to the nodes of its owner's face: node_values(node of
   // corner j, xyz) += ghost_values(ghost, 3 * j + xyz), for the ghosts of the last findGhosts(), in
@@ -110,7 +118,9 @@ public:
 private:
   friend class LocalSearch;
 
-  void updateRankBoxes(const exec_space& space, const SweptBoxes& surface);
+  const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface,
+                               bool may_wait_later);
+  void updateRankBoxes(const exec_space& space, const SweptBoxes& surface, bool may_wait_later);
   void checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same);
 
   Communicator _comm;
@@ -119,6 +129,7 @@ private:
   SurfaceCheck _check;
   std::unique_ptr<SearchPhases> _phases; // never null
   RankBoxes _rank_boxes; // phase 2
+  bool _awaits_boxes = false; // finishGhosts() reads them
   std::int64_t _num_rank_box_exchanges = 0;
   FaceMigration _migration; // phase 6
   GhostSelection _selection;

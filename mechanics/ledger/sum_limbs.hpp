@@ -5,19 +5,22 @@
 #include "contact/base/fixed_point.hpp"
 #include "contact/base/sum_over.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 namespace brickwall::mechanics {
 
-// Sums of int64 in device memory, kept until Kokkos::finalize() because allocations take longer
-// than a sum.
-inline View<std::int64_t*>& wordsOfSums(int size) {
-  static View<std::int64_t*> words;
+// Sums of int64 in the memory of a device or, for a quick copy, in page-locked memory, kept until
+// Kokkos::finalize() because allocations take longer than a sum.
+template <class Space>
+Kokkos::View<std::int64_t*, Space>& wordsOfSums(int size) {
+  using Words = Kokkos::View<std::int64_t*, Space>;
+  static Words words;
   if (static_cast<int>(words.extent(0)) < size) {
     if (words.extent(0) == 0)
-      Kokkos::push_finalize_hook([] { words = View<std::int64_t*>(); });
-    words = View<std::int64_t*>("mechanics::wordsOfSums", static_cast<std::size_t>(size));
+      Kokkos::push_finalize_hook([] { words = Words(); });
+    words = Words("mechanics::wordsOfSums", static_cast<std::size_t>(size));
   }
   return words;
 }
@@ -135,14 +138,15 @@ LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::i
   LimbSums<N> sums;
   if constexpr (on_device) {
     using Teams = AddLimbsByTeams<N, Functor>;
-    const auto words = Kokkos::subview(wordsOfSums(sums.size()), std::make_pair(0, +sums.size()));
+    const auto range = std::make_pair(0, +sums.size());
+    const auto words = Kokkos::subview(wordsOfSums<memory_space>(sums.size()), range);
+    const auto staged = Kokkos::subview(wordsOfSums<staging_space>(sums.size()), range);
     Kokkos::deep_copy(space, words, 0);
     Kokkos::parallel_for(label, teamPolicy<Teams>(space, n, Teams::teams_at_once),
                          Teams{functor, words});
-    Kokkos::deep_copy(space,
-                      Kokkos::View<std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
-                          sums.data(), static_cast<std::size_t>(sums.size())),
-                      words);
+    Kokkos::deep_copy(space, staged, words);
+    space.fence();
+    std::copy(staged.data(), staged.data() + sums.size(), sums.data());
   } else {
     const std::int64_t pieces = minOf<std::int64_t>(n, concurrency(space));
     Kokkos::parallel_reduce(label, rangePolicy(space, pieces),

@@ -11,6 +11,12 @@ struct NodalState {
   View<double*> mass; // summed over ranks
 };
 
+// The displacement after the next drift, of length `dt`; without rows it is not asked for.
+struct DriftAhead {
+  View<double* [3]> displacement; // [node][xyz], length
+  double dt = 0;
+};
+
 // Force kinds of the ledger; each is a group of 3 columns of NodalForces::values. The columns of
 // bulk viscosity come last and exist only in runs that use it.
 enum ForceKind : int {
@@ -37,6 +43,7 @@ struct NodalForces {
   // false: the columns of this kind are zero. A kernel with an index that is not known when it is
   // compiled copies its arguments in each thread.
   KindFlags acts = {{true, true, true, true}};
+  View<const unsigned char*> may_touch = {}; // [node] 0: no contact acts on it; empty: not known
 
   KOKKOS_INLINE_FUNCTION bool hasKind(int kind) const {
     return 3 * kind < static_cast<int>(values.extent(1));

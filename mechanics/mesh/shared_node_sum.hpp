@@ -55,16 +55,23 @@ public:
 
   // The same for the forces that act, in two parts: kernels that are launched between them run
   // while the messages travel, and must not use these forces. finish() does nothing if none is
-  // under way.
-  void start(const exec_space& space, const NodalForces& forces) {
+  // under way. The forces are complete at `are_complete`, which must outlive the sum: without
+  // partners, kernels wait for it from finish() on.
+  void start(const exec_space& space, const NodalForces& forces, const QueueMark& are_complete) {
     finish(space);
     _forces = ActingForces(forces);
+    _are_complete = &are_complete;
+    if (!partners().empty())
+      are_complete.waitIn(space);
     _is_under_way = true;
     _plan.startSum(space, _forces);
   }
   void finish(const exec_space& space) {
-    if (_is_under_way)
+    if (_is_under_way) {
+      if (partners().empty())
+        _are_complete->waitIn(space);
       _plan.finishSum(space, _forces);
+    }
     _is_under_way = false;
   }
 
@@ -73,6 +80,7 @@ public:
 private:
   ExchangePlan _plan;
   ActingForces _forces; // under way
+  const QueueMark* _are_complete = nullptr;
   bool _is_under_way = false;
 };
 

@@ -86,13 +86,15 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
 
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
-              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes) {
+              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes,
+              const DriftAhead& ahead) {
   const auto launch = [&](auto kinds) {
     return launchKick(space, nodes,
                       KickNode<decltype(kinds)::value>{
                           mesh.reference_coordinates, state.displacement, state.velocity,
                           state.mass, mesh.node_is_owned, forces.values, forces.quantum.value, dt,
-                          boundary.during(drift), scales, test, forces.acts});
+                          boundary.during(drift), scales, test, forces.acts, forces.may_touch,
+                          ahead});
   };
   KickSums sums = static_cast<int>(forces.values.extent(1)) == numForceColumns(true)
                       ? launch(std::integral_constant<int, num_force_kinds>())

@@ -17,6 +17,9 @@ void drift(const exec_space& space, double dt, const NodalState& state);
 // The same for a selection of nodes.
 void drift(const exec_space& space, double dt, const NodalState& state, const NodeSelection& nodes);
 
+// Whether a kick can compute the next drift as well.
+constexpr bool can_drift_ahead = !fills_lanes;
+
 // v^{n+1/2} = v^{n-1/2} + dt (q sum of columns + m g)/m, equation (18), then prescribed components.
 // dt = (dt^- + dt^+)/2, or dt^+/2 for the start from v^0; a dt < 0 takes part of a kick back.
 // Mass-proportional damping adds the force -alpha m (v^{n-1/2} + v^{n+1/2})/2, equation (19),
@@ -27,9 +30,10 @@ KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryCondit
               const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
               const LedgerScales& scales, const SpeedTest& test = {});
 // The same for a selection of nodes. If the others rest, they count as one node in the test of
-// speeds.
+// speeds. With can_drift_ahead, `ahead` receives the displacement after the next drift.
 KickSums kick(const exec_space& space, const HexMesh& mesh, const BoundaryConditions& boundary,
               const TimeSpan& drift, double dt, const NodalForces& forces, const NodalState& state,
-              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes);
+              const LedgerScales& scales, const SpeedTest& test, const NodeSelection& nodes,
+              const DriftAhead& ahead = {});
 
 } // namespace brickwall::mechanics

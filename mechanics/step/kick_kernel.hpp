@@ -138,6 +138,8 @@ struct KickNode {
   LedgerScales scales;
   SpeedTest test;
   KindFlags acts = {{true, true, true, true}}; // NodalForces::acts
+  View<const unsigned char*> may_touch = {}; // NodalForces::may_touch
+  DriftAhead ahead = {}; // where nodes are kicked one by one
 
   // The impulse of mass-proportional damping between two velocities: -dt alpha m (old + v)/2.
   KOKKOS_INLINE_FUNCTION Vec3 dampingImpulse(double m, const Vec3& old, const Vec3& v) const {
@@ -171,12 +173,17 @@ struct KickNode {
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t node, KickSums& sums) const {
     kickByStoredColumns(node, sums);
   }
+  KOKKOS_FORCEINLINE_FUNCTION bool mayTouch(std::int64_t node) const {
+    return may_touch.extent(0) == 0 || may_touch(node) != 0;
+  }
   template <class Sums> // KickSums or a DeviceKickSums
-  KOKKOS_INLINE_FUNCTION void kickByStoredColumns(std::int64_t node, Sums& sums) const {
+  KOKKOS_INLINE_FUNCTION void kickByStoredColumns(std::int64_t node, Sums& sums,
+                                                  bool has_contact = true) const {
     std::int64_t columns[3 * kinds];
     for (int kind = 0; kind < kinds; ++kind)
       for (int i = 0; i < 3; ++i)
-        columns[3 * kind + i] = acts[kind] ? forces(node, 3 * kind + i) : 0;
+        columns[3 * kind + i] =
+            acts[kind] && (kind != contact_force || has_contact) ? forces(node, 3 * kind + i) : 0;
     kickByColumns(node, columns, sums);
   }
 
@@ -209,6 +216,9 @@ struct KickNode {
     constrain(motion, {total[0], total[1], total[2]}, kick, reaction);
     for (int i = 0; i < 3; ++i)
       velocity(node, i) = kick.v[i];
+    if (ahead.displacement.extent(0) > 0)
+      for (int i = 0; i < 3; ++i)
+        ahead.displacement(node, i) = moved[i] + ahead.dt * kick.v[i];
     if (!is_kept)
       return;
     double contact[3] = {};
@@ -348,8 +358,11 @@ struct KickStrided {
   KOKKOS_INLINE_FUNCTION void operator()(std::int64_t first, std::int64_t stride,
                                          Sums& sums) const {
     DeviceKickSums<Sums> mine{sums, scales, {}, {}};
+    bool has_contact = first < num_nodes && node_kick.mayTouch(first);
     for (std::int64_t node = first; node < num_nodes; node += stride) {
-      node_kick.kickByStoredColumns(node, mine);
+      const bool next_has = node_kick.mayTouch(minOf<std::int64_t>(node + stride, num_nodes - 1));
+      node_kick.kickByStoredColumns(node, mine, has_contact);
+      has_contact = next_has;
       if (mine.plain.rows() == mine.plain.max_rows)
         mine.fold();
     }

@@ -6,9 +6,9 @@ namespace brickwall::miniapp {
 MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu) {
   const auto elements = static_cast<double>(size.elements);
   // Nine columns of forces, X, u and v, id, mass, prescribed motion, owner; contact fields of the
-  // output.
-  const double of_nodes =
-      (9 * 8 + 3 * 24 + 8 + 8 + 3 + 1 + 2 * 8) * static_cast<double>(size.nodes);
+  // output. On a GPU the next displacement and whether contact may act.
+  const double of_nodes = (9 * 8 + 3 * 24 + 8 + 8 + 3 + 1 + 2 * 8 + (on_gpu ? 24 + 1 : 0)) *
+                          static_cast<double>(size.nodes);
   // Connectivity, id, block, chunk with its pack, share of the mass; the output's stresses,
   // pressure and energies with a reserve of a quarter; geometry.
   const double of_elements =

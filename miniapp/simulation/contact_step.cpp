@@ -118,15 +118,35 @@ void ContactStep::setSearchTolerance(double tolerance) {
 void ContactStep::findCandidates(bool are_final, const std::function<void()>& meanwhile) {
   _has_forces_of_search = false;
   const Stopwatch time;
-  View<const unsigned char*> stationary;
-  if (are_final) // the host reads the motion after its waits for the search
-    stationary = _enforcement->startMotion(_space, surface());
-  if (_edges)
-    _edges->gatherCoordinates(_space, surface(), stationary);
-  _search.update(_space, surface(), {}, meanwhile, stationary);
+  bool is_measured = false;
+  const auto measure_and_more = [&] {
+    _has_moved.waitIn(_beside);
+    measureSurface(_beside, true);
+    is_measured = true;
+    if (meanwhile)
+      meanwhile();
+  };
+  if (are_final && !host_accessible && _search.margin() == 0) {
+    _search.update(_space, surface(), {}, measure_and_more);
+    if (!is_measured)
+      measure_and_more();
+    _beside.fence(); // the host reads the measures
+  } else {
+    const auto stationary = measureSurface(_space, are_final);
+    _search.update(_space, surface(), {}, meanwhile, stationary);
+  }
   if (_edges)
     _edges->findCandidates(_space);
   _balance.addTime(time.seconds());
+}
+
+View<const unsigned char*> ContactStep::measureSurface(const exec_space& space, bool is_final) {
+  View<const unsigned char*> stationary;
+  if (is_final) // the host reads the motion after its waits for the search
+    stationary = _enforcement->startMotion(space, surface());
+  if (_edges)
+    _edges->gatherCoordinates(space, surface(), stationary);
+  return stationary;
 }
 
 void ContactStep::auditCandidates() {
@@ -188,6 +208,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   _penetration = maxOf(_penetration, maxPenetration(sums));
   if (hasForces())
     sum_forces(_enforcement->forces());
+  shared.finish(_space);
   restoreForces(forces);
   _has_forces_of_search = true;
   _balance.addTime(time.seconds());

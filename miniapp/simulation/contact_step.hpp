@@ -111,6 +111,7 @@ public:
   // The surface after a drift: x^n := x^{n+1}, x^{n+1} := X + `displacement`.
   void moveSurface(const View<const double* [3]>& displacement) {
     _coupling.gatherCoordinates(_space, displacement);
+    _has_moved.set(_space);
   }
   // The same after a drift that replaces the last one: x^n stays.
   void moveSurfaceAgain(const View<const double* [3]>& displacement) {
@@ -213,11 +214,15 @@ private:
   // Lists of the search in these swept boxes [surface node][low xyz, high xyz]; none without rows.
   void searchIn(const View<const double* [6]>& boxes, std::int64_t searches, std::int64_t updates);
   double toleranceFor(double deepest) const;
+  // What enforce() and the search of edges read first; returns Enforcement::startMotion().
+  View<const unsigned char*> measureSurface(const exec_space& space, bool is_final);
 
   Communicator _comm;
   const Config& _config;
   const Scene& _scene;
   exec_space _space;
+  exec_space _beside = queueBeside(_space); // motion and edges are measured beside the search
+  QueueMark _has_moved; // moveSurface()
   double _dt; // reference step at the start
   Quantum _force_quantum;
   LimbScale _energy_scale;

@@ -49,13 +49,22 @@ void Simulation::moveNodes() {
   // Free bricks drift within their sweep, unless the check of the stable step needs the positions
   // earlier.
   _step.free_bricks_have_drifted = _free_bricks.any() && _steps.checksStability(clock().step + 1);
-  if (_step.free_bricks_have_drifted || movingNodes().all || !host_accessible)
-    mechanics::drift(_space, clock().dt, _state);
-  else
-    mechanics::drift(_space, clock().dt, _state, movingNodes());
+  drift();
+  _has_drifted.set(_space);
   if (_contact)
     _contact->moveSurface(_state.displacement);
   _steps.advance();
+}
+
+void Simulation::drift() {
+  const bool is_made = _ahead.dt > 0 && _ahead.dt == clock().dt;
+  _ahead.dt = 0;
+  if (is_made)
+    std::swap(_state.displacement, _ahead.displacement);
+  else if (_step.free_bricks_have_drifted || movingNodes().all || !host_accessible)
+    mechanics::drift(_space, clock().dt, _state);
+  else
+    mechanics::drift(_space, clock().dt, _state, movingNodes());
 }
 
 void Simulation::findContactCandidates() {
@@ -66,7 +75,11 @@ void Simulation::findContactCandidates() {
     _contact->growSearchTolerance(_step.contact);
   std::function<void()> meanwhile;
   if (!host_accessible && !_step.is_guarded) // the positions are final
-    meanwhile = [this] { launchInternalForces(_beside); };
+    meanwhile = [this] {
+      _has_drifted.waitIn(_beside);
+      launchInternalForces(_beside);
+      _has_forces.set(_beside);
+    };
   _contact->findCandidates(!_step.is_guarded, meanwhile);
 }
 
@@ -102,7 +115,7 @@ void Simulation::guardAgainstTunnelling() {
     _steps.restore(_before_drift.clock);
     shortenDrift(_contact->shortenForPair(fastest, dt, clock()));
     _before_drift.clock = clock(); // another round starts from the shortened step
-    mechanics::drift(_space, clock().dt, _state);
+    drift();
     _contact->moveSurfaceAgain(_state.displacement);
     _steps.advance();
     findContactCandidates();
@@ -139,12 +152,10 @@ void Simulation::adaptTimeStep() {
   _steps.shortenIfUnstable(_state.displacement);
 }
 
-// Waits for them if they are under way, launched during the search.
+// They may be under way, launched during the search: kernels that use them wait for _has_forces.
 void Simulation::computeInternalForces() {
   if (!_step.awaits_sums)
-    return launchInternalForces(_space);
-  const Region region("miniapp::computeInternalForces");
-  _beside.fence();
+    launchInternalForces(_space);
 }
 
 void Simulation::launchInternalForces(const exec_space& space) {
@@ -176,6 +187,7 @@ void Simulation::takeSums() {
 void Simulation::limitStepForCompression() {
   if (!(_config.viscosity.quadratic > 0) || _steps.isAtEnd())
     return;
+  _has_forces.waitIn(_space);
   takeSums();
   const double rate = allReduce(_comm, _step.internal.compression_rate, MPI_MAX);
   if (!_steps.allowForCompression(rate))
@@ -197,6 +209,8 @@ void Simulation::addLoads(mechanics::TimeSpan span) {
   acts = false;
   for (const auto& load : _loads) {
     acts = acts || load.acts(span);
+    if (acts)
+      _has_forces.waitIn(_space); // the columns are zeroed with those of the internal forces
     load.launch(_space, _scene.mesh, _state.displacement, span, _forces);
   }
 }
@@ -204,7 +218,7 @@ void Simulation::addLoads(mechanics::TimeSpan span) {
 // Contacts are selected while the sums travel.
 void Simulation::sumSharedNodes() {
   const Region region("miniapp::sumSharedNodes");
-  _shared.start(_space, _forces);
+  _shared.start(_space, _forces, _has_forces);
   if (_observer || !_contact)
     _shared.finish(_space);
 }
@@ -230,9 +244,15 @@ void Simulation::kickVelocities(double dt_kick) {
     _shared.finish(_space);
     _resting.wake(_space, _forces);
     const TunnellingGuard guard = _contact ? _contact->guard() : TunnellingGuard();
+    if (mechanics::can_drift_ahead && !_free_bricks.any()) {
+      if (_ahead.displacement.extent(0) != _state.displacement.extent(0))
+        _ahead.displacement = allocate<View<double* [3]>>(
+            _space, "miniapp::Simulation::displacement_ahead", _state.displacement.extent(0));
+      _ahead.dt = movingNodes().numRuns() > 0 ? clock().dt : 0; // otherwise nothing is kicked
+    }
     _step.kick =
         mechanics::kick(_space, _scene.mesh, _boundary, next_drift, dt_kick, _forces, _state,
-                        _scales, guard.speedTest(_ledger.meanVelocity()), movingNodes());
+                        _scales, guard.speedTest(_ledger.meanVelocity()), movingNodes(), _ahead);
     takeSums();
     if (_contact)
       _contact->completeSums(_step.contact);
@@ -292,6 +312,7 @@ void Simulation::bookEnergies() {
 // with its forces; only those of contact remain. Forces that failed were never added, so the others
 // are finite.
 void Simulation::stepBack() {
+  _ahead.dt = 0;
   const double dt = clock().dt_before;
   undoKickAndDrift(_space, _scene.mesh, _boundary, {clock().time - dt, clock().time},
                    clock().kickLength(), dt, forces(), _state);

@@ -140,6 +140,7 @@ private:
   void finish(StepPart part) const;
   void saveStateForGuard();
   void shortenDrift(double longest);
+  void drift();
   void launchInternalForces(const exec_space& space);
   void stepFreeBricks(double dt_kick, const mechanics::TimeSpan& next_drift);
   void stepBack();
@@ -171,10 +172,12 @@ private:
   mechanics::LedgerScales _scales;
   mechanics::EnergyLedger _ledger;
 
+  QueueMark _has_drifted, _has_forces; // in _space; of the internal forces in _beside
   StepState _step;
   StepObserver _observer; // or empty
   Requests _requests; // of this rank
   StateBeforeDrift _before_drift;
+  mechanics::DriftAhead _ahead; // made by the last kick, unless its length is 0
   std::int64_t _guarded_steps = 0;
   std::int64_t _skipped_element_steps = 0; // of bodies at rest, on this rank
 };

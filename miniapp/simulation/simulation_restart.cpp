@@ -53,6 +53,7 @@ SimulationRestart Simulation::restartData() const {
 }
 
 void Simulation::restore(const SimulationRestart& data) {
+  _ahead.dt = 0;
   setRows(_state.displacement, data.displacement);
   setRows(_state.velocity, data.velocity);
   if (data.keeps_forces)

@@ -254,6 +254,16 @@ void EdgeContact::addToNodes(const exec_space& space, const ContactForces& value
     addCorners(space, _touched.list(), _corner_to_node, values.nodes, nodes);
 }
 
+void EdgeContact::markTouched(const exec_space& space, const View<unsigned char*>& marks) const {
+  if (canSkipCorrection() || !_set.hasForces())
+    return;
+  const NodeList list = _touched.list();
+  const auto corner_to_node = _corner_to_node;
+  Kokkos::parallel_for(
+      "contact::EdgeContact::markTouched", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) { marks(corner_to_node(list(i))) = 1; });
+}
+
 void EdgeContact::proposeChanges(const exec_space& space, const StepLengths& steps,
                                  const View<double* [3]>& node_accelerations,
                                  const View<const unsigned char*>& node_has_changed) {

@@ -61,6 +61,8 @@ public:
     return !canSkipCorrection() && _set.hasProposals(space);
   }
   void collectProposals(const exec_space& space, const View<std::int64_t* [3]>& nodes);
+  // marks [surface node] = 1 at the nodes to which collectForces() and collectProposals() add.
+  void markTouched(const exec_space& space, const View<unsigned char*>& marks) const;
   void correctForces(const exec_space& space, const StepLengths& steps,
                      const View<double* [3]>& node_responses);
   void sendNotes(const exec_space& space) {

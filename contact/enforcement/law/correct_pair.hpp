@@ -27,6 +27,7 @@ struct CorrectPair {
   NodeVectors responses;
   double dt, next_dt; // lengths of the drifts before and after the kick, time
   double friction_limit; // mu
+  View<unsigned char*> marks = {}; // [surface node] set to 1 where the pass adds; or empty
 
   struct Correction {
     double force, damping;
@@ -80,6 +81,16 @@ struct CorrectPair {
     }
   }
 
+  // Marks the nodes of a pair with an own face.
+  KOKKOS_FORCEINLINE_FUNCTION void mark(const Interaction& pair) const {
+    if (marks.extent(0) == 0 || !faces.isOwn(pair.face_index))
+      return;
+    const unsigned char set = 1;
+    storeShared(marks(pair.point.node[0]), set);
+    storeShared(marks(pair.point.node[1]), set);
+    for (int j = 0; j < 4; ++j)
+      storeShared(marks(faces.surface.face_to_nodes(pair.face_index, j)), set);
+  }
   KOKKOS_FORCEINLINE_FUNCTION static bool isChange(double change, double of) {
     return !(std::fabs(change) <= least_change * std::fabs(of)); // also if it is NaN
   }

@@ -140,6 +140,8 @@ correctSprings(const ContactHistory& pairs, const PairOf& pairOf, const CorrectP
         pairs.interactions.setMember(number, &Interaction::damping, corrected.damping[lane]);
         add.add(pair, corrected.change, 1, lane);
       }
+      if (changes)
+        correct.mark(pair);
       num_changed += changes;
     }
   }

@@ -113,6 +113,8 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
   const CorrectPair::Correction corrected = correct.correctionOf(pairs, i);
   const bool changes = corrected.changes(pair);
   corrections.changed += changes;
+  if (changes)
+    correct.mark(pair);
   if (correct.isProposal()) {
     is_corrected(i) = changes;
     if (changes)
@@ -134,6 +136,21 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
     corrections.invalid += did_fit; // otherwise it has been counted before
 }
 
+// Where pairs are taken one by one, the first pass lists those that are to change for the second.
+// Few pairs are looked at again sooner than listed.
+struct CorrectedList {
+  static constexpr std::int64_t least_pairs = 1 << 18;
+  static constexpr int num_counts = 3; // taken in turn: a pass adds to one and empties the next
+  View<int*> numbers; // [place] of interactions
+  View<std::int64_t[num_counts]> counts;
+  int turn = 0;
+
+  KOKKOS_INLINE_FUNCTION void emptyNext() const { counts((turn + 1) % num_counts) = 0; }
+  KOKKOS_INLINE_FUNCTION void add(std::int64_t number) const {
+    numbers(reservePlaces(&counts(turn), 1)) = static_cast<int>(number);
+  }
+};
+
 // A pass over all interactions. The first lists those that `has_changed` asks for, or all if it is
 // empty, and flags which are to change; the second takes these. Kernel functor, for pairs_at_once.
 struct CorrectAll {
@@ -144,11 +161,13 @@ struct CorrectAll {
   View<unsigned char*> is_corrected;
   std::int64_t pass; // number of the first one
   View<CorrectionNotes> notes;
+  CorrectedList list = {};
+  std::int64_t num_threads = 0; // of the second pass over a list, otherwise 0
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t part) const {
     Corrections corrections;
     if constexpr (pairs_at_once == 1)
-      correctListed(part, corrections);
+      correctSingly(part, corrections);
     else
       correctListed(part * pairs_at_once, minOf((part + 1) * pairs_at_once, pairs.count),
                     corrections);
@@ -161,10 +180,22 @@ private:
     return lists_all || is_corrected(i) ||
            (correct.isProposal() && hasChanged(pairs.interactions(i), correct.faces, has_changed));
   }
-  // One interaction.
+  // One interaction, or every num_threads-th of the list.
+  KOKKOS_INLINE_FUNCTION void correctSingly(std::int64_t i, Corrections& corrections) const {
+    if (correct.isProposal() && i == 0)
+      list.emptyNext();
+    const std::int64_t own = i;
+    const bool takes_list = num_threads > 0;
+    const std::int64_t end = takes_list ? list.counts(list.turn) : pairs.count;
+    for (; i < end; i += takes_list ? num_threads : pairs.count) {
+      const std::int64_t number = takes_list ? list.numbers(i) : i;
+      if (takes_list || isListed(number))
+        correctListed(number, corrections);
+    }
+    if (correct.isProposal() && corrections.changed > 0 && pairs.count >= list.least_pairs)
+      list.add(own);
+  }
   KOKKOS_INLINE_FUNCTION void correctListed(std::int64_t i, Corrections& corrections) const {
-    if (!isListed(i))
-      return;
     const Interaction& pair = pairs.interactions(i);
     startLoads();
     const auto pairOf = [&](std::int64_t) -> const Interaction& { return pair; };
@@ -209,10 +240,17 @@ private:
   }
 };
 
-void correctAll(const exec_space& space, const CorrectAll& functor) {
-  Kokkos::parallel_for(functor.correct.isProposal() ? "contact::proposeChanges"
-                                                    : "contact::correctForces",
-                       CorrectionPolicy(space, 0, numParts(functor.pairs.count)), functor);
+void correctAll(const exec_space& space, CorrectAll functor) {
+  const bool is_first = functor.correct.isProposal();
+  std::int64_t num_parts = numParts(functor.pairs.count);
+  if (pairs_at_once == 1 && is_first) {
+    num_parts = maxOf<std::int64_t>(num_parts, 1); // one empties the next list
+  } else if (pairs_at_once == 1 && functor.pairs.count >= CorrectedList::least_pairs) {
+    num_parts = maxOf(1, concurrency(space) / 2048 * 192); // six warps of each multiprocessor
+    functor.num_threads = num_parts;
+  }
+  Kokkos::parallel_for(is_first ? "contact::proposeChanges" : "contact::correctForces",
+                       CorrectionPolicy(space, 0, num_parts), functor);
 }
 
 } // namespace
@@ -221,6 +259,7 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                                const SweptBoxes& surface, int num_nodes, int face_corners,
                                const EnforcementConfig& config, const Quantum& quantum)
     : _config(config), _quantum(quantum), _face_corners(face_corners),
+      _corrected(label + "::corrected", 0), _num_corrected(label + "::num_corrected"),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
       _counts(label + "::counts", 4), _next_count(_counts.data()), _sums(label + "::sums"),
@@ -286,31 +325,38 @@ void InteractionSet::selectNone(const exec_space& space, const FaceAccess& faces
 
 void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& faces,
                                     const StepLengths& steps, const NodeVectors& accelerations,
-                                    const View<const unsigned char*>& has_changed) {
+                                    const View<const unsigned char*>& has_changed,
+                                    const View<unsigned char*>& marks) {
   growTo(space, _is_corrected, _next.interactions.size());
+  if (pairs_at_once == 1)
+    growTo(space, _corrected, _next.interactions.size());
   growTo(space, _proposals.ghost_corners, faces.ghosts.count);
   zeroRows(space, "contact::zeroProposals", _proposals.ghost_corners, faces.ghosts.count);
   PairForces add = pairForces(space, faces);
   add.target = _proposals;
   correctAll(space, {_next,
                      add,
-                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction},
+                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction, marks},
                      has_changed,
                      _is_corrected,
                      ++_num_proposing,
-                     _notes});
+                     _notes,
+                     {_corrected, _num_corrected, turn()}});
 }
 
 void InteractionSet::correctForces(const exec_space& space, const FaceAccess& faces,
                                    const StepLengths& steps, const NodeVectors& accelerations,
-                                   const NodeVectors& responses) {
-  correctAll(space, {_next,
-                     pairForces(space, faces),
-                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction},
-                     {},
-                     _is_corrected,
-                     _num_proposing,
-                     _notes});
+                                   const NodeVectors& responses,
+                                   const View<unsigned char*>& marks) {
+  correctAll(space,
+             {_next,
+              pairForces(space, faces),
+              {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction, marks},
+              {},
+              _is_corrected,
+              _num_proposing,
+              _notes,
+              {_corrected, _num_corrected, turn()}});
 }
 
 bool InteractionSet::hasProposals(const exec_space& space) {

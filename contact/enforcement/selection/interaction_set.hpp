@@ -57,12 +57,15 @@ public:
   // proposals(), which must be zero. The second makes these changes and updates forces(). Neither
   // waits for the device.
   // `has_changed` [surface node], in rounds after the first: accelerations that have changed since
-  // the last round. A pair is skipped if neither these nor the last round changed it.
+  // the last round, or more. A pair is skipped if neither these nor the last round changed it.
+  // `marks` [surface node], if given, is set to 1 at the nodes to which the pass adds.
   void proposeChanges(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
                       const NodeVectors& accelerations,
-                      const View<const unsigned char*>& has_changed);
+                      const View<const unsigned char*>& has_changed,
+                      const View<unsigned char*>& marks = {});
   void correctForces(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
-                     const NodeVectors& accelerations, const NodeVectors& responses);
+                     const NodeVectors& accelerations, const NodeVectors& responses,
+                     const View<unsigned char*>& marks = {});
   const ContactForces& proposals() const { return _proposals; }
   // Whether the last proposeChanges() proposed any. Waits for the device.
   bool hasProposals(const exec_space& space);
@@ -107,6 +110,7 @@ private:
   // Zeroes what the kernels of a step count and add to.
   void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
+  int turn() const { return static_cast<int>(_num_proposing % 3); } // of _num_corrected
   // Memory for the interactions of a step, and for the contacts of its crowded rows.
   bool hasRoomFor(const ContactSums& sums) const;
   void makeRoom(const exec_space& space, std::int64_t interactions, std::int64_t crowded);
@@ -115,6 +119,8 @@ private:
   Quantum _quantum;
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
+  View<int*> _corrected; // [place] those of this round, on devices
+  View<std::int64_t[3]> _num_corrected;
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t*> _counts; // the memory of those below, which are zeroed together
   View<std::int64_t> _next_count;

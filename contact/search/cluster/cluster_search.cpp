@@ -10,6 +10,18 @@ OwnRankBoxes ClusterSearch::constructBoxes(const exec_space& space, const SweptB
   return _clusters.rankBoxes();
 }
 
+bool ClusterSearch::launchBoxes(const exec_space& space, const SweptBoxes& surface,
+                                const SearchConfig& config) {
+  if (!fills_lanes)
+    _clusters.launchUpdate(space, surface, config);
+  return !fills_lanes;
+}
+
+OwnRankBoxes ClusterSearch::readBoxes(const exec_space& space) {
+  _clusters.readRankBoxes(space);
+  return _clusters.rankBoxes();
+}
+
 void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes&,
                                               const RankBoxes& rank_boxes) {
   contact::findPartnersAndCandidates(space, _clusters, rank_boxes, _candidates);

@@ -15,6 +15,9 @@ class ClusterSearch final : public SearchPhases {
 public:
   OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                               const SearchConfig& config) override;
+  bool launchBoxes(const exec_space& space, const SweptBoxes& surface,
+                   const SearchConfig& config) override;
+  OwnRankBoxes readBoxes(const exec_space& space) override;
   void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                  const RankBoxes& rank_boxes) override;
   void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,

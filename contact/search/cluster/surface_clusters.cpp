@@ -90,8 +90,8 @@ void SurfaceClusters::noteSearch(std::int64_t num_blocks) {
     orderAgain();
 }
 
-void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
-                             const SearchConfig& config) {
+void SurfaceClusters::launchUpdate(const exec_space& space, const SweptBoxes& surface,
+                                   const SearchConfig& config) {
   const Region region("contact::constructBoxes");
   const bool same_bounds = config.node_tolerance == config.face_tolerance;
   if (!_is_ordered || isNew(surface) || same_bounds != _same_bounds)
@@ -113,18 +113,22 @@ void SurfaceClusters::update(const exec_space& space, const SweptBoxes& surface,
                          config.face_tolerance,
                          surface.num_nodes,
                          _same_bounds};
-  RefitSums sums;
+  _sums = RefitSums();
   {
     const Region timer("contact::search::node_boxes");
-    Refit::refitNodes(space, input, _scratch, sums);
+    Refit::refitNodes(space, input, _scratch, _sums);
   }
   const Region timer("contact::search::face_boxes");
-  Refit::refitFaces(space, input, _scratch, sums);
-  Refit::refitUpperLevels(space, _forest, sums);
-  _rank_boxes.node_box = boxAround(sums.owned_nodes, _order.origin);
-  _rank_boxes.face_box = boxAround(sums.faces, _order.origin);
-  _rank_boxes.num_invalid = sums.num_invalid;
-  _rank_boxes.first_invalid = sums.first_invalid;
+  Refit::refitFaces(space, input, _scratch, _sums);
+  Refit::refitUpperLevels(space, _forest, _sums);
+}
+
+void SurfaceClusters::readRankBoxes(const exec_space& space) {
+  Refit::read(space, _scratch, _sums);
+  _rank_boxes.node_box = boxAround(_sums.owned_nodes, _order.origin);
+  _rank_boxes.face_box = boxAround(_sums.faces, _order.origin);
+  _rank_boxes.num_invalid = _sums.num_invalid;
+  _rank_boxes.first_invalid = _sums.first_invalid;
 }
 
 } // namespace brickwall::contact

@@ -13,7 +13,14 @@ public:
   // Phase 1. Orders the surface if it is new (sizes or Views differ from those of the last call) or
   // to be ordered again, then refits all boxes. Not collective. Nodes that are not finite are
   // counted; their faces have no box.
-  void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
+  void update(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config) {
+    launchUpdate(space, surface, config);
+    readRankBoxes(space);
+  }
+  // The same in two parts: the boxes are complete for kernels launched after the first, and
+  // rankBoxes() after the second, which waits for the device.
+  void launchUpdate(const exec_space& space, const SweptBoxes& surface, const SearchConfig& config);
+  void readRankBoxes(const exec_space& space);
 
   // To be called when something of the surface besides its coordinates has changed in place, or
   // when unmanaged Views have been reallocated.
@@ -53,6 +60,7 @@ private:
   View<float*> _node_bounds{"contact::SurfaceClusters::node_bounds", 0};
   View<float*> _cluster_bounds{"contact::SurfaceClusters::cluster_bounds", 0};
   RefitScratch _scratch;
+  RefitSums _sums;
   OwnRankBoxes _rank_boxes;
   std::int64_t _blocks_when_ordered = 0; // tested by the first search in this order
   std::int64_t _num_orderings = 0;

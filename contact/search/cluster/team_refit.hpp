@@ -244,7 +244,7 @@ struct RefitTop {
 };
 
 struct TeamRefit {
-  // Launches the kernel of the nodes; refitFaces() waits for it.
+  // Launches the kernel of the nodes.
   template <class Input>
   static void refitNodes(const exec_space& space, const Input& input, RefitScratch& scratch,
                          RefitSums&) {
@@ -258,9 +258,10 @@ struct TeamRefit {
     launch(space, "contact::SurfaceClusters::nodes", teams, vector_lanes, RefitNodes::team_scratch,
            sizeof(RefitNodes::Scratch), RefitNodes{input, scratch.node_sums});
   }
+  // Launches the others; read() waits for the sums.
   template <class Input>
   static void refitFaces(const exec_space& space, const Input& input, RefitScratch& scratch,
-                         RefitSums& sums) {
+                         RefitSums&) {
     const BoxTree& tree = input.tree;
     const int tiles = (tree.num_items + RefitTile::faces - 1) / RefitTile::faces;
     launch(space, "contact::SurfaceClusters::faces", tiles, 1,
@@ -270,10 +271,12 @@ struct TeamRefit {
            RefitTop::num_parts * sizeof(RefitSums) + alignof(RefitSums), 0,
            RefitTop{tree, scratch.node_sums, scratch.num_node_sums, scratch.sums});
     Kokkos::deep_copy(space, scratch.host_sums, scratch.sums);
+  }
+  static void refitUpperLevels(const exec_space&, BoxForest&, RefitSums&) {}
+  static void read(const exec_space& space, const RefitScratch& scratch, RefitSums& sums) {
     space.fence();
     sums = scratch.host_sums();
   }
-  static void refitUpperLevels(const exec_space&, BoxForest&, RefitSums&) {}
 
 private:
   template <class Kernel>

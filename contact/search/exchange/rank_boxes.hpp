@@ -38,6 +38,7 @@ struct RankBoxes {
   // Whether what this rank has sent still holds: its boxes contain the present ones, which are
   // finite, and faces have as many attributes.
   bool hold(const SweptBoxes& surface, const OwnRankBoxes& own) const;
+  bool areKnown() const { return _are_known; } // from an exchange
 
 private:
   friend void exchangeRankBoxes(MPI_Comm, const SweptBoxes&, const OwnRankBoxes&, bool, RankBoxes&);

@@ -23,6 +23,12 @@ public:
   // decide together in phase 2.
   virtual OwnRankBoxes constructBoxes(const exec_space& space, const SweptBoxes& surface,
                                       const SearchConfig& config) = 0;
+  // The same in two parts, of which the second waits for the device; kernels may use the boxes
+  // after the first. False, without effect, if the method constructs boxes at once.
+  virtual bool launchBoxes(const exec_space&, const SweptBoxes&, const SearchConfig&) {
+    return false;
+  }
+  virtual OwnRankBoxes readBoxes(const exec_space&) { return {}; }
   // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces
   // that may be ghosted (L_gfs). Rank r is in Q_snd of q if and only if q is in Q_rcv of r, since
   // both compare the same rank boxes. Not collective.

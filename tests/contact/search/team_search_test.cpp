@@ -79,6 +79,7 @@ TEST(TeamSearch, BoxesHaveTheBitsOfThoseOfHosts) {
     RefitSums sums;
     TeamRefit::refitNodes(space, input, scratch, sums);
     TeamRefit::refitFaces(space, input, scratch, sums);
+    TeamRefit::read(space, scratch, sums);
     const bool is_same = config.node_tolerance == config.face_tolerance;
     ASSERT_TRUE(
         sameBits((is_same ? corners : nodes).data(), clusters.nodeBounds().data(), num_floats))

@@ -26,6 +26,20 @@ void setRandomly(Solver& solver) {
   Kokkos::deep_copy(solver.state.velocity, velocity);
 }
 
+// [node] 1 where contact acts.
+View<unsigned char*> flagsOfContact(const Solver& solver) {
+  const auto forces = toHost(solver.forces.values);
+  const int num_nodes = solver.blocks.mesh.num_nodes;
+  const View<unsigned char*> flags("test::flags_of_contact", num_nodes);
+  const auto host_flags = Kokkos::create_mirror_view(flags);
+  for (int node = 0; node < num_nodes; ++node)
+    for (int i = 0; i < 3; ++i)
+      if (forces(node, 3 * contact_force + i) != 0)
+        host_flags(node) = 1;
+  Kokkos::deep_copy(flags, host_flags);
+  return flags;
+}
+
 template <int kinds>
 void compareWithNodes(Solver& solver) {
   setRandomly(solver);
@@ -63,6 +77,8 @@ void compareWithNodes(Solver& solver) {
 
   Kokkos::deep_copy(velocity, before);
   kickNode.acts = solver.forces.acts;
+  kickNode.may_touch = flagsOfContact(solver);
+  kickNode.ahead = {View<double* [3]>("test::ahead", mesh.num_nodes), 0.5 * dt};
   KickSums strided =
       sumStrided<num_kick_terms, true>("test::kickStrided", solver.space, mesh.num_nodes,
                                        KickStrided<kinds>(kickNode, mesh.num_nodes));
@@ -70,9 +86,14 @@ void compareWithNodes(Solver& solver) {
   for (int k = 0; k < KickSums::size(); ++k)
     EXPECT_EQ(strided.data()[k], expected.data()[k]) << "limb " << k;
   const auto by_stride = toHost(velocity);
+  drift(solver.space, 0.5 * dt, solver.state);
+  const auto ahead = toHost(kickNode.ahead.displacement);
+  const auto drifted = toHost(solver.state.displacement);
   for (int node = 0; node < mesh.num_nodes; ++node)
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(by_stride(node, i), by_packs(node, i)) << "node " << node;
+      EXPECT_EQ(ahead(node, i), drifted(node, i)) << "node " << node;
+    }
 }
 
 Solver makeSolver() {
