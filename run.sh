@@ -130,6 +130,7 @@ while [[ $# -gt 0 ]]; do
       value_of "${1%%=*}" "${1#*=}"
       set -- "${1%%=*}" "${1#*=}" "${@:2}"
       ;;
+    -[nt][0-9]*) set -- "${1:0:2}" "${1:2}" "${@:2}" ;; # -n2 is -n 2
     --preset) value_of "$@"; preset=$2; shift 2 ;;
     --program) value_of "$@"; program=$2; shift 2 ;;
     --no-picture) picture=no; shift ;;

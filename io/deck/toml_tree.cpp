@@ -1,7 +1,9 @@
 // Reads TOML with toml11 3.7.1 and corrects its known faults: numbers that are too large are
 // recognised by their spelling, members keep the order of the text, and syntax errors become a
-// position and two short sentences.
+// position and two short sentences (`syntax_sentences.cpp`).
 #include "io/deck/toml_tree.hpp"
+
+#include "io/deck/syntax_sentences.hpp"
 
 #include <toml.hpp>
 
@@ -197,23 +199,6 @@ std::string withoutFunctionName(std::string sentence) {
   return sentence.empty() ? "invalid TOML" : sentence;
 }
 
-// `found` is the message of toml11, `remark` its note at the place: the value that it expected, or
-// more of the value found.
-TomlSyntaxError toSyntaxError(const Position& at, std::string found, std::string remark) {
-  if (found == "the next token is not a valid string")
-    found = "a text that does not end on its line or has an unknown escape";
-  if (found == "an invalid key appeared")
-    found = "an invalid key";
-  while (!remark.empty() && remark.back() == '.')
-    remark.pop_back();
-  if (remark.empty() || remark == "here" || remark == "is not a valid key")
-    return TomlSyntaxError(at, found, "");
-  for (const std::string begin : {"expected ", "should be "})
-    if (remark.compare(0, begin.size(), begin) == 0)
-      return TomlSyntaxError(at, found, remark.substr(begin.size()));
-  return TomlSyntaxError(at, found + " (" + remark + ")", "");
-}
-
 // A message of toml11 holds its excerpts as " 12 | the line", each followed by a line of marks and
 // a remark. The last of them that is a line of the text is the place; the exception's own location
 // may be that of a part of it.
@@ -242,7 +227,7 @@ TomlSyntaxError readMessage(const std::string& message, const std::vector<std::s
     const std::size_t words = marks.find_first_not_of("^~- ", mark);
     remark = words == std::string::npos ? "" : marks.substr(words);
   }
-  return toSyntaxError(at, withoutFunctionName(parts.front()), remark);
+  return syntaxErrorInWords(at, withoutFunctionName(parts.front()), remark);
 }
 
 toml::value parseText(const std::string& text) {

@@ -168,8 +168,11 @@ std::int64_t classicFileBytes(const std::string& path) {
 
 void checkNotTruncated(const std::string& path) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error))
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (is_directory(status))
     throw InputError(path + ": is a folder, not a mesh file");
+  if (exists(status) && !is_regular_file(status)) // reading from a pipe may never end
+    throw InputError(path + ": is a pipe or a device, not a mesh file");
   const std::int64_t needed = classicFileBytes(path);
   const auto found = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   if (!error && found < needed)

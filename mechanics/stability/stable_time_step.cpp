@@ -266,14 +266,27 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
   return stable;
 }
 
+namespace {
+
+constexpr double largest_mass_fraction = 0.99; // a tenth of the step is left
+
+// The number of contacts that act on a node's mass along one direction: two passes; crossing edges
+// add half a node's stiffness.
+double contactsOnMass(bool edges) {
+  return edges ? 2.55 : 2.05;
+}
+
+} // namespace
+
 double contactMassFraction(double penalty, double damping, bool edges) {
   // In terms of forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) at
-  // v^{n-1/2}. mult is the number of contacts that act on a node's mass along one direction.
-  const double mult = edges ? 2.55 : 2.05; // two passes; crossing edges add half a node's stiffness
-  constexpr double most = 0.99; // a tenth of the step is left
+  // v^{n-1/2}.
+  const double mult = contactsOnMass(edges);
+  constexpr double most = largest_mass_fraction;
   if (!(penalty > 0 && 0.25 * mult * penalty < most))
     throw InputError("found contact.penalty = " + std::to_string(penalty) +
-                     ", expected a value above 0 and below " + std::to_string(4 * most / mult) +
+                     ", expected a value above 0 and below " +
+                     std::to_string(largestPenalty(0, edges)) +
                      (edges ? "; contact.edges = false allows more" : ""));
   if (!(damping >= 0))
     throw InputError("found contact.damping = " + std::to_string(damping) +
@@ -286,6 +299,10 @@ double contactMassFraction(double penalty, double damping, bool edges) {
                      std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
                      " is needed");
   return load;
+}
+
+double largestPenalty(double damping, bool edges) {
+  return penaltyForMassFraction(4 * largest_mass_fraction / contactsOnMass(edges), damping);
 }
 
 double penaltyForMassFraction(double undamped, double damping) {

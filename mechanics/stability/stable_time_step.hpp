@@ -82,6 +82,8 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
 // and acts at right angles to the normal one. Throws InputError unless s >= 0, zeta >= 0 and a <=
 // 0.99.
 double contactMassFraction(double penalty, double damping = 0, bool edges = false);
+// The penalty at which that fraction is 0.99: penalties must be below.
+double largestPenalty(double damping, bool edges);
 // The penalty that gives, with this damping, the mass fraction of `undamped` alone.
 double penaltyForMassFraction(double undamped, double damping);
 

@@ -46,7 +46,8 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
       .atMost(1);
   keys.add("damping", contact.damping,
            "damping of a contact over its critical damping; 0: elastic contact")
-      .atLeast(0);
+      .atLeast(0)
+      .atMost(1e6); // with more, the default penalty would be rounded to 0
   keys.add("edges", contact.edges, "whether edges touch edges too, beside nodes and faces");
   keys.add("self", contact.self,
            "contact of a body with itself; auto: never for walls, always for Exodus meshes");
@@ -167,6 +168,14 @@ void readMethods(io::Deck& deck, Config& config) {
   if (!deck.has("contact", "penalty")) {
     contact.penalty = mechanics::penaltyForMassFraction(contact.penalty, contact.damping);
     deck.assignReal("contact", "penalty", contact.penalty);
+  } else if (contact.enabled && deck.isGood("contact", "penalty") &&
+             deck.isGood("contact", "damping")) {
+    const double most = mechanics::largestPenalty(contact.damping, contact.edges);
+    if (!(contact.penalty < most))
+      deck.complain("contact", "penalty", "a penalty that leaves no stable step of use",
+                    "a value below " + std::to_string(most) +
+                        (contact.damping > 0 ? " with this contact.damping" : "") +
+                        (contact.edges ? "; contact.edges = false allows more" : ""));
   }
   readBlock(deck, "search", searchKeys, config.search);
   readBlock(deck, "search.reuse", reuseKeys, config.search);

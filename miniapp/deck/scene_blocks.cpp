@@ -95,8 +95,10 @@ MeshConfig readMesh(Deck& deck) {
   readBlock(deck, "mesh", meshKeys, mesh);
   if (!deck.isGood("mesh", "file"))
     return mesh;
-  if (mesh.file.empty())
+  if (mesh.file.empty()) {
     deck.complain("mesh", "file", "an empty path", "the path of an Exodus file");
+    return mesh;
+  }
   const fs::path given = mesh.file, folder = fs::path(deck.path()).parent_path();
   mesh.file =
       fs::absolute(given.is_absolute() ? given : folder / given).lexically_normal().string();

@@ -30,6 +30,10 @@ if /usr/bin/python3 -c 'import netCDF4, matplotlib' 2>/dev/null; then
   [[ -s out/one_brick/one_brick.png ]] || fail "no picture"
 fi
 
+# Numbers of ranks and threads may follow their letters without a blank.
+expect 0 mesh "$inputs/one_brick.toml" -n2 -t1 -o without_blank
+[[ -s without_blank/one_brick.exo.2.1 ]] || fail "-n2 is not two ranks"
+
 # One rank in the same folder removes the rank files of the earlier run; -o names another folder.
 expect 0 "$inputs/one_brick.toml" --steps 20 --no-picture
 [[ ! -e out/one_brick/one_brick.exo.2.0 ]] || fail "rank files of an earlier run are still there"

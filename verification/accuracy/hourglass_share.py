@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The hourglass share of the default wall beside that of finer solutions on the same mesh:
-`python3 verification/accuracy/hourglass_share.py [--fine N]` (1 minute; 6 with --fine 32).
+`/usr/bin/python3 verification/accuracy/hourglass_share.py [--fine N]` (1 minute; 6 with --fine 32).
 
 The default wall runs with 4, 8, ... N elements along a brick (16) until 1.5 ms. The displacements of
 each finer run at the nodes of a coarser mesh are a nearly exact solution on that mesh; the elements'

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the areas of flush joints cost in enforcement: `python3 verification/accuracy/joint_cost.py
+"""What the areas of flush joints cost in enforcement: `/usr/bin/python3 verification/accuracy/joint_cost.py
 [--turns N]` (1 minute; needs a machine with nothing else running).
 
 Two blocks of case V6 with 36 x 36 and 48 x 48 elements at the joint and 4 layers, pressed together;

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Frequencies of the one-point element of this code beside those of other elements on meshes of
-boxes, by dense eigenvalue solutions: `python3 verification/accuracy/other_elements.py` (20 s). A second
+boxes, by dense eigenvalue solutions: `/usr/bin/python3 verification/accuracy/other_elements.py` (20 s). A second
 table separates the error of the cantilever's mass from that of its stiffness, a third one those of the
 free brick.
 

@@ -194,11 +194,12 @@ TEST(Deck, ReportsMissingBlocks) {
 
 TEST(Deck, StopsAtASyntaxError) {
   EXPECT_CONTAINS(faultsOf(good + "gap = \n"),
-                  "a.toml:4: found missing value after key-value separator '='");
+                  "a.toml:4: found no value after =, expected a number, true, false, a text");
   EXPECT_CONTAINS(faultsOf("[wall]\nbricks = [2, 1\n\ngap = 1\n"),
-                  "a.toml:4: found missing array separator `,` after a value, expected `,`\n");
+                  "a.toml:4: found no comma after a value in a list, expected a comma or ]\n");
   EXPECT_CONTAINS(faultsOf("[wall]\ngap = 1.0\ngap = 2.0\n"),
-                  "a.toml:3: found value (\"gap\") already exists (value defined twice)\n");
+                  "a.toml:3: found value (\"gap\") already exists (value defined twice), "
+                  "expected each key once\n");
   EXPECT_CONTAINS(faultsOf("[wall]\ngap = 1.0\n[time]\n[wall]\n\n\n"),
                   "a.toml:4: found table (\"wall\") already exists");
   EXPECT_CONTAINS(faultsOf("[wall]\ngap = 1979-99-99\n"), "a.toml:2: found invalid date");
@@ -207,6 +208,30 @@ TEST(Deck, StopsAtASyntaxError) {
                   "a.toml:2: found brackets nested too deeply");
   EXPECT_CONTAINS(faultsOf("x = \"\"\"\n\"\"\"\ny = " + std::string(100000, '[') + "\n"),
                   "a.toml:3: found brackets nested too deeply");
+}
+
+// Each syntax error says what to write instead.
+TEST(Deck, SaysWhatItExpectedAtEachSyntaxError) {
+  const std::pair<std::string, std::string> lines[] = {
+      {"gap = 2.0 m", "found 'm' after a value, expected the end of the line, or # and a comment"},
+      {"gap = 2,0", "found ',' after a value, expected the end of the line"},
+      {"gap = 02", "found bad integer: leading zero, expected digits only, such as 1000 or 1_000"},
+      {"gap = 2.", "expected digits before and after the point, such as 2.0"},
+      {"gap: 2", "found no = after a key, expected key = value"},
+      {" = 2", "found no key before =, expected key = value"},
+      {"gap = yes", "found a value of no known kind, expected a number, true, false, a text in"},
+      {"ends = flush", "found a word without quotation marks, expected true, false or a text"},
+      {"ends = 'flush\"", "does not end on its line, expected a quotation mark ' at its end"},
+      {"ends = \"C:\\dir\"", "expected a quotation mark at its end, and \\\\ for a backslash"},
+      {"bricks = [2,, 1]",
+       "found no value at this place of a list, expected a value after each comma"},
+      {"[time", "found an invalid key, expected key = value, [table] or [[table]]"},
+      {"[time]]", "found more after the name of a table, expected [table] or [[table]] on a line"},
+      {"[wall]",
+       "found table (\"wall\") already exists (table defined twice), expected each table once"},
+      {"gap = 1979-99-99", "expected valid TOML (https://toml.io)"}};
+  for (const auto& [line, sentence] : lines)
+    EXPECT_CONTAINS(faultsOf("[wall]\n" + line + "\n"), sentence);
 }
 
 TEST(Deck, RefusesWhatWouldExhaustStackOrPatience) {

@@ -10,6 +10,8 @@
 #include <exodusII.h>
 #include <netcdf.h>
 
+#include <sys/stat.h>
+
 #include <fstream>
 
 namespace brickwall::io::testing {
@@ -183,10 +185,16 @@ TEST(MeshReader, ReadsASingleElement) {
   EXPECT_EQ(part.num_global_bodies, 1);
 }
 
-TEST(MeshReader, NamesAMissingFileAndAFolder) {
+TEST(MeshReader, NamesAMissingFileAFolderAndAPipe) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   expectInputError(folder / "nothing.exo", "No such file");
   expectInputError(folder / ".", "folder");
+  const std::string pipe = folder / "pipe"; // without a writer, reading it never ends
+  if (rankOf(MPI_COMM_WORLD) == 0) {
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  expectInputError(pipe, "is a pipe or a device, not a mesh file");
 }
 
 TEST(MeshReader, RefusesWhatIsNotExodus) {

@@ -117,6 +117,8 @@ TEST(ContactMassFraction, IsThatOfSpringsAndDampers) {
   for (const bool edges : {false, true})
     EXPECT_DOUBLE_EQ(contactMassFraction(penaltyForMassFraction(0.9, 0.2), 0.2, edges),
                      contactMassFraction(0.9, 0, edges));
+  EXPECT_NEAR(contactMassFraction(0.999 * largestPenalty(0.2, true), 0.2, true), 0.99, 1e-3);
+  EXPECT_THROW(contactMassFraction(1.001 * largestPenalty(0.2, true), 0.2, true), InputError);
   EXPECT_THROW(contactMassFraction(0), InputError);
   EXPECT_THROW(contactMassFraction(-1), InputError);
   EXPECT_THROW(contactMassFraction(2), InputError);

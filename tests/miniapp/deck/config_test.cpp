@@ -221,7 +221,14 @@ TEST(Config, ChecksWhatConcernsSeveralKeys) {
   EXPECT_EQ(faultsOf(smallest, {"wall.elements=[7,4,4]", "wall.bricks=[3,1,1]"}), "");
   EXPECT_CONTAINS(faultsOf(smallest, {"mesh.file=a.exo"}), "found [mesh] beside [wall]");
   EXPECT_CONTAINS(faultsOf("[time]\nend = 1\n"), "neither [wall] nor [mesh]");
+  EXPECT_CONTAINS(faultsOf("[mesh]\nfile = \"\"\n[time]\nend = 1\n"),
+                  "[mesh] file: found an empty path, expected the path of an Exodus file");
   EXPECT_CONTAINS(faultsOf("[time]\nend = 1\n"), "found no material");
+  EXPECT_CONTAINS(faultsOf(smallest, {"contact.penalty=1.7"}),
+                  "no stable step of use, expected a value below 1.552941; contact.edges = false");
+  EXPECT_CONTAINS(faultsOf(smallest, {"contact.penalty=0.9", "contact.damping=1"}),
+                  "expected a value below 0.127069 with this contact.damping");
+  EXPECT_EQ(faultsOf(smallest, {"contact.penalty=1.7", "contact.edges=false"}), "");
   EXPECT_CONTAINS(faultsOf(smallest, {"output.fields=[]"}),
                   "found a list of 0, expected a list of one or more words of \"displacement\"");
   EXPECT_EQ(faultsOf("seed = 1\n[[case]]\ndeck = \"a.toml\"\n"),
