@@ -13,7 +13,7 @@
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/simulation/stopwatch.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <cstdio>
 #include <iostream>

@@ -5,7 +5,7 @@
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/timing/device.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <mpi.h>
 #include <nlohmann/json_fwd.hpp>

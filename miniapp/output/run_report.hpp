@@ -4,7 +4,7 @@
 #include "contact/base/messages/message_path.hpp"
 #include "miniapp/output/report.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 namespace brickwall::miniapp {
 
