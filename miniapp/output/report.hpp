@@ -139,9 +139,10 @@ Value printable(Value value) {
 }
 template <class... Values>
 std::string format(const char* how, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof(line), how, printable(values)...);
-  return line;
+  const int length = std::snprintf(nullptr, 0, how, printable(values)...);
+  std::string text(static_cast<std::size_t>(length), '\0');
+  std::snprintf(text.data(), text.size() + 1, how, printable(values)...);
+  return text;
 }
 
 } // namespace brickwall::miniapp
