@@ -19,14 +19,13 @@ struct FaceRecord {
   int corners[4]; // places among the nodes that go to the same rank
 };
 
-// What this rank sends to one rank.
+// What this rank sends, [rank] to each rank.
 struct Outgoing {
-  std::vector<std::vector<NodeRecord>> nodes; // [rank]
-  std::vector<std::vector<int>> node_rows; // [rank] the same nodes as rows of the primary surface
-  std::vector<std::vector<FaceRecord>> faces; // [rank]
-  std::vector<std::vector<int>> face_rows; // [rank]
-  std::vector<std::vector<AttributeWord>>
-      attributes; // [rank] words of the faces, one after another
+  std::vector<std::vector<NodeRecord>> nodes;
+  std::vector<std::vector<int>> node_rows; // the same nodes as rows of the primary surface
+  std::vector<std::vector<FaceRecord>> faces;
+  std::vector<std::vector<int>> face_rows; // likewise
+  std::vector<std::vector<AttributeWord>> attributes; // words of the faces, one after another
 };
 
 // Nodes without a face on this rank stay on it, so that they have their values back as well.
