@@ -2,7 +2,6 @@
 
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
-#include "contact/surface/merge_runs.hpp"
 
 #include <algorithm>
 #include <unordered_map>
