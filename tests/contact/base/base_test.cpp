@@ -1,5 +1,5 @@
-// The parts that all libraries share: order-free sums, boxes, scans, exchange plans,
-// errors thrown on all ranks.
+// The parts that all libraries share: order-free sums, boxes, scans, exchange plans, errors thrown
+// on all ranks.
 #include "contact/base/box.hpp"
 #include "contact/base/error.hpp"
 #include "contact/base/fixed_point.hpp"
