@@ -51,10 +51,10 @@ KOKKOS_INLINE_FUNCTION std::uint64_t hashOfRow(const SweptBoxes& s, std::int64_t
   const auto word = [](auto value) { return static_cast<std::uint64_t>(value); };
   std::uint64_t hash = 0;
   if (row < s.num_nodes)
-    hash += spreadBits(a * word(row) + b * word(s.node_ids(row)) + c * word(s.node_body(row)) +
+    hash += hashOfWord(a * word(row) + b * word(s.node_ids(row)) + c * word(s.node_body(row)) +
                        word(s.node_is_owned(row)));
   if (row < s.num_faces)
-    hash += spreadBits(a * word(row) + b * word(s.face_ids(row)) + c * word(s.face_body(row)) +
+    hash += hashOfWord(a * word(row) + b * word(s.face_ids(row)) + c * word(s.face_body(row)) +
                        d * (word(s.face_to_nodes(row, 0)) << 32 | word(s.face_to_nodes(row, 1))) +
                        e * (word(s.face_to_nodes(row, 2)) << 32 | word(s.face_to_nodes(row, 3))));
   return hash;
@@ -163,7 +163,7 @@ void throwIfNoNode(const SweptBoxes& s, std::int64_t face) {
 // read in order where ids are.
 KOKKOS_INLINE_FUNCTION std::uint64_t bitOf(global_id id, int log_bits) {
   const auto word = static_cast<std::uint64_t>(id);
-  return (word + spreadBits(word >> log_bits)) & ((std::uint64_t(1) << log_bits) - 1);
+  return (word + hashOfWord(word >> log_bits)) & ((std::uint64_t(1) << log_bits) - 1);
 }
 
 // Only ids whose bits are taken twice can be equal: these are few, and the host sorts them.

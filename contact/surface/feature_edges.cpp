@@ -265,10 +265,7 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
         edges.convex.push_back(
             {reply.face, reply.edge, reply.cosine, reply.sine, {reply.width[0], reply.width[1]}});
     }
-  std::sort(edges.convex.begin(), edges.convex.end(),
-            [](const FeatureEdge& a, const FeatureEdge& b) {
-              return std::tie(a.face, a.edge) < std::tie(b.face, b.edge);
-            });
+  std::sort(edges.convex.begin(), edges.convex.end());
   findContinuations(comm, host, edges.convex);
   return edges;
 }

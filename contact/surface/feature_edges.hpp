@@ -21,13 +21,17 @@ struct FeatureEdge {
   double width[2] = {0, 0}; // of its own face and of the other one: area over the edge's length
   // Bit 0, 1: beyond its first, second node another feature edge continues in the same direction.
   int goes_on = 0;
+
+  friend bool operator<(const FeatureEdge& a, const FeatureEdge& b) { // in FeatureEdges::convex
+    return a.face != b.face ? a.face < b.face : a.edge < b.edge;
+  }
 };
 
 struct FeatureEdges {
   // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: another edge at which the
   // surface is bent (FaceAttributes::feature_edges)
   std::vector<unsigned char> face_edges;
-  std::vector<FeatureEdge> convex; // by ascending (face, edge)
+  std::vector<FeatureEdge> convex; // ascending
 };
 
 // Collective; for set-up. Finds the edges at which the normals of the two faces at coordinates_new

@@ -2,7 +2,6 @@
 
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
-#include "contact/surface/merge_runs.hpp"
 
 #include <algorithm>
 #include <unordered_map>
@@ -19,23 +18,102 @@ struct FaceRecord {
   int corners[4]; // places among the nodes that go to the same rank
 };
 
-// What this rank sends to one rank.
+// What this rank sends, [rank] to each rank.
 struct Outgoing {
-  std::vector<std::vector<NodeRecord>> nodes; // [rank]
-  std::vector<std::vector<int>> node_rows; // [rank] the same nodes as rows of the primary surface
-  std::vector<std::vector<FaceRecord>> faces; // [rank]
-  std::vector<std::vector<int>> face_rows; // [rank]
-  std::vector<std::vector<AttributeWord>>
-      attributes; // [rank] words of the faces, one after another
+  std::vector<std::vector<NodeRecord>> nodes;
+  std::vector<std::vector<int>> node_rows; // the same nodes as rows of the primary surface
+  std::vector<std::vector<FaceRecord>> faces;
+  std::vector<std::vector<int>> face_rows; // likewise
+  std::vector<std::vector<AttributeWord>> attributes; // words of the faces, one after another
 };
 
-// Nodes without a face on this rank stay on it, so that they have their values back as well.
+// A copy of a node for a further rank.
+struct NodeCopy {
+  int node, rank, place;
+  bool operator<(const NodeCopy& b) const { return node != b.node ? node < b.node : rank < b.rank; }
+  bool operator==(const NodeCopy& b) const { return node == b.node && rank == b.rank; }
+};
+
+// Where the nodes of the primary surface go. Most go to one rank, `first`; copies for other ranks
+// are listed by nodes and ranks.
+struct NodePlaces {
+  std::vector<int> first; // [node] rank
+  std::vector<int> place; // [node] among the nodes that go to that rank
+  std::vector<NodeCopy> copies;
+
+  int of(int node, int rank) const {
+    return first[node] == rank
+               ? place[node]
+               : std::lower_bound(copies.begin(), copies.end(), NodeCopy{node, rank, 0})->place;
+  }
+};
+
+// All but the places. Nodes without a face on this rank stay on it, so that they have their values
+// back as well.
+template <class Corners>
+NodePlaces ranksOfNodes(const SweptBoxes& primary, const Corners& corners,
+                        const std::vector<int>& rank_of_face, int rank) {
+  NodePlaces places;
+  places.first.assign(primary.num_nodes, -1);
+  places.place.resize(primary.num_nodes);
+  for (int face = 0; face < primary.num_faces; ++face)
+    for (int j = 0; j < 4; ++j) {
+      int& first = places.first[corners(face, j)];
+      if (first < 0)
+        first = rank_of_face[face];
+      else if (first != rank_of_face[face])
+        places.copies.push_back({corners(face, j), rank_of_face[face], 0});
+    }
+  std::replace(places.first.begin(), places.first.end(), -1, rank);
+  std::sort(places.copies.begin(), places.copies.end());
+  places.copies.erase(std::unique(places.copies.begin(), places.copies.end()), places.copies.end());
+  return places;
+}
+
+// Appends the nodes and sets their places.
+void addNodes(const SweptBoxes& primary, const std::vector<char>& is_shared, NodePlaces& places,
+              Outgoing& out) {
+  const auto ids = toHost(primary.node_ids), body = toHost(primary.node_body);
+  auto copy = places.copies.begin();
+  for (int node = 0; node < primary.num_nodes; ++node) {
+    const bool goes_to_several = copy != places.copies.end() && copy->node == node;
+    const NodeRecord record{ids(node), body(node),
+                            goes_to_several || is_shared.empty() || is_shared[node]};
+    const auto add = [&](int q) {
+      out.nodes[q].push_back(record);
+      out.node_rows[q].push_back(node);
+      return static_cast<int>(out.node_rows[q].size()) - 1;
+    };
+    places.place[node] = add(places.first[node]);
+    for (; copy != places.copies.end() && copy->node == node; ++copy)
+      copy->place = add(copy->rank);
+  }
+}
+
+// Appends the faces of out.face_rows.
+template <class Corners>
+void addFaces(const SweptBoxes& primary, const Corners& corners, const NodePlaces& places,
+              Outgoing& out) {
+  const auto ids = toHost(primary.face_ids), body = toHost(primary.face_body);
+  const auto attributes = toHost(primary.face_attributes);
+  const std::size_t num_words = attributes.extent(1);
+  for (std::size_t q = 0; q < out.faces.size(); ++q) {
+    out.faces[q].reserve(out.face_rows[q].size());
+    out.attributes[q].reserve(num_words * out.face_rows[q].size());
+    for (const int face : out.face_rows[q]) {
+      FaceRecord record{ids(face), body(face), {}};
+      for (int j = 0; j < 4; ++j)
+        record.corners[j] = places.of(corners(face, j), static_cast<int>(q));
+      out.faces[q].push_back(record);
+      for (std::size_t w = 0; w < num_words; ++w)
+        out.attributes[q].push_back(attributes(face, w));
+    }
+  }
+}
+
 Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of_face,
                       const std::vector<char>& is_shared, int rank, int num_ranks) {
   const auto corners = toHost(primary.face_to_nodes);
-  const auto node_ids = toHost(primary.node_ids), node_body = toHost(primary.node_body);
-  const auto face_ids = toHost(primary.face_ids), face_body = toHost(primary.face_body);
-  const auto attributes = toHost(primary.face_attributes);
   Outgoing out;
   out.nodes.resize(num_ranks);
   out.node_rows.resize(num_ranks);
@@ -44,59 +122,9 @@ Outgoing listOutgoing(const SweptBoxes& primary, const std::vector<int>& rank_of
   out.attributes.resize(num_ranks);
   for (int face = 0; face < primary.num_faces; ++face)
     out.face_rows[rank_of_face[face]].push_back(face);
-
-  // Most nodes go to one rank, `first`; copies for other ranks are listed by nodes.
-  struct Copy {
-    int node, rank, place;
-    bool operator<(const Copy& b) const { return node != b.node ? node < b.node : rank < b.rank; }
-    bool operator==(const Copy& b) const { return node == b.node && rank == b.rank; }
-  };
-  std::vector<int> first(primary.num_nodes, -1), place(primary.num_nodes);
-  std::vector<Copy> copies;
-  for (int face = 0; face < primary.num_faces; ++face)
-    for (int j = 0; j < 4; ++j) {
-      int& rank_of_node = first[corners(face, j)];
-      if (rank_of_node < 0)
-        rank_of_node = rank_of_face[face];
-      else if (rank_of_node != rank_of_face[face])
-        copies.push_back({corners(face, j), rank_of_face[face], 0});
-    }
-  std::sort(copies.begin(), copies.end());
-  copies.erase(std::unique(copies.begin(), copies.end()), copies.end());
-  auto copy = copies.begin();
-  for (int node = 0; node < primary.num_nodes; ++node) {
-    const bool goes_to_several = copy != copies.end() && copy->node == node;
-    const NodeRecord record{node_ids(node), node_body(node),
-                            goes_to_several || is_shared.empty() || is_shared[node]};
-    const auto add = [&](int q) {
-      out.nodes[q].push_back(record);
-      out.node_rows[q].push_back(node);
-      return static_cast<int>(out.node_rows[q].size()) - 1;
-    };
-    place[node] = add(first[node] < 0 ? rank : first[node]);
-    for (; copy != copies.end() && copy->node == node; ++copy)
-      copy->place = add(copy->rank);
-  }
-
-  const std::size_t num_words = attributes.extent(1);
-  for (int q = 0; q < num_ranks; ++q) {
-    out.faces[q].reserve(out.face_rows[q].size());
-    out.attributes[q].resize(num_words * out.face_rows[q].size());
-    std::size_t next = 0;
-    for (const int face : out.face_rows[q]) {
-      FaceRecord record{face_ids(face), face_body(face), {}};
-      for (int j = 0; j < 4; ++j) {
-        const int node = corners(face, j);
-        record.corners[j] =
-            first[node] == q
-                ? place[node]
-                : std::lower_bound(copies.begin(), copies.end(), Copy{node, q, 0})->place;
-      }
-      out.faces[q].push_back(record);
-      for (std::size_t w = 0; w < num_words; ++w)
-        out.attributes[q][next++] = attributes(face, w);
-    }
-  }
+  NodePlaces places = ranksOfNodes(primary, corners, rank_of_face, rank);
+  addNodes(primary, is_shared, places, out);
+  addFaces(primary, corners, places, out);
   return out;
 }
 
@@ -160,6 +188,147 @@ std::vector<std::vector<int>> findSharers(const Communicator& comm,
   return sharers_of_node;
 }
 
+// Nodes of this rank, by ids.
+struct MergedNodes {
+  std::vector<global_id> ids, bodies;
+  std::vector<std::vector<int>> node_of; // [rank][record that it has sent]
+  // [rank] The nodes of which the rank is the source of values, and their places among those that
+  // it has sent. Of the ranks that send a node, that is this rank or else the first.
+  std::vector<std::vector<int>> nodes_from, places;
+  // Those that other ranks may have.
+  std::vector<global_id> shared_ids;
+  std::vector<int> shared_nodes;
+};
+MergedNodes mergeNodes(const std::vector<std::vector<NodeRecord>>& records, int rank) {
+  const auto entries =
+      mergeReceived<global_id>(records, [](const NodeRecord& node) { return node.id; });
+  MergedNodes nodes;
+  nodes.ids.reserve(entries.size());
+  nodes.bodies.reserve(entries.size());
+  nodes.nodes_from.resize(records.size());
+  nodes.places.resize(records.size());
+  for (const auto& some : records)
+    nodes.node_of.emplace_back(some.size());
+  for (std::size_t i = 0; i < entries.size();) {
+    const NodeRecord& record = records[entries[i].rank][entries[i].index];
+    const int node = static_cast<int>(nodes.ids.size());
+    nodes.ids.push_back(record.id);
+    nodes.bodies.push_back(record.body);
+    if (record.may_be_shared) {
+      nodes.shared_ids.push_back(record.id);
+      nodes.shared_nodes.push_back(node);
+    }
+    auto source = entries[i];
+    for (; i < entries.size() && entries[i].key == record.id; ++i) {
+      nodes.node_of[entries[i].rank][entries[i].index] = node;
+      if (entries[i].rank == rank)
+        source = entries[i];
+    }
+    nodes.nodes_from[source.rank].push_back(node);
+    nodes.places[source.rank].push_back(source.index);
+  }
+  return nodes;
+}
+
+// Rows of the primary surface and, of each, the place among the nodes sent to the rank from which it
+// has its values back, [rank]: this rank if it has a copy, or else the first one.
+struct ReturnedRows {
+  std::vector<std::vector<int>> rows, places;
+};
+ReturnedRows listReturned(const std::vector<std::vector<int>>& node_rows, int num_nodes, int rank) {
+  ReturnedRows returned;
+  returned.rows.resize(node_rows.size());
+  returned.places.resize(node_rows.size());
+  std::vector<char> has_source(num_nodes, 0);
+  const auto ask = [&](std::size_t q) {
+    for (std::size_t i = 0; i < node_rows[q].size(); ++i) {
+      const int row = node_rows[q][i];
+      if (has_source[row])
+        continue;
+      has_source[row] = 1;
+      returned.rows[q].push_back(row);
+      returned.places[q].push_back(static_cast<int>(i));
+    }
+  };
+  ask(static_cast<std::size_t>(rank));
+  for (std::size_t q = 0; q < node_rows.size(); ++q)
+    ask(q);
+  return returned;
+}
+
+// What other ranks ask of this one by `places` [rank][place among records], as the rows of these
+// records. Collective.
+std::vector<std::vector<int>> rowsAskedFor(const Communicator& comm,
+                                           std::vector<std::vector<int>> places,
+                                           const std::vector<std::vector<int>>& row_of_record) {
+  auto asked = exchangeByRank(comm, std::move(places));
+  for (std::size_t q = 0; q < asked.size(); ++q)
+    for (int& row : asked[q])
+      row = row_of_record[q][row];
+  return asked;
+}
+
+// The nodes that each other rank has as well, [rank], in the order of their ids on both sides;
+// `is_owned` [node] becomes whether this rank owns the node. Collective.
+std::vector<std::vector<int>> findSharedRows(const Communicator& comm, const MergedNodes& nodes,
+                                             std::vector<unsigned char>& is_owned) {
+  std::vector<unsigned char> is_owned_of_shared;
+  const auto sharers = findSharers(comm, nodes.shared_ids, is_owned_of_shared);
+  std::vector<std::vector<int>> rows(sizeOf(comm));
+  is_owned.assign(nodes.ids.size(), 1);
+  for (std::size_t i = 0; i < sharers.size(); ++i) {
+    is_owned[nodes.shared_nodes[i]] = is_owned_of_shared[i];
+    for (const int q : sharers[i])
+      if (q != rankOf(comm))
+        rows[q].push_back(nodes.shared_nodes[i]);
+  }
+  return rows;
+}
+
+// Faces of this rank by bodies and ids, as candidates.
+struct MergedFaces {
+  std::vector<global_id> ids, bodies;
+  std::vector<int> corners; // [face][corner]
+  std::vector<AttributeWord> attributes; // [face][word]
+  std::vector<std::vector<int>> face_of; // [rank][record that it has sent]
+};
+MergedFaces mergeFaces(const std::vector<std::vector<FaceRecord>>& records,
+                       const std::vector<std::vector<AttributeWord>>& attributes,
+                       std::size_t num_words, const std::vector<std::vector<int>>& node_of) {
+  using BodyAndId = std::pair<global_id, global_id>;
+  const auto entries = mergeReceived<BodyAndId>(
+      records, [](const FaceRecord& face) { return BodyAndId(face.body, face.id); });
+  MergedFaces faces;
+  faces.ids.reserve(entries.size());
+  faces.bodies.reserve(entries.size());
+  faces.corners.reserve(4 * entries.size());
+  faces.attributes.reserve(num_words * entries.size());
+  for (const auto& some : records)
+    faces.face_of.emplace_back(some.size());
+  for (const auto& entry : entries) {
+    const FaceRecord& record = records[entry.rank][entry.index];
+    faces.face_of[entry.rank][entry.index] = static_cast<int>(faces.ids.size());
+    faces.ids.push_back(record.id);
+    faces.bodies.push_back(record.body);
+    for (const int place : record.corners)
+      faces.corners.push_back(node_of[entry.rank][place]);
+    const auto first = attributes[entry.rank].begin() + entry.index * num_words;
+    faces.attributes.insert(faces.attributes.end(), first, first + num_words);
+  }
+  return faces;
+}
+
+AttributeWords attributesOf(const exec_space& space, const MergedFaces& faces,
+                            std::size_t num_words) {
+  const auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
+                                              faces.ids.size(), num_words);
+  const auto host = Kokkos::create_mirror_view(words);
+  std::copy(faces.attributes.begin(), faces.attributes.end(), host.data());
+  Kokkos::deep_copy(space, words, host);
+  space.fence();
+  return words;
+}
+
 } // namespace
 
 SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
@@ -167,124 +336,34 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
                                    const std::vector<char>& is_shared) {
   const Region region("contact::SecondarySurface");
   const Communicator comm(of_host);
-  const int num_ranks = sizeOf(comm), rank = rankOf(comm);
-  Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, num_ranks);
-
-  // Nodes by ids. Of the ranks that send one, this rank or else the first is the source of its
-  // values.
-  const auto node_records = exchangeByRank(comm, std::move(out.nodes));
-  const auto nodes =
-      mergeReceived<global_id>(node_records, [](const NodeRecord& node) { return node.id; });
-  std::vector<global_id> node_ids, node_body, shared_ids;
-  std::vector<int> shared_nodes;
-  std::vector<std::vector<int>> node_of(num_ranks), wanted_rows(num_ranks), taken(num_ranks);
-  for (int q = 0; q < num_ranks; ++q)
-    node_of[q].resize(node_records[q].size());
-  node_ids.reserve(nodes.size());
-  node_body.reserve(nodes.size());
-  for (std::size_t i = 0; i < nodes.size();) {
-    const NodeRecord& record = node_records[nodes[i].rank][nodes[i].index];
-    const int node = static_cast<int>(node_ids.size());
-    node_ids.push_back(record.id);
-    node_body.push_back(record.body);
-    if (record.may_be_shared) {
-      shared_ids.push_back(record.id);
-      shared_nodes.push_back(node);
-    }
-    auto source = nodes[i];
-    for (; i < nodes.size() && nodes[i].key == node_ids.back(); ++i) {
-      node_of[nodes[i].rank][nodes[i].index] = node;
-      if (nodes[i].rank == rank)
-        source = nodes[i];
-    }
-    wanted_rows[source.rank].push_back(node);
-    taken[source.rank].push_back(source.index);
-  }
-  // `taken` and `asked` number the nodes that a rank has sent.
-  auto rows_sent = exchangeByRank(comm, std::move(taken));
-  for (int q = 0; q < num_ranks; ++q)
-    for (int& row : rows_sent[q])
-      row = out.node_rows[q][row];
-  _to_secondary = SurfaceTransfer(space, comm, rows_sent, wanted_rows);
-
-  // Each primary copy has its values back from this rank if it has a copy, or else from the first
-  // rank to which it sent the node.
-  std::vector<char> has_source(primary.num_nodes, 0);
-  std::vector<std::vector<int>> returned_rows(num_ranks), asked(num_ranks);
-  const auto ask = [&](int q) {
-    for (std::size_t i = 0; i < out.node_rows[q].size(); ++i) {
-      const int row = out.node_rows[q][i];
-      if (has_source[row])
-        continue;
-      has_source[row] = 1;
-      returned_rows[q].push_back(row);
-      asked[q].push_back(static_cast<int>(i));
-    }
-  };
-  ask(rank);
-  for (int q = 0; q < num_ranks; ++q)
-    ask(q);
-  auto rows_given = exchangeByRank(comm, std::move(asked));
-  for (int q = 0; q < num_ranks; ++q)
-    for (int& row : rows_given[q])
-      row = node_of[q][row];
-  _to_primary = SurfaceTransfer(space, comm, rows_given, returned_rows);
-
-  // Shared nodes, in the order of their ids on both sides.
-  std::vector<unsigned char> is_owned_of_shared, is_owned(node_ids.size(), 1);
-  const auto sharers = findSharers(comm, shared_ids, is_owned_of_shared);
-  std::vector<std::vector<int>> rows_shared(num_ranks);
-  for (std::size_t i = 0; i < sharers.size(); ++i) {
-    is_owned[shared_nodes[i]] = is_owned_of_shared[i];
-    for (const int q : sharers[i])
-      if (q != rank)
-        rows_shared[q].push_back(shared_nodes[i]);
-  }
-  _shared = SurfaceTransfer(space, comm, rows_shared, rows_shared);
-
-  // Faces by bodies and ids, as candidates.
+  const int rank = rankOf(comm);
+  Outgoing out = listOutgoing(primary, rank_of_face, is_shared, rank, sizeOf(comm));
+  MergedNodes nodes = mergeNodes(exchangeByRank(comm, std::move(out.nodes)), rank);
+  _to_secondary = SurfaceTransfer(
+      space, comm, rowsAskedFor(comm, std::move(nodes.places), out.node_rows), nodes.nodes_from);
+  ReturnedRows returned = listReturned(out.node_rows, primary.num_nodes, rank);
+  _to_primary = SurfaceTransfer(
+      space, comm, rowsAskedFor(comm, std::move(returned.places), nodes.node_of), returned.rows);
+  std::vector<unsigned char> is_owned;
+  const auto shared_rows = findSharedRows(comm, nodes, is_owned);
+  _shared = SurfaceTransfer(space, comm, shared_rows, shared_rows);
+  const std::size_t num_words = primary.face_attributes.extent(1);
   const auto face_records = exchangeByRank(comm, std::move(out.faces));
   const auto attributes = exchangeByRank(comm, std::move(out.attributes));
-  using BodyAndId = std::pair<global_id, global_id>;
-  const auto faces = mergeReceived<BodyAndId>(
-      face_records, [](const FaceRecord& face) { return BodyAndId(face.body, face.id); });
-  const std::size_t num_words = primary.face_attributes.extent(1);
-  std::vector<global_id> face_ids, face_body;
-  std::vector<int> face_to_nodes;
-  face_ids.reserve(faces.size());
-  face_body.reserve(faces.size());
-  face_to_nodes.reserve(4 * faces.size());
-  const auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
-                                              faces.size(), num_words);
-  const auto host = Kokkos::create_mirror_view(words);
-  _face_of.resize(num_ranks);
-  for (int q = 0; q < num_ranks; ++q)
-    _face_of[q].resize(face_records[q].size());
-  for (const auto& from : faces) {
-    const FaceRecord& record = face_records[from.rank][from.index];
-    const std::size_t face = face_ids.size();
-    _face_of[from.rank][from.index] = static_cast<int>(face);
-    for (std::size_t w = 0; w < num_words; ++w)
-      host(face, w) = attributes[from.rank][from.index * num_words + w];
-    face_ids.push_back(record.id);
-    face_body.push_back(record.body);
-    for (const int place : record.corners)
-      face_to_nodes.push_back(node_of[from.rank][place]);
-  }
-  Kokkos::deep_copy(space, words, host);
-  space.fence();
+  MergedFaces faces = mergeFaces(face_records, attributes, num_words, nodes.node_of);
+  _face_of = std::move(faces.face_of);
   _sent_faces = std::move(out.face_rows);
 
-  _surface.num_nodes = checkedInt(static_cast<std::int64_t>(node_ids.size()), "surface nodes");
-  _surface.num_faces = checkedInt(static_cast<std::int64_t>(face_ids.size()), "faces");
-  _surface.node_ids = toDevice(space, "contact::SecondarySurface::node_ids", node_ids);
-  _surface.node_body = toDevice(space, "contact::SecondarySurface::node_body", node_body);
+  _surface.num_nodes = checkedInt(static_cast<std::int64_t>(nodes.ids.size()), "surface nodes");
+  _surface.num_faces = checkedInt(static_cast<std::int64_t>(faces.ids.size()), "faces");
+  _surface.node_ids = toDevice(space, "contact::SecondarySurface::node_ids", nodes.ids);
+  _surface.node_body = toDevice(space, "contact::SecondarySurface::node_body", nodes.bodies);
   _surface.node_is_owned = toDevice(space, "contact::SecondarySurface::node_is_owned", is_owned);
-  _surface.face_ids = toDevice(space, "contact::SecondarySurface::face_ids", face_ids);
-  _surface.face_body = toDevice(space, "contact::SecondarySurface::face_body", face_body);
+  _surface.face_ids = toDevice(space, "contact::SecondarySurface::face_ids", faces.ids);
+  _surface.face_body = toDevice(space, "contact::SecondarySurface::face_body", faces.bodies);
   _surface.face_to_nodes =
-      toDevice<View<int* [4]>>(space, "contact::SecondarySurface::face_to_nodes", face_to_nodes);
-  _surface.face_attributes = words;
+      toDevice<View<int* [4]>>(space, "contact::SecondarySurface::face_to_nodes", faces.corners);
+  _surface.face_attributes = attributesOf(space, faces, num_words);
 }
 
 } // namespace brickwall::contact

@@ -9,8 +9,8 @@ class SeenRows {
 public:
   // Rows compared with those of the last call.
   struct Comparison {
-    bool are_known =
-        false; // they are the same but for the blocks that CandidatePairs::changed flags
+    // They are the same but for the blocks that CandidatePairs::changed flags.
+    bool are_known = false;
     bool are_same = false; // they are known, and no block has changed
   };
 

@@ -1,6 +1,6 @@
 #include "contact/surface/surface_transfer.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
 

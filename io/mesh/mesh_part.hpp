@@ -28,8 +28,8 @@ struct SideSet {
 struct NodeSet {
   std::int64_t id = 1;
   std::string name;
-  std::vector<int>
-      nodes; // local, in the order of global id; a shared node is in the list of every sharer
+  // local, in the order of global id; a shared node is in the list of every sharer
+  std::vector<int> nodes;
 };
 
 // Nodes that this rank shares with one other rank, in the order of global node id: both ranks list

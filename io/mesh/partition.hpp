@@ -1,7 +1,7 @@
 // Decomposition by Zoltan's recursive coordinate bisection, with 64-bit ids.
 #pragma once
 
-#include "io/mesh/mesh_part.hpp"
+#include "contact/base/backend.hpp"
 
 #include <mpi.h>
 

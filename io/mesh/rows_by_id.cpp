@@ -37,7 +37,7 @@ Directory sortedDirectory(const std::vector<std::vector<global_id>>& ids,
 RowsById fetchRows(MPI_Comm comm, const RowsById& held, const std::vector<global_id>& wanted) {
   const int size = sizeOf(comm);
   const auto rankFor = [&](global_id id) {
-    return static_cast<std::size_t>(spreadBits(static_cast<std::uint64_t>(id)) %
+    return static_cast<std::size_t>(hashOfWord(static_cast<std::uint64_t>(id)) %
                                     static_cast<std::uint64_t>(size));
   };
   const auto width = static_cast<std::size_t>(held.width);

@@ -137,9 +137,10 @@ KOKKOS_INLINE_FUNCTION double longestEdge(const CornerCoordinates& X) {
   return longest;
 }
 
-template <class MeshViews>
-KOKKOS_INLINE_FUNCTION void gatherCorners(const MeshViews& elem_to_nodes,
-                                          const View<const double* [3]>& coordinates, int elem,
+// Of element `elem`, from Views of the device or of the host.
+template <class Connectivity, class Coordinates>
+KOKKOS_INLINE_FUNCTION void gatherCorners(const Connectivity& elem_to_nodes,
+                                          const Coordinates& coordinates, int elem,
                                           CornerCoordinates& X) {
   for (int c = 0; c < 8; ++c) {
     const int node = elem_to_nodes(elem, c);

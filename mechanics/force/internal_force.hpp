@@ -56,9 +56,8 @@ public:
                   const NodalForces& forces) const;
 
   // Adds the elements' forces at X + u to the columns internal_force, which are zero before where
-  // zeroForces() sets them. `displacement` is u
-  // [node][xyz]. Failed elements (J <= 0, NaN, a mode beyond the fixed-point range) add nothing and
-  // are reported. Not collective; fences.
+  // zeroForces() sets them. `displacement` is u [node][xyz]. Failed elements (J <= 0, NaN, a mode
+  // beyond the fixed-point range) add nothing and are reported. Not collective; fences.
   InternalForceResult add(const exec_space& space, const View<const double* [3]>& displacement,
                           const NodalForces& forces, bool with_energy);
   // The same with bulk viscosity at the velocity v^{n-1/2} [node][xyz], added to the columns

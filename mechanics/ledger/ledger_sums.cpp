@@ -66,8 +66,7 @@ double noiseOfForces(double largest_force, double inverse_softest, std::int64_t 
 double noiseOfSums(const LimbScale& scale, std::int64_t num_elems, double factor) {
   return factor * 0.5 * scale.tail_quantum * static_cast<double>(num_elems);
 }
-constexpr double of_energy = 256; // so that the error of several sums is below a hundredth
-constexpr double of_momentum = 1e11; // so that the error after many steps is below 1e-10
+constexpr double momenta_over_rounding = 1e11; // so that the error after many steps is below 1e-10
 
 } // namespace
 
@@ -83,16 +82,16 @@ LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh&
   const LimbScale energy_scale = LimbScale::forLargest(energy),
                   momentum_scale = LimbScale::forLargest(momentum),
                   angular_scale = LimbScale::forLargest(momentum * distance);
-  return {
-      energy_scale,
-      LimbScale::forLargest(headroom * e[0] * e[2]),
-      momentum_scale,
-      angular_scale,
-      LimbScale::forLargest(mass * distance),
-      LimbScale::forLargest(mass * distance * distance),
-      maxOf(noiseOfSums(energy_scale, num_elems, of_energy), noiseOfForces(e[0], e[5], num_elems)),
-      noiseOfSums(momentum_scale, num_elems, of_momentum),
-      noiseOfSums(angular_scale, num_elems, of_momentum)};
+  return {energy_scale,
+          LimbScale::forLargest(headroom * e[0] * e[2]),
+          momentum_scale,
+          angular_scale,
+          LimbScale::forLargest(mass * distance),
+          LimbScale::forLargest(mass * distance * distance),
+          maxOf(noiseOfSums(energy_scale, num_elems, energies_over_rounding),
+                noiseOfForces(e[0], e[5], num_elems)),
+          noiseOfSums(momentum_scale, num_elems, momenta_over_rounding),
+          noiseOfSums(angular_scale, num_elems, momenta_over_rounding)};
 }
 
 MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalState& state,

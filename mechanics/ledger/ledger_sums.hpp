@@ -26,6 +26,10 @@ struct LedgerScales {
   double momentum_noise = 0, angular_noise = 0;
 };
 
+// The noise floor of energies over the rounding of a sum, so that the error of several sums is below
+// a hundredth of that floor.
+constexpr double energies_over_rounding = 256;
+
 // Terms fit up to 2^20 times those of an element at strain one that moves at the speed of sound.
 // Collective.
 LedgerScales ledgerScales(const exec_space& space, MPI_Comm comm, const HexMesh& mesh);

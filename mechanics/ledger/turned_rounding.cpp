@@ -12,8 +12,7 @@ namespace {
 enum TurnedTerm : int { turned_energy, turned_inertia, num_turned_terms };
 using TurnedSums = LimbSums<num_turned_terms>;
 
-constexpr double unit = 2.220446049250313e-16; // 2^-52
-constexpr double of_energy = 256;
+constexpr double unit = 0x1p-52;
 
 // |du/dX|^2 at the centre.
 KOKKOS_INLINE_FUNCTION double squaredGradient(const CornerCoordinates& X,
@@ -56,7 +55,7 @@ void raiseNoiseFloorForRotation(const exec_space& space, MPI_Comm comm, const He
       PlusReducer<TurnedSums>(sums));
   space.fence();
   allReduce(comm, sums);
-  const double energy = of_energy * sums.sum[turned_energy].value(scales.energy);
+  const double energy = energies_over_rounding * sums.sum[turned_energy].value(scales.energy);
   const double inertia = sums.sum[turned_inertia].value(scales.inertia);
   scales.noise = maxOf(scales.noise, energy);
   scales.angular_noise = maxOf(scales.angular_noise, std::sqrt(2 * energy * inertia));

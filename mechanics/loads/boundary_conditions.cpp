@@ -10,14 +10,14 @@ BoundaryConditions::BoundaryConditions(const exec_space& space, int num_nodes,
                                        const Vec3& gravity, double mass_damping)
     : _motions(motions), _gravity(gravity), _mass_damping(mass_damping) {
   if (motions.size() > max_motions)
-    throw InputError("BoundaryConditions: " + std::to_string(motions.size()) +
-                     " prescribed motions; at most " + std::to_string(max_motions));
+    throw InputError("BoundaryConditions: found " + std::to_string(motions.size()) +
+                     " prescribed motions, expected at most " + std::to_string(max_motions));
   std::vector<unsigned char> motion_of(3 * static_cast<std::size_t>(num_nodes), 0);
   for (std::size_t m = 0; m < motions.size(); ++m)
     for (const int node : motions[m].nodes) {
       if (node < 0 || node >= num_nodes)
-        throw InputError("BoundaryConditions: node " + std::to_string(node) + " of motion " +
-                         std::to_string(m) + "; local nodes are 0 .. " +
+        throw InputError("BoundaryConditions: found node " + std::to_string(node) + " in motion " +
+                         std::to_string(m) + ", expected a local node, 0 to " +
                          std::to_string(num_nodes - 1));
       for (int i = 0; i < 3; ++i)
         if (motions[m].component[i])

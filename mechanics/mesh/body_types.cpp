@@ -31,18 +31,12 @@ struct TypeOfBody {
   global_id lowest = -1;
 };
 
-void cornersOf(const HostMesh& host, int elem, CornerCoordinates& X) {
-  for (int c = 0; c < 8; ++c)
-    for (int j = 0; j < 3; ++j)
-      X[c][j] = host.reference_coordinates(host.elem_to_nodes(elem, c), j);
-}
-
 BodyOrigin originOf(const HostMesh& host, const ElementRange& body) {
   BodyOrigin origin;
   origin.body = body.body;
   for (int elem = body.first; elem < body.first + body.count; ++elem) {
     CornerCoordinates X;
-    cornersOf(host, elem, X);
+    gatherCorners(host.elem_to_nodes, host.reference_coordinates, elem, X);
     origin.longest_edge = std::max(origin.longest_edge, longestEdge(X));
     origin.elem = std::min(origin.elem, host.elem_ids(elem));
     for (int c = 0; c < 8; ++c)
@@ -59,7 +53,7 @@ std::uint64_t hashOf(const HostMesh& host, int elem, const BodyOrigin& origin) {
   hash.take(material.poisson);
   hash.take(host.elem_ids(elem) - origin.elem);
   CornerCoordinates X;
-  cornersOf(host, elem, X);
+  gatherCorners(host.elem_to_nodes, host.reference_coordinates, elem, X);
   for (int c = 0; c < 8; ++c)
     hash.take(host.node_ids(host.elem_to_nodes(elem, c)) - origin.node);
   // slightly above the edge, so that copies with an edge of a power of two agree

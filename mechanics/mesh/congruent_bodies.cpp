@@ -21,12 +21,6 @@ struct Reference {
   std::int64_t block = 0;
 };
 
-void cornersOf(const HostMesh& host, int elem, CornerCoordinates& X) {
-  for (int c = 0; c < 8; ++c)
-    for (int j = 0; j < 3; ++j)
-      X[c][j] = host.reference_coordinates(host.elem_to_nodes(elem, c), j);
-}
-
 Reference localReference(const HostMesh& host, const ElementRange& body) {
   int first = body.first;
   for (int elem = body.first; elem < body.first + body.count; ++elem)
@@ -37,7 +31,7 @@ Reference localReference(const HostMesh& host, const ElementRange& body) {
   if (body.count == 0)
     return reference;
   CornerCoordinates X;
-  cornersOf(host, first, X);
+  gatherCorners(host.elem_to_nodes, host.reference_coordinates, first, X);
   double modes[3][num_modes];
   coordinateModes(X, modes);
   const Mat3 jacobian = centreJacobian(modes);
@@ -105,7 +99,7 @@ std::vector<BodyShape> markCongruentBodies(const exec_space& space, MPI_Comm com
     Verdict verdict{body.body, 1, 1};
     for (int elem = body.first; verdict.congruent && elem < body.first + body.count; ++elem) {
       CornerCoordinates X;
-      cornersOf(host, elem, X);
+      gatherCorners(host.elem_to_nodes, host.reference_coordinates, elem, X);
       verdict.congruent =
           host.elem_block(elem) == references[b].block && isCongruent(X, references[b]);
     }

@@ -53,7 +53,7 @@ struct GlobalFailure {
 GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                              const ElementFailure& local);
 
-// For example "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); 3 element(s) failed".
+// For example "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); failed elements: 3".
 std::string describe(const GlobalFailure& failure);
 
 } // namespace brickwall::mechanics

@@ -39,8 +39,9 @@ public:
   // in size.
   SharedNodeSum(const exec_space& space, MPI_Comm comm, const SharedNodeLists& shared) {
     if (shared.ranks.size() != shared.nodes.size())
-      throw InputError("SharedNodeSum: " + std::to_string(shared.ranks.size()) + " ranks but " +
-                       std::to_string(shared.nodes.size()) + " node lists");
+      throw InputError("SharedNodeSum: found " + std::to_string(shared.nodes.size()) +
+                       " lists of nodes, expected one for each of " +
+                       std::to_string(shared.ranks.size()) + " ranks");
     _plan = ExchangePlan(space, Communicator(comm), tags::shared_nodes, shared.ranks, shared.nodes,
                          shared.nodes);
   }

@@ -44,7 +44,8 @@ struct LocalFace {
 
 [[noreturn]] void throwThirdElement(const HostMesh& host, int elem, int side) {
   throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
-                   std::to_string(host.elem_ids(elem) + 1) + " belongs to more than two elements");
+                   std::to_string(host.elem_ids(elem) + 1) +
+                   " belongs to more than two elements; expected one or two");
 }
 
 // Local nodes of face 6 elem + side, ascending.

@@ -10,6 +10,8 @@
 #include "mechanics/mesh/shared_node_sum.hpp"
 #include "mechanics/stability/ritz_value.hpp"
 
+#include <algorithm>
+
 namespace brickwall::mechanics {
 
 namespace {
@@ -40,69 +42,89 @@ struct Representatives {
   std::int64_t num_elems = 0, num_nodes = 0; // over all ranks
 };
 
-Representatives representativesOf(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
-                                  const SharedNodeLists& shared, const View<const double*>& mass,
-                                  const BodyTypes& types) {
+// Their elements and nodes on this rank, on the host.
+struct ChosenElements {
+  std::vector<int> elem_nodes, elem_block; // [elem][corner], [elem]
+  std::vector<global_id> elem_ids;
+  std::vector<double> coordinates, masses; // [node][xyz], [node]
+  std::vector<unsigned char> owned;
+  std::vector<global_id> seeds;
+  std::vector<int> new_node; // [node of the whole mesh] -1: of none of these bodies
+};
+
+ChosenElements chooseElements(const exec_space& space, const HexMesh& mesh,
+                              const View<const double*>& mass, const BodyTypes& types) {
   const HostMesh host = copyToHost(space, mesh);
   const auto is_owned = toHost(mesh.node_is_owned);
   const auto host_mass = toHost(mass);
-  Representatives chosen;
-  std::vector<int> local(static_cast<std::size_t>(mesh.num_nodes), -1); // new node of each old node
-  std::vector<int> elem_nodes, elem_block;
-  std::vector<global_id> elem_ids, seeds;
-  std::vector<unsigned char> owned;
-  std::vector<double> coordinates, masses;
+  ChosenElements chosen;
+  chosen.new_node.assign(static_cast<std::size_t>(mesh.num_nodes), -1);
+  const auto choose = [&](int node, global_id first_node) {
+    int& new_node = chosen.new_node[node];
+    if (new_node < 0) {
+      new_node = static_cast<int>(chosen.seeds.size());
+      chosen.seeds.push_back(host.node_ids(node) - first_node);
+      chosen.owned.push_back(is_owned(node));
+      chosen.masses.push_back(host_mass(node));
+      for (int j = 0; j < 3; ++j)
+        chosen.coordinates.push_back(host.reference_coordinates(node, j));
+    }
+    return new_node;
+  };
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
     const ElementRange& body = mesh.bodies[b];
     if (types.representative[b] != body.body)
       continue;
     for (int elem = body.first; elem < body.first + body.count; ++elem) {
-      for (int c = 0; c < 8; ++c) {
-        const int node = host.elem_to_nodes(elem, c);
-        if (local[node] < 0) {
-          local[node] = static_cast<int>(seeds.size());
-          seeds.push_back(host.node_ids(node) - types.first_node[b]);
-          owned.push_back(is_owned(node));
-          masses.push_back(host_mass(node));
-          for (int j = 0; j < 3; ++j)
-            coordinates.push_back(host.reference_coordinates(node, j));
-        }
-        elem_nodes.push_back(local[node]);
-      }
-      elem_block.push_back(host.elem_block(elem));
-      elem_ids.push_back(host.elem_ids(elem));
+      for (int c = 0; c < 8; ++c)
+        chosen.elem_nodes.push_back(choose(host.elem_to_nodes(elem, c), types.first_node[b]));
+      chosen.elem_block.push_back(host.elem_block(elem));
+      chosen.elem_ids.push_back(host.elem_ids(elem));
     }
   }
-  chosen.num_elems = static_cast<std::int64_t>(elem_ids.size());
-  for (const unsigned char is_mine : owned)
-    chosen.num_nodes += is_mine;
-  chosen.num_elems = allReduce(comm, chosen.num_elems, MPI_SUM);
-  chosen.num_nodes = allReduce(comm, chosen.num_nodes, MPI_SUM);
+  return chosen;
+}
+
+// Those of the nodes that are chosen: both sharers keep the same nodes in the same order.
+SharedNodeLists sharedOf(const SharedNodeLists& shared, const std::vector<int>& new_node) {
   SharedNodeLists lists;
   for (std::size_t p = 0; p < shared.ranks.size(); ++p) {
-    std::vector<int> nodes; // both sharers keep the same nodes in the same order
+    std::vector<int> nodes;
     for (const int node : shared.nodes[p])
-      if (local[node] >= 0)
-        nodes.push_back(local[node]);
+      if (new_node[node] >= 0)
+        nodes.push_back(new_node[node]);
     if (nodes.empty())
       continue;
     lists.ranks.push_back(shared.ranks[p]);
     lists.nodes.push_back(nodes);
   }
-  chosen.mesh.num_nodes = static_cast<int>(seeds.size());
-  chosen.mesh.num_elems = static_cast<int>(elem_ids.size());
-  chosen.mesh.elem_to_nodes =
-      toDevice<View<int* [8]>>(space, "mechanics::largestFrequency::elem_to_nodes", elem_nodes);
-  chosen.mesh.elem_ids = toDevice(space, "mechanics::largestFrequency::elem_ids", elem_ids);
-  chosen.mesh.node_is_owned = toDevice(space, "mechanics::largestFrequency::owned", owned);
-  chosen.mesh.elem_block = toDevice(space, "mechanics::largestFrequency::elem_block", elem_block);
-  chosen.mesh.materials = mesh.materials;
-  chosen.mesh.reference_coordinates =
-      toDevice<View<double* [3]>>(space, "mechanics::largestFrequency::X", coordinates);
-  chosen.shared = SharedNodeSum(space, comm, lists);
-  chosen.mass = toDevice(space, "mechanics::largestFrequency::mass", masses);
-  chosen.seeds = toDevice(space, "mechanics::largestFrequency::seeds", seeds);
-  return chosen;
+  return lists;
+}
+
+Representatives representativesOf(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                                  const SharedNodeLists& shared, const View<const double*>& mass,
+                                  const BodyTypes& types) {
+  const ChosenElements chosen = chooseElements(space, mesh, mass, types);
+  Representatives bodies;
+  bodies.mesh.num_nodes = static_cast<int>(chosen.seeds.size());
+  bodies.mesh.num_elems = static_cast<int>(chosen.elem_ids.size());
+  bodies.num_elems = allReduce(comm, static_cast<std::int64_t>(bodies.mesh.num_elems), MPI_SUM);
+  bodies.num_nodes = allReduce(
+      comm, static_cast<std::int64_t>(std::count(chosen.owned.begin(), chosen.owned.end(), 1)),
+      MPI_SUM);
+  bodies.mesh.elem_to_nodes = toDevice<View<int* [8]>>(
+      space, "mechanics::largestFrequency::elem_to_nodes", chosen.elem_nodes);
+  bodies.mesh.elem_ids = toDevice(space, "mechanics::largestFrequency::elem_ids", chosen.elem_ids);
+  bodies.mesh.node_is_owned = toDevice(space, "mechanics::largestFrequency::owned", chosen.owned);
+  bodies.mesh.elem_block =
+      toDevice(space, "mechanics::largestFrequency::elem_block", chosen.elem_block);
+  bodies.mesh.materials = mesh.materials;
+  bodies.mesh.reference_coordinates =
+      toDevice<View<double* [3]>>(space, "mechanics::largestFrequency::X", chosen.coordinates);
+  bodies.shared = SharedNodeSum(space, comm, sharedOf(shared, chosen.new_node));
+  bodies.mass = toDevice(space, "mechanics::largestFrequency::mass", chosen.masses);
+  bodies.seeds = toDevice(space, "mechanics::largestFrequency::seeds", chosen.seeds);
+  return bodies;
 }
 
 template <class Geometry>

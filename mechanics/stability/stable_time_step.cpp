@@ -293,11 +293,10 @@ double contactMassFraction(double penalty, double damping, bool edges) {
                      ", expected a value >= 0");
   const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
   if (!(load <= most))
-    throw InputError("contact.penalty = " + std::to_string(penalty) +
-                     " with contact.damping = " + std::to_string(damping) +
-                     " leaves no stable step of use; damping of at most " +
-                     std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))) +
-                     " is needed");
+    throw InputError("found contact.damping = " + std::to_string(damping) +
+                     ", with which contact.penalty = " + std::to_string(penalty) +
+                     " leaves no stable step of use; expected at most " +
+                     std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))));
   return load;
 }
 

@@ -9,11 +9,12 @@
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/restart/checkpoints.hpp"
 #include "miniapp/restart/element_move.hpp"
+#include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/simulation/stopwatch.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <cstdio>
 #include <iostream>
@@ -303,16 +304,14 @@ private:
     if (!_has_large_strain)
       return;
     const Clock& clock = _simulation->clock();
-    char text[300];
-    std::snprintf(
-        text, sizeof text,
-        "element %lld (1-based id %lld) of a linear material has rotated or deformed so far that "
-        "the neglected part of its strain, H^T H/2, is %.2g in step %lld (time %.6g): the models "
-        "\"svk\" and \"neo_hookean\" describe finite rotations",
-        static_cast<long long>(neglected.elem), static_cast<long long>(neglected.elem) + 1,
-        neglected.strain, static_cast<long long>(clock.step), clock.time);
+    const std::string text =
+        elementName(neglected.elem) +
+        format(" of a linear material has rotated or deformed so far that the neglected part of "
+               "its strain, H^T H/2, is %.2g in step %lld (time %.6g): the models \"svk\" and "
+               "\"neo_hookean\" describe finite rotations",
+               neglected.strain, clock.step, clock.time);
     _limits.keep(text); // checkpoints hold these
-    print(std::string("warning: ") + text);
+    print("warning: " + text);
   }
 
   bool wallTimeIsUp() {

@@ -10,7 +10,7 @@
 #include "miniapp/output/search_report.hpp"
 #include "miniapp/scene/scene.hpp"
 #include "miniapp/scene/search_surface.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 #include "miniapp/timing/process_memory.hpp"
 
 #include <algorithm>

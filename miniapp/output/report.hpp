@@ -5,7 +5,7 @@
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/timing/device.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <mpi.h>
 #include <nlohmann/json_fwd.hpp>
@@ -85,7 +85,7 @@ struct RunReport {
   bool has_contact = false;
   ContactCounts contact;
   std::vector<RankValue> over_ranks; // counts of the last step and times, over the ranks
-  std::int64_t max_rank_bytes = 0; // see peakRankBytes
+  std::int64_t max_rank_bytes = 0; // peakRankBytes() of run_report.hpp
   std::vector<std::string> warnings;
   std::size_t printed_warnings = 0; // the first of them, which were printed during the run
   std::vector<std::string> failures; // reasons of a failed run; empty: PASS
@@ -97,12 +97,6 @@ struct RunReport {
   double faceSearchesPerSecond() const;
   bool pass() const { return failures.empty() && stopped.empty(); }
 };
-
-// Adds the warnings and failures that follow from the numbers alone: lost contacts, missed pairs.
-void judgeNumbers(RunReport& report);
-
-// Collective. Peak resident memory of the largest rank so far, bytes.
-std::int64_t peakRankBytes(MPI_Comm comm);
 
 // The report as JSON text.
 std::string reportJson(const RunReport& report);
@@ -145,9 +139,10 @@ Value printable(Value value) {
 }
 template <class... Values>
 std::string format(const char* how, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof(line), how, printable(values)...);
-  return line;
+  const int length = std::snprintf(nullptr, 0, how, printable(values)...);
+  std::string text(static_cast<std::size_t>(length), '\0');
+  std::snprintf(text.data(), text.size() + 1, how, printable(values)...);
+  return text;
 }
 
 } // namespace brickwall::miniapp

@@ -91,7 +91,7 @@ Results::Results(MPI_Comm comm, const std::string& base, const io::ResultsConfig
       _nodal(_nodal_names.size(), std::vector<double>(scene.part.node_ids.size())),
       _element(_element_names.size(), std::vector<double>(scene.part.elem_ids.size())) {
   const bool has_slip = config.output.has(OutputField::slip_velocity);
-  _contact_words = View<std::int64_t**>("miniapp::ResultsWriter::contact_words",
+  _contact_words = View<std::int64_t**>("miniapp::Results::contact_words",
                                         scene.part.node_ids.size(), has_slip ? 5 : 2);
 }
 

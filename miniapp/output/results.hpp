@@ -4,7 +4,7 @@
 #include "io/exodus/results_writer.hpp"
 #include "miniapp/output/earlier_results.hpp"
 #include "miniapp/simulation/simulation.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <string>
 #include <vector>

@@ -4,7 +4,7 @@
 #include "contact/base/messages/message_path.hpp"
 #include "miniapp/output/report.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 namespace brickwall::miniapp {
 
@@ -12,6 +12,12 @@ namespace brickwall::miniapp {
 // failures of the time loop; the warnings and failures of judgeNumbers are included. Collective.
 RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder);
+
+// Adds the warnings and failures that follow from the numbers alone: lost contacts, missed pairs.
+void judgeNumbers(RunReport& report);
+
+// Collective. Peak resident memory of the largest rank so far, bytes.
+std::int64_t peakRankBytes(MPI_Comm comm);
 
 // This rank's countsOfRank() and its seconds since the first step in search, enforcement and
 // distribution of contact and in the rest of the steps, waits for other ranks excluded; and the

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "miniapp/output/report.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include <mpi.h>
 

@@ -4,8 +4,6 @@
 #include "miniapp/output/run_output.hpp"
 #include "miniapp/restart/entity_tables.hpp"
 
-#include <mpi.h>
-
 #include <vector>
 
 namespace brickwall::miniapp {

@@ -51,13 +51,15 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
         elems.push_back(elem);
         elem_bodies.push_back(range.body);
       }
-  const auto chosen = toDevice<View<int*>>(space, "miniapp::overlaps::elements", elems);
-  const auto hexahedra =
-      allocate<View<contact::Hexahedron*>>(space, "miniapp::overlaps::hexahedra", elems.size());
-  const auto ids = allocate<View<global_id*>>(space, "miniapp::overlaps::ids", elems.size());
+  const auto chosen = toDevice<View<int*>>(space, "miniapp::refuseDeepOverlaps::elements", elems);
+  const auto hexahedra = allocate<View<contact::Hexahedron*>>(
+      space, "miniapp::refuseDeepOverlaps::hexahedra", elems.size());
+  const auto ids =
+      allocate<View<global_id*>>(space, "miniapp::refuseDeepOverlaps::ids", elems.size());
   const mechanics::MeshViews views = mechanics::viewsOf(mesh);
   Kokkos::parallel_for(
-      "miniapp::gatherElements", rangePolicy(space, static_cast<std::int64_t>(elems.size())),
+      "miniapp::refuseDeepOverlaps::elements",
+      rangePolicy(space, static_cast<std::int64_t>(elems.size())),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int elem = chosen(i);
         ids(i) = views.elem_ids(elem);
@@ -71,7 +73,8 @@ contact::BodyElements elementsOf(const exec_space& space, const mechanics::HexMe
   elements.count = static_cast<int>(elems.size());
   elements.hexahedra = hexahedra;
   elements.ids = ids;
-  elements.bodies = toDevice<View<global_id*>>(space, "miniapp::overlaps::bodies", elem_bodies);
+  elements.bodies =
+      toDevice<View<global_id*>>(space, "miniapp::refuseDeepOverlaps::bodies", elem_bodies);
   return elements;
 }
 

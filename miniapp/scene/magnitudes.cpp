@@ -7,7 +7,6 @@
 #include "miniapp/scene/loads.hpp"
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 
 namespace brickwall::miniapp {

@@ -59,10 +59,7 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
   if (allReduce(comm, int(rank_of_face.size()), MPI_MAX) > 0) {
     contact::SecondarySurface surface(space, comm, _primary, rank_of_face, _is_shared);
     _features.convex = surface.forwardRecords(comm, _primary_features.convex);
-    std::sort(_features.convex.begin(), _features.convex.end(),
-              [](const contact::FeatureEdge& a, const contact::FeatureEdge& b) {
-                return a.face != b.face ? a.face < b.face : a.edge < b.edge;
-              });
+    std::sort(_features.convex.begin(), _features.convex.end());
     const int num_nodes = surface.surface().num_nodes;
     const auto vectors = [&](const char* label) {
       return allocate<View<double* [3]>>(

@@ -2,6 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "miniapp/scene/entity_names.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -83,9 +84,8 @@ double StepController::longestStepAtStart(const View<const double* [3]>& displac
     const auto stable =
         mechanics::stableTimeStep(_space, _comm, _scene.mesh, displacement, limit.load, limit.rest);
     if (!(stable.dt > 0))
-      throw InputError(
-          "initial.deformation: element " + std::to_string(stable.elem) +
-          " (from 0) is inverted or unstable at the start; a smaller gradient is needed");
+      throw InputError("initial.deformation: found " + elementName(stable.elem) +
+                       " inverted or unstable at the start; expected a smaller gradient");
     step = minOf(step, limit.share * stable.dt);
   }
   return step;

@@ -199,7 +199,7 @@ void SurfaceCoupling::gatherAgain(const exec_space& space,
   const auto X = _reference;
   const auto x = _new;
   Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::gatherCoordinates", rangePolicy(space, _primary.num_nodes),
+      "miniapp::SurfaceCoupling::gatherAgain", rangePolicy(space, _primary.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int node = surface_to_node(i);
         for (int d = 0; d < 3; ++d)
@@ -239,7 +239,7 @@ void SurfaceCoupling::sumOnMesh(const exec_space& space, const View<std::int64_t
   const auto surface_to_node = _surface_to_node;
   const auto width = static_cast<int>(values.extent(1));
   Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::toMesh", rangePolicy(space, _primary.num_nodes),
+      "miniapp::SurfaceCoupling::sumOnMesh", rangePolicy(space, _primary.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         for (int w = 0; w < width; ++w)
           of_mesh(surface_to_node(i), w) = of_primary(i, w);
@@ -258,7 +258,7 @@ void SurfaceCoupling::takeFromMesh(const exec_space& space,
   const auto surface_to_node = _surface_to_node;
   const auto width = static_cast<int>(values.extent(1));
   Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::toSurface", rangePolicy(space, _primary.num_nodes),
+      "miniapp::SurfaceCoupling::takeFromMesh", rangePolicy(space, _primary.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t i) {
         for (int w = 0; w < width; ++w)
           of_primary(i, w) = of_mesh(surface_to_node(i), w);

@@ -1,5 +1,5 @@
 // The tree of profiling regions that one rank has opened, with calls, seconds and CPU seconds of
-// each; the same name under two parents is two nodes. PhaseRecorder (phase_report.hpp) fills it.
+// each; the same name under two parents is two nodes. PhaseRecorder (phase_recorder.hpp) fills it.
 #pragma once
 
 #include "miniapp/timing/timing.hpp"

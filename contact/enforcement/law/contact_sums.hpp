@@ -13,7 +13,7 @@ namespace brickwall::contact {
 // bodies.
 enum ContactTerm : int {
   // Contact term of the half-step energy: sum of k p^n p^{n+1}/2, eq. (16), or of eq. (27) where
-  // contacts fade. In the second step of an energy-neutral contact, see recoverableEnergy().
+  // contacts fade. In the second step of an energy-neutral contact, see ContactLaw::followEnergy().
   spring_stored,
   friction_stored, // sum of t^n . t^{n+1}/(2 k_t)
   spring_work, // edge-to-edge contact only

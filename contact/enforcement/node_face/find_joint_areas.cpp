@@ -1,7 +1,7 @@
 #include "contact/enforcement/node_face/find_joint_areas.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/base/sum_over.hpp"
 #include "contact/enforcement/law/correct_pair.hpp"
 #include "contact/enforcement/law/pair_forces.hpp"

@@ -103,11 +103,11 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
   const auto num_nodes = static_cast<std::int64_t>(surface.num_nodes);
   constexpr double share = 0.499; // less than half of the limit by more than rounding
   growTo(space, is_fast, num_nodes);
-  Kokkos::parallel_for("contact::flagFastNodes", rangePolicy(space, num_nodes),
+  Kokkos::parallel_for("contact::FastestPair::flagFast", rangePolicy(space, num_nodes),
                        FlagFast{surface.coordinates_old, surface.coordinates_new, mean,
                                 share * limit * share * limit, is_fast});
   LeadingPair local;
-  Kokkos::parallel_reduce("contact::fastestPair", rangePolicy(space, pairs.num_rows),
+  Kokkos::parallel_reduce("contact::FastestPair::find", rangePolicy(space, pairs.num_rows),
                           FindFastest<Pair>{pair_of, pairs, is_fast},
                           PlusReducer<LeadingPair>(local));
   space.fence();

@@ -1,7 +1,7 @@
 #include "contact/search/cluster/block_ghost_search.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/search/cluster/lane_masks.hpp"
 #include "contact/search/exchange/node_box_exchange.hpp"
 #include "contact/search/spatial/tree_walk.hpp"

@@ -1,8 +1,8 @@
 #include "contact/search/cluster/cluster_candidates.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/search/cluster/lane_masks.hpp"
 #include "contact/search/spatial/tree_walk.hpp"
 

@@ -1,8 +1,7 @@
 #include "contact/search/cluster/cluster_pairs.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
-#include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/search/cluster/group_rows.hpp"
 #include "contact/surface/construct_boxes.hpp"
 

@@ -3,7 +3,6 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/tags.hpp"
-#include "contact/base/vec3.hpp"
 
 #include <cstring>
 

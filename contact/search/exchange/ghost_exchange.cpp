@@ -1,7 +1,7 @@
 #include "contact/search/exchange/ghost_exchange.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/region.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/base/tags.hpp"
 
 namespace brickwall::contact {

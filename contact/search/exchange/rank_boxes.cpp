@@ -34,12 +34,14 @@ RankGroup groupOf(int rank, const Box& node_box, const Box& face_box, const OwnR
 void throwIfFaulty(const RankGroup& all) {
   if (all.num_invalid > 0)
     throw PhysicsError("contact search: node " + std::to_string(all.first_invalid) + " on rank " +
-                       std::to_string(all.invalid_rank) + " has a coordinate that is not finite (" +
-                       std::to_string(all.num_invalid) + " such node(s), summed over ranks)");
+                       std::to_string(all.invalid_rank) +
+                       " has a coordinate that is not finite; expected finite ones. "
+                       "Such nodes, summed over ranks: " +
+                       std::to_string(all.num_invalid));
   if (all.other_rank != RankGroup::none)
     throw InputError("contact search: rank " + std::to_string(all.other_rank) + " has " +
-                     std::to_string(all.other_attributes) +
-                     " attributes per face, lower ranks have " + std::to_string(all.attributes));
+                     std::to_string(all.other_attributes) + " attributes per face; expected " +
+                     std::to_string(all.attributes) + ", as on lower ranks");
 }
 
 // In the first 600 steps of the default wall on 4 ranks, a surface leaves a box with this margin

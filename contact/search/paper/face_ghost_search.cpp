@@ -1,6 +1,6 @@
 #include "contact/search/paper/face_ghost_search.hpp"
 
-#include "contact/base/count_scan_fill.hpp"
+#include "contact/base/scan.hpp"
 
 namespace brickwall::contact {
 namespace {

@@ -1,3 +1,4 @@
+// Forces of lattices of the St. Venant-Kirchhoff material. A unit of its own, as all models are.
 #include "mechanics/force/lattice/force_planes.hpp"
 
 namespace brickwall::mechanics {

@@ -1,7 +1,7 @@
 #include "mechanics/force/lattice/lattice_tiles.hpp"
 
 #include "contact/base/to_device.hpp"
-#include "mechanics/element/hex8_one_point.hpp"
+#include "mechanics/element/hex8_one_point_geometry.hpp"
 
 #include <algorithm>
 #include <climits>

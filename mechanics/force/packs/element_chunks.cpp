@@ -1,6 +1,5 @@
 #include "mechanics/force/packs/element_chunks.hpp"
 
-#include "contact/base/error.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>

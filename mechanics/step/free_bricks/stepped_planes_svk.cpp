@@ -1,3 +1,4 @@
+// Steps of free bricks of the St. Venant-Kirchhoff material. A unit of its own, as all models are.
 #include "mechanics/step/free_bricks/stepped_planes.hpp"
 
 namespace brickwall::mechanics {

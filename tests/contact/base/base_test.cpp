@@ -1,12 +1,12 @@
-// The parts that all libraries share: order-free sums, boxes, count-scan-fill, exchange plans,
-// errors thrown on all ranks.
+// The parts that all libraries share: order-free sums, boxes, scans, exchange plans, errors thrown
+// on all ranks.
 #include "contact/base/box.hpp"
-#include "contact/base/count_scan_fill.hpp"
 #include "contact/base/error.hpp"
 #include "contact/base/fixed_point.hpp"
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/mpi.hpp"
+#include "contact/base/scan.hpp"
 #include "contact/base/sum_over.hpp"
 #include "contact/base/to_device.hpp"
 
@@ -164,32 +164,50 @@ TEST(BoxTest, OverlapIsClosed) {
   EXPECT_TRUE(c.overlaps(a));
 }
 
-// Row i holds i % 4 values. (A functor: extended lambdas may not be generic.)
-struct RowsOfAnyLength {
-  template <class Sink>
-  KOKKOS_INLINE_FUNCTION void operator()(std::int64_t i, const Sink& sink) const {
-    for (int k = 0; k < i % 4; ++k)
-      sink(static_cast<int>(10 * i + k));
-  }
-};
-
-TEST(CountScanFillTest, RowsOfAnyLengthKeepTheirOrder) {
+TEST(ScanTest, OffsetsAreSumsOfTheCountsBefore) {
   const exec_space space;
-  View<std::int64_t*> offsets("offsets", 0);
-  View<int*> values("values", 0);
   for (const int n : {0, 1, 1000}) {
-    const std::int64_t total =
-        countScanFill(space, "test::rows", n, RowsOfAnyLength(), offsets, values);
-    const auto host_offsets = toHost(offsets);
-    const auto host_values = toHost(values);
-    std::int64_t next = 0;
+    std::vector<std::int64_t> counts(n + 1, 7), expected(n + 1, 0); // the last count is not read
     for (int i = 0; i < n; ++i) {
-      ASSERT_EQ(host_offsets(i), next);
-      for (int k = 0; k < i % 4; ++k)
-        ASSERT_EQ(host_values(next++), 10 * i + k);
+      counts[i] = i % 4;
+      expected[i + 1] = expected[i] + counts[i];
     }
-    EXPECT_EQ(host_offsets(n), next);
-    EXPECT_EQ(total, next);
+    const auto in_place = toDevice(space, "counts", counts);
+    const View<std::int64_t*> offsets("offsets", n + 1);
+    launchScan(space, "test::launchScan", in_place, n, offsets);
+    EXPECT_EQ(scanCounts(space, "test::scanCounts", in_place, n), expected[n]);
+    space.fence();
+    const auto found = toHost(offsets), found_in_place = toHost(in_place);
+    for (int i = 0; i <= n; ++i) {
+      EXPECT_EQ(found(i), expected[i]) << i << " of " << n;
+      EXPECT_EQ(found_in_place(i), expected[i]) << i << " of " << n;
+    }
+  }
+}
+
+TEST(ScanTest, FlaggedRowsAreListedInTheirOrder) {
+  const exec_space space;
+  for (const int n : {0, 1, 1000}) {
+    std::vector<unsigned char> flags(n + 1);
+    std::vector<int> rows, expected, before(1, 0);
+    for (int i = 0; i < n; ++i) {
+      rows.push_back(n - i); // none is row 0
+      flags[n - i] = i % 3 == 0;
+      if (i % 3 == 0)
+        expected.push_back(n - i);
+      before.push_back(static_cast<int>(expected.size()));
+    }
+    const View<int*> listed("listed", n), found_before("before", n + 1);
+    listFlagged(space, "test::listFlagged",
+                View<const unsigned char*>(toDevice(space, "flags", flags)),
+                toDevice(space, "rows", rows), n, listed, found_before);
+    space.fence();
+    const auto found = toHost(listed);
+    const auto counts = toHost(found_before);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(found(i), expected[i]) << i << " of " << n;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(counts(i), before[i]) << i << " of " << n;
   }
 }
 

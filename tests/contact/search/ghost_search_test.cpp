@@ -200,70 +200,136 @@ std::int64_t reactionOf(global_id face, int rank, int i) {
   return (face * 7919 + rank * 104729 + i * 31) * (i % 2 == 0 ? 1000003 : -1000033);
 }
 
+// The ghosts of a case, by the methods in turn.
+struct FoundGhosts {
+  explicit FoundGhosts(std::uint64_t run)
+      : method(all_methods[run % 3]), c(makeCase(run / 3, sizeOf(comm))),
+        local(localSurface(c, rankOf(comm))), search(comm, configOf(c, method)),
+        ghosts(search.findGhosts(exec_space(), local.surface)) {}
+
+  std::string name() const { return c.name() + ", " + nameOf(method); }
+  // [ghost][3 * corner + xyz], of this rank
+  View<std::int64_t* [12]> reactions() const {
+    const auto ids = toHost(ghosts.face_ids);
+    return viewOf<View<std::int64_t* [12]>>(
+        static_cast<std::size_t>(ghosts.count), 12,
+        [&](auto g, auto i) { return reactionOf(ids(g), rankOf(comm), static_cast<int>(i)); });
+  }
+  // What the reactions of all ranks add up to at the nodes, [node][xyz], of the ghosts for which
+  // returns(face, holder) is true; counts these.
+  template <class Returns>
+  std::vector<std::array<std::int64_t, 3>> sumOfReactions(const Returns& returns,
+                                                          std::int64_t& num_returned) const {
+    const auto face_to_nodes = toHost(local.surface.face_to_nodes);
+    std::vector<std::array<std::int64_t, 3>> sums(local.nodes.size(), {0, 0, 0});
+    for (int q = 0; q < sizeOf(comm); ++q)
+      for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts) {
+        const auto own = std::find(local.faces.begin(), local.faces.end(), f);
+        if (own == local.faces.end() || !returns(c.faces[f].id, q))
+          continue;
+        ++num_returned;
+        for (int i = 0; i < 12; ++i)
+          sums[face_to_nodes(own - local.faces.begin(), i / 3)][i % 3] +=
+              reactionOf(c.faces[f].id, q, i);
+      }
+    return sums;
+  }
+
+  SearchMethod method;
+  SurfaceCase c;
+  LocalSurface local;
+  GlobalSearch search;
+  const GhostFaces& ghosts;
+};
+
+bool areEqual(const View<std::int64_t* [3]>& found,
+              const std::vector<std::array<std::int64_t, 3>>& expected) {
+  const auto host = toHost(found);
+  for (std::size_t n = 0; n < expected.size(); ++n)
+    for (int d = 0; d < 3; ++d)
+      if (host(n, d) != expected[n][d])
+        return false;
+  return true;
+}
+
 TEST(GhostSearchTest, ReactionsOnGhostsReturnToTheirOwnersExactly) {
   const exec_space space;
-  const int rank = rankOf(comm), size = sizeOf(comm);
   for (std::uint64_t run = 0; run < 60; ++run) {
-    const SearchMethod method = all_methods[run % 3];
-    const SurfaceCase c = makeCase(run / 3, size);
-    const LocalSurface local = localSurface(c, rank);
-    GlobalSearch global(comm, configOf(c, method));
-    const GhostFaces& ghosts = global.findGhosts(space, local.surface);
-    const auto ids = toHost(ghosts.face_ids);
-    const auto reactions = viewOf<View<std::int64_t* [12]>>(
-        static_cast<std::size_t>(ghosts.count), 12,
-        [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
+    FoundGhosts found(run);
     const auto returned = viewOf<View<std::int64_t* [3]>>(
-        local.nodes.size(), 3, [](auto, auto d) { return static_cast<std::int64_t>(d); });
-    global.reverseSum(space, local.surface.face_to_nodes, reactions, returned);
+        found.local.nodes.size(), 3, [](auto, auto d) { return static_cast<std::int64_t>(d); });
+    found.search.reverseSum(space, found.local.surface.face_to_nodes, found.reactions(), returned);
     space.fence();
-
-    const auto found = toHost(returned);
-    const auto face_to_nodes = toHost(local.surface.face_to_nodes);
-    std::vector<std::vector<char>> ghosted(size, std::vector<char>(c.faces.size(), 0));
-    for (int q = 0; q < size; ++q)
-      for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts)
-        ghosted[q][f] = 1;
-    std::vector<std::array<std::int64_t, 3>> expected(local.nodes.size(), {0, 1, 2});
-    for (std::size_t f = 0; f < local.faces.size(); ++f)
-      for (int q = 0; q < size; ++q)
-        if (ghosted[q][local.faces[f]])
-          for (int i = 0; i < 12; ++i)
-            expected[face_to_nodes(f, i / 3)][i % 3] +=
-                reactionOf(c.faces[local.faces[f]].id, q, i);
-    bool ok = true;
-    for (std::size_t n = 0; n < expected.size(); ++n)
+    std::int64_t num_returned = 0;
+    auto expected = found.sumOfReactions([](global_id, int) { return true; }, num_returned);
+    for (auto& sum : expected)
       for (int d = 0; d < 3; ++d)
-        ok = ok && found(n, d) == expected[n][d];
-    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+        sum[d] += d; // what was there before
+    ASSERT_TRUE(okOnAllRanks(comm, areEqual(returned, expected))) << found.name();
   }
 }
 
 TEST(GhostSearchTest, ValuesAtNodesReachTheCornersOfGhosts) {
   const exec_space space;
-  const int rank = rankOf(comm), size = sizeOf(comm);
   const auto valueOf = [](global_id node, int d) { return 0.25 * static_cast<double>(node) + d; };
   for (std::uint64_t run = 0; run < 60; ++run) {
-    const SearchMethod method = all_methods[run % 3];
-    const SurfaceCase c = makeCase(run / 3, size);
-    const LocalSurface local = localSurface(c, rank);
-    GlobalSearch search(comm, configOf(c, method));
-    const GhostFaces& ghosts = search.findGhosts(space, local.surface);
+    FoundGhosts found(run);
+    const LocalSurface& local = found.local;
     const auto node_values =
         viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
-          return valueOf(c.nodes[local.nodes[n]].id, static_cast<int>(d));
+          return valueOf(found.c.nodes[local.nodes[n]].id, static_cast<int>(d));
         });
-    const View<double* [12]> values("test", static_cast<std::size_t>(ghosts.count));
-    search.forward(space, local.surface, node_values, values);
+    const View<double* [12]> values("test", static_cast<std::size_t>(found.ghosts.count));
+    found.search.forward(space, local.surface, node_values, values);
     space.fence();
-    const auto found = toHost(values);
-    const auto corners = toHost(ghosts.corner_ids);
+    const auto host = toHost(values);
+    const auto corners = toHost(found.ghosts.corner_ids);
     bool ok = true;
-    for (int g = 0; g < ghosts.count; ++g)
+    for (int g = 0; g < found.ghosts.count; ++g)
       for (int i = 0; i < 12; ++i)
-        ok = ok && found(g, i) == valueOf(corners(g, i / 3), i % 3);
-    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+        ok = ok && host(g, i) == valueOf(corners(g, i / 3), i % 3);
+    ASSERT_TRUE(okOnAllRanks(comm, ok)) << found.name();
   }
+}
+
+// Of every third ghost; of none; of all.
+bool isSelected(global_id face, int holder, int selection) {
+  return selection == 2 || (selection == 0 && (face + holder) % 3 == 0);
+}
+
+// Values of the selected ghosts arrive, those of others stay 0, in both directions. Collective.
+bool areSelectedValuesRight(FoundGhosts& found, int selection) {
+  const exec_space space;
+  const LocalSurface& local = found.local;
+  const auto num_ghosts = static_cast<std::size_t>(found.ghosts.count);
+  const auto ids = toHost(found.ghosts.face_ids);
+  const auto corners = toHost(found.ghosts.corner_ids);
+  const auto node_values =
+      viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
+        return static_cast<double>(10 * found.c.nodes[local.nodes[n]].id + static_cast<int>(d));
+      });
+  const auto is_selected = [&](global_id face, int holder) {
+    return isSelected(face, holder, selection);
+  };
+  const auto flags = viewOf<View<unsigned char*>>(num_ghosts, 1, [&](auto g, auto) {
+    return static_cast<unsigned char>(is_selected(ids(g), rankOf(comm)));
+  });
+  found.search.selectGhosts(space, flags);
+  const View<double* [12]> values("test", num_ghosts);
+  found.search.forwardSelected(space, local.surface, node_values, values);
+  const View<std::int64_t* [3]> returned("test", local.nodes.size());
+  found.search.reverseSumSelected(space, local.surface.face_to_nodes, found.reactions(), returned);
+  space.fence();
+  std::int64_t num_selected = 0;
+  bool ok = areEqual(returned, found.sumOfReactions(is_selected, num_selected));
+  ok = ok && found.search.selection().numFaces() == num_selected;
+  const auto arrived = toHost(values);
+  for (int g = 0; g < found.ghosts.count; ++g)
+    for (int i = 0; i < 12; ++i)
+      ok = ok && arrived(g, i) == (is_selected(ids(g), rankOf(comm))
+                                       ? static_cast<double>(10 * corners(g, i / 3) + i % 3)
+                                       : 0);
+  return ok;
 }
 
 // The surface with each rank far from all others.
@@ -277,77 +343,28 @@ LocalSurface apart(const LocalSurface& local, int rank) {
   return moved;
 }
 
-TEST(GhostSearchTest, ValuesTravelForSelectedGhostsOnly) {
+// Former partners that are none any more expect nothing. Collective.
+bool isNothingReturnedApart(FoundGhosts& found) {
   const exec_space space;
-  const int rank = rankOf(comm), size = sizeOf(comm);
-  // Of every third ghost; of none; of all.
-  const auto isSelected = [](global_id face, int holder, int selection) {
-    return selection == 2 || (selection == 0 && (face + holder) % 3 == 0);
-  };
+  const LocalSurface moved = apart(found.local, rankOf(comm));
+  const int num_ghosts = found.search.findGhosts(space, moved.surface).count;
+  found.search.selectGhosts(space,
+                            View<unsigned char*>("test", static_cast<std::size_t>(num_ghosts)));
+  const View<std::int64_t* [3]> returned("test", moved.nodes.size());
+  found.search.reverseSumSelected(space, moved.surface.face_to_nodes,
+                                  View<std::int64_t* [12]>("test", num_ghosts), returned);
+  space.fence();
+  return areEqual(returned, std::vector<std::array<std::int64_t, 3>>(moved.nodes.size()));
+}
+
+TEST(GhostSearchTest, ValuesTravelForSelectedGhostsOnly) {
   for (std::uint64_t run = 0; run < 30; ++run) {
-    const SearchMethod method = all_methods[run % 3];
-    const SurfaceCase c = makeCase(run / 3, size);
-    const LocalSurface local = localSurface(c, rank);
-    GlobalSearch search(comm, configOf(c, method));
-    const GhostFaces& ghosts = search.findGhosts(space, local.surface);
-    const auto ids = toHost(ghosts.face_ids);
-    const auto corners = toHost(ghosts.corner_ids);
-    const auto node_values =
-        viewOf<View<const double* [3]>>(local.nodes.size(), 3, [&](auto n, auto d) {
-          return static_cast<double>(10 * c.nodes[local.nodes[n]].id + static_cast<int>(d));
-        });
-    const auto reactions = viewOf<View<std::int64_t* [12]>>(
-        static_cast<std::size_t>(ghosts.count), 12,
-        [&](auto g, auto i) { return reactionOf(ids(g), rank, static_cast<int>(i)); });
-    const auto face_to_nodes = toHost(local.surface.face_to_nodes);
+    FoundGhosts found(run);
     bool ok = true;
-    for (int selection = 0; selection < 3; ++selection) {
-      const View<unsigned char*> flags("test", static_cast<std::size_t>(ghosts.count));
-      const auto host_flags = Kokkos::create_mirror_view(flags);
-      for (int g = 0; g < ghosts.count; ++g)
-        host_flags(g) = isSelected(ids(g), rank, selection);
-      Kokkos::deep_copy(flags, host_flags);
-      search.selectGhosts(space, flags);
-      const View<double* [12]> values("test", static_cast<std::size_t>(ghosts.count));
-      search.forwardSelected(space, local.surface, node_values, values);
-      const View<std::int64_t* [3]> returned("test", local.nodes.size());
-      search.reverseSumSelected(space, local.surface.face_to_nodes, reactions, returned);
-      space.fence();
-      const auto found = toHost(values);
-      for (int g = 0; g < ghosts.count; ++g)
-        for (int i = 0; i < 12; ++i)
-          ok = ok && found(g, i) == (host_flags(g) ? double(10 * corners(g, i / 3) + i % 3) : 0);
-      std::vector<std::array<std::int64_t, 3>> expected(local.nodes.size(), {0, 0, 0});
-      std::int64_t num_selected = 0;
-      for (int q = 0; q < size; ++q)
-        for (const int f : expectedOnRank(c, localSurface(c, q), q).ghosts) {
-          const auto own = std::find(local.faces.begin(), local.faces.end(), f);
-          if (own == local.faces.end() || !isSelected(c.faces[f].id, q, selection))
-            continue;
-          ++num_selected;
-          for (int i = 0; i < 12; ++i)
-            expected[face_to_nodes(own - local.faces.begin(), i / 3)][i % 3] +=
-                reactionOf(c.faces[f].id, q, i);
-        }
-      ok = ok && search.selection().numFaces() == num_selected;
-      const auto sums = toHost(returned);
-      for (std::size_t n = 0; n < expected.size(); ++n)
-        for (int d = 0; d < 3; ++d)
-          ok = ok && sums(n, d) == expected[n][d];
-    }
-    // Former partners that are none any more expect nothing.
-    const LocalSurface moved = apart(local, rank);
-    const int num_ghosts = search.findGhosts(space, moved.surface).count;
-    search.selectGhosts(space, View<unsigned char*>("test", static_cast<std::size_t>(num_ghosts)));
-    const View<std::int64_t* [3]> returned("test", local.nodes.size());
-    search.reverseSumSelected(space, moved.surface.face_to_nodes,
-                              View<std::int64_t* [12]>("test", num_ghosts), returned);
-    space.fence();
-    const auto sums = toHost(returned);
-    for (std::size_t n = 0; n < local.nodes.size(); ++n)
-      for (int d = 0; d < 3; ++d)
-        ok = ok && sums(n, d) == 0;
-    ASSERT_TRUE(okOnAllRanks(comm, ok)) << c.name() << ", " << nameOf(method);
+    for (int selection = 0; selection < 3; ++selection)
+      ok = areSelectedValuesRight(found, selection) && ok;
+    ok = isNothingReturnedApart(found) && ok;
+    ASSERT_TRUE(okOnAllRanks(comm, ok)) << found.name();
   }
 }
 

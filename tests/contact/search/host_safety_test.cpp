@@ -190,7 +190,7 @@ TEST_F(SearchInHost, ASurfaceOfManyIdsInAnyOrderIsAccepted) {
   const std::function<global_id(global_id)> ids[] = {
       [](global_id i) { return n - i; }, [](global_id i) { return (i * 7919) % n; },
       [](global_id i) { return (n - i) << 21; }, // all in a few bits of a table
-      [](global_id i) { return static_cast<global_id>(brickwall::spreadBits(i) >> 1); }};
+      [](global_id i) { return static_cast<global_id>(hashOfWord(i) >> 1); }};
   for (const auto& id : ids) {
     s.node_ids = viewOf<View<const global_id*>>(n, 1, [&](auto i, auto) { return id(i); });
     EXPECT_EQ(messageOf([&] { checkSurface(space, comm, "test", s); }), "");

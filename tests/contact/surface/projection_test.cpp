@@ -151,6 +151,17 @@ TEST(MeanPlane, NeverRejectsAPenetratingPoint) {
   }
 }
 
+TEST(MeanPlane, RejectsEveryPointInFrontOfAFlatFace) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const MeanPlane plane = meanPlane(unitSquare());
+  for (int trial = 0; trial < 1000; ++trial) {
+    const double gap = 0.5 * uniform(random);
+    const Vec3 point = {0.5 + uniform(random), 0.5 + uniform(random), gap};
+    EXPECT_EQ(plane.surelyOutside(point, 0.05, 0), gap > 0) << trial;
+  }
+}
+
 TEST(MeanPlane, AreaOfAQuadAndOfATriangle) {
   EXPECT_EQ(meanPlane(unitSquare()).area, 1);
   const Vec3 a = {0, 0, 0}, b = {2, 0, 0}, c = {0, 1, 0};

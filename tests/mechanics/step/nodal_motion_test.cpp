@@ -10,11 +10,13 @@ using namespace brickwall;
 using namespace brickwall::mechanics;
 using namespace brickwall::mechanics::testing;
 
-View<double* [3]> copyOf(const View<double* [3]>& values) {
+auto copyOf(const View<double* [3]>& values) {
   const View<double* [3]> copy("copy", values.extent(0));
   Kokkos::deep_copy(copy, values);
   return copy;
-} double largestDifference(const View<double* [3]>& a, const View<double* [3]>& b) {
+}
+
+double largestDifference(const View<double* [3]>& a, const View<double* [3]>& b) {
   const auto of_a = toHost(a), of_b = toHost(b);
   double largest = 0;
   for (std::size_t node = 0; node < a.extent(0); ++node)

@@ -53,9 +53,10 @@ struct Solver {
     viscosity = b;
     forces = zeroedForces(blocks.mesh, forces.quantum, b.any());
   }
-  View<double* [3]> field(const std::function<Vec3(const Vec3&)>& of_position) const {
+  auto field(const std::function<Vec3(const Vec3&)>& of_position) const {
     return nodalField(space, blocks.mesh, of_position);
-  } std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
+  }
+  std::vector<int> nodesWhere(const std::function<bool(const Vec3&)>& chosen) const {
     std::vector<int> nodes;
     const auto X = toHost(blocks.mesh.reference_coordinates);
     for (int node = 0; node < blocks.mesh.num_nodes; ++node)

@@ -6,7 +6,7 @@
 #include "miniapp/output/report.hpp"
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/output/search_report.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 #include "tests/support/expect_contains.hpp"
 
 #include <gtest/gtest.h>

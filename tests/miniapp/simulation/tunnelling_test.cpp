@@ -55,7 +55,7 @@ std::map<std::int64_t, std::array<double, 6>> stateOf(const Case& bricks) {
 // Counts launches of the kernel over pairs.
 int pair_kernels = 0;
 void countKernel(const char* name, std::uint32_t, std::uint64_t*) {
-  pair_kernels += std::strcmp(name, "contact::fastestPair") == 0;
+  pair_kernels += std::strcmp(name, "contact::FastestPair::find") == 0;
 }
 struct KernelCounter {
   KernelCounter() {

@@ -250,13 +250,17 @@ private:
     return view;
   }
 
+  using Vectors = View<double* [3]>; // [node][xyz]
+
   // The rows of this rank's surface nodes in `all` [global node].
-  View<double* [3]> atNodes(const std::vector<Vec3>& all) const {
-    return filled<View<double* [3]>>(static_cast<int>(_nodes.size()), [&](auto& v, int i) {
+  Vectors atNodes(const std::vector<Vec3>& all) const {
+    return filled<Vectors>(static_cast<int>(_nodes.size()), [&](auto& v, int i) {
       for (int d = 0; d < 3; ++d)
         v(i, d) = all[_nodes[i]][d];
     });
-  } void setCoordinates(const Scene& scene) {
+  }
+
+  void setCoordinates(const Scene& scene) {
     const auto of_ghosts = [&](const std::vector<Vec3>& x) {
       return filled<View<double* [12]>>(_ghost_faces.count, [&](auto& v, int g) {
         for (int j = 0; j < 4; ++j)

@@ -1,6 +1,6 @@
 // The callbacks of Kokkos are plain functions, so that a pointer in this file holds the installed
 // recorder: the only global variable of the program.
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 
 #include "contact/base/backend.hpp"
 #include "contact/base/mpi.hpp"

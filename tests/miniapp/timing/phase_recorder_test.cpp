@@ -2,7 +2,7 @@
 #include "contact/base/error.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
-#include "miniapp/timing/phase_report.hpp"
+#include "miniapp/timing/phase_recorder.hpp"
 #include "miniapp/timing/process_memory.hpp"
 
 #include <gtest/gtest.h>

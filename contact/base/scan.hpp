@@ -1,4 +1,4 @@
-// Results of variable length: count per item, exclusive scan with 64-bit offsets, fill.
+// Exclusive scans for results of variable length: offsets from counts, and lists of flagged rows.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -64,50 +64,6 @@ void listFlagged(const exec_space& space, const std::string& label,
                  const View<int*>& listed, const View<Count*>& before) {
   Kokkos::parallel_scan(label, rangePolicy(space, n + 1),
                         ListFlagged<Rows, Count>{flags, rows, n, listed, before});
-}
-
-template <class T, class Emit>
-struct CountEmitted {
-  Emit emit;
-  View<std::int64_t*> counts;
-
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
-    std::int64_t count = 0;
-    emit(i, [&](const T&) { ++count; });
-    counts(i) = count;
-  }
-};
-template <class T, class Emit>
-struct StoreEmitted {
-  Emit emit;
-  View<const std::int64_t*> offsets;
-  View<T*> values;
-
-  KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
-    std::int64_t next = offsets(i);
-    if (offsets(i + 1) > next)
-      emit(i, [&](const T& value) { values(next++) = value; });
-  }
-};
-
-// Calls emit(i, sink) for each i in [0, n) twice: in the first call sink(value) only counts, in the
-// second, which is omitted for i that emitted nothing, it stores. On return offsets[0, n] are the
-// exclusive offsets and values[offsets(i), offsets(i+1)) the values emitted by i, in order. Both
-// Views grow and never shrink. Returns the total.
-template <class T, class Emit>
-std::int64_t countScanFill(const exec_space& space, const std::string& label, std::int64_t n,
-                           const Emit& emit, View<std::int64_t*>& offsets, View<T*>& values) {
-  growTo(space, offsets, n + 1);
-  Kokkos::parallel_for(label + "::count", rangePolicy(space, n),
-                       CountEmitted<T, Emit>{emit, offsets});
-  launchScan(space, label + "::scan", offsets, n, offsets);
-  std::int64_t total = 0;
-  Kokkos::deep_copy(space, total, Kokkos::subview(offsets, static_cast<std::size_t>(n)));
-  space.fence();
-  growTo(space, values, total);
-  Kokkos::parallel_for(label + "::fill", rangePolicy(space, n),
-                       StoreEmitted<T, Emit>{emit, offsets, values});
-  return total;
 }
 
 } // namespace brickwall
