@@ -43,9 +43,13 @@ private:
   std::uint64_t _state = 0;
 };
 
+// Uniform in [-1, 1), by the upper 53 of random bits.
+KOKKOS_INLINE_FUNCTION double uniformOf(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1p-52 - 1;
+}
 // A number in [-1, 1) that depends on the seed alone.
 KOKKOS_INLINE_FUNCTION double randomOf(std::uint64_t seed) {
-  return static_cast<double>(hashOfWord(seed) >> 11) * 0x1p-52 - 1;
+  return uniformOf(hashOfWord(seed));
 }
 
 } // namespace brickwall

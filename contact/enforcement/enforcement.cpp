@@ -14,7 +14,7 @@ namespace {
 // Nodes that a kernel visits: the listed ones or, with marks [node], those of them that are marked.
 struct MarkedNodes {
   NodeList list;
-  View<const unsigned char*> marks;
+  View<unsigned char*> marks;
 
   // The node at a place, or -1.
   KOKKOS_FORCEINLINE_FUNCTION int operator()(std::int64_t place) const {
@@ -52,9 +52,8 @@ void accelerate(const exec_space& space, const MarkedNodes& nodes, bool at_first
       });
 }
 
-// Responses of the nodes to the magnitudes of the proposed changes, which are zeroed; `marks` too,
-// where a node is marked.
-void respond(const exec_space& space, const MarkedNodes& nodes, const View<unsigned char*>& marks,
+// Responses of the nodes to the magnitudes of the proposed changes, which are zeroed with the marks.
+void respond(const exec_space& space, const MarkedNodes& nodes,
              const View<std::int64_t* [3]>& totals, const Quantum& quantum,
              const View<const double*>& node_mass, const View<double* [3]>& responses) {
   Kokkos::parallel_for(
@@ -64,7 +63,7 @@ void respond(const exec_space& space, const MarkedNodes& nodes, const View<unsig
         if (node < 0)
           return;
         if (nodes.marks.extent(0) > 0)
-          marks(node) = 0;
+          nodes.marks(node) = 0;
         const double per_quantum = quantum.value / node_mass(node);
         for (int d = 0; d < 3; ++d) {
           const std::int64_t total = totals(node, d);
@@ -361,8 +360,8 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     if (edges != nullptr && has_marks)
       edges->markTouched(space, _is_proposed);
     neutral->sum_forces(proposals);
-    respond(space, {_touched.list(), marks_proposed}, _is_proposed, proposals.nodes, _quantum,
-            _node_mass, _responses);
+    respond(space, {_touched.list(), marks_proposed}, proposals.nodes, _quantum, _node_mass,
+            _responses);
     neutral->share_with_ghosts(_responses, _ghost_responses);
     const NodeVectors responses{_responses, _ghost_responses};
     _set.correctForces(space, faces, steps, accelerations, responses, marks_changed);

@@ -6,13 +6,13 @@
 
 namespace brickwall::io {
 
-// Uniform in [-1, 1), of 53 random bits. Jitter uses node ids, drift brick ids, with seeds of their
+// Uniform in [-1, 1). Jitter uses node ids, drift brick ids, with seeds of their
 // own.
 inline double hashedUniform(std::uint64_t seed, std::int64_t id, int component) {
   std::uint64_t bits = hashOfWord(seed);
   bits = mixBits(bits ^ (static_cast<std::uint64_t>(id) + golden_ratio));
   bits = mixBits(bits ^ (static_cast<std::uint64_t>(component) + golden_ratio));
-  return static_cast<double>(bits >> 11) * 0x1p-52 - 1.0;
+  return uniformOf(bits);
 }
 
 } // namespace brickwall::io

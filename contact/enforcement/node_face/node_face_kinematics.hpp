@@ -133,8 +133,9 @@ struct NodeFaceKinematics : NodeSurface {
                                                FaceContact& contact) const {
     return accept(faces, persistent.face, ContactTest::persist, persistent.point, contact);
   }
-  // True only where a contact whose node opposes the face persists without fading: acceptPersistent() is
-  // true, isBeyondInnerEdge() and mayFade() are false. `reach`: reachOf() the face.
+  // True only where a contact whose node opposes the face persists without fading:
+  // acceptPersistent() is true, isBeyondInnerEdge() and mayFade() are false. `reach`: reachOf() the
+  // face.
   template <class Real>
   KOKKOS_INLINE_FUNCTION auto staysInside(const persistent_contact::Found<Real>& found,
                                           const Real& reach) const {

@@ -140,12 +140,11 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
 // Few pairs are looked at again sooner than listed.
 struct CorrectedList {
   static constexpr std::int64_t least_pairs = 1 << 18;
-  static constexpr int num_counts = 3; // taken in turn: a pass adds to one and empties the next
   View<int*> numbers; // [place] of interactions
-  View<std::int64_t[num_counts]> counts;
+  View<std::int64_t[num_turns]> counts;
   int turn = 0;
 
-  KOKKOS_INLINE_FUNCTION void emptyNext() const { counts((turn + 1) % num_counts) = 0; }
+  KOKKOS_INLINE_FUNCTION void emptyNext() const { counts((turn + 1) % num_turns) = 0; }
   KOKKOS_INLINE_FUNCTION void add(std::int64_t number) const {
     numbers(reservePlaces(&counts(turn), 1)) = static_cast<int>(number);
   }

@@ -22,6 +22,9 @@ struct StepLengths {
   StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
 };
 
+// Counts of corrected pairs, taken in turn: a round adds to one and empties the next.
+constexpr int num_turns = 3;
+
 // What the passes of corrections note, in device memory.
 struct CorrectionNotes {
   std::int64_t last_proposing = 0; // number of the last first pass that proposed a change
@@ -110,7 +113,7 @@ private:
   // Zeroes what the kernels of a step count and add to.
   void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
-  int turn() const { return static_cast<int>(_num_proposing % 3); } // of _num_corrected
+  int turn() const { return static_cast<int>(_num_proposing % num_turns); } // of _num_corrected
   // Memory for the interactions of a step, and for the contacts of its crowded rows.
   bool hasRoomFor(const ContactSums& sums) const;
   void makeRoom(const exec_space& space, std::int64_t interactions, std::int64_t crowded);
@@ -120,7 +123,7 @@ private:
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   View<int*> _corrected; // [place] those of this round, on devices
-  View<std::int64_t[3]> _num_corrected;
+  View<std::int64_t[num_turns]> _num_corrected;
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
   View<std::int64_t*> _counts; // the memory of those below, which are zeroed together
   View<std::int64_t> _next_count;
