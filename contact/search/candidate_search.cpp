@@ -50,9 +50,10 @@ double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes
   return largest;
 }
 
-void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface,
-                    const View<double* [6]>& searched_at) {
+void keepSweptBoxes(const exec_space& space, const SweptBoxes& surface, View<double* [6]>& boxes) {
+  growTo(space, boxes, surface.num_nodes);
   const auto x_old = surface.coordinates_old, x_new = surface.coordinates_new;
+  const auto searched_at = boxes;
   Kokkos::parallel_for(
       "contact::CandidateSearch::keepSweptBoxes", rangePolicy(space, surface.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node) {
@@ -92,37 +93,50 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
                                               std::optional<double> motion,
                                               const std::function<void()>& meanwhile,
                                               const View<const unsigned char*>& stationary) {
-  updateGhosts(space, surface, _has_pairs ? motion : HUGE_VAL, stationary, true);
-  if (!_has_pairs) {
-    _has_lists = false; // in case of a throw
+  if (mayKeepLists(space, surface, _has_pairs ? motion : HUGE_VAL, stationary)) {
+    _global.forwardCoordinates(space, surface);
+  } else {
+    _has_lists = _has_pairs = false; // in case of a throw
+    _global.launchGhosts(space, surface);
+    if (_margin > 0)
+      keepSweptBoxes(space, surface, _searched_at);
     _local.findCandidatePairs(space, surface, meanwhile);
     _global.finishGhosts(space, surface);
-    _has_lists = true;
+    _has_lists = _has_pairs = true;
+    ++_searches;
   }
-  _has_pairs = true;
   return _local.pairs();
 }
 
-// A coordinate that is not finite makes all ranks search, which reports it.
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                                 std::optional<double> motion,
-                                                const View<const unsigned char*>& stationary,
-                                                bool seeks_pairs) {
-  ++_updates;
-  bool may_keep = false;
-  if (_margin > 0) {
-    const Region region("contact::measureMotion");
-    double here = HUGE_VAL;
-    if (_has_lists && _global.isSame(space, surface))
-      here = motion ? *motion : motionOutOf(space, _searched_at, surface, stationary);
-    // negative without nodes
-    may_keep = allReduce(_comm, maxOf(here, 0.0), MPI_MAX) <= _allowed_motion;
-  }
-  if (may_keep)
+                                                const View<const unsigned char*>& stationary) {
+  if (mayKeepLists(space, surface, motion, stationary)) {
     _global.forwardCoordinates(space, surface);
-  else
-    findGhosts(space, surface, seeks_pairs);
+  } else {
+    _has_lists = _has_pairs = false; // in case of a throw
+    _global.findGhosts(space, surface);
+    if (_margin > 0)
+      keepSweptBoxes(space, surface, _searched_at);
+    _has_lists = true;
+    ++_searches;
+  }
   return _global.ghosts();
+}
+
+// Counts an update. A coordinate that is not finite makes all ranks search, which reports it.
+bool CandidateSearch::mayKeepLists(const exec_space& space, const SweptBoxes& surface,
+                                   std::optional<double> motion,
+                                   const View<const unsigned char*>& stationary) {
+  ++_updates;
+  if (_margin == 0)
+    return false;
+  const Region region("contact::measureMotion");
+  double here = HUGE_VAL;
+  if (_has_lists && _global.isSame(space, surface))
+    here = motion ? *motion : motionOutOf(space, _searched_at, surface, stationary);
+  // negative without nodes
+  return allReduce(_comm, maxOf(here, 0.0), MPI_MAX) <= _allowed_motion;
 }
 
 void CandidateSearch::restore(const exec_space& space, const SweptBoxes& surface,
@@ -133,21 +147,6 @@ void CandidateSearch::restore(const exec_space& space, const SweptBoxes& surface
     update(space, surface, HUGE_VAL);
   _searches = searches;
   _updates = updates;
-}
-
-void CandidateSearch::findGhosts(const exec_space& space, const SweptBoxes& surface,
-                                 bool seeks_pairs) {
-  _has_lists = _has_pairs = false; // in case of a throw
-  if (seeks_pairs)
-    _global.launchGhosts(space, surface);
-  else
-    _global.findGhosts(space, surface);
-  if (_margin > 0) {
-    growTo(space, _searched_at, surface.num_nodes);
-    keepSweptBoxes(space, surface, _searched_at);
-  }
-  _has_lists = true;
-  ++_searches;
 }
 
 } // namespace brickwall::contact

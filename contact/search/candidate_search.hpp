@@ -69,9 +69,7 @@ public:
   // Collective. The same without pairs, for hosts that need only the ghosts.
   const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                  std::optional<double> motion = {},
-                                 const View<const unsigned char*>& stationary = {}) {
-    return updateGhosts(space, surface, motion, stationary, false);
-  }
+                                 const View<const unsigned char*>& stationary = {});
 
   // To be called, on one rank or more, when something of the surface besides its coordinates has
   // changed: the next update() searches on all ranks, whatever the motion, and sorts the surface
@@ -137,17 +135,17 @@ public:
 
   SearchStatistics statistics() const { return _global.statistics(); } // of the last search
   std::int64_t updates() const { return _updates; } // since the start
-  std::int64_t searches() const { return _searches; } // number of updates that searched
+  std::int64_t searches() const {
+    return _searches;
+  } // number of updates that searched and threw nothing
   // The number of searches that exchanged the rank boxes of all ranks, since the construction.
   std::int64_t rankBoxExchanges() const { return _global.numRankBoxExchanges(); }
   double margin() const { return _margin; }
 
 private:
   void applyTolerances();
-  const GhostFaces& updateGhosts(const exec_space& space, const SweptBoxes& surface,
-                                 std::optional<double> motion,
-                                 const View<const unsigned char*>& stationary, bool seeks_pairs);
-  void findGhosts(const exec_space& space, const SweptBoxes& surface, bool seeks_pairs);
+  bool mayKeepLists(const exec_space& space, const SweptBoxes& surface,
+                    std::optional<double> motion, const View<const unsigned char*>& stationary);
 
   Communicator _comm;
   SearchConfig _config; // of a step, without the margin
