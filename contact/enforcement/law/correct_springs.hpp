@@ -124,6 +124,10 @@ correctSprings(const ContactHistory& pairs, const PairOf& pairOf, const CorrectP
       gathered.gather(lane, pairOf(number), correct);
     }
     evaluate(gathered, correct, add, corrected);
+    if (width > 1 && correct.isProposal())
+      for (int lane = 0; first + lane <= last; ++lane)
+        if (corrected.changes(lane, pairOf(numbers[first + lane])))
+          add.prefetchTarget(pairOf(numbers[first + lane]));
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
       const Interaction& pair = pairOf(number);

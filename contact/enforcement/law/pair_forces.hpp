@@ -143,6 +143,10 @@ struct PairForces {
       addBy<Together>(pair, quanta, sign, lane);
   }
 
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchTarget(const Interaction& pair) const {
+    prefetchRow(target.nodes, pair.point.node[0]);
+    faces.prefetchCorners(pair.face_index, target.nodes);
+  }
   // Adds the magnitudes, along each axis, of the nodal forces by which a normal force `change`
   // acts; beyond the fixed-point range nothing.
   KOKKOS_INLINE_FUNCTION void addMagnitude(const Interaction& pair, double change) const {

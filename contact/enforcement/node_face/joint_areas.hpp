@@ -20,6 +20,12 @@ struct JointAreas {
   View<const double*> areas; // a_i, length^2 [contact of a joint]
 
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty() const { return row_count.extent(0) == 0; }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetch(int node) const {
+    if (isEmpty())
+      return;
+    brickwall::prefetch(&row_begin(node));
+    brickwall::prefetch(&row_count(node));
+  }
   // 0 if the node and the body have no joint.
   KOKKOS_FORCEINLINE_FUNCTION double areaOf(int node, global_id body) const {
     if (isEmpty())

@@ -46,6 +46,7 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int node) const {
     prefetch(&adjacent_faces.rows(adjacent_faces.offsets(node)));
     prefetch(&node_mass(node));
+    joints.prefetch(node);
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchAdjacentFaces(int node) const {
     for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k)

@@ -140,6 +140,8 @@ struct SelectInteractions {
   KOKKOS_FORCEINLINE_FUNCTION void addRow(std::int64_t row, int count, Batch& batch) const {
     batch.rows[batch.num_rows] = row;
     batch.first[batch.num_rows++] = batch.num_persistent;
+    if constexpr (Kinematics::projects_candidates_at_once)
+      prefetchFaces(row);
     if (count > 0) {
       const int node = step.pairs.node(row);
       stationary.known_apart(node) = 0;
@@ -295,9 +297,23 @@ struct SelectInteractions {
       step.faces.prefetchFace(face);
     }
   }
+  // What findNearest() reads of the faces of a row: numbers and attributes first, then corners.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchFaces(std::int64_t row) const {
+    for (std::int64_t p = step.pairs.begin(row); p < step.pairs.end(row); ++p)
+      step.faces.prefetchFace(step.pairs.faces(p));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchCorners(std::int64_t row) const {
+    for (std::int64_t p = step.pairs.begin(row); p < step.pairs.end(row); ++p) {
+      step.faces.prefetchCorners(step.pairs.faces(p), step.faces.surface.coordinates_new);
+      step.faces.prefetchCorners(step.pairs.faces(p), step.faces.surface.coordinates_old);
+    }
+  }
   KOKKOS_INLINE_FUNCTION void selectBatch(Batch& batch, ContactSums& sums) const {
     if (batch.num_rows == 0)
       return;
+    if constexpr (Kinematics::projects_candidates_at_once)
+      for (int r = 0; r < batch.num_rows; ++r)
+        prefetchCorners(batch.rows[r]);
     for (int k = 0; k < batch.num_persistent; ++k) {
       brickwall::prefetchRow(step.add.target.nodes, batch.persistent[k].node);
       step.faces.prefetchCorners(batch.persistent[k].face, step.add.target.nodes);
