@@ -197,14 +197,16 @@ void EnergyLedger::bookImpulses(double dt_kick, const KickSums& kick) {
   const Vec3 gap = b.impulse_external + b.impulse_gravity + b.impulse_reaction + b.impulse_damping -
                    (b.momentum - _initial_momentum);
   raise(_momentum_gap, norm(gap));
-  raise(_largest_load, norm(b.impulse_external));
+  // The norm of the impulse of the loads would be rounding where they cancel. This sum bounds it by
+  // the triangle inequality, and is equal to it where all loads have one direction.
+  _sum_of_loads += kick.sum[kick_load_magnitude].value(_scales.momentum);
   // Without loads the scale is sqrt(2 K M), which bounds the sum of the parts' momenta, which may
   // cancel (Cauchy-Schwarz).
   raise(_largest_other, std::max({std::sqrt(2 * b.kinetic * _total_mass), norm(b.impulse_gravity),
                                   norm(b.impulse_reaction)}));
   // A load that has only just begun is no measure.
   const double size =
-      _largest_load > 0 ? std::max(_largest_load, 1e-4 * _largest_other) : _largest_other;
+      _sum_of_loads > 0 ? std::max(_sum_of_loads, 1e-4 * _largest_other) : _largest_other;
   b.momentum_error = quotient(_momentum_gap, std::max(size, _scales.momentum_noise));
 }
 

@@ -68,8 +68,9 @@ struct EnergyBalance {
   double energy_error = 0; // |total_half - external work - E_0| / peak_total
   double stored_error = 0; // |stored_half - U_0 + W_internal| / peak_total
   double contact_error = 0; // |contact stored + dissipated + W_contact| / peak_total
-  // |impulses - change of momentum| / impulse of loads. Without loads it is relative to the largest
-  // of sqrt(2 K M) and the other impulses; the denominator is at least 1e-4 of these.
+  // |impulses - change of momentum| / sum of |dt f| of the loads over nodes and steps, which bounds
+  // their impulse also where loads cancel. Without loads it is relative to the largest of sqrt(2 K
+  // M) and the other impulses; the denominator is at least 1e-4 of these.
   double momentum_error = 0;
   // |moments of impulses - change of angular momentum| / the largest of these moments and R sqrt(2
   // K M), R^2 = sum m |x|^2 / M
@@ -190,7 +191,7 @@ private:
   double _dt = 0; // of the drift after the last kick
   // Largest absolute errors and scales since the start.
   double _energy_gap = 0, _stored_gap = 0, _contact_gap = 0;
-  double _momentum_gap = 0, _largest_load = 0, _largest_other = 0;
+  double _momentum_gap = 0, _sum_of_loads = 0, _largest_other = 0;
   double _angular_gap = 0, _largest_moment = 0;
 };
 

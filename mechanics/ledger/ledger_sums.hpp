@@ -51,7 +51,8 @@ enum KickTerm : int {
   kick_moment_external = kick_impulse_damping + 3, // x^n x dt f_external
   kick_moment_reaction = kick_moment_external + 3,
   kick_moment_damping = kick_moment_reaction + 3,
-  kick_fast_nodes = kick_moment_damping + 3, // a count in the high limb: nodes beyond SpeedTest
+  kick_load_magnitude = kick_moment_damping + 3, // dt |f_external|
+  kick_fast_nodes, // a count in the high limb: nodes beyond SpeedTest
   num_kick_terms
 };
 using KickSums = LimbSums<num_kick_terms>;

@@ -38,23 +38,23 @@ KOKKOS_INLINE_FUNCTION constexpr int plainScale(int term) {
 }
 
 // Ledger terms of one of the other kinds of forces: the first numOtherKickTerms() of [work,
-// impulse, moment].
-constexpr int max_other_kick_terms = 7;
+// impulse, moment, magnitude of the impulse].
+constexpr int max_other_kick_terms = 8;
 KOKKOS_INLINE_FUNCTION constexpr int numOtherKickTerms(int kind) {
   return kind == external_force ? +max_other_kick_terms : (kind == contact_force ? 4 : 1);
 }
 KOKKOS_INLINE_FUNCTION constexpr int otherKickTerm(int kind, int term) {
-  return term == 0
-             ? kickWork(kind)
-             : (term >= 4
-                    ? kick_moment_external + term - 4
-                    : (kind == contact_force ? +kick_impulse_contact : +kick_impulse_external) +
-                          term - 1);
+  return term == 0 ? kickWork(kind)
+                   : (term == 7 ? +kick_load_magnitude
+                                : (term >= 4 ? kick_moment_external + term - 4
+                                             : (kind == contact_force ? +kick_impulse_contact
+                                                                      : +kick_impulse_external) +
+                                                   term - 1));
 }
 
 // The scale of such a term, as plainScale().
 KOKKOS_INLINE_FUNCTION constexpr int otherScale(int term) {
-  return term == 0 ? 0 : (term < 4 ? 2 : 3);
+  return term == 0 ? 0 : (term < 4 || term == 7 ? 2 : 3);
 }
 
 // Ledger sums of one thread of a device: those of the plain terms and of contact in registers, the
@@ -105,7 +105,8 @@ struct NodeKick {
       term[plain_angular + i] = x[j] * momentum[k] - x[k] * momentum[j];
     }
   }
-  // Work, impulse and moment of another force.
+  // Work, impulse, moment and magnitude of the impulse of another force. The magnitude has the sign
+  // of dt, so that a kick that is taken back in part takes its part back.
   KOKKOS_FORCEINLINE_FUNCTION void otherTerms(const Real (&other)[3], double dt,
                                               Real (&term)[max_other_kick_terms]) const {
     Real mean[3], impulse[3];
@@ -119,6 +120,7 @@ struct NodeKick {
       term[1 + i] = impulse[i];
       term[4 + i] = x[j] * impulse[k] - x[k] * impulse[j];
     }
+    term[7] = dt * squareRoot(dotOf(other, other));
   }
   KOKKOS_FORCEINLINE_FUNCTION static Real dotOf(const Real (&a)[3], const Real (&b)[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -227,9 +227,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   std::printf("  steps             %lld to time %g\n", static_cast<long long>(num_steps),
               config.time.end);
   printMagnitudes(config, magnitudes);
-  std::printf(
-      "  memory            %.0f MB per rank on %d rank(s), of which %.0f MB on the device\n",
-      1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device);
+  // brickwall_study/problem_size.py reads this line.
+  std::printf("  memory            %.0f MB per rank on %d rank(s), of which %.0f MB %s\n",
+              1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device,
+              host_accessible ? "in arrays of the time loop" : "on the device");
   for (const std::string& warning : scene.warnings)
     std::printf("warning: %s\n", warning.c_str());
   return 0;

@@ -39,6 +39,7 @@ struct MeshConfig {
 struct MaterialConfig {
   std::string block; // element block
   mechanics::Material material;
+  std::string place; // for messages
 };
 
 // [element]

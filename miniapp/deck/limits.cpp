@@ -13,7 +13,8 @@ namespace brickwall::miniapp {
 const std::array<GaugeRule, num_gauges> gauge_rules = {{
     {"energy_error", "energy error", "error of the energy balance over the peak energy", 0.1, 0.02},
     {"momentum_error", "momentum error",
-     "error of the momentum balance over the impulse of the loads", 1e-6, 1e-10},
+     "error of the momentum balance over the sum of the magnitudes of the loads' impulses", 1e-6,
+     1e-10},
     {"angular_momentum_error", "angular momentum error",
      "error of the balance about the origin over the moments of the impulses; not judged for "
      "linear "

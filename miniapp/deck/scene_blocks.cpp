@@ -108,8 +108,9 @@ MeshConfig readMesh(Deck& deck) {
 
 void readMaterials(Deck& deck, std::vector<MaterialConfig>& materials) {
   for (const std::string& name : deck.names("material")) {
-    materials.push_back({name, {}});
-    readBlock(deck, "material." + name, materialKeys, materials.back().material);
+    const std::string block = "material." + name;
+    materials.push_back({name, {}, deck.placeOf(block)});
+    readBlock(deck, block, materialKeys, materials.back().material);
   }
   if (materials.empty())
     deck.complain("", "", "no material", "a table such as [material.brick]");

@@ -180,6 +180,10 @@ void checkNames(const Config& config, const io::MeshPart& part) {
         throw InputError("element block '" + block.name + "' has no material; expected a table " +
                          "[material." + block.name + "]");
     });
+  if (config.mesh) // those of walls are known without a mesh
+    for (const auto& material : config.materials)
+      look(material.place + ": [material." + material.block + "]",
+           [&] { findByName(part.blocks, material.block, "element block"); });
   for (const auto& load : config.pressures)
     look(load.place + ": [[load.pressure]]", [&] {
       refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");

@@ -4,6 +4,7 @@
 // BRICKWALL_FAULT_RANK, BRICKWALL_FAULT_STEP; BRICKWALL_FAULT_NAME, or BRICKWALL_FAULT_LIST, a file
 // to which the names from that step on are written instead. With BRICKWALL_FAULT_ALLOCATION = N,
 // the N-th `new` of the main thread after that name throws; the library is to be preloaded then.
+// A line on standard error says that the name has come up.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -38,6 +39,8 @@ void meet(const char* name) {
   } else if (fault_name == name) {
     has_failed = true;
     allocations_left = first_allocation;
+    constexpr char text[] = "failing_region: the name has come up\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, text, sizeof text - 1);
     if (allocations_left == 0)
       throw std::bad_alloc();
   }

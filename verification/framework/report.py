@@ -5,7 +5,8 @@ from brickwall_study.tables import markdown as table
 
 def headline(study):
     place, built = study["machine"], study["program"]
-    return (f"{built.get('cpu', 'unknown processor')}, {place['physical_cores']} cores, {place['system']}; brickwall "
+    cores = f"{place['physical_cores']} core{'s' * (place['physical_cores'] != 1)}"
+    return (f"{built.get('cpu', 'unknown processor')}, {cores}, {place['system']}; brickwall "
             f"{built.get('version', '?')}, commit {built.get('commit', '?')}, {built.get('compiler', '?')}, Kokkos "
             f"{built.get('kokkos', '?')} {built.get('execution_space', '')}, {built.get('mpi', '?')}; {study['date']}; "
             f"{study['ranks']} rank(s) with {study['threads']} thread(s) each, unless a case says otherwise")

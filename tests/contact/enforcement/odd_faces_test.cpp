@@ -70,7 +70,7 @@ TEST(OddFaces, TrianglesPressAsQuadrilateralsDo) {
   }
 }
 
-TEST(OddFaces, NoneAnywhereOrOnOneRankOnly) {
+TEST(OddFaces, MayBeNowhereOrOnOneRankOnly) {
   const exec_space space;
   for (const bool has_some : {false, true}) {
     const Scene scene = has_some ? pressed() : Scene();

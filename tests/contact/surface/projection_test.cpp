@@ -162,7 +162,7 @@ TEST(MeanPlane, RejectsEveryPointInFrontOfAFlatFace) {
   }
 }
 
-TEST(MeanPlane, AreaOfAQuadAndOfATriangle) {
+TEST(MeanPlane, HasTheAreaOfAQuadAndOfATriangle) {
   EXPECT_EQ(meanPlane(unitSquare()).area, 1);
   const Vec3 a = {0, 0, 0}, b = {2, 0, 0}, c = {0, 1, 0};
   EXPECT_EQ(meanPlane(Quad{{a, b, c, c}}).area, 1);

@@ -183,6 +183,33 @@ TEST(AngularMomentum, DetectsAMomentWithoutASource) {
   EXPECT_GT(solver.ledger.balance().angular_momentum_error, 0.05);
 }
 
+// A force that the balance does not include acts on one node, for the same time as the loads. Loads
+// on two opposite sides have twice the magnitude of those on one, and no resultant.
+TEST(Momentum, ErrorIsRelativeToTheLoadsAlsoWhereTheyCancel) {
+  const auto balanceOf = [](bool on_both_sides) {
+    Solver solver(MPI_COMM_SELF, brick(), {MaterialModel::neo_hookean, 1, 1, 0.3});
+    Pressure pressure;
+    pressure.peak = 0.02;
+    pressure.follower = false;
+    solver.press(pressure, [](const Vec3& x) { return x.y < 1e-9; });
+    if (on_both_sides)
+      solver.press(pressure, [](const Vec3& x) { return x.y > 1 - 1e-9; });
+    solver.contact = [&solver] {
+      const auto forces = toHost(solver.forces.values);
+      forces(0, 3 * contact_force + 2) += 1LL << 30;
+      Kokkos::deep_copy(solver.forces.values, forces);
+      return ContactEnergySums();
+    };
+    solver.run(0.8, 20);
+    return solver.ledger.balance();
+  };
+  const EnergyBalance one = balanceOf(false), both = balanceOf(true);
+  EXPECT_LT(norm(both.impulse_external), 1e-9 * norm(one.impulse_external));
+  const double error = norm(one.impulse_contact) / norm(one.impulse_external);
+  EXPECT_NEAR(one.momentum_error, error, 1e-9 * error);
+  EXPECT_NEAR(both.momentum_error, 0.5 * error, 1e-9 * error);
+}
+
 // A step that is shortened after its kick: the kick is taken back in part, with the same result as
 // the shorter kick.
 TEST(Correction, OfAKickGivesTheResultOfTheShorterKick) {

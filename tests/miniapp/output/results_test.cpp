@@ -283,7 +283,7 @@ TEST(Results, HaveZeroFieldsWithoutContact) {
     EXPECT_EQ(value, 0);
 }
 
-TEST(StressMeasures, OfKnownStresses) {
+TEST(StressMeasures, OfKnownStressesAreThoseByHand) {
   using mechanics::principalStresses;
   using mechanics::vonMises;
   double principal[3];

@@ -98,6 +98,17 @@ TEST(MeshScene, NamesThatTheMeshLacksAreFoundInTheDeck) {
             "bodies, 0 to 0");
 }
 
+TEST(MeshScene, MaterialsOfBlocksThatTheMeshLacksAreRefused) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), [](io::MeshPart&) {});
+  const std::string values = "density = 1.0\nyoungs_modulus = 1.0\npoissons_ratio = 0.3\n";
+  EXPECT_EQ(faultOf(mesh.config("[material.brck]\n" + values + "[material.stone]\n" + values)),
+            "deck.toml:9: [material.brck]: found no element block 'brck' in the mesh, expected one "
+            "of brick; did you mean 'brick'?\n"
+            "deck.toml:13: [material.stone]: found no element block 'stone' in the mesh, expected "
+            "one of brick");
+  EXPECT_EQ(faultOf(mesh.config("")), "");
+}
+
 TEST(MeshScene, EmptySetsCauseWarnings) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const Scene scene =

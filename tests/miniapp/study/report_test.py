@@ -214,49 +214,49 @@ class Faults(FolderTest):
     def broken(self, change):
         return self.fault(main, self.write_run("broken", change=change))
 
-    def test_missing_places_and_empty_folders(self):
+    def test_missing_places_and_empty_folders_are_named(self):
         self.assertIn("there is no such file", self.fault(main, self.folder / "none"))
         self.assertIn("no report.json or search.json here or below", self.fault(main, self.folder))
 
-    def test_a_truncated_file(self):
+    def test_a_truncated_file_is_named(self):
         path = self.write_run("a") / "report.json"
         path.write_text(path.read_text()[:500])
         self.assertIn(f"{path}: no JSON, or a truncated file", self.fault(main, self.folder))
 
-    def test_another_file(self):
+    def test_a_file_of_another_program_is_refused(self):
         path = self.folder / "report.json"
         for text, words in (("[1]", "the file is no JSON object"), ('{"schema": "x"}', 'the schema is "x"'), ("{}", "the schema is null")):
             path.write_text(text)
             self.assertIn(words, self.fault(main, path))
 
-    def test_a_missing_field(self):
+    def test_a_missing_field_is_named(self):
         self.assertIn('the field "loop_seconds" is missing', self.broken(lambda report: report.pop("loop_seconds")))
 
-    def test_a_missing_phase(self):
+    def test_a_missing_phase_is_named(self):
         self.assertIn('the phase "step" is missing', self.broken(lambda report: report.update(phases=[])))
 
-    def test_values_of_another_kind(self):
+    def test_values_of_another_kind_are_refused(self):
         self.assertIn('the field "ranks" is "two", expected a number', self.broken(lambda report: report.update(ranks="two")))
 
-    def test_no_ranks(self):
+    def test_a_report_of_no_ranks_is_refused(self):
         self.assertIn('the field "ranks" is 0', self.broken(lambda report: report.update(ranks=0)))
 
-    def test_negative_and_infinite_times(self):
+    def test_negative_times_are_refused(self):
         self.assertIn('"loop_seconds" is -1', self.broken(lambda report: report.update(loop_seconds=-1)))
 
-    def test_not_a_number(self):
+    def test_times_that_are_not_numbers_are_refused(self):
         self.assertIn('"loop_seconds" is NaN', self.broken(lambda report: report.update(loop_seconds=float("nan"))))
 
-    def test_a_run_without_counted_steps(self):
+    def test_a_run_without_counted_steps_is_refused(self):
         def short(report):
             report["phases"][0]["calls"] = 0
 
         self.assertIn("no step was timed", self.broken(short))
 
-    def test_a_faulty_deck_beside_the_report(self):
+    def test_a_faulty_deck_beside_the_report_is_named(self):
         self.assertIn("wall.resolved.toml", self.fault(main, self.write_run("a", deck="[")))
 
-    def test_a_page_that_cannot_be_written(self):
+    def test_a_page_that_cannot_be_written_is_named(self):
         folder = self.write_run("a")
         (self.folder / "file").write_text("")
         for name in ("file", "none"):  # no folder is made without a word

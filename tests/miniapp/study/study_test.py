@@ -14,6 +14,7 @@ from unittest import mock
 from support import HERE, ROOT, FolderTest
 from json_schema import faults_of
 from brickwall_study import study_output
+from brickwall_study.problem_size import memory_needed
 from brickwall_study.report_command import main as report
 from brickwall_study.study_command import main
 
@@ -311,6 +312,13 @@ class Program(FolderTest):
         self.assertIn("<svg", (self.folder / "page.html").read_text())
         self.assertIn("no such file", self.brickwall("report", "none", code=2))
         self.assertIn("usage: brickwall study", self.brickwall("study", "-h"))
+
+    def test_check_names_a_device_only_where_there_is_one_and_the_study_reads_its_memory(self):
+        deck = ROOT / "inputs/one_brick.toml"
+        self.brickwall("run", deck, "-o", "run", "--steps", "1")
+        device = json.loads((self.folder / "run/report.json").read_text())["device"]
+        self.assertEqual("on the device" in self.brickwall("check", deck), device != "none")
+        self.assertGreater(memory_needed("here", BRICKWALL, deck, {}, False), 1e6)
 
 
 if __name__ == "__main__":
