@@ -34,6 +34,7 @@ struct EnforcementSums {
   std::int64_t failures() const { return nodes.failures() + edges.failures(); }
   std::int64_t active() const { return nodes.active + edges.active; }
   std::int64_t lost() const { return nodes.lost + edges.lost; }
+  double maxPenetration() const { return maxOf(nodes.max_penetration, edges.max_penetration); }
 };
 
 class Enforcement {

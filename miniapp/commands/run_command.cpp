@@ -13,8 +13,8 @@
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
-#include "miniapp/simulation/stopwatch.hpp"
 #include "miniapp/timing/phase_recorder.hpp"
+#include "miniapp/timing/stopwatch.hpp"
 
 #include <cstdio>
 #include <iostream>

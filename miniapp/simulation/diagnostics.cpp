@@ -145,7 +145,7 @@ ContactCounts contactCounts(const Simulation& simulation) {
   counts.lost = sums[3];
   counts.missed_pairs = contact->missedPairs();
   counts.largest_penetration = allReduce(simulation.comm(), contact->penetration(), MPI_MAX);
-  counts.max_penetration = allReduce(simulation.comm(), maxPenetration(step), MPI_MAX);
+  counts.max_penetration = allReduce(simulation.comm(), step.maxPenetration(), MPI_MAX);
   return counts;
 }
 
