@@ -28,6 +28,13 @@ void zeroListed(const exec_space& space, const std::string& label, const NodeLis
         });
 }
 
+void flagListed(const exec_space& space, const NodeList& list, const View<unsigned char*>& flags) {
+  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
+  Kokkos::parallel_for(
+      "contact::flagListed", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i)) = 1; });
+}
+
 void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
                      const View<unsigned char*>& flags) {
   if (faces.ghosts.count == 0)
