@@ -3,7 +3,6 @@
 namespace brickwall::contact {
 namespace {
 
-constexpr int nodes_of_pair = 6;
 constexpr int most_share = 8; // a list of more than an eighth of the nodes costs more than it saves
 
 struct InsertNode {
@@ -92,13 +91,8 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
       "contact::TouchedNodes::add", rangePolicy(space, pairs.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const Interaction& pair = interactions(i);
-        const bool is_own = pair.face_index < surface.num_faces;
-        for (int k = 0; k < nodes_of_pair; ++k) {
-          if (k >= 2 && !is_own)
-            break;
-          const int at = k < 2 ? pair.point.node[k] : surface.face_to_nodes(pair.face_index, k - 2);
-          insert(is_mapped ? to_node(at) : at);
-        }
+        forEachNodeOf(pair.point, pair.face_index, surface,
+                      [&](int node) { insert(is_mapped ? to_node(node) : node); });
       });
   finishInsertion(space);
 }
