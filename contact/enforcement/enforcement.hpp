@@ -19,6 +19,8 @@
 
 #include <mpi.h>
 
+#include <cstdint>
+#include <functional>
 #include <string>
 
 namespace brickwall::contact {

@@ -6,6 +6,8 @@
 #include "contact/surface/contact_point.hpp"
 #include "contact/surface/face_attributes.hpp"
 
+#include <cstdint>
+
 namespace brickwall::contact {
 
 // The input of the search: boxes swept over the step, one for each node, and faces, whose boxes are

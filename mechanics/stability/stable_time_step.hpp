@@ -27,6 +27,9 @@
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
+#include <cmath>
+#include <string>
+
 namespace brickwall::mechanics {
 
 struct StableTimeStep {
