@@ -32,7 +32,7 @@ struct Limits {
   }
   // From `bare`, 2/omega of an element of lumped mass, and c and growth likewise, to the limits of
   // the element with the share `mass` of it, under contact.
-  KOKKOS_INLINE_FUNCTION void settle(double mass, const StabilityTerms& load) {
+  KOKKOS_INLINE_FUNCTION void applyLoad(double mass, const StabilityTerms& load) {
     viscous /= mass;
     growth /= mass;
     if (bare == HUGE_VAL)
@@ -197,8 +197,8 @@ struct AddLimits {
     for (std::int64_t e = part * items_per_memory; e < end; ++e) {
       const int elem = static_cast<int>(e);
       Limits mine = recent.find(limits_of.inputOf(elem), [&] { return limits_of.of(elem); });
-      mine.settle(limits_of.load.mass_shares.size() > 0 ? limits_of.load.mass_shares(elem) : 1.0,
-                  limits_of.load);
+      mine.applyLoad(limits_of.load.mass_shares.size() > 0 ? limits_of.load.mass_shares(elem) : 1.0,
+                     limits_of.load);
       mine.elem = limits_of.mesh.elem_ids(elem);
       limits += mine;
     }

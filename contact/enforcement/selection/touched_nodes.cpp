@@ -3,7 +3,7 @@
 namespace brickwall::contact {
 namespace {
 
-constexpr int most_share = 8; // a list of more than an eighth of the nodes costs more than it saves
+constexpr int min_nodes_per_listed = 8; // a longer list costs more than it saves
 
 struct InsertNode {
   View<int*> nodes, is_listed;
@@ -80,7 +80,8 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
                        const ContactHistory& pairs, const View<const int*>& to_node) {
   if (pairs.count == 0 || _list.isAll())
     return;
-  if (most_share * (_num_listed + pairs.count) > _num_nodes) { // flush pairs have a node each
+  // Flush pairs have a node each.
+  if (min_nodes_per_listed * (_num_listed + pairs.count) > _num_nodes) {
     listAll(space);
     return;
   }
@@ -126,7 +127,7 @@ void TouchedNodes::finishInsertion(const exec_space& space) {
   Kokkos::deep_copy(space, _num_listed, _count);
   space.fence();
   _list.count = _num_listed;
-  if (most_share * _num_listed > _num_nodes)
+  if (min_nodes_per_listed * _num_listed > _num_nodes)
     listAll(space);
 }
 
