@@ -89,13 +89,13 @@ void ContactStep::makeEnforcement() {
 }
 
 // A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as
-// far as the deepest loaded contact may fade out beyond an edge (its depth times
-// fade_depth_ratio, with a margin), but not farther than the shortest edge.
+// far as the deepest loaded contact may fade out beyond an edge: fade_depth_ratio times its depth,
+// with a margin, or half of the longest edge and its depth, if that is less.
 double ContactStep::toleranceFor(double deepest) const {
   constexpr double fade_depth_ratio = contact::FadeRegion::fade_depth_ratio;
-  const double reach = 0.5 * ((fade_depth_ratio + 0.2) * deepest +
-                              0.1 * _config.contact.edge_tolerance * _scene.longest_edge);
-  return deepest > 0 ? minOf(reach, 0.5 * _scene.shortest_edge) : 0;
+  const double longest = _scene.longest_edge;
+  const double fading = minOf((fade_depth_ratio + 0.2) * deepest, 0.5 * longest + deepest);
+  return deepest > 0 ? 0.5 * (fading + 0.1 * _config.contact.edge_tolerance * longest) : 0;
 }
 
 // The tolerance grows with a reserve and shrinks late, because each change discards the lists of

@@ -226,8 +226,8 @@ struct EdgeEdgeKinematics {
   // from start() on over the fade length, in lengths of the edge; eqs. (24) and (25).
   static constexpr double fade_depth_ratio = 3;
   KOKKOS_INLINE_FUNCTION double start() const { return 0.1 * edge_tolerance; }
-  KOKKOS_INLINE_FUNCTION double fadeLength(double depth, double length) const {
-    return minOf(maxOf(0.4 * edge_tolerance, fade_depth_ratio * depth / length), 0.5);
+  KOKKOS_INLINE_FUNCTION FadeLength fadeLength(double depth, double length) const {
+    return FadeLength::at(fade_depth_ratio * depth / length, 0.4 * edge_tolerance, 0.5);
   }
   // Whether the point at weight `s` is on the edge: exactly at an end where another edge continues,
   // otherwise with a tolerance. An active contact continues a little over the next edge, since
@@ -235,7 +235,8 @@ struct EdgeEdgeKinematics {
   // end the contact.
   KOKKOS_INLINE_FUNCTION bool isOn(int continued_ends, double s, double depth, double length,
                                    bool has_begun, double inner_tolerance) const {
-    const double at_end = has_begun ? start() + fadeLength(depth, length) : 0.5 * lateral_tolerance;
+    const double at_end =
+        has_begun ? start() + fadeLength(depth, length).value : 0.5 * lateral_tolerance;
     const double over = has_begun ? inner_tolerance : 0;
     return s >= -(continued_ends & 1 ? over : at_end) &&
            s <= 1 + (continued_ends & 2 ? over : at_end);
@@ -250,13 +251,8 @@ struct EdgeEdgeKinematics {
     const double beyond = (at_second ? s - 1 : -s) - start();
     if (beyond <= 0 || (continued_ends & (at_second ? 2 : 1)))
       return fade_weight;
-    const double all = fadeLength(depth, length), t = maxOf(1 - beyond / all, 0.0);
-    const double steepness = 6 * t * (1 - t) / all;
-    fade_weight.value = t * t * (3 - 2 * t);
-    fade_weight.slope = at_second ? -steepness : steepness;
-    fade_weight.remaining = t * all;
-    if (all > 0.4 * edge_tolerance && all < 0.5)
-      fade_weight.depth_slope = steepness * beyond / all * fade_depth_ratio / length;
+    const FadeLength fade_length = fadeLength(depth, length);
+    fade_weight.set(beyond, at_second, fade_length, fade_length.slope * fade_depth_ratio / length);
     return fade_weight;
   }
 
@@ -383,8 +379,8 @@ struct EdgeEdgeKinematics {
     fading.normal.on_end = -q_own * contact.depth; // r = -P n
     fading.normal.on_corner[0] = q_other * contact.depth;
     fading.normal.on_corner[1] = -fading.normal.on_corner[0];
-    const double shorter = minOf(fadeLength(contact.depth, length_a) * length_a,
-                                 fadeLength(contact.depth, length_b) * length_b);
+    const double shorter = minOf(fadeLength(contact.depth, length_a).value * length_a,
+                                 fadeLength(contact.depth, length_b).value * length_b);
     limitLateralMotion(shorter, config.reference_step, now.inverse_mass, fading);
   }
 };

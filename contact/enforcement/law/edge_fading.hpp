@@ -9,10 +9,24 @@
 
 namespace brickwall::contact {
 
+// A fade length, eq. (25), with its derivative by x, which is in proportion to the penetration:
+// max(least, x), from most/2 on bent to `most` with a continuous slope, since the force along the
+// normal jumps where the slope does.
+struct FadeLength {
+  double value, slope;
+
+  KOKKOS_INLINE_FUNCTION static FadeLength at(double x, double least, double most) {
+    const double left = maxOf(1.5 * most - x, 0.0);
+    if (left < most)
+      return {most - left * left / (2 * most), left / most};
+    return x > least ? FadeLength{x, 1} : FadeLength{least, 0};
+  }
+};
+
 // Bit j of `mask`: edge j of the face, from corner j to corner j + 1, is a true edge: eta = -1, xi
 // = 1, eta = 1, xi = -1.
 //
-// The fade length is max(0.8 edge_tolerance, 4 P) in half-lengths, at most 1. A shorter one would
+// The fade length grows with 4 P from 0.8 edge_tolerance to 1, in half-lengths. A shorter one would
 // let a light node with a deep penetration cross it in a few steps, and throw it back: at 4 P the
 // lateral stiffness 6 (k p^2/2)/length^2 is a fifth of k; at 2 P it is three quarters of k, and the
 // energy in between errs ten times as much.
@@ -34,9 +48,9 @@ struct FadeRegion {
   static constexpr double max_excess = 1.1;
 
   KOKKOS_INLINE_FUNCTION double start() const { return 1 + 0.2 * edge_tolerance; }
-  KOKKOS_INLINE_FUNCTION double fadeLength(int direction, double depth) const {
-    return minOf(maxOf(0.8 * edge_tolerance, fade_depth_ratio * depth / half_length[direction]),
-                 1.0);
+  KOKKOS_INLINE_FUNCTION FadeLength fadeLength(int direction, double depth) const {
+    return FadeLength::at(fade_depth_ratio * depth / half_length[direction], 0.8 * edge_tolerance,
+                          1);
   }
   KOKKOS_INLINE_FUNCTION bool isTrue(int direction, double parameter) const {
     const int edge = direction == 0 ? (parameter > 0 ? 1 : 3) : (parameter > 0 ? 2 : 0);
@@ -52,7 +66,7 @@ struct FadeRegion {
   KOKKOS_INLINE_FUNCTION bool coversAlong(int direction, double parameter, const FacePoint& point,
                                           double inner_tolerance) const {
     return std::fabs(parameter) < (isTrue(direction, parameter)
-                                       ? start() + fadeLength(direction, -point.gap)
+                                       ? start() + fadeLength(direction, -point.gap).value
                                        : 1 + inner_tolerance);
   }
 };
@@ -65,6 +79,17 @@ struct FadeWeight {
   double depth_slope = 0; // dw/dP, 1/length
   double remaining = 0; // parameter distance until w = 0
 
+  // At this parameter distance beyond start(); `per_depth` is dl/dP.
+  KOKKOS_INLINE_FUNCTION void set(double beyond, bool at_upper_end, const FadeLength& length,
+                                  double per_depth) {
+    const double t = maxOf(1 - beyond / length.value, 0.0);
+    const double steepness = 6 * t * (1 - t) / length.value;
+    value = t * t * (3 - 2 * t);
+    slope = at_upper_end ? -steepness : steepness;
+    depth_slope = steepness * beyond / length.value * per_depth;
+    remaining = t * length.value;
+  }
+
   // Change of w until the contact ends, extrapolated with the present slope.
   KOKKOS_INLINE_FUNCTION double changeToZero() const {
     return value < 1 ? std::fabs(slope) * remaining : HUGE_VAL;
@@ -76,15 +101,9 @@ KOKKOS_INLINE_FUNCTION FadeWeight fadeWeightAt(const FadeRegion& region, int dir
   const double beyond = std::fabs(parameter) - region.start();
   if (beyond <= 0 || !region.isTrue(direction, parameter))
     return fade_weight;
-  const double fade_length = region.fadeLength(direction, depth),
-               t = maxOf(1 - beyond / fade_length, 0.0);
-  const double steepness = 6 * t * (1 - t) / fade_length;
-  fade_weight.value = t * t * (3 - 2 * t);
-  fade_weight.slope = parameter > 0 ? -steepness : steepness;
-  fade_weight.remaining = t * fade_length;
-  if (fade_length > 0.8 * region.edge_tolerance && fade_length < 1)
-    fade_weight.depth_slope = steepness * beyond / fade_length * FadeRegion::fade_depth_ratio /
-                              region.half_length[direction];
+  const FadeLength length = region.fadeLength(direction, depth);
+  fade_weight.set(beyond, parameter > 0, length,
+                  length.slope * FadeRegion::fade_depth_ratio / region.half_length[direction]);
   return fade_weight;
 }
 

@@ -154,9 +154,10 @@ struct NodeFaceKinematics : NodeSurface {
   }
   KOKKOS_INLINE_FUNCTION bool accept(const FaceAccess& faces, int face, ContactTest test_kind,
                                      const FacePoint& point, FaceContact& contact) const {
-    if (!(point.gap < -least_depth))
+    const bool releases = test_kind == ContactTest::release;
+    if (releases ? !(point.valid && point.has_parameters) : !(point.gap < -least_depth))
       return false;
-    if (!point.activeWithin(lateral_tolerance) &&
+    if (!releases && !point.activeWithin(lateral_tolerance) &&
         (test_kind == ContactTest::activate ||
          !fadeRegionOf(faces, face, faces.quad(face)).covers(point, innerTolerance(test_kind))))
       return false;
@@ -168,7 +169,7 @@ struct NodeFaceKinematics : NodeSurface {
     contact.place[1] = point.eta;
     contact.depth = -point.gap;
     contact.face = face;
-    contact.is_retained = test_kind == ContactTest::release;
+    contact.is_retained = releases;
     return true;
   }
 
@@ -354,8 +355,9 @@ struct NodeFaceKinematics : NodeSurface {
     fading.work_to_end = lateral.work_to_end;
     for (int j = 0; j < 4; ++j)
       fading.normal.on_corner[j] = lateral.on_corner[j];
-    const double fade_length = minOf(region.fadeLength(0, contact.depth) * region.half_length[0],
-                                     region.fadeLength(1, contact.depth) * region.half_length[1]);
+    const double fade_length =
+        minOf(region.fadeLength(0, contact.depth).value * region.half_length[0],
+              region.fadeLength(1, contact.depth).value * region.half_length[1]);
     limitLateralMotion(fade_length, config.reference_step, now.inverse_mass, fading);
   }
 
@@ -372,9 +374,7 @@ struct NodeFaceKinematics : NodeSurface {
     return region;
   }
   KOKKOS_INLINE_FUNCTION double innerTolerance(ContactTest test_kind) const {
-    return test_kind == ContactTest::release  ? HUGE_VAL
-           : test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance)
-                                              : lateral_tolerance;
+    return test_kind == ContactTest::retain ? maxOf(0.5, lateral_tolerance) : lateral_tolerance;
   }
   // A persistent contact continues while a face of the node faces the other one at all.
   KOKKOS_INLINE_FUNCTION double opposedCosine(ContactTest test_kind) const {

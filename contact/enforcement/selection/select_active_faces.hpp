@@ -148,8 +148,8 @@ struct SelectActiveFaces {
     // the face that covers it better takes over.
     const double covered = persists ? leastWeight(contact) : -HUGE_VAL;
     if (!persists) {
-      // A node that has left through the face has ended its contact and returned its energy.
-      // Another contact with the body then starts anew.
+      // A node that has left through the face has ended its contact. Another contact with the body
+      // then starts anew.
       contact.has_ended =
           is_released || (has_face && step.kinematics.isInFront(step.faces, contact.previous_face,
                                                                 contact.persistent->point));
@@ -158,9 +158,9 @@ struct SelectActiveFaces {
     for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
       if (findNearest(node, begin, end, kind, is_loaded, contact, covered))
         return is_loaded || !isOutside(node, begin, end, contact);
-      if (!persists && (!is_loaded || contact.has_ended))
+      if (!is_loaded || (contact.has_ended && step.law.config.scheme != Scheme::energy_neutral))
         return false;
-      if (persists || kind == ContactTest::transfer)
+      if (persists || contact.has_ended || kind == ContactTest::transfer)
         return has_face && continuesOrReleases(node, begin, end, persists, contact);
     }
   }
@@ -172,9 +172,18 @@ struct SelectActiveFaces {
     if ((persists || (may_be_retained && isTouching(node, face, ContactTest::retain, contact))) &&
         !isOutside(node, begin, end, contact))
       return true;
-    contact.releases = holdsEnergy(contact) &&
-                       step.kinematics.test(step.faces, node, face, ContactTest::release, contact);
+    contact.releases =
+        holdsEnergy(contact) &&
+        step.kinematics.test(step.faces, node, face, ContactTest::release, contact) &&
+        (step.kinematics.fadeWeightOf(step.faces, node, contact) > 0 ||
+         isSeparating(node, contact));
+    contact.has_ended = false;
     return contact.releases;
+  }
+  KOKKOS_INLINE_FUNCTION bool isSeparating(int node, const FaceContact& contact) const {
+    const Vec3 motion = step.faces.relativeMotion(
+        step.kinematics.pointOf(step.faces, node, contact), contact.face, contact.weight);
+    return dot(contact.unitNormal(), motion) >= 0;
   }
   // Whether the last step has not returned nearly all of the energy of a loaded contact.
   KOKKOS_INLINE_FUNCTION bool holdsEnergy(const FaceContact& contact) const {
@@ -211,7 +220,7 @@ struct SelectActiveFaces {
     if (!contact.is_persistent)
       return dot(contact.unitNormal(), contact.motion) < 0;
     const Interaction& last = step.previous.interactions(contact.previous);
-    return contact.hasChangedFace(last) || contact.depth > last.offset;
+    return contact.releases || contact.hasChangedFace(last) || contact.depth > last.offset;
   }
 
   // The least penetrated of the candidates [begin, end) whose smallest weight exceeds `covered`,

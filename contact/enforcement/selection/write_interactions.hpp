@@ -48,7 +48,8 @@ struct WriteInteractions {
   KOKKOS_FORCEINLINE_FUNCTION bool isPlain(const FaceContact& contact) const {
     return !(step.law.config.friction > 0) && !contact.releases &&
            !step.kinematics.mayFade(contact) &&
-           !(contact.is_persistent && lastOf(contact).fade_weight < 1);
+           !(contact.is_persistent &&
+             (lastOf(contact).fade_weight < 1 || lastOf(contact).releases()));
   }
   // Writes a plain contact at `index`.
   KOKKOS_INLINE_FUNCTION void writePlain(const FaceContact& contact, std::int64_t index,
@@ -71,12 +72,17 @@ struct WriteInteractions {
     law.setSpring(state, softer * cap(state));
     if (contact.is_persistent && state.last_fade_weight[0] < 1)
       limitStoredEnergy(contact, state);
+    if (contact.releases && (state.last_fade_weight[0] < 1 || !(contact.depth > 0)))
+      ContactLaw::setOffset(state, contact.depth - depthThatStores(state));
     Interaction local;
     Interaction& now = step.next.interactions.edit(index, local);
     writeIdentity(contact, now);
     state.write(0, now);
     FadingForce fading;
-    step.kinematics.fade(law.config, step.faces, contact, now, fading);
+    if (contact.releases)
+      now.fade_weight = 1;
+    else
+      step.kinematics.fade(law.config, step.faces, contact, now, fading);
     state.fade_weight = now.fade_weight;
     state.first_force = now.first_force;
     if (contact.settles)
@@ -86,15 +92,16 @@ struct WriteInteractions {
     if (now.fade_weight < 1)
       fading.work = step.workOf(fading, contact.motion, now, contact.face);
     count(contact, now.depth, sums);
+    const bool releases = contact.releases && canRelease(state);
     if (contact.is_persistent) {
       state.spring_energy = storedAtHalfStep(lastOf(contact), now, contact, state, fading.work);
       law.followEnergy(state);
-      const bool has_released = lastOf(contact).releases();
-      sums.terms.add(spring_stored, has_released ? state.stored[0] : state.recoverable[0],
+      const bool stores_rest = releases || lastOf(contact).releases();
+      sums.terms.add(spring_stored, stores_rest ? state.stored[0] : state.recoverable[0],
                      step.energy_scale);
     }
     state.write(0, now);
-    if (contact.releases && canRelease(state))
+    if (releases)
       now.offset = -HUGE_VAL; // see Interaction::releases()
     step.next.interactions.commit(index, now);
     if (now.fade_weight < 1)
@@ -148,6 +155,10 @@ struct WriteInteractions {
   }
 
 private:
+  // The deformation p at which the spring of a contact holds the energy that is left in it.
+  KOKKOS_INLINE_FUNCTION static double depthThatStores(const ContactState<double>& state) {
+    return std::sqrt(2 * maxOf(double(state.stored), 0.0) / state.stiffness);
+  }
   // Whether about the largest force of a last step returns the energy of a contact. One that
   // approaches faster is kept meanwhile, since such a force would store more.
   KOKKOS_INLINE_FUNCTION bool canRelease(const ContactState<double>& state) const {

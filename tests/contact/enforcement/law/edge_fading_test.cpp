@@ -89,6 +89,27 @@ TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheEndOfTheFadeLength) {
   EXPECT_NEAR(fadeWeightAt(reach, 0, 1.22, 0.1).value, 0.5, 1e-12); // over four times the depth
 }
 
+// Both ends of the bend, where the length is that of the formula without it, and a slope by central
+// differences, which are exact for parabolas.
+TEST(FadeLength, IsBentToItsLargestValueWithAContinuousSlope) {
+  const double least = 0.08, most = 1, step = 1e-3;
+  EXPECT_EQ(FadeLength::at(0.01, least, most).value, least);
+  EXPECT_EQ(FadeLength::at(0.01, least, most).slope, 0);
+  EXPECT_EQ(FadeLength::at(0.3, least, most).value, 0.3);
+  EXPECT_EQ(FadeLength::at(0.3, least, most).slope, 1);
+  for (const double end : {0.5, 1.5})
+    for (const double side : {-1e-9, 1e-9}) {
+      const FadeLength length = FadeLength::at(end + side, least, most);
+      EXPECT_NEAR(length.value, minOf(end, most), 2e-9);
+      EXPECT_NEAR(length.slope, end < most ? 1 : 0, 2e-9);
+    }
+  for (double x = 0.55; x < 1.5; x += 0.1)
+    EXPECT_NEAR((FadeLength::at(x + step, least, most).value -
+                 FadeLength::at(x - step, least, most).value) /
+                    (2 * step),
+                FadeLength::at(x, least, most).slope, 1e-12);
+}
+
 // The edges of boxes, for every partition: the 12 edges of a 2 x 3 x 1 box have 4 (2 + 3 + 1)
 // segments.
 TEST(FeatureEdges, FindsTheTwelveEdgesOfABoxForEveryPartition) {

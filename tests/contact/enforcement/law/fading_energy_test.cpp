@@ -25,13 +25,13 @@ TEST(SpringEnergy, IsHalfTheProductOfStiffnessAndBothDepthsWithoutFading) {
 // 1.
 class CornerOnPlate {
 public:
-  CornerOnPlate(const Vec3& start, int faces = 1, double ridge = 0)
+  CornerOnPlate(const Vec3& start, int faces = 1, double ridge = 0, Scheme scheme = Scheme::penalty)
       : _scene(sceneAt(start, faces, ridge)), _tip(_scene.nodeAt(1, start)),
         _part((_scene.mass[_tip] = 1, _scene), MPI_COMM_SELF, onOneRank, 0.5),
         _surface(_part.surface()) {
     _surface.face_attributes = withTrueEdges(_surface);
     EnforcementConfig config;
-    config.scheme = Scheme::penalty;
+    config.scheme = scheme;
     config.reference_step = 0.5;
     config.penalty = config.reference_step * config.reference_step; // k = s m/dt_ref^2
     config.edge_tolerance = 0.2; // fades out from 1.04 on, over 0.16 or a multiple of the depth
@@ -47,7 +47,10 @@ public:
     _part.update(_scene);
     _surface.coordinates_old = _part.surface().coordinates_old;
     _surface.coordinates_new = _part.surface().coordinates_new;
-    sums = _enforcement->enforce(exec_space(), _surface, _part.ghosts(), _part.pairs(), step).nodes;
+    const NeutralInput input = _part.neutralInput(_scene, std::vector<Vec3>(_scene.x_new.size()));
+    sums =
+        _enforcement->enforce(exec_space(), _surface, _part.ghosts(), _part.pairs(), step, &input)
+            .nodes;
     EXPECT_EQ(sums.problem(), "");
     EXPECT_LE(sums.interactions, 1);
   }
@@ -186,6 +189,27 @@ TEST(Transfer, EndsTheContactOfANodeThatLeavesOverARidge) {
   EXPECT_TRUE(run.contact().releases());
   EXPECT_EQ(run.contact().face, left.face);
   EXPECT_NEAR(norm(run.contact().normal - left.normal), 0, 1e-15);
+}
+
+// A longer last step leaves a part of the stored energy, since the force acts over half of it only.
+TEST(Transfer, ContactThatEndsInFrontOfItsFaceReturnsTheRestOfItsEnergy) {
+  CornerOnPlate run({0.2, 0.13, 0.001}, 1, 0, Scheme::energy_neutral);
+  run.move({0, 0, -0.011}, 1);
+  run.move({0, 0, -0.01}, 1);
+  run.move({0, 0, 0}, 1);
+  const Interaction loaded = run.contact();
+  const double velocity = 0.0201 / 2;
+  const double rest = loaded.stored - loaded.force * 0.5 * (1 + 2) * 0.5 * velocity;
+  ASSERT_GT(rest, 0.2 * loaded.stored);
+  run.move({0, 0, 2 * velocity}, 2);
+  ASSERT_EQ(run.sums.interactions, 1);
+  EXPECT_TRUE(run.contact().releases());
+  EXPECT_NEAR(run.stored(), rest, 1e-12 * rest);
+  EXPECT_NEAR(run.contact().first_force, std::sqrt(2 * rest), 1e-12); // k p^2/2 = rest, k = 1
+  const double force = run.force().z, next = velocity + 2 * force; // of the mass 1
+  EXPECT_NEAR(force * 2 * 0.5 * (velocity + next), rest, 1e-9 * rest);
+  run.move({0, 0, 2 * next}, 2);
+  EXPECT_EQ(run.sums.interactions, 0);
 }
 
 // The corner moves down near the true edge and slides over it freely, while the spring oscillates
