@@ -6,6 +6,7 @@
 #include <Kokkos_Core.hpp>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <type_traits>

@@ -4,6 +4,8 @@
 
 #include "contact/base/vec3.hpp"
 
+#include <cmath>
+
 namespace brickwall {
 
 struct Box {

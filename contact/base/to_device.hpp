@@ -4,8 +4,11 @@
 #include "contact/base/backend.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace brickwall {

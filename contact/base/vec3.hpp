@@ -4,6 +4,7 @@
 #include "contact/base/backend.hpp"
 
 #include <cmath>
+#include <cstdint>
 
 namespace brickwall {
 

@@ -19,6 +19,8 @@
 
 #include <mpi.h>
 
+#include <cstdint>
+#include <functional>
 #include <string>
 
 namespace brickwall::contact {
@@ -34,6 +36,7 @@ struct EnforcementSums {
   std::int64_t failures() const { return nodes.failures() + edges.failures(); }
   std::int64_t active() const { return nodes.active + edges.active; }
   std::int64_t lost() const { return nodes.lost + edges.lost; }
+  double maxPenetration() const { return maxOf(nodes.max_penetration, edges.max_penetration); }
 };
 
 class Enforcement {

@@ -8,8 +8,10 @@
 #include "contact/search/local_search.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 namespace brickwall::contact {
 

@@ -51,8 +51,7 @@ void GlobalSearch::updateRankBoxes(const exec_space& space, const SweptBoxes& su
   if (!is_known)
     own = _phases->constructBoxes(space, surface, _config);
   if (holds[1] == 0)
-    exchangeRankBoxes(_comm, surface, own, _phases->keepsRankBoxes(), _rank_boxes);
-  _num_rank_box_exchanges += holds[1] == 0;
+    exchangeBoxes(surface, own);
 }
 
 void GlobalSearch::finishGhosts(const exec_space& space, const SweptBoxes& surface) {
@@ -62,8 +61,11 @@ void GlobalSearch::finishGhosts(const exec_space& space, const SweptBoxes& surfa
   const OwnRankBoxes own = _phases->readBoxes(space);
   if (!_check.looksSame(space))
     checkInput(space, surface, false);
-  if (_rank_boxes.hold(surface, own))
-    return;
+  if (!_rank_boxes.hold(surface, own))
+    exchangeBoxes(surface, own);
+}
+
+void GlobalSearch::exchangeBoxes(const SweptBoxes& surface, const OwnRankBoxes& own) {
   exchangeRankBoxes(_comm, surface, own, _phases->keepsRankBoxes(), _rank_boxes);
   ++_num_rank_box_exchanges;
 }

@@ -11,6 +11,7 @@
 
 #include <mpi.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -121,6 +122,7 @@ private:
   const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface,
                                bool may_wait_later);
   void updateRankBoxes(const exec_space& space, const SweptBoxes& surface, bool may_wait_later);
+  void exchangeBoxes(const SweptBoxes& surface, const OwnRankBoxes& own);
   void checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same);
 
   Communicator _comm;

@@ -5,6 +5,8 @@
 #include "contact/base/region.hpp"
 #include "contact/search/global_search.hpp"
 
+#include <functional>
+
 namespace brickwall::contact {
 
 // The local search of a global search, whose boxes, order and configuration it uses.

@@ -4,6 +4,9 @@
 
 #include "contact/surface/surface.hpp"
 
+#include <cstdint>
+#include <type_traits>
+
 namespace brickwall::contact {
 
 // Which overlapping pairs are candidates, and in which order a row lists its faces. Ghosts follow

@@ -7,6 +7,8 @@
 #include "contact/surface/search_config.hpp"
 #include "contact/surface/surface.hpp"
 
+#include <cstdint>
+
 namespace brickwall::contact {
 
 // What a rank sends to all others in phase 2.

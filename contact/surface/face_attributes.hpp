@@ -4,6 +4,8 @@
 
 #include "contact/base/backend.hpp"
 
+#include <cstdint>
+#include <string>
 #include <type_traits>
 
 namespace brickwall::contact {

@@ -6,6 +6,8 @@
 
 #include "contact/base/triple.hpp"
 
+#include <cmath>
+
 namespace brickwall::contact {
 
 // The corners of a face, counter-clockwise seen from outside; a triangle repeats a corner.

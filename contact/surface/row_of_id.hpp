@@ -5,6 +5,7 @@
 #include "contact/base/to_device.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <vector>
 

@@ -3,6 +3,8 @@
 
 #include "contact/surface/surface.hpp"
 
+#include <cstdint>
+
 namespace brickwall::contact {
 
 class SeenRows {

@@ -3,7 +3,10 @@
 #pragma once
 
 #include "contact/base/backend.hpp"
+#include "contact/surface/contact_point.hpp"
 #include "contact/surface/face_attributes.hpp"
+
+#include <cstdint>
 
 namespace brickwall::contact {
 
@@ -27,6 +30,18 @@ struct SweptBoxes {
   View<const global_id*> face_body; // [face]
   ConstAttributeWords face_attributes; // data of the host that ghosts carry along; may be empty
 };
+
+// Calls body(node) for the nodes of a pair on this rank: those of the point, a node twice, and the
+// corners of an own face.
+template <class Body>
+KOKKOS_FORCEINLINE_FUNCTION void forEachNodeOf(const ContactPoint& point, int face,
+                                               const SweptBoxes& surface, const Body& body) {
+  body(point.node[0]);
+  body(point.node[1]);
+  if (face < surface.num_faces)
+    for (int j = 0; j < 4; ++j)
+      body(surface.face_to_nodes(face, j));
+}
 
 // This rank's exterior faces and the nodes on them (local surface nodes 0 .. num_nodes-1), which
 // move from x^n to x^{n+1}. Contact enforcement needs FaceAttributes.

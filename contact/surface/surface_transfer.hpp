@@ -4,6 +4,8 @@
 
 #include "contact/base/messages/exchange_plan.hpp"
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace brickwall::contact {

@@ -13,6 +13,9 @@
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 
+#include <cstdint>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // F = max over elements and ranks of (lambda + 2 mu) h_max^2, the force at a strain of one. From

@@ -21,6 +21,8 @@
 #include "contact/base/vec3.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
 
+#include <cstdint>
+
 namespace brickwall::mechanics {
 
 // Dissipated energy since the start, up to a half step, one term per mechanism; each is >= 0 up to

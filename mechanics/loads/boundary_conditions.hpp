@@ -9,6 +9,7 @@
 #include "mechanics/mesh/hex_mesh.hpp"
 
 #include <utility>
+#include <vector>
 
 namespace brickwall::mechanics {
 

@@ -6,6 +6,8 @@
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/shared_node_sum.hpp"
 
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // value + gradient (X - center)

@@ -8,6 +8,10 @@
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // p(X, t) = peak shape(t - start - r/speed) exp(-r^2/(2 radius^2)) with r = |X - centre| on the

@@ -4,6 +4,9 @@
 #include "contact/base/to_device.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
+#include <memory>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // Host mirrors of the Views of a HexMesh (the same memory on host back ends).

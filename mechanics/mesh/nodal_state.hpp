@@ -3,6 +3,8 @@
 
 #include "contact/base/fixed_point.hpp"
 
+#include <cstdint>
+
 namespace brickwall::mechanics {
 
 struct NodalState {

@@ -7,6 +7,11 @@
 #include "mechanics/mesh/hex_mesh.hpp"
 #include "mechanics/mesh/nodal_state.hpp"
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // The columns of the kinds of force that act, side by side, as ExchangePlan takes values.

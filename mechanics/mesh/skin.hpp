@@ -3,6 +3,8 @@
 
 #include "mechanics/mesh/hex_mesh.hpp"
 
+#include <vector>
+
 namespace brickwall::mechanics {
 
 // Local corners of the sides of a hex8 (Exodus order, 0-based); the normal is outward by the

@@ -32,7 +32,7 @@ struct Limits {
   }
   // From `bare`, 2/omega of an element of lumped mass, and c and growth likewise, to the limits of
   // the element with the share `mass` of it, under contact.
-  KOKKOS_INLINE_FUNCTION void settle(double mass, const StabilityTerms& load) {
+  KOKKOS_INLINE_FUNCTION void applyLoad(double mass, const StabilityTerms& load) {
     viscous /= mass;
     growth /= mass;
     if (bare == HUGE_VAL)
@@ -197,8 +197,8 @@ struct AddLimits {
     for (std::int64_t e = part * items_per_memory; e < end; ++e) {
       const int elem = static_cast<int>(e);
       Limits mine = recent.find(limits_of.inputOf(elem), [&] { return limits_of.of(elem); });
-      mine.settle(limits_of.load.mass_shares.size() > 0 ? limits_of.load.mass_shares(elem) : 1.0,
-                  limits_of.load);
+      mine.applyLoad(limits_of.load.mass_shares.size() > 0 ? limits_of.load.mass_shares(elem) : 1.0,
+                     limits_of.load);
       mine.elem = limits_of.mesh.elem_ids(elem);
       limits += mine;
     }
@@ -281,23 +281,19 @@ double contactsOnMass(bool edges) {
 double contactMassFraction(double penalty, double damping, bool edges) {
   // In terms of forms relative to the mass: dt^2 K_c/4 + dt C_c/2 with C_c = 2 zeta sqrt(k m) at
   // v^{n-1/2}.
-  const double mult = contactsOnMass(edges);
-  constexpr double most = largest_mass_fraction;
-  if (!(penalty > 0 && 0.25 * mult * penalty < most))
-    throw InputError("found contact.penalty = " + std::to_string(penalty) +
-                     ", expected a value above 0 and below " +
-                     std::to_string(largestPenalty(0, edges)) +
-                     (edges ? "; contact.edges = false allows more" : ""));
   if (!(damping >= 0))
     throw InputError("found contact.damping = " + std::to_string(damping) +
                      ", expected a value >= 0");
-  const double load = mult * (0.25 * penalty + damping * std::sqrt(penalty));
-  if (!(load <= most))
-    throw InputError("found contact.damping = " + std::to_string(damping) +
-                     ", with which contact.penalty = " + std::to_string(penalty) +
-                     " leaves no stable step of use; expected at most " +
-                     std::to_string((most - 0.25 * mult * penalty) / (mult * std::sqrt(penalty))));
-  return load;
+  if (!(penalty > 0 && penalty < largestPenalty(damping, edges)))
+    throw InputError("found contact.penalty = " + std::to_string(penalty) +
+                     ", expected a value above 0 and " + boundOfPenalty(damping, edges));
+  return contactsOnMass(edges) * (0.25 * penalty + damping * std::sqrt(penalty));
+}
+
+std::string boundOfPenalty(double damping, bool edges) {
+  return "below " + std::to_string(largestPenalty(damping, edges)) +
+         (damping > 0 ? " with this contact.damping" : "") +
+         (edges ? "; contact.edges = false allows more" : "");
 }
 
 double largestPenalty(double damping, bool edges) {

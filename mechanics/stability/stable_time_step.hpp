@@ -27,6 +27,9 @@
 #include "mechanics/element/bulk_viscosity.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
+#include <cmath>
+#include <string>
+
 namespace brickwall::mechanics {
 
 struct StableTimeStep {
@@ -79,11 +82,12 @@ StableTimeStep stableTimeStep(const exec_space& space, MPI_Comm comm, const HexM
 // The largest fraction a of a surface node's mass that contact takes: mult (s/4 + zeta sqrt(s))
 // with penalty s (capped by the reduced mass; two passes: mult 2.05) and damping zeta; crossing
 // edges raise mult to 2.55. Friction adds nothing, since its spring has at most the same stiffness
-// and acts at right angles to the normal one. Throws InputError unless s >= 0, zeta >= 0 and a <=
-// 0.99.
+// and acts at right angles to the normal one. Throws InputError unless zeta >= 0 and 0 < s <
+// largestPenalty().
 double contactMassFraction(double penalty, double damping = 0, bool edges = false);
 // The penalty at which that fraction is 0.99: penalties must be below.
 double largestPenalty(double damping, bool edges);
+std::string boundOfPenalty(double damping, bool edges); // "below ...", for messages
 // The penalty that gives, with this damping, the mass fraction of `undamped` alone.
 double penaltyForMassFraction(double undamped, double damping);
 

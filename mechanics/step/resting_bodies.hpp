@@ -8,6 +8,9 @@
 #include "mechanics/mesh/nodal_state.hpp"
 #include "mechanics/mesh/node_runs.hpp"
 
+#include <cstdint>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 class RestingBodies {

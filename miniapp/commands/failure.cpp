@@ -2,7 +2,7 @@
 
 #include "contact/base/mpi.hpp"
 #include "io/deck/terminal_text.hpp"
-#include "miniapp/simulation/stopwatch.hpp"
+#include "miniapp/timing/stopwatch.hpp"
 
 #include <chrono>
 #include <iostream>

@@ -3,18 +3,17 @@
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
 #include "miniapp/commands/failure.hpp"
+#include "miniapp/commands/run_checkpoints.hpp"
 #include "miniapp/commands/run_signals.hpp"
 #include "miniapp/output/progress.hpp"
 #include "miniapp/output/run_output.hpp"
 #include "miniapp/output/run_report.hpp"
-#include "miniapp/restart/checkpoints.hpp"
 #include "miniapp/restart/element_move.hpp"
-#include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/load_warnings.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
-#include "miniapp/simulation/stopwatch.hpp"
 #include "miniapp/timing/phase_recorder.hpp"
+#include "miniapp/timing/stopwatch.hpp"
 
 #include <cstdio>
 #include <iostream>
@@ -34,7 +33,7 @@ public:
         _progress(rankOf(comm) == 0 ? Progress::chooseStyle(options.quiet) : Progress::Style::none),
         _recorder(comm, options.timing), _scene(makeScene(exec_space(), comm, config)),
         _simulation(std::make_unique<Simulation>(comm, config, _scene)), _limits(config.limits),
-        _checkpoints(comm, config, _scene, options.output_directory),
+        _checkpoints(comm, config, _scene, options),
         _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
                 options.write_output),
         _setup_seconds(_clock.seconds()), _element_balance(comm, config.partition, _setup_seconds) {
@@ -78,8 +77,8 @@ public:
         printMessage(_breakdown);
       printReport(std::cout, report, _options.quiet);
     }
-    if (!_checkpoint_failure.empty() && report.failures.empty())
-      throw OutputError(_checkpoint_failure);
+    if (!_checkpoints.failure().empty() && report.failures.empty())
+      throw OutputError(_checkpoints.failure());
     return report.pass()             ? 0
            : report.failures.empty() ? stopped_code
                                      : static_cast<int>(ExitCode::physics);
@@ -87,7 +86,7 @@ public:
 
 private:
   void resume() {
-    const RunRestart data = _checkpoints.read(_options.restart, *_simulation);
+    const RunRestart data = _checkpoints.read(*_simulation);
     _simulation->restore(data.simulation);
     _first_step = _simulation->clock().step;
     if (_options.extend_to)
@@ -170,8 +169,8 @@ private:
       // There may be no state to write, as after errors of steps. The deck has been accepted
       // before.
       std::string how;
-      if (_last_checkpoint_step >= 0 && _checkpoint_failure.empty())
-        how = format("; --restart latest continues at step %lld", _last_checkpoint_step);
+      if (_checkpoints.lastStep() >= 0)
+        how = format("; --restart latest continues at step %lld", _checkpoints.lastStep());
       throw Error(error.code() == ExitCode::bad_input ? ExitCode::internal : error.code(),
                   "elements could not be moved to other ranks after step " + present + ": " +
                       error.what() + how);
@@ -198,8 +197,7 @@ private:
     if (rankOf(_comm) == 0) {
       const double now = _clock.seconds();
       _is_time_up = _options.time_limit && now >= *_options.time_limit;
-      requests.checkpoint |=
-          _config.checkpoint.minutes && now - _last_checkpoint >= 60 * *_config.checkpoint.minutes;
+      requests.checkpoint |= _checkpoints.isDueAt(now);
     }
     requests.stop = !_stop_signal.empty() || _is_time_up;
     _simulation->request(requests);
@@ -216,9 +214,7 @@ private:
                  (_options.write_output ? "; --restart latest continues the run" : "");
       return true;
     }
-    const auto& steps = _config.checkpoint.steps;
-    const std::int64_t step = _simulation->clock().step;
-    const bool is_due = requests.checkpoint || (steps && step > 0 && step % *steps == 0);
+    const bool is_due = requests.checkpoint || _checkpoints.isDueAfter(_simulation->clock().step);
     if (is_due && _simulation->isDone())
       _wants_last_checkpoint = true;
     else if (is_due)
@@ -241,23 +237,17 @@ private:
       _output.writeState(*_simulation);
   }
 
-  // A checkpoint that cannot be written is a warning while the run goes on.
   void writeCheckpoint(const OutputRestart& output) {
-    if (!_options.write_output || _last_checkpoint_step == _simulation->clock().step)
+    if (!_checkpoints.isMissing(_simulation->clock().step))
       return;
     const Region region("miniapp::checkpoint");
-    _last_checkpoint = _clock.seconds();
-    _last_checkpoint_step = _simulation->clock().step;
-    _checkpoint_failure.clear();
-    try {
-      _output.sync();
-      RunRestart data{_simulation->restartData(), output, _limits.reported(), _has_large_strain,
-                      _limits.warnings(),         ""};
-      printUnlessQuiet("checkpoint " + _checkpoints.write(data, *_simulation));
-    } catch (const OutputError& error) {
-      _checkpoint_failure = error.what();
-      print("warning: no checkpoint: " + _checkpoint_failure);
-    }
+    const RunRestart data{_simulation->restartData(), output, _limits.reported(), _has_large_strain,
+                          _limits.warnings(),         ""};
+    const std::string path = _checkpoints.write(data, _output, *_simulation, _clock.seconds());
+    if (_checkpoints.failure().empty())
+      printUnlessQuiet("checkpoint " + path);
+    else
+      print("warning: no checkpoint: " + _checkpoints.failure());
   }
 
   std::string presentStep() const {
@@ -299,19 +289,12 @@ private:
   void warnOfLargeStrain() {
     if (_has_large_strain)
       return;
-    const mechanics::NeglectedStrain neglected = neglectedStrain(*_simulation);
-    _has_large_strain = neglected.strain > mechanics::large_neglected_strain;
+    const std::string warning = largeStrainWarning(*_simulation);
+    _has_large_strain = !warning.empty();
     if (!_has_large_strain)
       return;
-    const Clock& clock = _simulation->clock();
-    const std::string text =
-        elementName(neglected.elem) +
-        format(" of a linear material has rotated or deformed so far that the neglected part of "
-               "its strain, H^T H/2, is %.2g in step %lld (time %.6g): the models \"svk\" and "
-               "\"neo_hookean\" describe finite rotations",
-               neglected.strain, clock.step, clock.time);
-    _limits.keep(text); // checkpoints hold these
-    print("warning: " + text);
+    _limits.keep(warning); // checkpoints hold these
+    print("warning: " + warning);
   }
 
   bool wallTimeIsUp() {
@@ -368,7 +351,7 @@ private:
   Scene _scene;
   std::unique_ptr<Simulation> _simulation;
   LimitWatch _limits;
-  Checkpoints _checkpoints;
+  RunCheckpoints _checkpoints;
   RunOutput _output;
   double _setup_seconds; // without output
   ElementBalance _element_balance;
@@ -376,9 +359,6 @@ private:
   MessageCounts _sent_before; // likewise
   std::int64_t _first_step = 0; // of a restarted run
   double _loop_begin = 0; // s
-  double _last_checkpoint = 0; // s
-  std::int64_t _last_checkpoint_step = -1;
-  std::string _checkpoint_failure; // of the last one
   std::string _checksums; // of the present step, as text
   std::string _stop_signal; // of this rank
   bool _is_time_up = false; // on rank 0

@@ -170,12 +170,9 @@ void readMethods(io::Deck& deck, Config& config) {
     deck.assignReal("contact", "penalty", contact.penalty);
   } else if (contact.enabled && deck.isGood("contact", "penalty") &&
              deck.isGood("contact", "damping")) {
-    const double most = mechanics::largestPenalty(contact.damping, contact.edges);
-    if (!(contact.penalty < most))
+    if (!(contact.penalty < mechanics::largestPenalty(contact.damping, contact.edges)))
       deck.complain("contact", "penalty", "a penalty that leaves no stable step of use",
-                    "a value below " + std::to_string(most) +
-                        (contact.damping > 0 ? " with this contact.damping" : "") +
-                        (contact.edges ? "; contact.edges = false allows more" : ""));
+                    "a value " + mechanics::boundOfPenalty(contact.damping, contact.edges));
   }
   readBlock(deck, "search", searchKeys, config.search);
   readBlock(deck, "search.reuse", reuseKeys, config.search);

@@ -80,11 +80,11 @@ WallConfig readWall(Deck& deck) {
                   "an even number, which flush ends need for half bricks (or ends = \"ragged\")");
   if (deck.isGood("wall", "brick") && has_half_bricks && wall.gap >= wall.brick[0])
     deck.complain("wall", "gap", "a gap as long as a brick", "a shorter gap, for half bricks");
-  constexpr double most_elements = 1e15;
+  constexpr double max_elements = 1e15;
   double elements = 1;
   for (int d = 0; d < 3; ++d)
     elements *= static_cast<double>(wall.bricks[d]) * static_cast<double>(wall.elements[d]);
-  if (elements > most_elements)
+  if (elements > max_elements)
     deck.complain("wall", "bricks", "a wall of more than 1e15 elements", "a smaller wall");
   return wall;
 }

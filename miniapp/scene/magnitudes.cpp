@@ -15,7 +15,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double absurd_share = 0.1; // of the wave speed or the modulus
-constexpr double most_crossings = 1e6; // case V13: 6e5
+constexpr double max_crossings = 1e6; // case V13: 6e5
 
 // Units of length and time by the earth's gravity in them; 20 to 20,000 m/s, between gels and the
 // hardest solids, are the wave speeds to expect. Without this gravity, those of all these units
@@ -223,7 +223,7 @@ std::vector<std::string> absurdMagnitudes(const Config& config, const Magnitudes
   if (end < magnitudes.shortest_crossing)
     warn("the run ends at time ", end, ", and a wave needs ", magnitudes.shortest_crossing,
          " to cross a body");
-  if (end > most_crossings * magnitudes.longest_crossing)
+  if (end > max_crossings * magnitudes.longest_crossing)
     warn("waves cross the largest body ", end / magnitudes.longest_crossing,
          " times before the run ends");
   return warnings;

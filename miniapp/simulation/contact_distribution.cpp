@@ -4,7 +4,7 @@
 #include "contact/base/to_device.hpp"
 #include "contact/surface/row_of_id.hpp"
 #include "miniapp/simulation/contact_step.hpp"
-#include "miniapp/simulation/stopwatch.hpp"
+#include "miniapp/timing/stopwatch.hpp"
 
 #include <algorithm>
 #include <numeric>

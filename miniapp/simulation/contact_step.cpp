@@ -4,7 +4,7 @@
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/law/edge_fading.hpp"
 #include "miniapp/scene/initial_overlaps.hpp"
-#include "miniapp/simulation/stopwatch.hpp"
+#include "miniapp/timing/stopwatch.hpp"
 
 namespace brickwall::miniapp {
 
@@ -205,7 +205,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   const contact::EnforcementSums sums = _enforcement->enforce(
       _space, surface, _search.ghosts(), _search.pairs(), steps, &neutral, _edges.get());
   _lost += sums.lost();
-  _penetration = maxOf(_penetration, maxPenetration(sums));
+  _penetration = maxOf(_penetration, sums.maxPenetration());
   if (hasForces())
     sum_forces(_enforcement->forces());
   shared.finish(_space);

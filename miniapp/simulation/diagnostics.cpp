@@ -3,9 +3,11 @@
 #include "contact/base/hash.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/enforcement/reports/history_checksum.hpp"
+#include "mechanics/ledger/small_strain.hpp"
 #include "miniapp/scene/entity_names.hpp"
 
 #include <algorithm>
+#include <iomanip>
 #include <sstream>
 
 namespace brickwall::miniapp {
@@ -145,7 +147,7 @@ ContactCounts contactCounts(const Simulation& simulation) {
   counts.lost = sums[3];
   counts.missed_pairs = contact->missedPairs();
   counts.largest_penetration = allReduce(simulation.comm(), contact->penetration(), MPI_MAX);
-  counts.max_penetration = allReduce(simulation.comm(), maxPenetration(step), MPI_MAX);
+  counts.max_penetration = allReduce(simulation.comm(), step.maxPenetration(), MPI_MAX);
   return counts;
 }
 
@@ -199,13 +201,24 @@ GaugeValues gauges(Simulation& simulation) {
   return values;
 }
 
-mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation) {
-  const bool is_evaluated =
-      simulation.isDone() || simulation.steps().checksStability(simulation.clock().step);
+std::string largeStrainWarning(const Simulation& simulation) {
+  const Clock& clock = simulation.clock();
+  const bool is_evaluated = simulation.isDone() || simulation.steps().checksStability(clock.step);
   if (!is_evaluated || isObjective(simulation.config()))
-    return {};
-  return mechanics::neglectedStrain(simulation.space(), simulation.comm(), simulation.scene().mesh,
-                                    simulation.state().displacement);
+    return "";
+  const mechanics::NeglectedStrain neglected =
+      mechanics::neglectedStrain(simulation.space(), simulation.comm(), simulation.scene().mesh,
+                                 simulation.state().displacement);
+  if (!(neglected.strain > mechanics::large_neglected_strain))
+    return "";
+  std::ostringstream message;
+  message << elementName(neglected.elem)
+          << " of a linear material has rotated or deformed so far that the neglected part of its "
+             "strain, H^T H/2, is "
+          << std::setprecision(2) << neglected.strain << " in step " << clock.step << " (time "
+          << std::setprecision(6) << clock.time
+          << "): the models \"svk\" and \"neo_hookean\" describe finite rotations";
+  return message.str();
 }
 
 Checksums contactChecksums(const Simulation& simulation) {

@@ -1,7 +1,6 @@
 // Diagnostics of a simulation for reports, limits and tests.
 #pragma once
 
-#include "mechanics/ledger/small_strain.hpp"
 #include "miniapp/simulation/simulation.hpp"
 
 #include <cstdint>
@@ -45,10 +44,10 @@ std::int64_t numSearches(const Simulation& simulation); // since the start
 // for the first time, otherwise a lower bound. Collective.
 GaugeValues gauges(Simulation& simulation);
 
-// The nonlinear part of the strain that linear materials neglect
-// (mechanics/ledger/small_strain.hpp), evaluated every check_interval steps and at the end; 0 in
-// other steps and without linear materials. Collective.
-mechanics::NeglectedStrain neglectedStrain(const Simulation& simulation);
+// A warning if the nonlinear part of the strain that linear materials neglect is large
+// (mechanics/ledger/small_strain.hpp), otherwise "". Evaluated every check_interval steps and at
+// the end. Collective.
+std::string largeStrainWarning(const Simulation& simulation);
 
 // Sums modulo 2^64 of hashes of all bits of the state (contact/base/hash.hpp); independent of the
 // number of ranks.

@@ -29,16 +29,6 @@ void markNodes(const std::vector<mechanics::PressureLoad>& loads, std::vector<ch
   }
 }
 
-// [node] 1 on the surface, otherwise 0.
-View<unsigned char*> surfaceFlags(const exec_space& space, const Scene& scene) {
-  const View<unsigned char*> flags("miniapp::Simulation::surface_flags", scene.mesh.num_nodes);
-  const auto surface_to_node = scene.skin.surface_to_node;
-  Kokkos::parallel_for(
-      "miniapp::Simulation::surfaceFlags", rangePolicy(space, scene.skin.num_nodes),
-      KOKKOS_LAMBDA(const std::int64_t i) { flags(surface_to_node(i)) = 1; });
-  return flags;
-}
-
 } // namespace
 
 Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
@@ -69,8 +59,11 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _steps.plan(kind, _state.displacement);
   if (config.mass_damping * clock().dt >= 2)
     throw InputError(excessiveDamping(config.mass_damping, clock().dt));
-  if (config.contact.enabled && !fills_lanes) // packs of nodes read all columns
-    _forces.may_touch = surfaceFlags(_space, scene);
+  if (config.contact.enabled && !fills_lanes) { // packs of nodes read all columns
+    const View<unsigned char*> may_touch("miniapp::Simulation::may_touch", mesh.num_nodes);
+    contact::flagListed(_space, {scene.skin.num_nodes, scene.skin.surface_to_node}, may_touch);
+    _forces.may_touch = may_touch;
+  }
   if (config.contact.enabled)
     _contact =
         std::make_unique<ContactStep>(_space, comm, config, scene, _boundary, _state.displacement,

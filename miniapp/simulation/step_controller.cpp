@@ -10,7 +10,7 @@
 namespace brickwall::miniapp {
 
 namespace {
-constexpr double most_steps = 1e15; // also the largest time.steps of a deck
+constexpr double max_steps = 1e15; // also the largest time.steps of a deck
 }
 
 void StepController::plan(mechanics::ElementKind kind,
@@ -103,7 +103,7 @@ void StepController::planSteps(double longest) {
             << " is not representable; expected another density, stiffness or element size";
     throw InputError(message.str());
   }
-  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, most_steps));
+  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, max_steps));
 }
 
 StepRestart StepController::restartData() const {
@@ -125,7 +125,7 @@ void StepController::restore(const StepRestart& data) {
 void StepController::extendTo(double end) {
   const double steps = std::ceil((end - _clock.time) / _clock.dt * (1 - 1e-12));
   _end = end;
-  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, most_steps));
+  _steps_to_end = _clock.step + static_cast<std::int64_t>(minOf(steps, max_steps));
 }
 
 void StepController::shorten(double longest, StepCut::Reason reason) {

@@ -55,15 +55,6 @@ std::vector<std::vector<int>> sharedOnSurface(const Scene& scene, int num_ranks)
   return shared;
 }
 
-// flags [node] = 1 at the listed nodes, 0 at others.
-void flagListed(const exec_space& space, const contact::NodeList& list,
-                const View<unsigned char*>& flags) {
-  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
-  Kokkos::parallel_for(
-      "miniapp::SurfaceCoupling::flagListed", rangePolicy(space, list.count),
-      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i)) = 1; });
-}
-
 // [node] the body of each node of the mesh.
 View<global_id*> bodiesOfNodes(const exec_space& space, const Scene& scene,
                                const View<const global_id*>& elem_body) {
@@ -297,7 +288,7 @@ void SurfaceCoupling::shareListed(const exec_space& space, contact::CandidateSea
   search.selectGhosts(space, ghost_flags);
   const contact::GhostSelection& selection = search.selection();
   list.addCorners(space, selection.faces(), selection.numFaces(), surface().face_to_nodes);
-  flagListed(space, list.list(), _is_listed);
+  contact::flagListed(space, list.list(), _is_listed);
   shared().selectShared(space, _is_listed);
   list.addNodes(space, shared().selectedRows());
   if (_secondary) // the list may have more nodes, which other copies of them do not know

@@ -13,6 +13,9 @@
 #include "contact/search/candidate_search.hpp"
 #include "contact/surface/feature_edges.hpp"
 
+#include <cstdint>
+#include <functional>
+
 namespace brickwall::contact {
 
 class EdgeContact {

@@ -3,19 +3,20 @@
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 
-#include <algorithm>
+#include <string>
 #include <vector>
 
 namespace brickwall::contact {
 namespace {
 
-// A device View filled on the host by set(host view).
-template <class ViewType, class Set, class... Extents>
-ViewType filled(const exec_space& space, const std::string& label, const Set& set,
-                Extents... extents) {
-  auto device = allocate<ViewType>(space, label, extents...);
+// A device View whose rows are filled on the host by setRow(host view, row).
+template <class ViewType, class SetRow, class... Columns>
+ViewType filled(const exec_space& space, const std::string& name, int rows, const SetRow& setRow,
+                Columns... columns) {
+  auto device = allocate<ViewType>(space, "contact::EdgeContact::" + name, rows, columns...);
   auto host = Kokkos::create_mirror_view(device);
-  set(host);
+  for (int row = 0; row < rows; ++row)
+    setRow(host, row);
   Kokkos::deep_copy(space, device, host);
   space.fence();
   return device;
@@ -42,6 +43,16 @@ std::vector<int> cornersOf(const Surface& surface, const FeatureEdges& edges,
   return corners;
 }
 
+void setAttributes(const FeatureEdge& edge, const CornerMasses& face, EdgeAttributes& attributes) {
+  for (int j = 0; j < 4; ++j)
+    attributes.corner_mass[j] = face.corner_mass[(edge.edge + j) % 4];
+  attributes.cosine = edge.cosine;
+  attributes.sine = edge.sine;
+  attributes.goes_on = edge.goes_on;
+  for (int side = 0; side < 2; ++side)
+    attributes.width[side] = edge.width[side];
+}
+
 } // namespace
 
 EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const FeatureEdges& edges,
@@ -55,103 +66,57 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   const auto node_ids = toHost(surface.node_ids), face_ids = toHost(surface.face_ids);
   const auto node_body = toHost(surface.node_body), face_body = toHost(surface.face_body);
   const auto attributes = toHost(surface.face_attributes);
+  const auto masses = toHost(node_mass);
+  const auto nodeOf = [&](int e, int j) {
+    return face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
+  };
   const auto idOf = [&](int e) {
     return 4 * face_ids(edges.convex[e].face) + edges.convex[e].edge;
   };
+  const auto bodyOf = [&](int e) { return face_body(edges.convex[e].face); };
   EdgeSurface made;
   made.num_corners = num_corners;
   SweptBoxes& s = made.surface;
   s.num_nodes = num_nodes;
   s.num_faces = num_edges;
-  s.face_to_nodes = filled<View<int* [4]>>(
-      space, "contact::EdgeContact::edge_to_nodes",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          for (int j = 0; j < 4; ++j)
-            v(e, j) =
-                corner_of[face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4)];
-      },
-      num_edges);
-  made.edge_to_nodes = filled<View<int* [4]>>(
-      space, "contact::EdgeContact::edge_to_host_nodes",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          for (int j = 0; j < 4; ++j)
-            v(e, j) = face_to_nodes(edges.convex[e].face, (edges.convex[e].edge + j) % 4);
-      },
-      num_edges);
-  s.node_ids = filled<View<global_id*>>(
-      space, "contact::EdgeContact::node_ids",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) =
-              i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
-      },
-      num_nodes);
-  s.node_body = filled<View<global_id*>>(
-      space, "contact::EdgeContact::node_body",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) = i < num_corners ? node_body(corners[i])
-                                 : face_body(edges.convex[i - num_corners].face);
-      },
-      num_nodes);
-  s.node_is_owned = filled<View<unsigned char*>>( // only rows of edges search
-      space, "contact::EdgeContact::node_is_owned",
-      [&](auto& v) {
-        for (int i = 0; i < num_nodes; ++i)
-          v(i) = i >= num_corners;
-      },
-      num_nodes);
-  s.face_ids = filled<View<global_id*>>(
-      space, "contact::EdgeContact::edge_ids",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          v(e) = idOf(e);
-      },
-      num_edges);
-  s.face_body = filled<View<global_id*>>(
-      space, "contact::EdgeContact::edge_body",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          v(e) = face_body(edges.convex[e].face);
-      },
-      num_edges);
+  s.face_to_nodes = filled<View<int* [4]>>(space, "edge_to_nodes", num_edges, [&](auto& v, int e) {
+    for (int j = 0; j < 4; ++j)
+      v(e, j) = corner_of[nodeOf(e, j)];
+  });
+  made.edge_to_nodes =
+      filled<View<int* [4]>>(space, "edge_to_host_nodes", num_edges, [&](auto& v, int e) {
+        for (int j = 0; j < 4; ++j)
+          v(e, j) = nodeOf(e, j);
+      });
+  s.node_ids = filled<View<global_id*>>(space, "node_ids", num_nodes, [&](auto& v, int i) {
+    v(i) = i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
+  });
+  s.node_body = filled<View<global_id*>>(space, "node_body", num_nodes, [&](auto& v, int i) {
+    v(i) = i < num_corners ? node_body(corners[i]) : bodyOf(i - num_corners);
+  });
+  s.node_is_owned =
+      filled<View<unsigned char*>>(space, "node_is_owned", num_nodes, [&](auto& v, int i) {
+        v(i) = i >= num_corners; // only rows of edges search
+      });
+  s.face_ids = filled<View<global_id*>>(space, "edge_ids", num_edges,
+                                        [&](auto& v, int e) { v(e) = idOf(e); });
+  s.face_body = filled<View<global_id*>>(space, "edge_body", num_edges,
+                                         [&](auto& v, int e) { v(e) = bodyOf(e); });
   s.face_attributes = filled<AttributeWords>(
-      space, "contact::EdgeContact::attributes",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e) {
-          const FeatureEdge& edge = edges.convex[e];
-          const CornerMasses& face = attributesAt<CornerMasses>(attributes, edge.face);
-          EdgeAttributes& attributes_of_edge = attributesAt<EdgeAttributes>(v, e);
-          for (int j = 0; j < 4; ++j)
-            attributes_of_edge.corner_mass[j] = face.corner_mass[(edge.edge + j) % 4];
-          attributes_of_edge.cosine = edge.cosine;
-          attributes_of_edge.sine = edge.sine;
-          attributes_of_edge.goes_on = edge.goes_on;
-          for (int side = 0; side < 2; ++side)
-            attributes_of_edge.width[side] = edge.width[side];
-        }
+      space, "attributes", num_edges,
+      [&](auto& v, int e) {
+        const FeatureEdge& edge = edges.convex[e];
+        setAttributes(edge, attributesAt<CornerMasses>(attributes, edge.face),
+                      attributesAt<EdgeAttributes>(v, e));
       },
-      num_edges, words_of<EdgeAttributes>);
-  made.corner_to_node = filled<View<int*>>(
-      space, "contact::EdgeContact::corner_to_node",
-      [&](auto& v) { std::copy(corners.begin(), corners.end(), v.data()); }, num_corners);
-  const auto masses = toHost(node_mass);
-  made.corner_mass = filled<View<double*>>(
-      space, "contact::EdgeContact::corner_mass",
-      [&](auto& v) {
-        for (int i = 0; i < num_corners; ++i)
-          v(i) = masses(corners[i]);
-      },
-      num_corners);
-  made.records = filled<View<EdgeRecord*>>(
-      space, "contact::EdgeContact::records",
-      [&](auto& v) {
-        for (int e = 0; e < num_edges; ++e)
-          v(e) = {{}, face_body(edges.convex[e].face), idOf(e)};
-      },
-      num_edges);
+      words_of<EdgeAttributes>);
+  made.corner_to_node = filled<View<int*>>(space, "corner_to_node", num_corners,
+                                           [&](auto& v, int i) { v(i) = corners[i]; });
+  made.corner_mass = filled<View<double*>>(space, "corner_mass", num_corners,
+                                           [&](auto& v, int i) { v(i) = masses(corners[i]); });
+  made.records = filled<View<EdgeRecord*>>(space, "records", num_edges, [&](auto& v, int e) {
+    v(e) = {{}, bodyOf(e), idOf(e)};
+  });
   return made;
 }
 

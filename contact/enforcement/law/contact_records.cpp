@@ -40,10 +40,14 @@ std::vector<ContactRecord> recordsOf(const exec_space& space,
   return records;
 }
 
-void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
-                const std::vector<ContactRecord>& records, bool has_friction,
-                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
-                LastContacts& last) {
+namespace {
+
+// The contacts among `records`, with rows of this surface. Sets the last steps of nodes without
+// contact.
+std::vector<ContactRecord> contactsOf(const View<const global_id*>& node_ids,
+                                      const std::vector<ContactRecord>& records,
+                                      const std::function<ContactPoint(int row)>& pointOf,
+                                      LastContacts& last) {
   const RowOfId row_of(node_ids);
   int row = 0;
   const auto last_step = Kokkos::create_mirror_view(last.step);
@@ -69,6 +73,16 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
     pair.point.share = share;
   }
   Kokkos::deep_copy(last.step, last_step);
+  return active;
+}
+
+} // namespace
+
+void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
+                const std::vector<ContactRecord>& records, bool has_friction,
+                const std::function<ContactPoint(int row)>& pointOf, ContactHistory& history,
+                LastContacts& last) {
+  const std::vector<ContactRecord> active = contactsOf(node_ids, records, pointOf, last);
   std::vector<int> order(active.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int i, int j) {

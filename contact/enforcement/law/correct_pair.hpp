@@ -86,10 +86,8 @@ struct CorrectPair {
     if (marks.extent(0) == 0 || !faces.isOwn(pair.face_index))
       return;
     const unsigned char set = 1;
-    storeShared(marks(pair.point.node[0]), set);
-    storeShared(marks(pair.point.node[1]), set);
-    for (int j = 0; j < 4; ++j)
-      storeShared(marks(faces.surface.face_to_nodes(pair.face_index, j)), set);
+    forEachNodeOf(pair.point, pair.face_index, faces.surface,
+                  [&](int node) { storeShared(marks(node), set); });
   }
   KOKKOS_FORCEINLINE_FUNCTION static bool isChange(double change, double of) {
     return !(std::fabs(change) <= least_change * std::fabs(of)); // also if it is NaN

@@ -61,7 +61,9 @@ struct JointProblem {
 
   void findContacts(const NodeFaceKinematics& kinematics, const CandidatePairs& pairs);
   void divideAreas(const CandidatePairs& pairs, double shared_cosine);
+  Coverage findCoverage();
   void findTargets();
+  void leaveOutPartlyCovered(const Coverage& coverage);
   void findDiagonal();
   void addAreas();
   double largestError() const;
@@ -144,10 +146,7 @@ void JointProblem::divideAreas(const CandidatePairs& pairs, double shared_cosine
   _quantum = Quantum::forForceScale(largest > 0 ? 16 * largest : 1); // a node has many contacts
 }
 
-// T: twice, for both passes, the integrals of N over the faces whose corners are all covered by
-// contacts against them. Nodes at faces that are covered in part are left out.
-void JointProblem::findTargets() {
-  _targets = allocated<View<std::int64_t* [3]>>("targets", _num_nodes);
+Coverage JointProblem::findCoverage() {
   const auto normals = allocated<View<std::int64_t* [3]>>("normals", _num_nodes);
   const auto contacts = _contacts;
   const auto sums = _sums;
@@ -161,10 +160,16 @@ void JointProblem::findTargets() {
       });
   sum();
   Kokkos::deep_copy(_space, normals, sums.nodes);
+  return {_faces, normals};
+}
 
+// T: twice, for both passes, the integrals of N over the faces whose corners are all covered by
+// contacts against them. Nodes at faces that are covered in part are left out.
+void JointProblem::findTargets() {
+  const Coverage coverage = findCoverage();
   const auto faces = _faces;
   const auto quantum = _quantum;
-  const Coverage coverage{faces, normals};
+  const auto sums = _sums;
   zeroSums();
   Kokkos::parallel_for(
       "contact::findJointAreas::addTargets", rangePolicy(_space, faces.surface.num_faces),
@@ -186,8 +191,14 @@ void JointProblem::findTargets() {
         }
       });
   sum();
+  _targets = allocated<View<std::int64_t* [3]>>("targets", _num_nodes);
   Kokkos::deep_copy(_space, _targets, sums.nodes);
+  leaveOutPartlyCovered(coverage);
+}
 
+void JointProblem::leaveOutPartlyCovered(const Coverage& coverage) {
+  const auto faces = _faces;
+  const auto sums = _sums;
   zeroSums();
   Kokkos::parallel_for(
       "contact::findJointAreas::findPartlyCovered", rangePolicy(_space, faces.surface.num_faces),

@@ -83,11 +83,9 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
 // assumed.
 KOKKOS_INLINE_FUNCTION bool hasChanged(const Interaction& pair, const FaceAccess& faces,
                                        const View<const unsigned char*>& has_changed) {
-  if (!faces.isOwn(pair.face_index))
-    return true;
-  unsigned any = has_changed(pair.point.node[0]) | has_changed(pair.point.node[1]);
-  for (int j = 0; j < 4; ++j)
-    any |= has_changed(faces.surface.face_to_nodes(pair.face_index, j));
+  unsigned any = !faces.isOwn(pair.face_index);
+  forEachNodeOf(pair.point, pair.face_index, faces.surface,
+                [&](int node) { any |= has_changed(node); });
   return any != 0;
 }
 

@@ -3,8 +3,7 @@
 namespace brickwall::contact {
 namespace {
 
-constexpr int nodes_of_pair = 6;
-constexpr int most_share = 8; // a list of more than an eighth of the nodes costs more than it saves
+constexpr int min_nodes_per_listed = 8; // a longer list costs more than it saves
 
 struct InsertNode {
   View<int*> nodes, is_listed;
@@ -26,6 +25,13 @@ void zeroListed(const exec_space& space, const std::string& label, const NodeLis
           for (int d = 0; d < 3; ++d)
             values(list(i), d) = 0;
         });
+}
+
+void flagListed(const exec_space& space, const NodeList& list, const View<unsigned char*>& flags) {
+  Kokkos::deep_copy(space, flags, static_cast<unsigned char>(0));
+  Kokkos::parallel_for(
+      "contact::flagListed", rangePolicy(space, list.count),
+      KOKKOS_LAMBDA(const std::int64_t i) { flags(list(i)) = 1; });
 }
 
 void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
@@ -74,7 +80,8 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
                        const ContactHistory& pairs, const View<const int*>& to_node) {
   if (pairs.count == 0 || _list.isAll())
     return;
-  if (most_share * (_num_listed + pairs.count) > _num_nodes) { // flush pairs have a node each
+  // Flush pairs have a node each.
+  if (min_nodes_per_listed * (_num_listed + pairs.count) > _num_nodes) {
     listAll(space);
     return;
   }
@@ -85,13 +92,8 @@ void TouchedNodes::add(const exec_space& space, const SweptBoxes& surface,
       "contact::TouchedNodes::add", rangePolicy(space, pairs.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
         const Interaction& pair = interactions(i);
-        const bool is_own = pair.face_index < surface.num_faces;
-        for (int k = 0; k < nodes_of_pair; ++k) {
-          if (k >= 2 && !is_own)
-            break;
-          const int at = k < 2 ? pair.point.node[k] : surface.face_to_nodes(pair.face_index, k - 2);
-          insert(is_mapped ? to_node(at) : at);
-        }
+        forEachNodeOf(pair.point, pair.face_index, surface,
+                      [&](int node) { insert(is_mapped ? to_node(node) : node); });
       });
   finishInsertion(space);
 }
@@ -125,7 +127,7 @@ void TouchedNodes::finishInsertion(const exec_space& space) {
   Kokkos::deep_copy(space, _num_listed, _count);
   space.fence();
   _list.count = _num_listed;
-  if (most_share * _num_listed > _num_nodes)
+  if (min_nodes_per_listed * _num_listed > _num_nodes)
     listAll(space);
 }
 

@@ -25,6 +25,9 @@ struct NodeList {
 void zeroListed(const exec_space& space, const std::string& label, const NodeList& list,
                 const View<std::int64_t* [3]>& values);
 
+// flags [node] = 1 at the listed nodes, 0 at others.
+void flagListed(const exec_space& space, const NodeList& list, const View<unsigned char*>& flags);
+
 // flags [ghost] = 1 at the ghosts of interactions, 0 at others.
 void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const ContactHistory& pairs,
                      const View<unsigned char*>& flags);

@@ -8,6 +8,9 @@
 #include "mechanics/loads/boundary_conditions.hpp"
 #include "mechanics/mesh/node_runs.hpp"
 
+#include <cstdint>
+#include <vector>
+
 namespace brickwall::mechanics {
 
 class FreeBricks {
