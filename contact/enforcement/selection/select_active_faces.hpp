@@ -158,7 +158,7 @@ struct SelectActiveFaces {
     for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
       if (findNearest(node, begin, end, kind, is_loaded, contact, covered))
         return is_loaded || !isOutside(node, begin, end, contact);
-      if (!is_loaded || (contact.has_ended && step.law.config.scheme != Scheme::energy_neutral))
+      if (!is_loaded)
         return false;
       if (persists || contact.has_ended || kind == ContactTest::transfer)
         return has_face && continuesOrReleases(node, begin, end, persists, contact);
@@ -175,10 +175,17 @@ struct SelectActiveFaces {
     contact.releases =
         holdsEnergy(contact) &&
         step.kinematics.test(step.faces, node, face, ContactTest::release, contact) &&
-        (step.kinematics.fadeWeightOf(step.faces, node, contact) > 0 ||
-         isSeparating(node, contact));
+        mayRelease(node, contact);
     contact.has_ended = false;
     return contact.releases;
+  }
+  // Beyond the reach of the spring only forces that are corrected return what is stored, and a node
+  // that has faded must not catch on the edge.
+  KOKKOS_INLINE_FUNCTION bool mayRelease(int node, const FaceContact& contact) const {
+    const bool has_faded = !(step.kinematics.fadeWeightOf(step.faces, node, contact) > 0);
+    if (step.law.config.scheme != Scheme::energy_neutral)
+      return contact.depth > 0 && !has_faded;
+    return !has_faded || isSeparating(node, contact);
   }
   KOKKOS_INLINE_FUNCTION bool isSeparating(int node, const FaceContact& contact) const {
     const Vec3 motion = step.faces.relativeMotion(
