@@ -90,12 +90,14 @@ void ContactStep::makeEnforcement() {
 
 // A node that is pressed in deeply must keep its faces. Boxes of node and face together reach as
 // far as the deepest loaded contact may fade out beyond an edge: fade_depth_ratio times its depth,
-// with a margin, or half of the longest edge and its depth, if that is less.
+// with a margin, but no farther than three quarters of the longest edge (half of it for fading) or
+// the shortest one.
 double ContactStep::toleranceFor(double deepest) const {
   constexpr double fade_depth_ratio = contact::FadeRegion::fade_depth_ratio;
   const double longest = _scene.longest_edge;
-  const double fading = minOf((fade_depth_ratio + 0.2) * deepest, 0.5 * longest + deepest);
-  return deepest > 0 ? 0.5 * (fading + 0.1 * _config.contact.edge_tolerance * longest) : 0;
+  const double reach =
+      (fade_depth_ratio + 0.2) * deepest + 0.1 * _config.contact.edge_tolerance * longest;
+  return deepest > 0 ? 0.5 * minOf(reach, maxOf(_scene.shortest_edge, 0.75 * longest)) : 0;
 }
 
 // The tolerance grows with a reserve and shrinks late, because each change discards the lists of
