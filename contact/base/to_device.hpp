@@ -114,7 +114,7 @@ void copyToDevice(const exec_space& space, const std::vector<T>& from, View<T*>&
 // A View that the host can read; `view` itself where it is host-accessible. Fences.
 template <class ViewType>
 auto toHost(const ViewType& view) {
-  const auto host = hostMirror(view);
+  auto host = hostMirror(view);
   if constexpr (std::is_same<typename ViewType::memory_space, Kokkos::HostSpace>::value)
     Kokkos::fence();
   else

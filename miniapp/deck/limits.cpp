@@ -2,6 +2,7 @@
 
 #include "contact/base/error.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 namespace brickwall::miniapp {

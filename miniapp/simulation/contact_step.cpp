@@ -120,15 +120,15 @@ void ContactStep::setSearchTolerance(double tolerance) {
 void ContactStep::findCandidates(bool are_final, const std::function<void()>& meanwhile) {
   _has_forces_of_search = false;
   const Stopwatch time;
-  bool is_measured = false;
-  const auto measure_and_more = [&] {
-    _has_moved.waitIn(_beside);
-    measureSurface(_beside, true);
-    is_measured = true;
-    if (meanwhile)
-      meanwhile();
-  };
   if (are_final && !host_accessible && _search.margin() == 0) {
+    bool is_measured = false;
+    const auto measure_and_more = [&] {
+      _has_moved.waitIn(_beside);
+      measureSurface(_beside, true);
+      is_measured = true;
+      if (meanwhile)
+        meanwhile();
+    };
     _search.update(_space, surface(), {}, measure_and_more);
     if (!is_measured)
       measure_and_more();

@@ -58,7 +58,7 @@ std::vector<std::vector<int>> sharedOnSurface(const Scene& scene, int num_ranks)
 // [node] the body of each node of the mesh.
 View<global_id*> bodiesOfNodes(const exec_space& space, const Scene& scene,
                                const View<const global_id*>& elem_body) {
-  const View<global_id*> bodies("miniapp::SurfaceCoupling::bodies_of_nodes", scene.mesh.num_nodes);
+  View<global_id*> bodies("miniapp::SurfaceCoupling::bodies_of_nodes", scene.mesh.num_nodes);
   const auto elem_to_nodes = scene.mesh.elem_to_nodes;
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::bodiesOfNodes", rangePolicy(space, scene.mesh.num_elems),
