@@ -93,35 +93,37 @@ const CandidatePairs& CandidateSearch::update(const exec_space& space, const Swe
                                               std::optional<double> motion,
                                               const std::function<void()>& meanwhile,
                                               const View<const unsigned char*>& stationary) {
-  if (mayKeepLists(space, surface, _has_pairs ? motion : HUGE_VAL, stationary)) {
-    _global.forwardCoordinates(space, surface);
-  } else {
-    _has_lists = _has_pairs = false; // in case of a throw
+  keepOrSearch(space, surface, _has_pairs ? motion : HUGE_VAL, stationary, [&] {
     _global.launchGhosts(space, surface);
-    if (_margin > 0)
-      keepSweptBoxes(space, surface, _searched_at);
     _local.findCandidatePairs(space, surface, meanwhile);
     _global.finishGhosts(space, surface);
-    _has_lists = _has_pairs = true;
-    ++_searches;
-  }
+    _has_pairs = true;
+  });
   return _local.pairs();
 }
 
 const GhostFaces& CandidateSearch::updateGhosts(const exec_space& space, const SweptBoxes& surface,
                                                 std::optional<double> motion,
                                                 const View<const unsigned char*>& stationary) {
+  keepOrSearch(space, surface, motion, stationary, [&] { _global.findGhosts(space, surface); });
+  return _global.ghosts();
+}
+
+template <class Search>
+void CandidateSearch::keepOrSearch(const exec_space& space, const SweptBoxes& surface,
+                                   std::optional<double> motion,
+                                   const View<const unsigned char*>& stationary,
+                                   const Search& search) {
   if (mayKeepLists(space, surface, motion, stationary)) {
     _global.forwardCoordinates(space, surface);
-  } else {
-    _has_lists = _has_pairs = false; // in case of a throw
-    _global.findGhosts(space, surface);
-    if (_margin > 0)
-      keepSweptBoxes(space, surface, _searched_at);
-    _has_lists = true;
-    ++_searches;
+    return;
   }
-  return _global.ghosts();
+  _has_lists = _has_pairs = false; // in case of a throw
+  search();
+  if (_margin > 0)
+    keepSweptBoxes(space, surface, _searched_at);
+  _has_lists = true;
+  ++_searches;
 }
 
 // Counts an update. A coordinate that is not finite makes all ranks search, which reports it.

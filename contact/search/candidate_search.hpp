@@ -146,6 +146,11 @@ public:
 
 private:
   void applyTolerances();
+  // Brings the lists of the last search to this step, or calls search().
+  template <class Search>
+  void keepOrSearch(const exec_space& space, const SweptBoxes& surface,
+                    std::optional<double> motion, const View<const unsigned char*>& stationary,
+                    const Search& search);
   bool mayKeepLists(const exec_space& space, const SweptBoxes& surface,
                     std::optional<double> motion, const View<const unsigned char*>& stationary);
 

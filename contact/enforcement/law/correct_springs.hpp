@@ -125,9 +125,11 @@ correctSprings(const ContactHistory& pairs, const PairOf& pairOf, const CorrectP
     }
     evaluate(gathered, correct, add, corrected);
     if (width > 1 && correct.isProposal())
-      for (int lane = 0; first + lane <= last; ++lane)
-        if (corrected.changes(lane, pairOf(numbers[first + lane])))
-          add.prefetchTarget(pairOf(numbers[first + lane]));
+      for (int lane = 0; first + lane <= last; ++lane) {
+        const Interaction& pair = pairOf(numbers[first + lane]);
+        if (corrected.changes(lane, pair))
+          add.prefetchTarget(pair.point.node[0], pair.face_index);
+      }
     for (int lane = 0; first + lane <= last; ++lane) {
       const std::int64_t number = numbers[first + lane];
       const Interaction& pair = pairOf(number);

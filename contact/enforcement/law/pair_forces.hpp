@@ -143,9 +143,10 @@ struct PairForces {
       addBy<Together>(pair, quanta, sign, lane);
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchTarget(const Interaction& pair) const {
-    prefetchRow(target.nodes, pair.point.node[0]);
-    faces.prefetchCorners(pair.face_index, target.nodes);
+  // Prefetches what the forces of a pair of this node and face are added to.
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchTarget(int node, int face) const {
+    prefetchRow(target.nodes, node);
+    faces.prefetchCorners(face, target.nodes);
   }
   // Adds the magnitudes, along each axis, of the nodal forces by which a normal force `change`
   // acts; beyond the fixed-point range nothing.

@@ -74,8 +74,7 @@ KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
       continue;
     prefetchRow(correct.responses.nodes, pair.point.node[0]);
     faces.prefetchCorners(pair.face_index, correct.responses.nodes);
-    prefetchRow(add.target.nodes, pair.point.node[0]);
-    faces.prefetchCorners(pair.face_index, add.target.nodes);
+    add.prefetchTarget(pair.point.node[0], pair.face_index);
   }
 }
 

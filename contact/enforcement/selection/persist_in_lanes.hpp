@@ -89,8 +89,7 @@ private:
       Place& place = batch.places[i];
       step.faces.prefetchCorners(place.face, surface.coordinates_new);
       step.faces.prefetchCorners(place.face, surface.coordinates_old);
-      step.faces.prefetchCorners(place.face, step.add.target.nodes);
-      prefetchRow(step.add.target.nodes, place.node);
+      step.add.prefetchTarget(place.node, place.face);
       place.persists = step.kinematics.isOpposing(place.node, place.face, ContactTest::persist);
     }
     persistent_contact::Gathered<Real> gathered;

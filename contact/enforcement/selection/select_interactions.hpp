@@ -314,10 +314,8 @@ struct SelectInteractions {
     if constexpr (Kinematics::projects_candidates_at_once)
       for (int r = 0; r < batch.num_rows; ++r)
         prefetchCorners(batch.rows[r]);
-    for (int k = 0; k < batch.num_persistent; ++k) {
-      brickwall::prefetchRow(step.add.target.nodes, batch.persistent[k].node);
-      step.faces.prefetchCorners(batch.persistent[k].face, step.add.target.nodes);
-    }
+    for (int k = 0; k < batch.num_persistent; ++k)
+      step.add.prefetchTarget(batch.persistent[k].node, batch.persistent[k].face);
     step.kinematics.projectPersistent(step.faces, step.previous, batch.num_persistent,
                                       batch.persistent);
     batch.first[batch.num_rows] = batch.num_persistent;
