@@ -125,7 +125,7 @@ std::vector<int> placeElems(MPI_Comm comm, const MeshSlice& slice, NodeHome& hom
       centroids.push_back(sum / 8);
     }
   }
-  return partitionPoints(comm, ids, centroids);
+  return partitionPoints(comm, ids, centroids, {}, CutPlanes::whole);
 }
 
 void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& elems,

@@ -65,7 +65,8 @@ struct Destroy {
 };
 using ZoltanHandle = std::unique_ptr<Zoltan_Struct, Destroy>;
 
-ZoltanHandle createRcb(MPI_Comm comm, const Points& points, bool has_weights) {
+ZoltanHandle createRcb(MPI_Comm comm, const Points& points, bool has_weights,
+                       CutPlanes cut_planes) {
   float version = 0;
   checkZoltan(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
   ZoltanHandle zoltan(Zoltan_Create(comm));
@@ -73,10 +74,15 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points, bool has_weights) {
     throw Error(ExitCode::internal, "Zoltan_Create failed");
   const std::string words = std::to_string(id_words);
   const char* settings[][2] = {
-      {"DEBUG_LEVEL", "0"},         {"LB_METHOD", "RCB"},
-      {"LB_APPROACH", "PARTITION"}, {"NUM_GID_ENTRIES", words.c_str()},
-      {"NUM_LID_ENTRIES", "0"},     {"OBJ_WEIGHT_DIM", has_weights ? "1" : "0"},
-      {"RETURN_LISTS", "EXPORT"},   {"RCB_OUTPUT_LEVEL", "0"},
+      {"DEBUG_LEVEL", "0"},
+      {"LB_METHOD", "RCB"},
+      {"LB_APPROACH", "PARTITION"},
+      {"NUM_GID_ENTRIES", words.c_str()},
+      {"NUM_LID_ENTRIES", "0"},
+      {"OBJ_WEIGHT_DIM", has_weights ? "1" : "0"},
+      {"RETURN_LISTS", "EXPORT"},
+      {"RCB_OUTPUT_LEVEL", "0"},
+      {"RCB_RECTILINEAR_BLOCKS", cut_planes == CutPlanes::whole ? "1" : "0"},
       {"CHECK_GEOM", "0"},
   };
   for (const auto& setting : settings)
@@ -94,7 +100,7 @@ ZoltanHandle createRcb(MPI_Comm comm, const Points& points, bool has_weights) {
 
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
                                  const std::vector<double>& points,
-                                 const std::vector<float>& weights) {
+                                 const std::vector<float>& weights, CutPlanes cut_planes) {
   const std::int64_t num_points = allReduce(comm, static_cast<std::int64_t>(ids.size()), MPI_SUM);
   if (sizeOf(comm) == 1 || num_points == 0) // RCB fails without points
     return std::vector<int>(ids.size(), 0);
@@ -102,7 +108,7 @@ std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& id
                     [&] { checkedInt(static_cast<std::int64_t>(ids.size()), "partitionPoints"); });
   const Points mine{&ids, &points, &weights};
   const bool has_weights = allReduce(comm, weights.empty() ? 0 : 1, MPI_MAX) > 0;
-  const ZoltanHandle zoltan = createRcb(comm, mine, has_weights);
+  const ZoltanHandle zoltan = createRcb(comm, mine, has_weights, cut_planes);
 
   int changed = 0, gid_words = 0, lid_words = 0, num_import = 0, num_export = 0;
   ZOLTAN_ID_PTR import_gids = nullptr, import_lids = nullptr;

@@ -9,6 +9,11 @@
 
 namespace brickwall::io {
 
+// What becomes of points in the plane of a cut: they are divided between its sides, so that ranks get
+// equal shares, or stay together. Parts of a lattice of elements then are lattices too, and shares
+// are equal to within a plane of points.
+enum class CutPlanes { divided, whole };
+
 // Rank that each of this rank's points (element or face centroids) belongs to: [point]. `ids` are
 // unique over all ranks; `points` is [point][xyz]; ranks get equal sums of `weights` [point], or
 // equal numbers of points if these are empty on all ranks. Fewer points than ranks, ranks without
@@ -16,6 +21,7 @@ namespace brickwall::io {
 // failed.
 std::vector<int> partitionPoints(MPI_Comm comm, const std::vector<global_id>& ids,
                                  const std::vector<double>& points,
-                                 const std::vector<float>& weights = {});
+                                 const std::vector<float>& weights = {},
+                                 CutPlanes cut_planes = CutPlanes::divided);
 
 } // namespace brickwall::io

@@ -34,7 +34,7 @@ std::vector<global_id> partitionElems(MPI_Comm comm, const WallLayout& wall) {
       centroids.push_back(x);
 
   // Slices ascend with the rank.
-  return sendTo(comm, partitionPoints(comm, ids, centroids), ids);
+  return sendTo(comm, partitionPoints(comm, ids, centroids, {}, CutPlanes::whole), ids);
 }
 
 // The elements of a brick on this rank, [first, end), and the nodes of the brick that they use.

@@ -8,7 +8,9 @@
 #include "io/mesh/shared_nodes.hpp"
 #include "io/wall/wall_generator.hpp"
 
+#include <cmath>
 #include <numeric>
+#include <set>
 
 namespace brickwall::io::testing {
 namespace {
@@ -82,6 +84,27 @@ TEST(Partition, PlacesEveryPointAlsoWhereThereAreFewOrCoincidentOnesOrLargeIds) 
     EXPECT_EQ(placed(n, false, 0), n);
   EXPECT_EQ(placed(1000, true, 0), 1000);
   EXPECT_EQ(placed(500, false, (std::int64_t(1) << 40) + 12345), 500);
+}
+
+// Equal shares would divide planes of elements on three ranks and more.
+TEST(Partition, CutsBricksIntoLatticesOfElements) {
+  WallConfig wall;
+  wall.bricks = {5, 1, 7};
+  wall.elements = {4, 3, 3};
+  const MeshPart part = generateWall(MPI_COMM_WORLD, wall);
+  for (int first = 0, end = 0; first < part.numElems(); first = end) {
+    std::set<double> places[3]; // centres of the brick's elements
+    for (; end < part.numElems() && part.elem_body[end] == part.elem_body[first]; ++end)
+      for (int d = 0; d < 3; ++d) {
+        double sum = 0;
+        for (int c = 0; c < 8; ++c)
+          sum += part.coordinates[3 * part.elem_nodes[8 * end + c] + d];
+        places[d].insert(std::round(1e6 * sum));
+      }
+    EXPECT_EQ(places[0].size() * places[1].size() * places[2].size(),
+              static_cast<std::size_t>(end - first))
+        << "brick " << part.elem_body[first];
+  }
 }
 
 TEST(SharedNodes, AreFoundOnBothSidesAndOwnedByTheLowest) {
