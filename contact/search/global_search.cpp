@@ -80,10 +80,11 @@ void GlobalSearch::checkInput(const exec_space& space, const SweptBoxes& surface
 }
 
 const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptBoxes& surface,
-                                           bool may_wait_later) {
+                                           bool pairs_follow) {
   const Region region("contact::findGhosts");
-  updateRankBoxes(space, surface, may_wait_later);
-  _phases->findPartnersAndCandidates(space, surface, _rank_boxes);
+  updateRankBoxes(space, surface, pairs_follow && sizeOf(_comm) == 1);
+  _phases->pairs_follow = pairs_follow;
+  _phases->findPartnersAndCandidates(space, surface, _rank_boxes, _config);
   _phases->exchangeNodeBoxes(space, _comm, surface, _config);
   _phases->searchLocalFacesAgainstRemoteNodes(space, surface, _config);
   migrateFaces(space, _comm, surface, _phases->facesToSend(), _phases->nodesToSend().ranks,

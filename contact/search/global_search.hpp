@@ -43,10 +43,10 @@ public:
   const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface) {
     return findGhosts(space, surface, false);
   }
-  // The same in two parts, between which the caller may search for pairs: where the first need not
+  // The same in two parts, between which the caller searches for pairs: where the first need not
   // wait for the device, on one rank, the second does so, and throws what findGhosts() would throw.
   const GhostFaces& launchGhosts(const exec_space& space, const SweptBoxes& surface) {
-    return findGhosts(space, surface, sizeOf(_comm) == 1);
+    return findGhosts(space, surface, true);
   }
   void finishGhosts(const exec_space& space, const SweptBoxes& surface);
 
@@ -120,7 +120,7 @@ private:
   friend class LocalSearch;
 
   const GhostFaces& findGhosts(const exec_space& space, const SweptBoxes& surface,
-                               bool may_wait_later);
+                               bool pairs_follow);
   void updateRankBoxes(const exec_space& space, const SweptBoxes& surface, bool may_wait_later);
   void exchangeBoxes(const SweptBoxes& surface, const OwnRankBoxes& own);
   void checkInput(const exec_space& space, const SweptBoxes& surface, bool is_same);

@@ -11,7 +11,8 @@ namespace {
 
 // Nodes and blocks are tested in groups, each of which has a mask; on a device a thread tests one
 // of a group, so that threads side by side read boxes side by side.
-constexpr int items_per_group = 32;
+constexpr int items_per_group = GroupsNearPartners::nodes_of_group;
+static_assert(items_per_group == 32, "a bit for each");
 constexpr int testing_threads = fills_lanes ? 1 : items_per_group; // of a group
 constexpr int listing_threads = fills_lanes ? 1 : 4;
 
@@ -181,7 +182,8 @@ void listRows(const exec_space& space, const Groups& groups, ClusterCandidates& 
 } // namespace
 
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
-                               const RankBoxes& rank_boxes, ClusterCandidates& candidates) {
+                               const RankBoxes& rank_boxes, ClusterCandidates& candidates,
+                               const std::function<void()>& have_tested) {
   const Region region("contact::findPartnersAndCandidates");
   auto& nodes = candidates.nodes_to_send;
   auto& blocks = candidates.blocks_to_test;
@@ -206,8 +208,14 @@ void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& c
   updateReach(space, rank_boxes, order.origin, candidates);
   groups.reach = candidates.reach;
   testGroups(space, groups, candidates);
+  if (have_tested)
+    have_tested();
   countRows(space, groups, candidates);
   listRows(space, groups, candidates);
+}
+
+GroupsNearPartners nodesNearPartners(const ClusterCandidates& candidates) {
+  return {candidates.masks, static_cast<int>(candidates.nodes_to_send.ranks.size())};
 }
 
 } // namespace brickwall::contact

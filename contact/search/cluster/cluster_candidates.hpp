@@ -3,9 +3,12 @@
 // the surface far from the partners cost almost nothing; a device tests all boxes side by side.
 #pragma once
 
+#include "contact/search/cluster/groups_to_search.hpp"
 #include "contact/search/cluster/surface_clusters.hpp"
 #include "contact/search/exchange/partner_lists.hpp"
 #include "contact/search/exchange/rank_boxes.hpp"
+
+#include <functional>
 
 namespace brickwall::contact {
 
@@ -27,8 +30,13 @@ struct ClusterCandidates {
 };
 
 // Not collective. r is in Q_snd(q) if and only if q is in Q_rcv(r), since both read the same rank
-// boxes.
+// boxes. `have_tested`, if any, is called where there are partners: nodesNearPartners() is known to
+// kernels from then on, and the host waits for the lists next.
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
-                               const RankBoxes& rank_boxes, ClusterCandidates& candidates);
+                               const RankBoxes& rank_boxes, ClusterCandidates& candidates,
+                               const std::function<void()>& have_tested = {});
+
+// The groups of nodes that are near partners, and so perhaps near ghosts.
+GroupsNearPartners nodesNearPartners(const ClusterCandidates& candidates);
 
 } // namespace brickwall::contact

@@ -5,6 +5,8 @@
 #include "contact/search/cluster/group_rows.hpp"
 #include "contact/surface/construct_boxes.hpp"
 
+#include <utility>
+
 namespace brickwall::contact {
 namespace {
 
@@ -76,18 +78,30 @@ PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
   return counts;
 }
 
+constexpr bool by_groups = cluster_size == 1;
+
+// A template, since FindRowsOfGroups is for clusters of one node.
+template <class Find>
+void launchGroups(const exec_space& space, const Find& find, const GroupsToSearch& groups,
+                  LaunchedSums<PairCounts>& sums, GroupQueue& queue) {
+  launchByGroups(space,
+                 FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
+                                  find.capacity, find.block_begin, find.row_begin, find.faces,
+                                  find.changed, find.num_clusters, queue, groups},
+                 sums.next(space), queue);
+}
+
 // The search of a step, with rows of some clusters possibly too long for their capacity.
-template <bool by_groups>
-PairCounts searchAll(const exec_space& space, FindRows find, const std::function<void()>& meanwhile,
+template <class Find>
+PairCounts searchAll(const exec_space& space, Find find, const GroupsToSearch& groups,
+                     const QueueMark& has_begun, const std::function<void()>& meanwhile,
                      LaunchedSums<PairCounts>& sums, GroupQueue& queue) {
   if constexpr (by_groups) {
-    launchByGroups(space,
-                   FindRowsOfGroups{find.test, find.node_bounds, find.face_tree, find.ghost_tree,
-                                    find.capacity, find.block_begin, find.row_begin, find.faces,
-                                    find.changed, find.num_clusters, queue},
-                   sums.next(space), queue);
+    launchGroups(space, find, groups, sums, queue);
     if (meanwhile)
       meanwhile();
+    if (groups.kind != GroupsToSearch::all)
+      has_begun.waitIn(space);
     PairCounts counts = sums.read(space);
     if (counts.skipped > 0) {
       find.repeat = true;
@@ -159,38 +173,67 @@ void ClusterPairs::growCapacity(const exec_space& space, int num_clusters, Candi
   _used += more;
 }
 
+void ClusterPairs::startSearch(const exec_space& space, const SurfaceClusters& clusters,
+                               CandidatePairs& pairs) {
+  if (_ordering != clusters.numOrderings())
+    startAnew(space, clusters, pairs);
+  ++pairs.version;
+}
+
+FindRows ClusterPairs::kernel(const SweptBoxes& surface, const GhostFaces& ghosts,
+                              const BoxTree& ghost_tree, const SurfaceClusters& clusters,
+                              const SearchConfig& config, const CandidatePairs& pairs) const {
+  const ClusterOrder& order = clusters.order();
+  return {{surface, ghosts, order, DeviceRules(surface, ghosts, config.drop_same_body),
+           config.node_tolerance, config.face_tolerance, config.drop_same_body},
+          clusters.nodeBounds(),
+          clusters.clusterBounds(),
+          clusters.faceTree(),
+          ghost_tree,
+          _capacity,
+          pairs.block_begin,
+          pairs.row_begin,
+          pairs.faces,
+          pairs.changed,
+          {_num_kept_hits, _kept_hits},
+          order.num_clusters,
+          false};
+}
+
+void ClusterPairs::begin(const exec_space& space, const SweptBoxes& surface,
+                         const SurfaceClusters& clusters, const SearchConfig& config,
+                         const GroupsNearPartners& near_partners, CandidatePairs& pairs) {
+  if constexpr (by_groups) {
+    startSearch(space, clusters, pairs);
+    if (!_beside)
+      _beside = queueBeside(space);
+    _has_boxes.set(space);
+    _has_boxes.waitIn(*_beside);
+    launchGroups(*_beside, kernel(surface, GhostFaces::none(), BoxTree(), clusters, config, pairs),
+                 {GroupsToSearch::far, near_partners}, _counts, _queue);
+    _has_begun.set(*_beside);
+    _groups = {GroupsToSearch::near, near_partners};
+  }
+}
+
 std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
                                 const GhostFaces& ghosts, const SurfaceClusters& clusters,
                                 const SearchConfig& config, const std::function<void()>& meanwhile,
                                 CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
   checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
-  if (_ordering != clusters.numOrderings())
-    startAnew(space, clusters, pairs);
+  if (_groups.kind == GroupsToSearch::all)
+    startSearch(space, clusters, pairs);
   refitGhosts(space, ghosts, order.origin, config.face_tolerance, _ghost_forest);
-  const auto rows = [&](bool repeat) {
-    return FindRows{{surface, ghosts, order, DeviceRules(surface, ghosts, config.drop_same_body),
-                     config.node_tolerance, config.face_tolerance, config.drop_same_body},
-                    clusters.nodeBounds(),
-                    clusters.clusterBounds(),
-                    clusters.faceTree(),
-                    _ghost_forest.tree(0),
-                    _capacity,
-                    pairs.block_begin,
-                    pairs.row_begin,
-                    pairs.faces,
-                    pairs.changed,
-                    {_num_kept_hits, _kept_hits},
-                    order.num_clusters,
-                    repeat};
-  };
-  ++pairs.version;
+  FindRows rows = kernel(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
   const PairCounts counts =
-      searchAll<cluster_size == 1>(space, rows(false), meanwhile, _counts, _queue);
+      searchAll(space, rows, std::exchange(_groups, {}), _has_begun, meanwhile, _counts, _queue);
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     growCapacity(space, order.num_clusters, pairs);
-    searchByClusters(space, rows(true));
+    rows = kernel(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
+    rows.repeat = true;
+    searchByClusters(space, rows);
   }
   pairs.count = counts.pairs;
   pairs.num_rows = surface.num_nodes;

@@ -3,11 +3,15 @@
 #pragma once
 
 #include "contact/base/sum_over.hpp"
+#include "contact/search/cluster/groups_to_search.hpp"
 #include "contact/search/cluster/surface_clusters.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace brickwall::contact {
+
+struct FindRows;
 
 // The result of a search on this rank.
 struct PairCounts {
@@ -45,12 +49,28 @@ public:
                     const SurfaceClusters& clusters, const SearchConfig& config,
                     const std::function<void()>& meanwhile, CandidatePairs& pairs);
 
+  // Where 32 clusters search together, launches find() for the groups of nodes that are near no
+  // partner, beside what is launched in `space` next. The next find() searches the others only,
+  // unless forgetBegun() is called before.
+  void begin(const exec_space& space, const SweptBoxes& surface, const SurfaceClusters& clusters,
+             const SearchConfig& config, const GroupsNearPartners& near_partners,
+             CandidatePairs& pairs);
+  void forgetBegun() { _groups = {}; }
+
 private:
+  // Lays out the rows of a search.
+  void startSearch(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
+  FindRows kernel(const SweptBoxes& surface, const GhostFaces& ghosts, const BoxTree& ghost_tree,
+                  const SurfaceClusters& clusters, const SearchConfig& config,
+                  const CandidatePairs& pairs) const;
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
   void growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
   LaunchedSums<PairCounts> _counts;
   GroupQueue _queue;
+  GroupsToSearch _groups; // of the next find()
+  std::optional<exec_space> _beside; // of the groups that begin() takes
+  QueueMark _has_boxes, _has_begun;
   BoxForest _ghost_forest;
   View<int*> _capacity{"contact::ClusterPairs::capacity", 0}; // [cluster] entries of pairs.faces
   View<std::int64_t*> _places{"contact::ClusterPairs::places", 0}; // [cluster + 1]

@@ -22,9 +22,16 @@ OwnRankBoxes ClusterSearch::readBoxes(const exec_space& space) {
   return _clusters.rankBoxes();
 }
 
-void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes&,
-                                              const RankBoxes& rank_boxes) {
-  contact::findPartnersAndCandidates(space, _clusters, rank_boxes, _candidates);
+// Pairs of own nodes and faces are found while candidates, boxes and ghosts are on their way.
+void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
+                                              const RankBoxes& rank_boxes,
+                                              const SearchConfig& config) {
+  _cluster_pairs.forgetBegun();
+  contact::findPartnersAndCandidates(space, _clusters, rank_boxes, _candidates, [&] {
+    if (pairs_follow)
+      _cluster_pairs.begin(space, surface, _clusters, config, nodesNearPartners(_candidates),
+                           _pairs);
+  });
 }
 
 void ClusterSearch::exchangeNodeBoxes(const exec_space& space, MPI_Comm comm,

@@ -14,6 +14,7 @@ struct FindRowsOfGroups {
   static constexpr int max_row = 24; // faces of a row
   static constexpr int blocks_at_once = vector_lanes / block_size;
   static constexpr int team_size = host_accessible ? 1 : 4, teams_at_once = 6;
+  static_assert(vector_lanes == GroupsNearPartners::nodes_of_group);
   using Policy =
       Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, teams_at_once>,
                          launch_by_argument>;
@@ -29,6 +30,7 @@ struct FindRowsOfGroups {
   View<unsigned char*> changed; // [node position] 0: the row is the same as in the last search
   int num_nodes;
   GroupQueue queue;
+  GroupsToSearch groups;
 
   // A face near a group.
   struct alignas(16) NearFace {
@@ -67,11 +69,17 @@ struct FindRowsOfGroups {
     PairCounts all;
     OfLanes<LaneCounts> counts;
     forLanes(team, [&](const int lane) { counts[lane] = LaneCounts(); });
-    // Every thread has a first group and then takes the next one that is left.
+    // Every thread has a first group and then takes the next one that is left. Few groups are near
+    // partners: the queue would take longer.
     const std::int64_t num_threads = std::int64_t(team.league_size()) * team.team_size();
     std::int64_t group = std::int64_t(team.league_rank()) * team.team_size() + team.team_rank();
     while (group < numGroups()) {
-      all.blocks += findRows(team, static_cast<int>(group), scratch, counts);
+      if (groups.has(static_cast<int>(group), numGroups()))
+        all.blocks += findRows(team, static_cast<int>(group), scratch, counts);
+      if (groups.kind == GroupsToSearch::near) {
+        group += num_threads;
+        continue;
+      }
       Kokkos::single(
           Kokkos::PerThread(team),
           [&](std::int64_t& next) {
@@ -335,21 +343,23 @@ struct FindRowsOfGroups {
   }
 };
 
-// Launches the search of all nodes with FindRowsOfGroups, whose queue must be `queue`.
+// Launches FindRowsOfGroups, whose queue must be `queue`. While nodes far from partners are searched,
+// each multiprocessor has room for the kernels that make the ghosts.
 template <class Find, class Space>
 void launchByGroups(const exec_space& space, const Find& find,
                     const PlusReducer<PairCounts, Space>& counts, GroupQueue& queue) {
   constexpr int team_size = Find::team_size;
+  const int teams_at_once = Find::teams_at_once - (find.groups.kind == GroupsToSearch::far);
   const int fitting = // threads of `vector_lanes` lanes, by registers
-      host_accessible ? concurrency(space)
-                      : concurrency(space) / 2048 * Find::teams_at_once * team_size;
+      host_accessible ? concurrency(space) : concurrency(space) / 2048 * teams_at_once * team_size;
   const int num_teams = (minOf(fitting, find.numGroups()) + team_size - 1) / team_size;
   using Scratch = typename Find::Scratch;
   typename Find::Policy policy(space, num_teams, team_size, vector_lanes);
   policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),
                           Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
   Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find, counts);
-  queue.taken_before += find.numGroups(); // every group makes its thread look for another one
+  if (find.groups.kind != GroupsToSearch::near)
+    queue.taken_before += find.numGroups(); // every group makes its thread look for another one
 }
 
 } // namespace brickwall::contact

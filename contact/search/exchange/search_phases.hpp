@@ -33,7 +33,8 @@ public:
   // that may be ghosted (L_gfs). Rank r is in Q_snd of q if and only if q is in Q_rcv of r, since
   // both compare the same rank boxes. Not collective.
   virtual void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
-                                         const RankBoxes& rank_boxes) = 0;
+                                         const RankBoxes& rank_boxes,
+                                         const SearchConfig& config) = 0;
   // Phase 4: the node boxes of the partners (L_gnr). Collective among partners.
   virtual void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                                  const SearchConfig& config) = 0;
@@ -58,6 +59,8 @@ public:
   virtual void forget() {}
   virtual std::int64_t numOrderings() const { return 0; } // of the surface, since the start
 
+  // findPairs() is called after phase 6; a device may begin with nodes that no ghost is near.
+  bool pairs_follow = false;
   // Launches work that does not need the pairs; findPairs() may call it before it waits for the
   // device.
   std::function<void()> meanwhile;

@@ -47,7 +47,7 @@ OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const SweptBox
 }
 
 void PaperSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
-                                            const RankBoxes& rank_boxes) {
+                                            const RankBoxes& rank_boxes, const SearchConfig&) {
   const Region region("contact::findPartnersAndCandidates");
   const Region timer("contact::search::searches_0_and_1");
   listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.near_nodes, _node_search,
