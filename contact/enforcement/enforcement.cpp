@@ -306,11 +306,14 @@ void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
     edges->addTouched(space, _touched);
   if (sizeOf(_comm) > 1 && (neutral == nullptr || !neutral->list_shared))
     _touched.listAll(space);
-  else if (sizeOf(_comm) > 1) {
-    growTo(space, _ghost_in_use, faces.ghosts.count);
-    flagGhostsInUse(space, faces, _set.next(), _ghost_in_use);
-    neutral->list_shared(_ghost_in_use, _touched);
-  }
+  else if (sizeOf(_comm) > 1)
+    neutral->list_shared(
+        [&] {
+          growTo(space, _ghost_in_use, faces.ghosts.count);
+          flagGhostsInUse(space, faces, _set.next(), _ghost_in_use);
+          return _ghost_in_use;
+        },
+        _touched);
   if (were_all && !_touched.list().isAll())
     zeroListed(space, "contact::zeroTotals", NodeList::allOf(_num_nodes), _totals);
 }

@@ -62,7 +62,9 @@ public:
   void sumSelected(const exec_space& space, const ViewType& values) {
     exchangeSelected<AddReceived>(space, values, values);
   }
-  // Those of other ranks; some repeat.
+  // The rows that go to other ranks; some repeat.
+  View<const int*> rows() const { return _sent.rows; }
+  // Those that are selected.
   View<const int*> selectedRows() const {
     return Kokkos::subview(_sent.selected,
                            std::make_pair(std::int64_t(0), _sent.selected_ends.back()));

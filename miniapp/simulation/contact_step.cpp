@@ -188,7 +188,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
     _coupling.sumContactForces(_space, contact_forces, _search);
   };
   contact::NeutralInput neutral;
-  neutral.list_shared = [&](const View<const unsigned char*>& ghosts, contact::TouchedNodes& list) {
+  neutral.list_shared = [&](const contact::GhostsInUse& ghosts, contact::TouchedNodes& list) {
     _coupling.shareListed(_space, _search, ghosts, list);
   };
   if (_config.contact.scheme == contact::Scheme::energy_neutral) {

@@ -282,10 +282,16 @@ void SurfaceCoupling::shareWithGhosts(const exec_space& space, contact::Candidat
 }
 
 void SurfaceCoupling::shareListed(const exec_space& space, contact::CandidateSearch& search,
-                                  const View<const unsigned char*>& ghost_flags,
+                                  const contact::GhostsInUse& ghosts_in_use,
                                   contact::TouchedNodes& list) {
-  _shares_listed = true;
-  search.selectGhosts(space, ghost_flags);
+  _shares_listed = fills_lanes || _secondary;
+  if (!_shares_listed) {
+    const contact::PartnerLists& sent = search.facesToSend();
+    list.addCorners(space, sent.rows, sent.size(), surface().face_to_nodes);
+    list.addNodes(space, shared().rows());
+    return;
+  }
+  search.selectGhosts(space, ghosts_in_use());
   const contact::GhostSelection& selection = search.selection();
   list.addCorners(space, selection.faces(), selection.numFaces(), surface().face_to_nodes);
   contact::flagListed(space, list.list(), _is_listed);

@@ -8,6 +8,9 @@
 
 namespace brickwall::contact {
 
+// Sets the flags [ghost] of the ghosts that contacts of this rank act on, and returns them.
+using GhostsInUse = std::function<View<const unsigned char*>()>;
+
 struct NeutralInput {
   // Accelerations by all other forces at x^{n+1}, including gravity, 0 where the motion is
   // prescribed [surface node][xyz]; only those of the listed nodes are read. Called once in steps
@@ -21,9 +24,9 @@ struct NeutralInput {
       share_with_ghosts;
   // Collective. Adds to the list, which has the nodes that contacts of this rank act on, those to
   // which sum_forces adds forces of other ranks, and those whose values share_with_ghosts sends.
-  // From then on both are called for these nodes and for the ghosts whose flags [ghost] are not 0
-  // only. Optional, for any scheme: without it several ranks visit all nodes.
-  std::function<void(const View<const unsigned char*>& flags, TouchedNodes&)> list_shared;
+  // From then on both may leave out other nodes, and ghosts whose flags are 0. Optional, for any
+  // scheme: without it several ranks visit all nodes.
+  std::function<void(const GhostsInUse&, TouchedNodes&)> list_shared;
   // Enforcement::enforce() does not wait for the last corrections: the caller will call
   // completeSums().
   bool completes_sums = false;
