@@ -83,8 +83,7 @@ const GhostFaces& GlobalSearch::findGhosts(const exec_space& space, const SweptB
                                            bool pairs_follow) {
   const Region region("contact::findGhosts");
   updateRankBoxes(space, surface, pairs_follow && sizeOf(_comm) == 1);
-  _phases->pairs_follow = pairs_follow;
-  _phases->findPartnersAndCandidates(space, surface, _rank_boxes, _config);
+  _phases->findPartnersAndCandidates(space, surface, _rank_boxes, _config, pairs_follow);
   _phases->exchangeNodeBoxes(space, _comm, surface, _config);
   _phases->searchLocalFacesAgainstRemoteNodes(space, surface, _config);
   migrateFaces(space, _comm, surface, _phases->facesToSend(), _phases->nodesToSend().ranks,

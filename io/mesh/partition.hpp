@@ -9,9 +9,9 @@
 
 namespace brickwall::io {
 
-// What becomes of points in the plane of a cut: they are divided between its sides, so that ranks get
-// equal shares, or stay together. Parts of a lattice of elements then are lattices too, and shares
-// are equal to within a plane of points.
+// Where points in the plane of a cut go: to both sides, so that these get equal shares, or together
+// to one side. Parts of a lattice of elements are then lattices, and each cut is within a plane of
+// points of equal shares. Coordinates in a plane have to be equal bit for bit.
 enum class CutPlanes { divided, whole };
 
 // Rank that each of this rank's points (element or face centroids) belongs to: [point]. `ids` are

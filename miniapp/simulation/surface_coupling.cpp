@@ -266,8 +266,7 @@ void SurfaceCoupling::sumContactForces(const exec_space& space,
     search.reverseSumSelected(space, corners, forces.ghost_corners, forces.nodes);
     shared().sumSelected(space, forces.nodes);
   } else {
-    if (search.ghosts().count > 0 || search.facesToSend().size() > 0)
-      search.reverseSum(space, corners, forces.ghost_corners, forces.nodes);
+    search.reverseSum(space, corners, forces.ghost_corners, forces.nodes);
     shared().sumShared(space, forces.nodes);
   }
 }

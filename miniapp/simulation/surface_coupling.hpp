@@ -87,11 +87,11 @@ public:
   void shareWithGhosts(const exec_space& space, contact::CandidateSearch& search,
                        const View<const double* [3]>& values,
                        const View<double* [12]>& ghost_values);
-  // From now on both are for the contacts of this step: the ghosts in use, and the shared nodes that
-  // any rank lists. On a device they are for all ghosts and shared nodes, whose values take less
-  // time than kernels and messages that choose; on another decomposition nodes are chosen there,
-  // too. Adds to the list, which has the nodes of this rank's contacts, those to which
-  // sumContactForces() adds forces of other ranks, and corners of ghosts. Collective.
+  // From now on sumContactForces() and shareWithGhosts() exchange what the contacts of this step
+  // need: the ghosts in use and the shared nodes that any rank lists. On a device they exchange all
+  // ghosts and shared nodes, which takes less time than selecting them, unless faces are on other
+  // ranks than their elements. Adds to the list, which has the nodes of this rank's contacts, those
+  // to which sumContactForces() adds forces of other ranks, and corners of ghosts. Collective.
   void shareListed(const exec_space& space, contact::CandidateSearch& search,
                    const contact::GhostsInUse& ghosts_in_use, contact::TouchedNodes& list);
   // Stores the totals of sumContactForces(), which are zero at nodes that are not listed, in the
@@ -144,7 +144,7 @@ private:
   std::vector<char> _is_shared; // [primary node] other ranks have it; empty before a distribution
   contact::SurfaceTransfer _shared_nodes; // of the surface
   View<unsigned char*> _is_listed; // [node of surface()]
-  bool _shares_listed = false; // shareListed() has chosen since the last distribution
+  bool _shares_listed = false; // shareListed() has selected since the last distribution
   std::unique_ptr<Secondary> _secondary; // null: the surface is the primary one
 };
 

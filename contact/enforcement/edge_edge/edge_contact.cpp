@@ -311,9 +311,9 @@ void EdgeContact::addTouched(const exec_space& space, TouchedNodes& of_surface) 
   of_surface.addCorners(space, sent.faces(), sent.numFaces(), _edge_to_nodes);
 }
 
+// Partners, with or without ghosts, wait for each other's messages.
 bool EdgeContact::hasOtherRanks() const {
-  const auto statistics = _search.statistics();
-  return statistics.num_ghosts > 0 || statistics.faces_sent > 0;
+  return _search.statistics().num_partners > 0;
 }
 
 PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, const Vec3& mean,

@@ -30,8 +30,8 @@ struct ClusterCandidates {
 };
 
 // Not collective. r is in Q_snd(q) if and only if q is in Q_rcv(r), since both read the same rank
-// boxes. `have_tested`, if any, is called where there are partners: nodesNearPartners() is known to
-// kernels from then on, and the host waits for the lists next.
+// boxes. `have_tested`, if any, is called if there are partners, before the host waits for the lists:
+// kernels that it launches may read nodesNearPartners().
 void findPartnersAndCandidates(const exec_space& space, const SurfaceClusters& clusters,
                                const RankBoxes& rank_boxes, ClusterCandidates& candidates,
                                const std::function<void()>& have_tested = {});

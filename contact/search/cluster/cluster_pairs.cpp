@@ -100,7 +100,7 @@ PairCounts searchAll(const exec_space& space, Find find, const GroupsToSearch& g
     launchGroups(space, find, groups, sums, queue);
     if (meanwhile)
       meanwhile();
-    if (groups.kind != GroupsToSearch::all)
+    if (groups.kind != GroupKind::all)
       has_begun.waitIn(space);
     PairCounts counts = sums.read(space);
     if (counts.skipped > 0) {
@@ -173,16 +173,16 @@ void ClusterPairs::growCapacity(const exec_space& space, int num_clusters, Candi
   _used += more;
 }
 
-void ClusterPairs::startSearch(const exec_space& space, const SurfaceClusters& clusters,
-                               CandidatePairs& pairs) {
+void ClusterPairs::startRows(const exec_space& space, const SurfaceClusters& clusters,
+                             CandidatePairs& pairs) {
   if (_ordering != clusters.numOrderings())
     startAnew(space, clusters, pairs);
   ++pairs.version;
 }
 
-FindRows ClusterPairs::kernel(const SweptBoxes& surface, const GhostFaces& ghosts,
-                              const BoxTree& ghost_tree, const SurfaceClusters& clusters,
-                              const SearchConfig& config, const CandidatePairs& pairs) const {
+FindRows ClusterPairs::findRows(const SweptBoxes& surface, const GhostFaces& ghosts,
+                                const BoxTree& ghost_tree, const SurfaceClusters& clusters,
+                                const SearchConfig& config, const CandidatePairs& pairs) const {
   const ClusterOrder& order = clusters.order();
   return {{surface, ghosts, order, DeviceRules(surface, ghosts, config.drop_same_body),
            config.node_tolerance, config.face_tolerance, config.drop_same_body},
@@ -204,16 +204,24 @@ void ClusterPairs::begin(const exec_space& space, const SweptBoxes& surface,
                          const SurfaceClusters& clusters, const SearchConfig& config,
                          const GroupsNearPartners& near_partners, CandidatePairs& pairs) {
   if constexpr (by_groups) {
-    startSearch(space, clusters, pairs);
+    startRows(space, clusters, pairs);
     if (!_beside)
       _beside = queueBeside(space);
     _has_boxes.set(space);
     _has_boxes.waitIn(*_beside);
-    launchGroups(*_beside, kernel(surface, GhostFaces::none(), BoxTree(), clusters, config, pairs),
-                 {GroupsToSearch::far, near_partners}, _counts, _queue);
+    launchGroups(*_beside,
+                 findRows(surface, GhostFaces::none(), BoxTree(), clusters, config, pairs),
+                 {GroupKind::far, near_partners}, _counts, _queue);
     _has_begun.set(*_beside);
-    _groups = {GroupsToSearch::near, near_partners};
+    _groups = {GroupKind::near, near_partners};
   }
+}
+
+void ClusterPairs::forgetBegun() {
+  if (_groups.kind == GroupKind::all)
+    return;
+  _counts.read(*_beside);
+  _groups = {};
 }
 
 std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surface,
@@ -222,16 +230,16 @@ std::int64_t ClusterPairs::find(const exec_space& space, const SweptBoxes& surfa
                                 CandidatePairs& pairs) {
   const ClusterOrder& order = clusters.order();
   checkedInt(std::int64_t(surface.num_faces) + ghosts.count, "own and ghost faces");
-  if (_groups.kind == GroupsToSearch::all)
-    startSearch(space, clusters, pairs);
+  if (_groups.kind == GroupKind::all)
+    startRows(space, clusters, pairs);
   refitGhosts(space, ghosts, order.origin, config.face_tolerance, _ghost_forest);
-  FindRows rows = kernel(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
+  FindRows rows = findRows(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
   const PairCounts counts =
       searchAll(space, rows, std::exchange(_groups, {}), _has_begun, meanwhile, _counts, _queue);
   if (counts.overflowed > 0) {
     checkedInt(counts.largest + counts.largest / 8 + 2, "candidate pairs of a cluster of nodes");
     growCapacity(space, order.num_clusters, pairs);
-    rows = kernel(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
+    rows = findRows(surface, ghosts, _ghost_forest.tree(0), clusters, config, pairs);
     rows.repeat = true;
     searchByClusters(space, rows);
   }

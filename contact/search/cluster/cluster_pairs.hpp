@@ -49,26 +49,26 @@ public:
                     const SurfaceClusters& clusters, const SearchConfig& config,
                     const std::function<void()>& meanwhile, CandidatePairs& pairs);
 
-  // Where 32 clusters search together, launches find() for the groups of nodes that are near no
-  // partner, beside what is launched in `space` next. The next find() searches the others only,
-  // unless forgetBegun() is called before.
+  // Where 32 clusters search together, launches the search of the groups that are near no partner,
+  // beside what is launched in `space` next. The next find() searches the others only, unless
+  // forgetBegun() is called before.
   void begin(const exec_space& space, const SweptBoxes& surface, const SurfaceClusters& clusters,
              const SearchConfig& config, const GroupsNearPartners& near_partners,
              CandidatePairs& pairs);
-  void forgetBegun() { _groups = {}; }
+  void forgetBegun();
 
 private:
-  // Lays out the rows of a search.
-  void startSearch(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
-  FindRows kernel(const SweptBoxes& surface, const GhostFaces& ghosts, const BoxTree& ghost_tree,
-                  const SurfaceClusters& clusters, const SearchConfig& config,
-                  const CandidatePairs& pairs) const;
+  // Lays out the rows of a search, which get another version.
+  void startRows(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
+  FindRows findRows(const SweptBoxes& surface, const GhostFaces& ghosts, const BoxTree& ghost_tree,
+                    const SurfaceClusters& clusters, const SearchConfig& config,
+                    const CandidatePairs& pairs) const;
   void startAnew(const exec_space& space, const SurfaceClusters& clusters, CandidatePairs& pairs);
   void growCapacity(const exec_space& space, int num_clusters, CandidatePairs& pairs);
 
   LaunchedSums<PairCounts> _counts;
   GroupQueue _queue;
-  GroupsToSearch _groups; // of the next find()
+  GroupsToSearch _groups; // of the next find(): not all from begin() on
   std::optional<exec_space> _beside; // of the groups that begin() takes
   QueueMark _has_boxes, _has_begun;
   BoxForest _ghost_forest;

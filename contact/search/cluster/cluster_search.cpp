@@ -1,5 +1,6 @@
 #include "contact/search/cluster/cluster_search.hpp"
 
+#include "contact/base/region.hpp"
 #include "contact/search/exchange/node_box_exchange.hpp"
 
 namespace brickwall::contact {
@@ -25,12 +26,14 @@ OwnRankBoxes ClusterSearch::readBoxes(const exec_space& space) {
 // Pairs of own nodes and faces are found while candidates, boxes and ghosts are on their way.
 void ClusterSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
                                               const RankBoxes& rank_boxes,
-                                              const SearchConfig& config) {
+                                              const SearchConfig& config, bool pairs_follow) {
   _cluster_pairs.forgetBegun();
   contact::findPartnersAndCandidates(space, _clusters, rank_boxes, _candidates, [&] {
-    if (pairs_follow)
+    if (pairs_follow) {
+      const Region timer("contact::search::local_search");
       _cluster_pairs.begin(space, surface, _clusters, config, nodesNearPartners(_candidates),
                            _pairs);
+    }
   });
 }
 

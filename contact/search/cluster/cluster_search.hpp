@@ -19,7 +19,8 @@ public:
                    const SearchConfig& config) override;
   OwnRankBoxes readBoxes(const exec_space& space) override;
   void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
-                                 const RankBoxes& rank_boxes, const SearchConfig& config) override;
+                                 const RankBoxes& rank_boxes, const SearchConfig& config,
+                                 bool pairs_follow) override;
   void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                          const SearchConfig& config) override;
   void searchLocalFacesAgainstRemoteNodes(const exec_space& space, const SweptBoxes& surface,

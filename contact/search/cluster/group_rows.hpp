@@ -76,7 +76,7 @@ struct FindRowsOfGroups {
     while (group < numGroups()) {
       if (groups.has(static_cast<int>(group), numGroups()))
         all.blocks += findRows(team, static_cast<int>(group), scratch, counts);
-      if (groups.kind == GroupsToSearch::near) {
+      if (groups.kind == GroupKind::near) {
         group += num_threads;
         continue;
       }
@@ -343,13 +343,13 @@ struct FindRowsOfGroups {
   }
 };
 
-// Launches FindRowsOfGroups, whose queue must be `queue`. While nodes far from partners are searched,
-// each multiprocessor has room for the kernels that make the ghosts.
+// Launches FindRowsOfGroups, whose queue must be `queue`. With groups far from partners each
+// multiprocessor gets a team less, so that the kernels that make the ghosts fit beside them.
 template <class Find, class Space>
 void launchByGroups(const exec_space& space, const Find& find,
                     const PlusReducer<PairCounts, Space>& counts, GroupQueue& queue) {
   constexpr int team_size = Find::team_size;
-  const int teams_at_once = Find::teams_at_once - (find.groups.kind == GroupsToSearch::far);
+  const int teams_at_once = Find::teams_at_once - (find.groups.kind == GroupKind::far);
   const int fitting = // threads of `vector_lanes` lanes, by registers
       host_accessible ? concurrency(space) : concurrency(space) / 2048 * teams_at_once * team_size;
   const int num_teams = (minOf(fitting, find.numGroups()) + team_size - 1) / team_size;
@@ -358,7 +358,7 @@ void launchByGroups(const exec_space& space, const Find& find,
   policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),
                           Kokkos::PerThread(static_cast<int>(sizeof(Scratch))));
   Kokkos::parallel_reduce("contact::ClusterPairs::find", policy, find, counts);
-  if (find.groups.kind != GroupsToSearch::near)
+  if (find.groups.kind != GroupKind::near)
     queue.taken_before += find.numGroups(); // every group makes its thread look for another one
 }
 

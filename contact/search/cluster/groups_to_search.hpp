@@ -1,4 +1,4 @@
-// Groups of nodes that follow each other in the kept order, told apart by whether ghosts may be near.
+// Groups of nodes that follow each other in the kept order, by whether ghosts may be near them.
 #pragma once
 
 #include "contact/base/backend.hpp"
@@ -19,14 +19,16 @@ struct GroupsNearPartners {
   }
 };
 
+enum class GroupKind { all, far, near }; // from partners
+
 // The groups that a kernel searches.
 struct GroupsToSearch {
-  enum Kind { all, far, near };
-  Kind kind = all;
+  GroupKind kind = GroupKind::all;
   GroupsNearPartners near_partners;
 
   KOKKOS_INLINE_FUNCTION bool has(int group, int num_groups) const {
-    return kind == all || near_partners.has(group, num_groups) == (kind == near);
+    return kind == GroupKind::all ||
+           near_partners.has(group, num_groups) == (kind == GroupKind::near);
   }
 };
 

@@ -31,10 +31,11 @@ public:
   virtual OwnRankBoxes readBoxes(const exec_space&) { return {}; }
   // Phase 3: the partners Q_snd and Q_rcv, the nodes whose boxes are sent (L_gns) and the faces
   // that may be ghosted (L_gfs). Rank r is in Q_snd of q if and only if q is in Q_rcv of r, since
-  // both compare the same rank boxes. Not collective.
+  // both compare the same rank boxes. If findPairs() is called after phase 6 (`pairs_follow`), a
+  // device may begin it with nodes that are near no partner. Not collective.
   virtual void findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
-                                         const RankBoxes& rank_boxes,
-                                         const SearchConfig& config) = 0;
+                                         const RankBoxes& rank_boxes, const SearchConfig& config,
+                                         bool pairs_follow) = 0;
   // Phase 4: the node boxes of the partners (L_gnr). Collective among partners.
   virtual void exchangeNodeBoxes(const exec_space& space, MPI_Comm comm, const SweptBoxes& surface,
                                  const SearchConfig& config) = 0;
@@ -59,8 +60,6 @@ public:
   virtual void forget() {}
   virtual std::int64_t numOrderings() const { return 0; } // of the surface, since the start
 
-  // findPairs() is called after phase 6; a device may begin with nodes that no ghost is near.
-  bool pairs_follow = false;
   // Launches work that does not need the pairs; findPairs() may call it before it waits for the
   // device.
   std::function<void()> meanwhile;

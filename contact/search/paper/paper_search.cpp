@@ -47,7 +47,8 @@ OwnRankBoxes PaperSearch::constructBoxes(const exec_space& space, const SweptBox
 }
 
 void PaperSearch::findPartnersAndCandidates(const exec_space& space, const SweptBoxes& surface,
-                                            const RankBoxes& rank_boxes, const SearchConfig&) {
+                                            const RankBoxes& rank_boxes, const SearchConfig&,
+                                            bool) {
   const Region region("contact::findPartnersAndCandidates");
   const Region timer("contact::search::searches_0_and_1");
   listCandidates(space, _boxes.node_boxes, surface.num_nodes, rank_boxes.near_nodes, _node_search,

@@ -122,7 +122,7 @@ TEST(GhostSearchTest, SendersAndReceiversAgreeOnPartners) {
       RankBoxes rank_boxes;
       exchangeRankBoxes(comm, local.surface, phases->constructBoxes(space, local.surface, config),
                         phases->keepsRankBoxes(), rank_boxes);
-      phases->findPartnersAndCandidates(space, local.surface, rank_boxes, config);
+      phases->findPartnersAndCandidates(space, local.surface, rank_boxes, config, false);
       expectPartnersAgree(phases->nodesToSend(), phases->facesToTest(), c);
     }
   }

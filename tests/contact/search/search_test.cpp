@@ -200,8 +200,9 @@ bool checkStep(const SurfaceCase& c, GlobalSearch& global, LocalSearch& local_se
   const int rank = rankOf(comm);
   const LocalSurface local = localSurface(c, rank);
   const Expected expected = expectedOnRank(c, local, rank);
-  const GhostFaces& ghosts = global.findGhosts(space, local.surface);
+  const GhostFaces& ghosts = global.launchGhosts(space, local.surface);
   const CandidatePairs& pairs = local_search.findCandidatePairs(space, local.surface);
+  global.finishGhosts(space, local.surface);
   space.fence();
   if (counts) {
     counts->ghosts += ghosts.count;

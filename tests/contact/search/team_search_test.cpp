@@ -199,7 +199,7 @@ TEST(TeamSearch, RowsOfGroupsAreThoseOfClusters) {
       if (step == 2) {
         Kokkos::deep_copy(begin, 0);
         const auto near = nearPartners(find.numGroups(), seed);
-        launches = {{GroupsToSearch::far, near}, {GroupsToSearch::near, near}};
+        launches = {{GroupKind::far, near}, {GroupKind::near, near}};
       }
       for (const GroupsToSearch& groups : launches) {
         PairCounts of_launch;

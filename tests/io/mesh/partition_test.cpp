@@ -16,7 +16,8 @@ namespace brickwall::io::testing {
 namespace {
 
 // `n` points on a line, or all in one place, given as slices; returns how many each rank got.
-std::vector<std::int64_t> sharesOf(std::int64_t n, bool coincident, std::int64_t first_id) {
+std::vector<std::int64_t> sharesOf(std::int64_t n, bool coincident, std::int64_t first_id,
+                                   CutPlanes cut_planes = CutPlanes::divided) {
   const IdSlices slices{n, sizeOf(MPI_COMM_WORLD)};
   const int rank = rankOf(MPI_COMM_WORLD);
   std::vector<global_id> ids;
@@ -26,7 +27,7 @@ std::vector<std::int64_t> sharesOf(std::int64_t n, bool coincident, std::int64_t
     for (int d = 0; d < 3; ++d)
       points.push_back(coincident ? 1.0 : static_cast<double>(d == 0 ? i : 0));
   }
-  const std::vector<int> ranks = partitionPoints(MPI_COMM_WORLD, ids, points);
+  const std::vector<int> ranks = partitionPoints(MPI_COMM_WORLD, ids, points, {}, cut_planes);
   EXPECT_EQ(ranks.size(), ids.size());
   std::vector<std::int64_t> shares(sizeOf(MPI_COMM_WORLD), 0);
   for (const int q : ranks)
@@ -76,14 +77,16 @@ TEST(Partition, SharesWeightsEvenly) {
 }
 
 TEST(Partition, PlacesEveryPointAlsoWhereThereAreFewOrCoincidentOnesOrLargeIds) {
-  const auto placed = [](std::int64_t n, bool coincident, std::int64_t first_id) {
-    const auto shares = sharesOf(n, coincident, first_id);
-    return std::accumulate(shares.begin(), shares.end(), std::int64_t(0));
-  };
-  for (const std::int64_t n : {0, 1, 2, 3})
-    EXPECT_EQ(placed(n, false, 0), n);
-  EXPECT_EQ(placed(1000, true, 0), 1000);
-  EXPECT_EQ(placed(500, false, (std::int64_t(1) << 40) + 12345), 500);
+  for (const CutPlanes cut_planes : {CutPlanes::divided, CutPlanes::whole}) {
+    const auto placed = [&](std::int64_t n, bool coincident, std::int64_t first_id) {
+      const auto shares = sharesOf(n, coincident, first_id, cut_planes);
+      return std::accumulate(shares.begin(), shares.end(), std::int64_t(0));
+    };
+    for (const std::int64_t n : {0, 1, 2, 3})
+      EXPECT_EQ(placed(n, false, 0), n);
+    EXPECT_EQ(placed(1000, true, 0), 1000);
+    EXPECT_EQ(placed(500, false, (std::int64_t(1) << 40) + 12345), 500);
+  }
 }
 
 // Equal shares would divide planes of elements on three ranks and more.
