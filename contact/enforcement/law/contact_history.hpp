@@ -7,6 +7,8 @@
 #include "contact/base/vec3.hpp"
 #include "contact/surface/contact_point.hpp"
 
+#include <cfloat>
+
 namespace brickwall::contact {
 
 // One node (or edge) against one body. P is the penetration, n the outward normal of the face.
@@ -39,9 +41,10 @@ struct Interaction {
   double first_damping = 0; // F_d before the corrections
   double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j, 1/mass
 
-  // Whether the contact returns all that it stores, whatever its motion: then e is -infinity, so
-  // that neutralForce() finds that no force keeps it from ending.
-  KOKKOS_INLINE_FUNCTION bool releases() const { return offset == -HUGE_VAL; }
+  // Whether the contact returns all that it stores, whatever its motion: then e is the least finite
+  // number, so that neutralForce() finds that no force keeps it from ending.
+  static constexpr double releasing_offset = -DBL_MAX;
+  KOKKOS_INLINE_FUNCTION bool releases() const { return offset == releasing_offset; }
 };
 static_assert(sizeof(Interaction) == 3 * 64, "as many cache lines as needed, and no more");
 

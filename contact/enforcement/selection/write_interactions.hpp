@@ -102,7 +102,7 @@ struct WriteInteractions {
     }
     state.write(0, now);
     if (releases)
-      now.offset = -HUGE_VAL; // see Interaction::releases()
+      now.offset = Interaction::releasing_offset;
     step.next.interactions.commit(index, now);
     if (now.fade_weight < 1)
       step.next.fading.store(index, fading);
