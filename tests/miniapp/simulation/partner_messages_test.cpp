@@ -1,8 +1,6 @@
 // Exchanges of contact values among ranks of which some have no ghosts.
 #include "tests/miniapp/simulation/case.hpp"
 
-#include "contact/base/messages/message_path.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
