@@ -11,6 +11,10 @@
 #include <string>
 #include <type_traits>
 
+#if defined(KOKKOS_ENABLE_CUDA)
+#include <cuda_pipeline_primitives.h>
+#endif
+
 namespace brickwall {
 
 using global_id = std::int64_t;
@@ -170,6 +174,24 @@ KOKKOS_FORCEINLINE_FUNCTION void storeShared(T& to, T value) {
 KOKKOS_FORCEINLINE_FUNCTION void startLoads() {
 #if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
   asm volatile("" ::: "memory");
+#endif
+}
+
+// Copies a number of 4 or 8 bytes to the scratch memory of a team. It may arrive as late as at
+// finishCopies(), after which other threads can read it behind a barrier.
+template <class T>
+KOKKOS_FORCEINLINE_FUNCTION void startCopy(T& to, const T& from) {
+#if defined(__CUDA_ARCH__)
+  __pipeline_memcpy_async(&to, &from, sizeof(T));
+#else
+  to = from;
+#endif
+}
+// Waits for the copies that this thread has started.
+KOKKOS_FORCEINLINE_FUNCTION void finishCopies() {
+#if defined(__CUDA_ARCH__)
+  __pipeline_commit();
+  __pipeline_wait_prior(0);
 #endif
 }
 

@@ -78,17 +78,17 @@ public:
     connect(partners);
     split(partners, send_offsets, _sent, _peers_sent);
     split(partners, receive_offsets, _received, _peers_received);
+    for (auto* ranges : {&_sent, &_received, &_peers_sent, &_peers_received})
+      leaveOutEmpty(*ranges); // both sides know the sizes
     if (!_sent.empty() || !_received.empty()) {
       stage(space, send_offsets.back(), receive_offsets.back());
       // Also before the receives: the device may still be reading the data of the last exchange.
       space.fence();
       for (const MessageRange& range : _received)
-        if (range.end > range.begin)
-          _messages.receive(receiveData() + range.begin, range.end - range.begin, range.rank, tag,
-                            comm);
+        _messages.receive(receiveData() + range.begin, range.end - range.begin, range.rank, tag,
+                          comm);
       for (const MessageRange& range : _sent)
-        if (range.end > range.begin)
-          sendOne(range);
+        sendOne(range);
     }
     if (_path == MessagePath::peer)
       _peers->send(space, comm, tag, send, _peers_sent);
@@ -178,6 +178,11 @@ private:
     for (std::size_t p = 0; p < ranks.size(); ++p)
       if (ranks[p] != own)
         (isPeer(ranks[p]) ? to_peers : by_mpi).push_back({ranks[p], offsets[p], offsets[p + 1]});
+  }
+  static void leaveOutEmpty(std::vector<MessageRange>& ranges) {
+    ranges.erase(std::remove_if(ranges.begin(), ranges.end(),
+                                [](const MessageRange& range) { return range.end == range.begin; }),
+                 ranges.end());
   }
   void sendOne(const MessageRange& range) {
     _messages.send(sendData() + range.begin, range.end - range.begin, range.rank, _tag, _comm);

@@ -1,7 +1,8 @@
-// Kernel of tile_force.hpp. A team holds the displacements of two planes of nodes in its scratch
-// memory. Each element adds its forces to entries of its own, one for each of its corners, and the
-// four entries of a node are summed when the plane is complete. The elements above a plane come one
-// layer later than those below it. Integer sums do not depend on the order.
+// Kernel of tile_force.hpp. A team holds the displacements of three planes of nodes in its scratch
+// memory: the two of a layer of elements, and the next one, which arrives meanwhile. Each element
+// adds its forces to entries of its own, one for each of its corners, and the four entries of a
+// node are summed when the plane is complete. The elements above a plane come one layer later than
+// those below it. Integer sums do not depend on the order.
 #include "mechanics/force/lattice/tile_force.hpp"
 
 #include "contact/base/lane_sums.hpp"
@@ -24,10 +25,10 @@ struct TileElement {
 // constant.
 template <class Shape>
 struct TileScratch {
-  static constexpr int nodes = LatticeTile::max_plane_nodes;
+  static constexpr int nodes = LatticeTile::max_plane_nodes, planes = 3;
 
   TileElement<Shape> element;
-  double displacement[2][3][nodes]; // [plane % 2][xyz][node]
+  double displacement[planes][3][nodes]; // [plane % planes][xyz][node]
   // forces of the elements at each of their corners on a plane [plane % 2][corner][xyz][node]
   std::int64_t force[2][face_corners][3][nodes];
   int lattice_node[nodes]; // number in the lattice's plane, or minus that less 1 on a seam
@@ -50,7 +51,7 @@ struct TileForceArguments {
 
 template <MaterialModel model, class Shape>
 struct TileForces {
-  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<LatticeTile::max_columns, 4>,
+  using policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<LatticeTile::max_columns, 3>,
                                     launch_by_argument>;
   using member_type = typename policy::member_type;
 
@@ -83,17 +84,19 @@ struct TileForces {
         *static_cast<TileScratch<Shape>*>(team.team_shmem().get_shmem(sizeof(TileScratch<Shape>)));
     prepare(team, place, scratch);
     team.team_barrier();
-    load(team, place, 0, scratch);
-    load(team, place, 1, scratch);
+    startLoad(team, place, 0, scratch);
+    startLoad(team, place, 1, scratch);
+    finishCopies();
     team.team_barrier();
     SplitSums<num_stored_energies> energy;
     for (int layer = 0; layer < tile.count[2]; ++layer) {
+      if (layer + 2 <= tile.count[2])
+        startLoad(team, place, layer + 2, scratch);
       for (int c = team.team_rank(); c < tile.count[0] * tile.count[1]; c += team.team_size())
         addElement(place, layer, scratch.first_corner[c], scratch, energy, sums);
       team.team_barrier();
       store(team, place, layer, scratch);
-      if (layer + 2 <= tile.count[2])
-        load(team, place, layer + 2, scratch);
+      finishCopies();
       team.team_barrier();
       if constexpr (host_accessible) // where a thread has many columns
         fold(energy, sums);
@@ -127,13 +130,14 @@ struct TileForces {
     }
   }
 
-  KOKKOS_INLINE_FUNCTION void load(const member_type& team, const Place& place, int plane,
-                                   TileScratch<Shape>& scratch) const {
+  KOKKOS_INLINE_FUNCTION void startLoad(const member_type& team, const Place& place, int plane,
+                                        TileScratch<Shape>& scratch) const {
+    auto& to = scratch.displacement[plane % scratch.planes];
     for (int n = team.team_rank(); n < place.nodes; n += team.team_size()) {
       const int number = scratch.lattice_node[n];
       const std::int64_t node = place.firstNode(plane) + (number < 0 ? -1 - number : number);
       for (int i = 0; i < 3; ++i)
-        scratch.displacement[plane % 2][i][n] = a.displacement(node, i);
+        startCopy(to[i][n], a.displacement(node, i));
     }
   }
 
@@ -170,13 +174,15 @@ struct TileForces {
                                               SplitSums<num_stored_energies>& energy,
                                               ForceSums& sums) const {
     const int low = layer % 2, high = 1 - low;
+    const auto& u_low = scratch.displacement[layer % scratch.planes];
+    const auto& u_high = scratch.displacement[(layer + 1) % scratch.planes];
     const int corner_node[face_corners] = {n, n + 1, n + place.row + 1, n + place.row};
     double u[3][num_modes];
     for (int i = 0; i < 3; ++i) {
       double corner[8];
       for (int c = 0; c < face_corners; ++c) {
-        corner[c] = scratch.displacement[low][i][corner_node[c]];
-        corner[face_corners + c] = scratch.displacement[high][i][corner_node[c]];
+        corner[c] = u_low[i][corner_node[c]];
+        corner[face_corners + c] = u_high[i][corner_node[c]];
       }
       cornersToModes(corner, u[i]);
     }
