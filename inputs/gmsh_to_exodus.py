@@ -37,7 +37,7 @@ def read_msh(path):
                 dimension, tag, name = next(lines).split(maxsplit=2)
                 names[int(dimension), int(tag)] = name.strip("\"")
         elif line == "$Nodes":
-            table = np.array([next(lines).split() for _ in range(int(next(lines)))], dtype=float)
+            table = np.array([next(lines).split() for _ in range(int(next(lines)))], dtype=float).reshape(-1, 4)
             points = table[:, 1:4]
             index = {int(tag): node for node, tag in enumerate(table[:, 0])}
         elif line == "$Elements":
@@ -47,6 +47,9 @@ def read_msh(path):
                     dimension, count = sizes[entry[1]]
                     if len(entry) != 3 + entry[2] + count:
                         raise MeshError(f"found {len(entry)} numbers for element {entry[0]}, expected {3 + entry[2] + count}")
+                    unknown = [tag for tag in entry[-count:] if tag not in index]
+                    if unknown:
+                        raise MeshError(f"element {entry[0]} has node {unknown[0]}, expected one of $Nodes")
                     corners.setdefault((dimension, entry[3]), []).append([index[tag] for tag in entry[-count:]])
                 elif entry[1] not in (1, 15):  # lines and points
                     raise MeshError(f"found an element of gmsh's type {entry[1]}, expected hexahedra and quadrilaterals of first order")
@@ -68,7 +71,7 @@ def sides_of(faces, blocks):
 def write_names(file, variable, dimension, names):
     table = file.createVariable(variable, "S1", (dimension, "len_name"))
     for row, name in enumerate(names):
-        table[row] = netCDF4.stringtochar(np.array([name.encode()], dtype="S33"))[0]
+        table[row] = netCDF4.stringtochar(np.array([name.encode()], dtype=f"S{len(file.dimensions['len_name'])}"))[0]
 
 
 def write_exodus(path, points, corners, names):
@@ -79,7 +82,7 @@ def write_exodus(path, points, corners, names):
     with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as file:
         file.setncatts({"api_version": np.float32(8.03), "version": np.float32(8.03), "floating_point_word_size": np.int32(8),
                         "file_size": np.int32(1), "title": "gmsh mesh"})
-        sizes = {"len_name": 33, "time_step": None, "num_dim": 3, "num_nodes": len(points), "num_elem": sum(map(len, blocks)),
+        sizes = {"len_name": 1 + max([32, *(len(name.encode()) for name in names.values())]), "time_step": None, "num_dim": 3, "num_nodes": len(points), "num_elem": sum(map(len, blocks)),
                  "num_el_blk": len(blocks), "num_side_sets": len(surfaces), "num_node_sets": len(surfaces)}
         for name, size in sizes.items():
             if size != 0:
@@ -115,8 +118,11 @@ def main():
         sys.exit(__doc__)
     try:
         write_exodus(sys.argv[2], *read_msh(sys.argv[1]))
-    except (MeshError, OSError, ValueError, KeyError, StopIteration) as error:
-        print(f"gmsh_to_exodus: {sys.argv[1]}: {str(error) or 'the file ends too early'}", file=sys.stderr)
+    except (MeshError, OSError, ValueError) as error:
+        print(f"gmsh_to_exodus: {sys.argv[1]}: {error}", file=sys.stderr)
+        sys.exit(2)
+    except (IndexError, StopIteration):
+        print(f"gmsh_to_exodus: {sys.argv[1]}: the file ends too early, or a line is too short", file=sys.stderr)
         sys.exit(2)
 
 

@@ -10,6 +10,7 @@
 #include <dlfcn.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -86,12 +87,15 @@ void prepareLibraries() {
 ExodusFile ExodusFile::create(const std::string& path, int flags, int stored_real_bytes) {
   prepareLibraries();
   int computed_real_bytes = 8;
-  errno = 0;
   const int id = ex_create(path.c_str(), flags, &computed_real_bytes, &stored_real_bytes);
-  if (id < 0) // where the disk is full, errno is that of closing a closed file
-    throw OutputError(
-        path + ": cannot be created: " +
-        (errno != 0 && errno != EBADF ? std::string(std::strerror(errno)) : reason()));
+  if (id < 0) {
+    // errno of ex_create() may be that of a later call
+    std::FILE* const plain = std::fopen(path.c_str(), "ab");
+    const std::string why = plain == nullptr ? std::string(std::strerror(errno)) : reason();
+    if (plain != nullptr)
+      std::fclose(plain);
+    throw OutputError(path + ": cannot be created: " + why);
+  }
   return ExodusFile(path, id, true);
 }
 

@@ -2,6 +2,7 @@
 #include "io/exodus/exodus_slice.hpp"
 
 #include "contact/base/error.hpp"
+#include "io/exodus/id_maps.hpp"
 #include "io/mesh/id_slices.hpp"
 
 #include <exodusII.h>
@@ -46,29 +47,35 @@ bool isHex8(const ex_block& block) {
   return kind.rfind("HEX", 0) == 0 && block.num_nodes_per_entry == 8;
 }
 
-std::vector<Block> readBlocks(const ExodusFile& file, std::int64_t count) {
-  std::vector<Block> blocks;
+void readBlocks(const ExodusFile& file, const ex_init_params& sizes, MeshContents& contents) {
+  std::int64_t num_elems = 0; // of all kinds
   std::string others;
-  for (const std::int64_t id : idsOf(file, EX_ELEM_BLOCK, count, "the ids of blocks")) {
+  for (const std::int64_t id :
+       idsOf(file, EX_ELEM_BLOCK, sizes.num_elem_blk, "the ids of blocks")) {
     ex_block info{};
     info.id = id;
     info.type = EX_ELEM_BLOCK;
     file.check(ex_get_block_param(file.id(), &info), "block " + std::to_string(id));
-    if (info.num_entry == 0)
-      continue;
     const std::string name = nameOrNumber(file, EX_ELEM_BLOCK, id, "block");
-    if (isHex8(info))
-      blocks.push_back({id, name, info.num_entry});
+    num_elems += info.num_entry;
+    if (info.num_entry == 0)
+      contents.empty_blocks.push_back(name);
+    else if (isHex8(info))
+      contents.blocks.push_back({id, name, info.num_entry});
     else
-      others += (others.empty() ? "" : ", ") + name + " is " + info.topology + " with " +
+      others += (others.empty() ? "" : ", ") + name + " is of type '" + info.topology + "' with " +
                 std::to_string(info.num_nodes_per_entry) + " nodes";
   }
-  if (blocks.empty())
+  contents.num_elems = num_elems;
+  if (contents.blocks.empty())
     throw InputError(file.path() + ": has no hex8 block with elements" +
                      (others.empty() ? "" : ": block " + others));
   if (!others.empty())
     throw InputError(file.path() + ": every block must be hex8, but block " + others);
-  return blocks;
+  if (sizes.num_elem != num_elems)
+    throw InputError(file.path() + ": found " + std::to_string(sizes.num_elem) +
+                     " for num_elem, expected the " + std::to_string(num_elems) +
+                     " elements of the blocks");
 }
 
 std::vector<SetInfo> readSetInfos(const ExodusFile& file, ex_entity_type type, std::int64_t count,
@@ -92,6 +99,18 @@ std::int64_t indexFrom(const ExodusFile& file, std::int64_t number, std::int64_t
   return number - 1;
 }
 
+void refuseRepeatedCorner(const ExodusFile& file, const ElemCorners& elem) {
+  global_id nodes[8];
+  std::copy(elem.nodes, elem.nodes + 8, nodes);
+  std::sort(nodes, nodes + 8);
+  const global_id* const twice = std::adjacent_find(nodes, nodes + 8);
+  if (twice != nodes + 8)
+    throw InputError(file.path() + ": the element of id " +
+                     std::to_string(idOfElem(file.path(), elem.elem)) +
+                     " in elem_num_map has node " + std::to_string(*twice + 1) +
+                     " at several corners, expected hexahedra with eight distinct corners");
+}
+
 void readElems(const ExodusFile& file, const MeshContents& contents, global_id begin, global_id end,
                MeshSlice& slice) {
   global_id first = 0; // of the block
@@ -109,6 +128,7 @@ void readElems(const ExodusFile& file, const MeshContents& contents, global_id b
           corner_list.nodes[c] =
               indexFrom(file, corners[8 * static_cast<std::size_t>(elem - from) + c],
                         contents.num_nodes, "a node of element " + std::to_string(elem + 1));
+        refuseRepeatedCorner(file, corner_list);
         slice.elems.push_back(corner_list);
       }
     }
@@ -156,9 +176,7 @@ MeshContents readContents(const ExodusFile& file) {
   file.check(ex_get_init_ext(file.id(), &sizes), "the sizes of the mesh");
   MeshContents contents;
   contents.num_nodes = sizes.num_nodes;
-  contents.blocks = readBlocks(file, sizes.num_elem_blk);
-  for (const Block& block : contents.blocks)
-    contents.num_elems += block.num_global_elems;
+  readBlocks(file, sizes, contents);
   if (sizes.num_dim != 3)
     throw InputError(file.path() + ": has " + std::to_string(sizes.num_dim) +
                      " dimensions, must have 3");

@@ -23,6 +23,7 @@ struct MeshContents {
   global_id num_nodes = 0; // in the file; elements need not use them all
   global_id num_elems = 0;
   std::vector<Block> blocks; // without empty blocks
+  std::vector<std::string> empty_blocks; // their names
   std::vector<SetInfo> side_sets, node_sets;
 };
 
@@ -44,12 +45,12 @@ struct MeshSlice {
   std::vector<NodeEntry> nodes;
 };
 
-// Throws InputError naming the file: no hex8 block with elements, a block that is not hex8, not
-// three dimensions.
+// Throws InputError naming the file: no hex8 block with elements, a block that is not hex8, another
+// number of elements than the blocks have, not three dimensions.
 MeshContents readContents(const ExodusFile& file);
 
-// Throws InputError naming the file: node, element or side numbers out of range, coordinates that
-// are not finite.
+// Throws InputError naming the file: node, element or side numbers out of range, a node at several
+// corners of an element, coordinates that are not finite.
 MeshSlice readSlice(const ExodusFile& file, const MeshContents& contents, int rank, int size);
 
 } // namespace brickwall::io

@@ -160,9 +160,12 @@ void refuseRepeatedElems(MPI_Comm comm, const std::string& file_name, const Mesh
     if (uses[elem] > 1)
       repeated = std::min(repeated, part.elem_ids[elem]);
   repeated = allReduce(comm, repeated, MPI_MIN);
-  if (repeated < part.num_global_elems)
-    throw InputError(file_name + ": another element has the corners of element " +
-                     std::to_string(repeated + 1) + " too");
+  if (repeated == part.num_global_elems)
+    return;
+  std::int64_t id = 0;
+  rethrowOnAllRanks(comm, [&] { id = idOfElem(file_name, repeated); });
+  throw InputError(file_name + ": another element has the corners of the element of id " +
+                   std::to_string(id) + " in elem_num_map too");
 }
 
 // Side sets go through the home of the element, which knows to which rank the element went.
@@ -230,6 +233,7 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   part.num_global_nodes = home.numberUsed(sortedDistinct(nodesOf(slice.elems)));
   part.num_global_elems = contents.num_elems;
   part.blocks = contents.blocks;
+  part.empty_blocks = contents.empty_blocks;
 
   const std::vector<int> rank_of_elem = placeElems(comm, slice, home);
   const std::vector<ElemCorners> elems =

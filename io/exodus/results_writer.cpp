@@ -59,9 +59,16 @@ std::string now(const char* format) {
 }
 
 int createFlags(const MeshPart& part, FileFormat format) {
-  constexpr global_id largest = std::numeric_limits<int>::max();
+  std::int64_t largest = std::max(part.num_global_nodes, part.num_global_elems);
+  const auto take = [&](const auto& blocks_or_sets) {
+    for (const auto& entry : blocks_or_sets)
+      largest = std::max(largest, entry.id);
+  };
+  take(part.blocks);
+  take(part.side_sets);
+  take(part.node_sets);
   const int flags = EX_CLOBBER | EX_MAPS_INT64_API | EX_IDS_INT64_API; // local numbers are ints
-  if (std::max(part.num_global_nodes, part.num_global_elems) > largest)
+  if (largest > std::numeric_limits<int>::max())
     return flags | EX_NETCDF4 | EX_ALL_INT64_DB;
   return flags | (format == FileFormat::netcdf4 ? EX_NETCDF4 : EX_64BIT_OFFSET);
 }

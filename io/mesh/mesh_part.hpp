@@ -54,6 +54,7 @@ struct MeshPart {
   std::vector<global_id> elem_body; // brick number, or connected component: bodies share no node
 
   std::vector<Block> blocks;
+  std::vector<std::string> empty_blocks; // names of blocks of the file that are not in `blocks`
   std::vector<SideSet> side_sets;
   std::vector<NodeSet> node_sets;
   std::vector<SharedNodes> shared_nodes; // in the order of rank

@@ -9,6 +9,7 @@
 #include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace brickwall::mechanics {
 
@@ -100,6 +101,7 @@ BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& m
   BodyTypes result;
   // The first node of a cut body may be on several ranks; only its owner counts the type.
   const auto is_owned = toHost(mesh.node_is_owned);
+  std::set<global_id> counted; // a body may have several ranges of elements
   for (std::size_t b = 0; b < mesh.bodies.size(); ++b) {
     const ElementRange& body = mesh.bodies[b];
     result.representative.push_back(types[b].lowest);
@@ -112,7 +114,7 @@ BodyTypes findBodyTypes(const exec_space& space, MPI_Comm comm, const HexMesh& m
         const int node = host.elem_to_nodes(elem, c);
         owns_first = owns_first || (host.node_ids(node) == origins[b].node && is_owned(node));
       }
-    result.count += owns_first;
+    result.count += owns_first && counted.insert(body.body).second;
   }
   result.count = allReduce(comm, result.count, MPI_SUM);
   return result;

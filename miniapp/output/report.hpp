@@ -82,6 +82,7 @@ struct RunReport {
   std::vector<SkippedPart> skipped;
   Checksums checksums;
   mechanics::EnergyBalance balance;
+  bool has_load = false; // a pressure that begins before the end
   bool has_contact = false;
   ContactCounts contact;
   std::vector<RankValue> over_ranks; // counts of the last step and times, over the ranks

@@ -44,6 +44,9 @@ std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecor
 }
 
 void judgeNumbers(RunReport& report) {
+  if (report.has_load && report.steps > 0 && report.balance.peak_total == 0)
+    report.warnings.push_back(
+        "the loads have moved nothing: their forces on nodes are below the rounding of forces");
   if (report.balance.peak_total > 0 && !report.balance.is_above_noise)
     report.warnings.push_back(
         format("the energy of the run, at most %.3g, is within the rounding of forces and "
@@ -84,6 +87,8 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
   report.phases = recorder.phases();
   report.search_timers = recorder.searchTimers();
   report.has_contact = config.contact.enabled;
+  for (const PressureConfig& load : config.pressures)
+    report.has_load = report.has_load || (load.peak != 0 && load.pulse.start < report.end_time);
   report.contact = contactCounts(simulation);
   report.over_ranks = loadOfRank(simulation, recorder);
   reduceOverRanks(comm, report.over_ranks);

@@ -1,10 +1,12 @@
 #include "miniapp/scene/load_warnings.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 #include "mechanics/mesh/skin.hpp"
 #include "miniapp/scene/loads.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -166,6 +168,30 @@ std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config, const
            << config.prescribed[i].pulse.start << ", but time.end is " << config.time.end;
       warnings.push_back(text.str());
     }
+  return warnings;
+}
+
+std::vector<std::string> interiorSideWarnings(MPI_Comm comm, const Config& config,
+                                              const io::MeshPart& part,
+                                              const mechanics::Skin& skin) {
+  std::vector<std::string> warnings;
+  if (config.pressures.empty())
+    return warnings;
+  const auto ids = toHost(skin.face_ids); // ascending
+  for (const PressureConfig& load : config.pressures) {
+    const io::SideSet& set = sideSetOf(part, load.side_set);
+    std::int64_t counts[2] = {0, static_cast<std::int64_t>(set.elems.size())};
+    for (std::size_t k = 0; k < set.elems.size(); ++k) {
+      const global_id face =
+          part.elem_ids[static_cast<std::size_t>(set.elems[k])] * 6 + set.sides[k];
+      counts[0] += !std::binary_search(ids.data(), ids.data() + skin.num_faces, face);
+    }
+    allReduce(comm, counts, 2, MPI_SUM);
+    if (counts[0] > 0)
+      warnings.push_back("[[load.pressure]] acts inside a body: " + std::to_string(counts[0]) +
+                         " of the " + std::to_string(counts[1]) + " faces of side set \"" +
+                         load.side_set + "\" are not on the surface of a body");
+  }
   return warnings;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "io/mesh/mesh_part.hpp"
+#include "mechanics/mesh/skin.hpp"
 #include "miniapp/deck/config.hpp"
 
 #include <mpi.h>
@@ -21,5 +22,11 @@ double gaussianForceError(double a, double b, double radius);
 // Collective.
 std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
                                       double dt);
+
+// A warning for each [[load.pressure]] whose side set has faces that are not on the surface of a
+// body, the same on all ranks. Collective.
+std::vector<std::string> interiorSideWarnings(MPI_Comm comm, const Config& config,
+                                              const io::MeshPart& part,
+                                              const mechanics::Skin& skin);
 
 } // namespace brickwall::miniapp

@@ -11,8 +11,10 @@
 #include "miniapp/scene/conflicting_sets.hpp"
 #include "miniapp/scene/entity_names.hpp"
 #include "miniapp/scene/force_range.hpp"
+#include "miniapp/scene/load_warnings.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -164,6 +166,24 @@ void refuseSharedName(const Config& config, const std::vector<Set>& sets, const 
                      found.name + "' (ids " + ids + "); expected a name of one " + kind);
 }
 
+// A key of a table as a deck must write it.
+std::string tomlKey(const std::string& name) {
+  const bool is_bare = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return (c < 128 && std::isalnum(c) != 0) || c == '_' || c == '-';
+  });
+  if (is_bare)
+    return name;
+  std::string quoted = "\"";
+  for (const char c : name)
+    quoted += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
+  return quoted + "\"";
+}
+
+bool isEmptyBlock(const io::MeshPart& part, const std::string& name) {
+  return std::find(part.empty_blocks.begin(), part.empty_blocks.end(), name) !=
+         part.empty_blocks.end();
+}
+
 // Reports all names in the deck that the mesh lacks or has twice in one error.
 void checkNames(const Config& config, const io::MeshPart& part) {
   std::string faults;
@@ -178,12 +198,16 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     look(config.deck_path + ": [material]", [&] {
       if (!config.materialOf(block.name))
         throw InputError("element block '" + block.name + "' has no material; expected a table " +
-                         "[material." + block.name + "]");
+                         "[material." + tomlKey(block.name) + "]");
     });
+  const auto requireBlock = [&](const std::string& name) {
+    if (!isEmptyBlock(part, name))
+      findByName(part.blocks, name, "element block");
+  };
   if (config.mesh) // those of walls are known without a mesh
     for (const auto& material : config.materials)
-      look(material.place + ": [material." + material.block + "]",
-           [&] { findByName(part.blocks, material.block, "element block"); });
+      look(material.place + ": [material." + tomlKey(material.block) + "]",
+           [&] { requireBlock(material.block); });
   for (const auto& load : config.pressures)
     look(load.place + ": [[load.pressure]]", [&] {
       refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");
@@ -198,8 +222,7 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     look_for_nodes(moving.place + ": [[boundary.velocity]]", moving.node_set);
   const auto look_for_block = [&](const char* block, const InitialSelection& initial) {
     if (initial.block)
-      look(initial.place + ": [[" + block + "]]",
-           [&] { findByName(part.blocks, *initial.block, "element block"); });
+      look(initial.place + ": [[" + block + "]]", [&] { requireBlock(*initial.block); });
   };
   for (const auto& initial : config.initial_velocities)
     look_for_block("initial.velocity", initial);
@@ -209,15 +232,28 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     throw InputError(faults);
 }
 
-// Conditions on empty sets have no effect.
-std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io::MeshPart& part) {
+// Materials, initial states and conditions of empty blocks and sets have no effect.
+std::vector<std::string> emptyBlocksAndSets(MPI_Comm comm, const Config& config,
+                                            const io::MeshPart& part) {
   std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& where, const char* kind, const std::string& name) {
+    warnings.push_back(where + " has no effect: " + kind + " \"" + name +
+                       "\" has no element or node of the mesh");
+  };
   const auto warnIfEmpty = [&](const char* where, const char* kind, const std::string& name,
                                std::size_t members) {
     if (allReduce(comm, static_cast<std::int64_t>(members), MPI_SUM) == 0)
-      warnings.push_back(std::string("[[") + where + "]] has no effect: " + kind + " \"" + name +
-                         "\" is empty");
+      warn(std::string("[[") + where + "]]", kind, name);
   };
+  for (const auto& material : config.materials)
+    if (isEmptyBlock(part, material.block))
+      warn("[material." + tomlKey(material.block) + "]", "element block", material.block);
+  for (const auto& initial : config.initial_velocities)
+    if (initial.block && isEmptyBlock(part, *initial.block))
+      warn("[[initial.velocity]]", "element block", *initial.block);
+  for (const auto& initial : config.initial_deformations)
+    if (initial.block && isEmptyBlock(part, *initial.block))
+      warn("[[initial.deformation]]", "element block", *initial.block);
   for (const auto& load : config.pressures)
     warnIfEmpty("load.pressure", "side set", load.side_set,
                 sideSetOf(part, load.side_set).elems.size());
@@ -284,7 +320,7 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   checkNames(config, scene.part);
   refuseUnknownBodies(config, scene.part.num_global_bodies);
   refuseConflictingSets(comm, config, scene.part);
-  scene.warnings = emptySets(comm, config, scene.part);
+  scene.warnings = emptyBlocksAndSets(comm, config, scene.part);
   const auto materials = materialsOf(config, scene.part.blocks);
   scene.node_is_owned = hostArray<unsigned char>(scene.part.numNodes());
   std::transform(scene.part.node_owner.begin(), scene.part.node_owner.end(),
@@ -308,8 +344,9 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
   } catch (const InputError& error) { // on all ranks
     throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
-  for (const std::string& warning : coarsePositions(space, comm, scene))
-    scene.warnings.push_back(warning);
+  for (const auto& warnings : {coarsePositions(space, comm, scene),
+                               interiorSideWarnings(comm, config, scene.part, scene.skin)})
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   scene.num_faces = allReduce(comm, std::int64_t(scene.skin.num_faces), MPI_SUM);
   return scene;
 }

@@ -64,10 +64,18 @@ class GmshToExodus(unittest.TestCase):
         impulse = float(rows[-1].split(",")[rows[0].split(",").index("impulse_load_z")])
         self.assertAlmostEqual(impulse / -3.183e-4, 1, delta=2e-3)  # the follower load on an area that strains of 1e-3 change
 
+    def test_keeps_long_names(self):
+        name = "a volume whose name has more than 32 characters"
+        self.assertEqual(self.convert(msh(HEXAHEDRA, names=(f'3 7 "{name}"',))).returncode, 0)
+        with netCDF4.Dataset(self.folder / "part.exo") as file:
+            self.assertEqual(netCDF4.chartostring(file["eb_names"][:])[0], name)
+
     def test_refuses_meshes_that_brickwall_cannot_read(self):
         for text, words in ((msh(HEXAHEDRA, form="4.1 0 8"), "expected 2.2 ASCII"), (msh(["1 4 2 7 1 1 2 3 5"]), "gmsh's type 4"),
                             (msh([TOP]), "found no hexahedra"), (msh(HEXAHEDRA + ["3 3 2 9 3 1 2 3 7"]), "no side of a hexahedron"),
-                            (msh(HEXAHEDRA).partition("2 5 2")[0], "too early"), (msh(["1 5 2 7 1 1 2 3"]), "found 8 numbers"), ("", "found no hexahedra")):
+                            (msh(HEXAHEDRA).partition("2 5 2")[0], "too early"), (msh(["1 5 2 7 1 1 2 3"]), "found 8 numbers"), ("", "found no hexahedra"),
+                            (msh(HEXAHEDRA[:1] + [HEXAHEDRA[1].rpartition(" ")[0] + " 99"]), "node 99, expected one of $Nodes"),
+                            (msh(HEXAHEDRA).partition("1 5 2")[0] + "1\n", "too early")):
             result = self.convert(text)
             self.assertEqual(result.returncode, 2)
             self.assertIn(words, result.stderr)

@@ -374,8 +374,7 @@ struct EdgeEdgeKinematics {
     const double q_own = (g_s * c + g_t * b) / determinant;
     const double q_other = -(g_s * b + g_t * a) / determinant;
     fading.on_node = q_own * da + q_other * db;
-    fading.work_to_end =
-        energy * minOf(at_s.changeToZero() * at_t.value, at_t.changeToZero() * at_s.value);
+    fading.work_to_end = energy * changeToZero(at_s, at_t);
     fading.normal.on_end = -q_own * contact.depth; // r = -P n
     fading.normal.on_corner[0] = q_other * contact.depth;
     fading.normal.on_corner[1] = -fading.normal.on_corner[0];

@@ -134,8 +134,11 @@ struct ContactLaw {
     const auto follows =
         (weight * depth > Real(0.0)) & (magnitude(deficit) > noise * magnitude(stored));
     const Real by_energy = deficit / (Real(state.stiffness) * weight * depth);
-    const Real change = minOf(maxOf(by_energy, -max_share * depth), max_share * depth);
-    return where(follows, Real(state.offset) - change, Real(state.offset));
+    // A contact that fades does not get p > P by it: p would grow without bound as w vanishes.
+    const Real limit = max_share * depth, offset = state.offset;
+    const Real most = where(weight < Real(1.0), minOf(limit, maxOf(offset, Real(0.0))), limit);
+    const Real change = minOf(maxOf(by_energy, -limit), most);
+    return where(follows, offset - change, offset);
   }
 };
 

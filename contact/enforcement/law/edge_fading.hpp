@@ -91,10 +91,15 @@ struct FadeWeight {
   }
 
   // Change of w until the contact ends, extrapolated with the present slope.
-  KOKKOS_INLINE_FUNCTION double changeToZero() const {
-    return value < 1 ? std::fabs(slope) * remaining : HUGE_VAL;
-  }
+  KOKKOS_INLINE_FUNCTION double changeToZero() const { return std::fabs(slope) * remaining; }
 };
+
+// The same of the product of two, beyond the edge whose end is nearest in units of its fade length.
+// Beyond the other one it may be about to begin, with hardly any slope.
+KOKKOS_INLINE_FUNCTION double changeToZero(const FadeWeight& a, const FadeWeight& b) {
+  return maxOf(a.changeToZero() * b.value, b.changeToZero() * a.value);
+}
+
 KOKKOS_INLINE_FUNCTION FadeWeight fadeWeightAt(const FadeRegion& region, int direction,
                                                double parameter, double depth) {
   FadeWeight fade_weight;
@@ -139,8 +144,7 @@ KOKKOS_INLINE_FUNCTION LateralForce lateralForce(const Quad& face, double xi, do
       0.5 * p * (along_xi.depth_slope * along_eta.value + along_xi.value * along_eta.depth_slope);
   // G = (k p^2/2) dw/d(xi, eta); q = H^-1 G with the Hessian of |node - x(xi, eta)|^2/2
   const double energy = 0.5 * k * p * p;
-  force.work_to_end = energy * minOf(along_xi.changeToZero() * along_eta.value,
-                                     along_eta.changeToZero() * along_xi.value);
+  force.work_to_end = energy * changeToZero(along_xi, along_eta);
   const double g_xi = energy * along_xi.slope * along_eta.value;
   const double g_eta = energy * along_xi.value * along_eta.slope;
   if (g_xi == 0 && g_eta == 0)

@@ -64,7 +64,8 @@ struct WriteInteractions {
     ContactState<double> state;
     gather(0, contact, state);
     if (state.has_changed_face[0] != 0) {
-      const double weight = step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
+      const double weight =
+          contact.releases ? 1 : step.kinematics.fadeWeightOf(step.faces, contact.node, contact);
       state.depth_factor[0] = std::sqrt(state.last_fade_weight[0] / maxOf(weight, min_fade_weight));
     }
     const double softer = softnessOf(contact);

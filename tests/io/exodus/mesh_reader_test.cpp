@@ -242,9 +242,9 @@ TEST(MeshReader, RefusesMeshesWithoutHexes) {
   writeRaw(folder / "empty.exo", 8, {RawBlock{"HEX8", 8, {}}});
   expectInputError(folder / "empty.exo", "no hex8 block with elements");
   writeRaw(folder / "tet.exo", 8, {RawBlock{"TETRA", 4, {1, 2, 3, 5}}});
-  expectInputError(folder / "tet.exo", "block_10 is TETRA with 4 nodes");
+  expectInputError(folder / "tet.exo", "block_10 is of type 'TETRA' with 4 nodes");
   writeRaw(folder / "mixed.exo", 8, {cubes({0}), RawBlock{"SHELL4", 4, {1, 2, 3, 4}}});
-  expectInputError(folder / "mixed.exo", "block_20 is SHELL4");
+  expectInputError(folder / "mixed.exo", "block_20 is of type 'SHELL4'");
 }
 
 TEST(MeshReader, RefusesNumbersOutOfRange) {
@@ -262,7 +262,8 @@ TEST(MeshReader, RefusesNumbersOutOfRange) {
 TEST(MeshReader, RefusesAnElementThatAppearsTwice) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   writeRaw(folder / "twice.exo", 24, {cubes({0, 2, 4}), cubes({2})});
-  expectInputError(folder / "twice.exo", "another element has the corners of element 2 too");
+  expectInputError(folder / "twice.exo",
+                   "another element has the corners of the element of id 2 in elem_num_map too");
 }
 
 TEST(MeshReader, RefusesIdsThatAppearTwice) {
@@ -279,6 +280,41 @@ TEST(MeshReader, RefusesIdsThatAppearTwice) {
   }
   MPI_Barrier(MPI_COMM_WORLD);
   expectInputError(path, "the ids of blocks contain 10 twice");
+}
+
+TEST(MeshReader, ListsEmptyBlocksApart) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  writeRaw(folder / "empty.exo", 12, {cubes({0}), {"SHELL4", 4, {}}, cubes({1})});
+  const MeshPart part = readMesh(MPI_COMM_WORLD, folder / "empty.exo");
+  ASSERT_EQ(part.blocks.size(), 2u);
+  EXPECT_EQ(part.blocks[1].id, 30);
+  EXPECT_EQ(part.empty_blocks, std::vector<std::string>{"block_20"});
+}
+
+TEST(MeshReader, RefusesANodeAtTwoCornersOfAnElement) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  RawBlock block = cubes({0, 1});
+  block.nodes[15] = block.nodes[14];
+  writeRaw(folder / "wedge.exo", 12, {block});
+  expectInputError(folder / "wedge.exo",
+                   "the element of id 2 in elem_num_map has node 11 at several corners");
+}
+
+TEST(MeshReader, RefusesAnotherNumberOfElementsThanTheBlocksHave) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  const std::string path = folder / "count.exo";
+  if (rankOf(MPI_COMM_WORLD) == 0) {
+    int real_bytes = 8, stored_bytes = 8;
+    const int id =
+        ex_create(path.c_str(), EX_CLOBBER | EX_ALL_INT64_API, &real_bytes, &stored_bytes);
+    const std::vector<std::int64_t> corners = cube(0);
+    EXPECT_EQ(ex_put_init(id, "count", 3, 8, 99, 1, 0, 0), 0);
+    EXPECT_EQ(ex_put_block(id, EX_ELEM_BLOCK, 1, "HEX8", 1, 8, 0, 0, 0), 0);
+    EXPECT_EQ(ex_put_conn(id, EX_ELEM_BLOCK, 1, corners.data(), nullptr, nullptr), 0);
+    EXPECT_EQ(ex_close(id), 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  expectInputError(path, "found 99 for num_elem, expected the 1 elements of the blocks");
 }
 
 TEST(MeshReader, RefusesMapsThatRepeatAnId) {

@@ -368,6 +368,26 @@ TEST(ResultsWriter, WritesIdsBeyond32Bits) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
+TEST(ResultsWriter, WritesIdsOfBlocksAndSetsBeyond32Bits) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  const std::int64_t shift = std::int64_t(1) << 40;
+  for (const int kind : {0, 1, 2}) {
+    MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({2, 1, 2}, {2, 2, 2}));
+    std::int64_t& id = kind == 0   ? part.blocks[0].id
+                       : kind == 1 ? part.side_sets[1].id
+                                   : part.node_sets[1].id;
+    id += shift;
+    writeMesh(MPI_COMM_WORLD, folder / "large.exo", part, {});
+    const OpenFile file(
+        rankFileName(folder / "large.exo", sizeOf(MPI_COMM_WORLD), rankOf(MPI_COMM_WORLD)));
+    const ex_entity_type types[3] = {EX_ELEM_BLOCK, EX_SIDE_SET, EX_NODE_SET};
+    std::vector<std::int64_t> ids(part.blocks.size() + part.side_sets.size() +
+                                  part.node_sets.size());
+    EXPECT_EQ(ex_get_ids(file, types[kind], ids.data()), 0);
+    EXPECT_NE(std::find(ids.begin(), ids.end(), id), ids.end()) << kind;
+  }
+}
+
 TEST(ResultsWriter, DemandsOneValueForEachNodeAndElement) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   const MeshPart part = generateWall(MPI_COMM_WORLD, wallOf({1, 1, 1}, {2, 2, 2}));

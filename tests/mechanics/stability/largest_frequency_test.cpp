@@ -115,6 +115,22 @@ TEST(BodyTypes, AreEqualIfMeshAndStiffnessAre) {
   }
 }
 
+// Elements of bodies may take turns in a mesh file.
+TEST(BodyTypes, AreCountedOnceIfABodyHasSeveralRangesOfElements) {
+  BlockMesh blocks = someBodies(MPI_COMM_SELF, 0.0, onOneRank);
+  const auto elem_to_nodes = toHost(blocks.mesh.elem_to_nodes);
+  const auto ids = toHost(blocks.mesh.node_ids);
+  std::swap(ids(elem_to_nodes(0, 0)), ids(elem_to_nodes(0, 6))); // eight elements have the first
+  Kokkos::deep_copy(blocks.mesh.node_ids, ids);
+  const auto num_types = findBodyTypes(exec_space(), MPI_COMM_SELF, blocks.mesh).count;
+  std::vector<ElementRange> ranges;
+  for (const ElementRange& body : blocks.mesh.bodies)
+    for (int elem = body.first; elem < body.first + body.count; ++elem)
+      ranges.push_back({elem, 1, body.body});
+  blocks.mesh.bodies = ranges;
+  EXPECT_EQ(findBodyTypes(exec_space(), MPI_COMM_SELF, blocks.mesh).count, num_types);
+}
+
 TEST(LargestFrequency, HasTheSameBitsOnAnyNumberOfRanks) {
   for (const ElementKind kind : {ElementKind::one_point, ElementKind::full})
     for (const double distortion : {0.0, 0.1}) {

@@ -259,6 +259,18 @@ TEST(Report, WarnsOfEnergiesThatAreRounding) {
   EXPECT_TRUE(report.pass());
 }
 
+TEST(Report, WarnsOfLoadsThatMoveNothing) {
+  RunReport report = sampleReport();
+  report.steps = 10;
+  report.balance.peak_total = 0;
+  judgeNumbers(report);
+  EXPECT_TRUE(report.warnings.empty());
+  report.has_load = true;
+  judgeNumbers(report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_CONTAINS(report.warnings[0], "the loads have moved nothing");
+}
+
 TEST(Report, FindsAFullDisk) {
   if (!std::filesystem::exists("/dev/full"))
     GTEST_SKIP() << "no /dev/full here";

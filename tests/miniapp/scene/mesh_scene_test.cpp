@@ -109,6 +109,47 @@ TEST(MeshScene, MaterialsOfBlocksThatTheMeshLacksAreRefused) {
   EXPECT_EQ(faultOf(mesh.config("")), "");
 }
 
+TEST(MeshScene, BlocksWithoutMaterialAreNamedAsADeckMustWriteThem) {
+  const MeshFile mesh(oneBrick({2, 2, 3}),
+                      [](io::MeshPart& part) { part.blocks[0].name = "upper \"half\""; });
+  const std::string fault = faultOf(mesh.config(""));
+  EXPECT_NE(fault.find("expected a table [material.\"upper \\\"half\\\"\"]"), std::string::npos)
+      << fault;
+}
+
+TEST(MeshScene, MaterialsAndVelocitiesOfEmptyBlocksCauseWarnings) {
+  const MeshFile mesh(oneBrick({2, 2, 3}), [](io::MeshPart& part) {
+    part.blocks.push_back({2, "void", 0});
+  });
+  const Scene scene = makeScene(
+      exec_space(), MPI_COMM_WORLD,
+      mesh.config("[material.void]\ndensity = 1.0\nyoungs_modulus = 1.0\npoissons_ratio = 0.3\n"
+                  "[[initial.velocity]]\nblock = \"void\"\nvelocity = [1, 0, 0]\n"));
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_NE(scene.warnings[0].find("[material.void] has no effect"), std::string::npos);
+  EXPECT_NE(scene.warnings[1].find("[[initial.velocity]] has no effect"), std::string::npos);
+  EXPECT_EQ(faultOf(mesh.config("")), ""); // it needs no material
+}
+
+TEST(MeshScene, PressureInsideABodyCausesAWarning) {
+  const MeshFile mesh(oneBrick({3, 3, 3}), [](io::MeshPart& part) {
+    part.side_sets.push_back(sidesOfTheCentralElement());
+    part.side_sets.back().elems.push_back(14); // beside it, on the surface
+    part.side_sets.back().sides.push_back(1);
+  });
+  const auto warningsOf = [&](const std::string& side_set) {
+    return makeScene(exec_space(), MPI_COMM_WORLD,
+                     mesh.config("[[load.pressure]]\nside_set = \"" + side_set +
+                                 "\"\npeak = 1e-3\nshape = \"step\"\n"))
+        .warnings;
+  };
+  const auto warnings = warningsOf("inner");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("2 of the 3 faces of side set \"inner\""), std::string::npos)
+      << warnings[0];
+  EXPECT_TRUE(warningsOf("front").empty());
+}
+
 TEST(MeshScene, EmptySetsCauseWarnings) {
   const MeshFile mesh(oneBrick({2, 2, 3}), addNodeSets);
   const Scene scene =

@@ -109,18 +109,17 @@ TEST(ContactEnergy, FlushImpactOnFourBricksKeepsTheEnergy) {
 }
 
 // A spring on which `work` was done and that holds the energy `held`.
-double offsetAfter(double work, double held) {
+double offsetAfter(double work, double held, double offset = 0.1, double fade_weight = 0.5) {
   ContactState<double> spring;
   spring.stiffness = 3.0;
-  spring.fade_weight = 0.5;
+  spring.fade_weight = fade_weight;
   spring.depth = 0.2;
-  spring.offset = 0.1;
+  spring.offset = offset;
   spring.stored = work;
   spring.spring_energy = held;
   return ContactLaw::adjustedOffset(spring);
 }
 
-// The energy at the next half step is k w p^n p^{n+1}/2, and p = P - e.
 // A block's edge is pressed into a valley and slips sideways, farther beyond the end of its face than
 // contacts are retained.
 TEST(ContactEnergy, ContactThatEndsBeyondAnEdgeReturnsItsEnergy) {
@@ -151,6 +150,7 @@ TEST(ContactEnergy, ContactThatEndsBeyondAnEdgeReturnsItsEnergy) {
   EXPECT_LT(worst, 2e-3);
 }
 
+// The energy at the next half step is k w p^n p^{n+1}/2, and p = P - e.
 TEST(ContactEnergy, OffsetMakesUpHalfOfTheMissingWork) {
   const double held = 0.01, missing = 1e-4, gain = 0.1 - offsetAfter(held + missing, held);
   EXPECT_NEAR(0.5 * 3 * 0.5 * 0.2 * gain, missing / 2, 1e-17);
@@ -162,6 +162,13 @@ TEST(ContactEnergy, OffsetChangesByATenthAtMostAndNotByRounding) {
   EXPECT_NEAR(offsetAfter(1.0, 0.01), 0.1 - 0.02, 1e-15);
   EXPECT_NEAR(offsetAfter(0.0, 1.0), 0.1 + 0.02, 1e-15);
   EXPECT_EQ(offsetAfter(0.01, 0.01 * (1 + 1e-12)), 0.1);
+}
+
+TEST(ContactEnergy, OffsetMakesNoFadingContactDeeperThanItsPenetration) {
+  EXPECT_NEAR(offsetAfter(1.0, 0.01, 0.005), 0, 1e-17);
+  EXPECT_EQ(offsetAfter(1.0, 0.01, -0.05), -0.05);
+  EXPECT_NEAR(offsetAfter(0.0, 1.0, -0.05), -0.05 + 0.02, 1e-15);
+  EXPECT_NEAR(offsetAfter(1.0, 0.01, 0.005, 1.0), 0.005 - 0.02, 1e-15);
 }
 
 } // namespace

@@ -91,6 +91,25 @@ TEST(FadeWeight, IsOneOnTheFaceAndZeroAtTheEndOfTheFadeLength) {
 
 // Both ends of the bend, where the length is that of the formula without it, and a slope by central
 // differences, which are exact for parabolas.
+// Along one edge the extrapolated change is that of this edge. Beyond a corner it stays about that
+// of the edge whose end is near, also where fading beyond the other one has just begun.
+TEST(FadeWeight, ChangesUntilTheNearestEndAlsoBeyondACorner) {
+  const Quad face{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
+  const FadeRegion region = allEdges(face);
+  const double depth = 0.01;
+  const FadeWeight none = fadeWeightAt(region, 0, 0.5, depth);
+  for (const double beyond : {0.02, 0.1, 0.15}) {
+    const FadeWeight far = fadeWeightAt(region, 0, region.start() + beyond, depth);
+    ASSERT_GT(far.value, 0);
+    EXPECT_EQ(changeToZero(far, none), std::fabs(far.slope) * far.remaining);
+    for (const double begun : {1e-9, 1e-6, 1e-3}) {
+      const FadeWeight near = fadeWeightAt(region, 1, region.start() + begun, depth);
+      EXPECT_GE(changeToZero(far, near), 0.99 * changeToZero(far, none)) << beyond << " " << begun;
+      EXPECT_EQ(changeToZero(far, near), changeToZero(near, far));
+    }
+  }
+}
+
 TEST(FadeLength, IsBentToItsLargestValueWithAContinuousSlope) {
   const double least = 0.08, most = 1, step = 1e-3;
   EXPECT_EQ(FadeLength::at(0.01, least, most).value, least);
