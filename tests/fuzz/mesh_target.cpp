@@ -1,8 +1,8 @@
 // The Exodus reader on valid files of meshes that may be wrong: the bytes of the input choose a
 // grid of cubes in up to three blocks, its sets, and faults: corners, sides and nodes out of range,
-// elements that appear twice, coordinates that are not finite, odd names, kinds of elements and
-// dimensions. A mesh is accepted if and only if this target finds nothing wrong with it, and is
-// then the mesh that was written.
+// elements that appear twice or have a node twice, coordinates that are not finite, odd names,
+// kinds of elements and dimensions. A mesh is accepted if and only if this target finds nothing
+// wrong with it, and is then the mesh that was written.
 #include "tests/fuzz/mesh_properties.hpp"
 
 #include <exodusII.h>
@@ -167,7 +167,7 @@ bool isLegal(const RawMesh& mesh) {
     return std::all_of(list.begin(), list.end(), [&](auto i) { return i >= 1 && i <= limit; });
   };
   bool has_elems = false;
-  std::set<std::multiset<std::int64_t>> elems;
+  std::set<std::set<std::int64_t>> elems;
   for (const RawBlock& block : mesh.blocks) {
     if (block.nodes.empty())
       continue;
@@ -176,9 +176,11 @@ bool isLegal(const RawMesh& mesh) {
                         block.kind == "HEX27"; // which says less than the number of corners
     if (!is_hex || block.corners != 8 || !within(block.nodes, mesh.numNodes()))
       return false;
-    for (auto node = block.nodes.begin(); node != block.nodes.end(); node += 8)
-      if (!elems.emplace(node, node + 8).second)
+    for (auto node = block.nodes.begin(); node != block.nodes.end(); node += 8) {
+      const std::set<std::int64_t> corners(node, node + 8);
+      if (corners.size() < 8 || !elems.insert(corners).second)
         return false;
+    }
   }
   for (const auto& component : mesh.x)
     for (const double x : component)
