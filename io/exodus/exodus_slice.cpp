@@ -105,9 +105,8 @@ void refuseRepeatedCorner(const ExodusFile& file, const ElemCorners& elem) {
   std::sort(nodes, nodes + 8);
   const global_id* const twice = std::adjacent_find(nodes, nodes + 8);
   if (twice != nodes + 8)
-    throw InputError(file.path() + ": the element of id " +
-                     std::to_string(idOfElem(file.path(), elem.elem)) +
-                     " in elem_num_map has node " + std::to_string(*twice + 1) +
+    throw InputError(file.path() + ": " + nameOfElem(file.path(), elem.elem) + " has node " +
+                     std::to_string(*twice + 1) +
                      " at several corners, expected hexahedra with eight distinct corners");
 }
 

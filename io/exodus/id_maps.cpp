@@ -65,8 +65,9 @@ void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshCo
                  "element");
 }
 
-std::int64_t idOfElem(const std::string& file_name, global_id elem) {
-  return readMap(ExodusFile::open(file_name), EX_ELEM_MAP, elem, elem + 1).front();
+std::string nameOfElem(const std::string& file_name, global_id elem) {
+  const auto id = readMap(ExodusFile::open(file_name), EX_ELEM_MAP, elem, elem + 1).front();
+  return "the element of id " + std::to_string(id) + " in elem_num_map";
 }
 
 } // namespace brickwall::io

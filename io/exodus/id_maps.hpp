@@ -23,7 +23,8 @@ IdMaps readIdMaps(const ExodusFile& file, const MeshContents& contents, int rank
 void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshContents& contents,
                        const IdMaps& maps);
 
-// The id in elem_num_map of the element at position `elem`, from 0. Throws InputError.
-std::int64_t idOfElem(const std::string& file_name, global_id elem);
+// The element at position `elem`, from 0, as other programs know it: "the element of id 7 in
+// elem_num_map". Throws InputError.
+std::string nameOfElem(const std::string& file_name, global_id elem);
 
 } // namespace brickwall::io

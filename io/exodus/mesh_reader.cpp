@@ -162,10 +162,9 @@ void refuseRepeatedElems(MPI_Comm comm, const std::string& file_name, const Mesh
   repeated = allReduce(comm, repeated, MPI_MIN);
   if (repeated == part.num_global_elems)
     return;
-  std::int64_t id = 0;
-  rethrowOnAllRanks(comm, [&] { id = idOfElem(file_name, repeated); });
-  throw InputError(file_name + ": another element has the corners of the element of id " +
-                   std::to_string(id) + " in elem_num_map too");
+  std::string name;
+  rethrowOnAllRanks(comm, [&] { name = nameOfElem(file_name, repeated); });
+  throw InputError(file_name + ": another element has the corners of " + name + " too");
 }
 
 // Side sets go through the home of the element, which knows to which rank the element went.

@@ -179,14 +179,16 @@ std::string tomlKey(const std::string& name) {
   return quoted + "\"";
 }
 
-bool isEmptyBlock(const io::MeshPart& part, const std::string& name) {
-  return std::find(part.empty_blocks.begin(), part.empty_blocks.end(), name) !=
-         part.empty_blocks.end();
+std::string hasNoEffect(const std::string& where, const std::string& kind,
+                        const std::string& name) {
+  return where + " has no effect: " + kind + " \"" + name + "\" has no element or node of the mesh";
 }
 
-// Reports all names in the deck that the mesh lacks or has twice in one error.
-void checkNames(const Config& config, const io::MeshPart& part) {
+// Reports all names in the deck that the mesh lacks or has twice in one error. Returns warnings of
+// materials and initial states of empty blocks.
+std::vector<std::string> checkNames(const Config& config, const io::MeshPart& part) {
   std::string faults;
+  std::vector<std::string> warnings;
   const auto look = [&](const std::string& where, const auto& find) {
     try {
       find();
@@ -200,14 +202,17 @@ void checkNames(const Config& config, const io::MeshPart& part) {
         throw InputError("element block '" + block.name + "' has no material; expected a table " +
                          "[material." + tomlKey(block.name) + "]");
     });
-  const auto requireBlock = [&](const std::string& name) {
-    if (!isEmptyBlock(part, name))
-      findByName(part.blocks, name, "element block");
+  const auto look_for_block = [&](const std::string& place, const std::string& table,
+                                  const std::string& name) {
+    const std::vector<std::string>& empty = part.empty_blocks;
+    if (std::find(empty.begin(), empty.end(), name) != empty.end())
+      warnings.push_back(hasNoEffect(table, "element block", name));
+    else
+      look(place + ": " + table, [&] { findByName(part.blocks, name, "element block"); });
   };
   if (config.mesh) // those of walls are known without a mesh
     for (const auto& material : config.materials)
-      look(material.place + ": [material." + tomlKey(material.block) + "]",
-           [&] { requireBlock(material.block); });
+      look_for_block(material.place, "[material." + tomlKey(material.block) + "]", material.block);
   for (const auto& load : config.pressures)
     look(load.place + ": [[load.pressure]]", [&] {
       refuseSharedName(config, part.side_sets, sideSetOf(part, load.side_set), "side set");
@@ -220,40 +225,25 @@ void checkNames(const Config& config, const io::MeshPart& part) {
     look_for_nodes(fixed.place + ": [[boundary.fixed]]", fixed.node_set);
   for (const auto& moving : config.prescribed)
     look_for_nodes(moving.place + ": [[boundary.velocity]]", moving.node_set);
-  const auto look_for_block = [&](const char* block, const InitialSelection& initial) {
-    if (initial.block)
-      look(initial.place + ": [[" + block + "]]", [&] { requireBlock(*initial.block); });
-  };
   for (const auto& initial : config.initial_velocities)
-    look_for_block("initial.velocity", initial);
+    if (initial.block)
+      look_for_block(initial.place, "[[initial.velocity]]", *initial.block);
   for (const auto& initial : config.initial_deformations)
-    look_for_block("initial.deformation", initial);
+    if (initial.block)
+      look_for_block(initial.place, "[[initial.deformation]]", *initial.block);
   if (!faults.empty())
     throw InputError(faults);
+  return warnings;
 }
 
-// Materials, initial states and conditions of empty blocks and sets have no effect.
-std::vector<std::string> emptyBlocksAndSets(MPI_Comm comm, const Config& config,
-                                            const io::MeshPart& part) {
+// Conditions on empty sets have no effect.
+std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io::MeshPart& part) {
   std::vector<std::string> warnings;
-  const auto warn = [&](const std::string& where, const char* kind, const std::string& name) {
-    warnings.push_back(where + " has no effect: " + kind + " \"" + name +
-                       "\" has no element or node of the mesh");
-  };
   const auto warnIfEmpty = [&](const char* where, const char* kind, const std::string& name,
                                std::size_t members) {
     if (allReduce(comm, static_cast<std::int64_t>(members), MPI_SUM) == 0)
-      warn(std::string("[[") + where + "]]", kind, name);
+      warnings.push_back(hasNoEffect(std::string("[[") + where + "]]", kind, name));
   };
-  for (const auto& material : config.materials)
-    if (isEmptyBlock(part, material.block))
-      warn("[material." + tomlKey(material.block) + "]", "element block", material.block);
-  for (const auto& initial : config.initial_velocities)
-    if (initial.block && isEmptyBlock(part, *initial.block))
-      warn("[[initial.velocity]]", "element block", *initial.block);
-  for (const auto& initial : config.initial_deformations)
-    if (initial.block && isEmptyBlock(part, *initial.block))
-      warn("[[initial.deformation]]", "element block", *initial.block);
   for (const auto& load : config.pressures)
     warnIfEmpty("load.pressure", "side set", load.side_set,
                 sideSetOf(part, load.side_set).elems.size());
@@ -274,10 +264,9 @@ View<double*> massesOf(const exec_space& space, MPI_Comm comm, const Config& con
     if (!config.mesh)
       throw;
     const std::string& file = config.mesh->file;
-    std::int64_t id = 0;
-    rethrowOnAllRanks(comm, [&] { id = io::idOfElem(file, error.elem); });
-    throw InputError(file + ": the element of id " + std::to_string(id) + " in elem_num_map, " +
-                     error.what());
+    std::string name;
+    rethrowOnAllRanks(comm, [&] { name = io::nameOfElem(file, error.elem); });
+    throw InputError(file + ": " + name + ", " + error.what());
   }
 }
 
@@ -317,10 +306,11 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config) {
 Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io::MeshPart part) {
   Scene scene;
   scene.part = std::move(part);
-  checkNames(config, scene.part);
+  scene.warnings = checkNames(config, scene.part);
   refuseUnknownBodies(config, scene.part.num_global_bodies);
   refuseConflictingSets(comm, config, scene.part);
-  scene.warnings = emptyBlocksAndSets(comm, config, scene.part);
+  for (const std::string& warning : emptySets(comm, config, scene.part))
+    scene.warnings.push_back(warning);
   const auto materials = materialsOf(config, scene.part.blocks);
   scene.node_is_owned = hostArray<unsigned char>(scene.part.numNodes());
   std::transform(scene.part.node_owner.begin(), scene.part.node_owner.end(),

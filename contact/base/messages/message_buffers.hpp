@@ -76,10 +76,9 @@ public:
       return;
     growTo(space, receive, receive_offsets.back());
     connect(partners);
-    split(partners, send_offsets, _sent, _peers_sent);
-    split(partners, receive_offsets, _received, _peers_received);
-    for (auto* ranges : {&_sent, &_received, &_peers_sent, &_peers_received})
-      leaveOutEmpty(*ranges); // both sides know the sizes
+    const bool sends_empty = false; // both sides know the sizes
+    split(partners, send_offsets, sends_empty, _sent, _peers_sent);
+    split(partners, receive_offsets, sends_empty, _received, _peers_received);
     if (!_sent.empty() || !_received.empty()) {
       stage(space, send_offsets.back(), receive_offsets.back());
       // Also before the receives: the device may still be reading the data of the last exchange.
@@ -120,7 +119,8 @@ public:
     std::set_union(receivers.begin(), receivers.end(), senders.begin(), senders.end(),
                    std::back_inserter(partners));
     connect(partners);
-    split(receivers, send_offsets, _sent, _peers_sent);
+    const bool sends_empty = true;
+    split(receivers, send_offsets, sends_empty, _sent, _peers_sent);
     if (!_sent.empty()) {
       stage(space, send_offsets.back(), 0);
       space.fence();
@@ -136,7 +136,7 @@ public:
                                                               ? _peers->announced(comm, tag, sender)
                                                               : probe(sender)));
     growTo(space, receive, receive_offsets.back());
-    split(senders, receive_offsets, _received, _peers_received);
+    split(senders, receive_offsets, sends_empty, _received, _peers_received);
     if (!_received.empty()) {
       growStaging(0, receive_offsets.back());
       space.fence(); // `receive` may be read or freed until then
@@ -173,16 +173,12 @@ private:
 
   // Messages by MPI and those to peers; those of this rank to itself are in neither list.
   void split(const std::vector<int>& ranks, const std::vector<std::int64_t>& offsets,
-             std::vector<MessageRange>& by_mpi, std::vector<MessageRange>& to_peers) const {
+             bool with_empty, std::vector<MessageRange>& by_mpi,
+             std::vector<MessageRange>& to_peers) const {
     const int own = rankOf(_comm); // it may be among them
     for (std::size_t p = 0; p < ranks.size(); ++p)
-      if (ranks[p] != own)
+      if (ranks[p] != own && (with_empty || offsets[p + 1] > offsets[p]))
         (isPeer(ranks[p]) ? to_peers : by_mpi).push_back({ranks[p], offsets[p], offsets[p + 1]});
-  }
-  static void leaveOutEmpty(std::vector<MessageRange>& ranges) {
-    ranges.erase(std::remove_if(ranges.begin(), ranges.end(),
-                                [](const MessageRange& range) { return range.end == range.begin; }),
-                 ranges.end());
   }
   void sendOne(const MessageRange& range) {
     _messages.send(sendData() + range.begin, range.end - range.begin, range.rank, _tag, _comm);
