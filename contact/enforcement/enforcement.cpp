@@ -165,11 +165,12 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   }
   if (_has_forces || had_forces)
     findTouched(space, faces, neutral, edges);
+  _has_totals = false;
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
     correctEnergy(space, faces, steps, neutral, edges, sums);
-  if (_has_forces || had_forces)
+  if (!_has_totals && (_has_forces || had_forces))
     collectForces(space, edges);
-  else
+  else if (!_has_totals)
     _forces.ghost_corners = _set.forces().ghost_corners;
   _set.advance();
   if (edges != nullptr)
@@ -347,6 +348,7 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     if (edges != nullptr && has_marks && round > 0)
       edges->markTouched(space, _has_changed);
     neutral->sum_forces(_forces);
+    _has_totals = true;
     accelerate(space, {_touched.list(), round > 0 ? marks_changed : none}, round == 0, by_others,
                _forces.nodes, _quantum, _node_mass, _accelerations, _has_changed);
     neutral->share_with_ghosts(_accelerations, _ghost_accelerations);
@@ -367,6 +369,7 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
             _responses);
     neutral->share_with_ghosts(_responses, _ghost_responses);
     const NodeVectors responses{_responses, _ghost_responses};
+    _has_totals = false;
     _set.correctForces(space, faces, steps, accelerations, responses, marks_changed);
     if (edges != nullptr)
       edges->correctForces(space, steps, _responses);

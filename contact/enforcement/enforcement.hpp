@@ -77,9 +77,11 @@ public:
   // later; active contacts are never stiffened, so that no energy is created.
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
 
-  // Forces of the last enforce(). They are partial sums: the caller returns ghost_corners to their
-  // owners (reverseSum) and sums over the ranks that share a node.
+  // Forces of the last enforce(). Unless they are totals at every copy of a node, by
+  // NeutralInput::sum_forces, they are partial sums: the caller returns ghost_corners to their owners
+  // (reverseSum) and sums over the ranks that share a node.
   const ContactForces& forces() const { return _forces; }
+  bool hasTotals() const { return _has_totals; }
   // Whether any rank had contact forces in the last enforce(). If not, forces() are zero on all
   // ranks and need no sums.
   bool hasForces() const { return _has_forces; }
@@ -148,6 +150,7 @@ private:
   ContactForces _forces; // the nodal forces are _totals or those of _set
   View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 at nodes that are not listed
   bool _has_forces = false; // on any rank; otherwise _forces are zero
+  bool _has_totals = false; // _forces are
   double _previous_dt = 0;
   bool _has_status = false; // whether _status of any node differs from 0
   View<int*> _status;

@@ -208,7 +208,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
       _space, surface, _search.ghosts(), _search.pairs(), steps, &neutral, _edges.get());
   _lost += sums.lost();
   _penetration = maxOf(_penetration, sums.maxPenetration());
-  if (hasForces())
+  if (hasForces() && !_enforcement->hasTotals())
     sum_forces(_enforcement->forces());
   shared.finish(_space);
   restoreForces(forces);

@@ -192,7 +192,7 @@ TEST(CrowdedNodes, EveryPartitionGivesTheSameIntegersAndTheSameHistory) {
         const NeutralInput input = run->part.neutralInput(run->scene, acceleration);
         run->enforcement.enforce(exec_space(), run->part.surface(), run->part.ghosts(),
                                  run->part.pairs(), dt, &input);
-        forces[which] = run->part.total(run->enforcement.forces(), scene.x_new.size(), scene);
+        forces[which] = run->part.total(run->enforcement, scene.x_new.size(), scene);
         checksum[which++] =
             allReduce(run->part.comm(),
                       static_cast<std::int64_t>(historyChecksum(

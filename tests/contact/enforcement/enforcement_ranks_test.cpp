@@ -148,7 +148,7 @@ TEST(Enforcement, EnergyNeutralForcesAreTheSameIntegersForEveryPartition) {
                         .enforce(exec_space(), run->part.surface(), run->part.ghosts(),
                                  run->part.pairs(), dt, &input)
                         .nodes;
-        forces[which++] = run->part.total(run->enforcement.forces(), scene.x_new.size(), scene);
+        forces[which++] = run->part.total(run->enforcement, scene.x_new.size(), scene);
         shake(run->scene, 100 * seed + step);
       }
       EXPECT_EQ(forces[0], forces[1]) << "seed " << seed << " step " << step;

@@ -32,7 +32,7 @@ struct JointRun {
                    .enforce(exec_space(), run.part.surface(), run.part.ghosts(), run.part.pairs(),
                             dt, &input)
                    .nodes;
-    return run.part.total(run.enforcement.forces(), run.scene.x_new.size(), run.scene);
+    return run.part.total(run.enforcement, run.scene.x_new.size(), run.scene);
   }
   std::vector<std::array<std::int64_t, 3>> close() {
     run.scene.step();

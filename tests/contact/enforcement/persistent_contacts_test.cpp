@@ -82,7 +82,7 @@ public:
                ->enforce(exec_space(), _surface, ghosts, _part.pairs(), dt,
                          _scheme == Scheme::energy_neutral ? &input : nullptr)
                .nodes;
-    forces = _part.total(_enforcement->forces(), scene.x_new.size(), scene);
+    forces = _part.total(*_enforcement, scene.x_new.size(), scene);
     const ContactHistory& history = _enforcement->history();
     const auto all = toHost(history.interactions);
     interactions.assign(all.data(), all.data() + history.count);

@@ -64,8 +64,8 @@ TEST(TouchedNodes, OnlyTheirAccelerationsAreReadAndOnlyTheyHaveForces) {
     all.enforcement.enforce(space, all.part.surface(), all.part.ghosts(), all.part.pairs(), dt,
                             &of_all);
     const std::size_t num_nodes = run.scene.x_new.size();
-    EXPECT_EQ(run.part.total(run.enforcement.forces(), num_nodes, run.scene),
-              all.part.total(all.enforcement.forces(), num_nodes, all.scene))
+    EXPECT_EQ(run.part.total(run.enforcement, num_nodes, run.scene),
+              all.part.total(all.enforcement, num_nodes, all.scene))
         << step;
     const std::set<int> listed = asSet(run.enforcement.touched());
     const auto forces = toHost(run.enforcement.forces().nodes);

@@ -56,7 +56,7 @@ public:
   }
   Vec3 position() const { return _scene.x_new[_tip]; }
   Vec3 force() const {
-    const auto quanta = _part.total(_enforcement->forces(), _scene.x_new.size(), _scene)[_tip];
+    const auto quanta = _part.total(*_enforcement, _scene.x_new.size(), _scene)[_tip];
     Vec3 f;
     for (int d = 0; d < 3; ++d)
       f[d] = _quantum.value * static_cast<double>(quanta[d]);

@@ -7,6 +7,8 @@
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/surface/candidate_rows.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -147,7 +149,7 @@ public:
   const std::vector<int>& nodes() const { return _nodes; } // global number of each surface node
   MPI_Comm comm() const { return _comm; }
 
-  // Collective. Totals over all ranks [global node][xyz].
+  // Collective. Totals over all ranks [global node][xyz] of partial sums.
   std::vector<std::array<std::int64_t, 3>> total(const ContactForces& forces, std::size_t num_nodes,
                                                  const Scene& scene) const {
     std::vector<std::array<std::int64_t, 3>> sum(num_nodes, {0, 0, 0});
@@ -162,6 +164,26 @@ public:
           sum[scene.faces[_ghosts[g]].nodes[j]][d] += ghost(g, 3 * j + d);
     allReduce(_comm, sum[0].data(), static_cast<int>(3 * num_nodes), MPI_SUM);
     return sum;
+  }
+
+  // The same of the forces of an enforcement. Copies of a total have the same bits.
+  std::vector<std::array<std::int64_t, 3>> total(const Enforcement& enforcement,
+                                                 std::size_t num_nodes, const Scene& scene) const {
+    if (!enforcement.hasTotals())
+      return total(enforcement.forces(), num_nodes, scene);
+    std::vector<std::array<std::int64_t, 3>> largest(num_nodes, {INT64_MIN, INT64_MIN, INT64_MIN});
+    std::vector<std::array<std::int64_t, 3>> least(num_nodes, {INT64_MAX, INT64_MAX, INT64_MAX});
+    const auto own = toHost(enforcement.forces().nodes);
+    for (std::size_t i = 0; i < _nodes.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        largest[_nodes[i]][d] = least[_nodes[i]][d] = own(i, d);
+    allReduce(_comm, largest[0].data(), static_cast<int>(3 * num_nodes), MPI_MAX);
+    allReduce(_comm, least[0].data(), static_cast<int>(3 * num_nodes), MPI_MIN);
+    for (std::size_t n = 0; n < num_nodes; ++n)
+      if (largest[n][0] == INT64_MIN) // not on the surface of any rank
+        largest[n] = least[n] = {0, 0, 0};
+    EXPECT_EQ(largest, least) << "copies of a node differ";
+    return largest;
   }
 
   // The host's input of the energy-neutral scheme, by brute force. `acceleration` [global node].

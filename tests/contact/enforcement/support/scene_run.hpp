@@ -50,7 +50,7 @@ struct SceneRun {
     part.update(scene);
     sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt).nodes;
     sumOverRanks(part.comm(), sums);
-    return part.total(enforcement.forces(), scene.x_new.size(), scene);
+    return part.total(enforcement, scene.x_new.size(), scene);
   }
   // The same after a further motion of a body.
   std::vector<std::array<std::int64_t, 3>> moveAndStep(int body, const Vec3& by) {

@@ -69,7 +69,7 @@ public:
         exec_space(), _part.surface(), _part.ghosts(), _part.pairs(), dt, &input, _edges.get());
     sums = both.nodes;
     edge_sums = both.edges;
-    const auto contact = _part.total(_enforcement->forces(), velocity.size(), _scene);
+    const auto contact = _part.total(*_enforcement, velocity.size(), _scene);
     for (std::size_t i = 0; i < velocity.size(); ++i) {
       const Vec3 f = {static_cast<double>(contact[i][0]), static_cast<double>(contact[i][1]),
                       static_cast<double>(contact[i][2])};
