@@ -110,7 +110,8 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
   _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
   _status = View<int*>("contact::Enforcement::status", surface.num_nodes);
   _gap = View<double*>("contact::Enforcement::gap", surface.num_nodes);
-  clearStatus(space);
+  Kokkos::deep_copy(space, _gap, -0.0);
+  _set.recordIn(_status, _gap);
   _accelerations =
       View<double* [3]>("contact::Enforcement::accelerations",
                         config.scheme == Scheme::energy_neutral ? surface.num_nodes : 0);
@@ -278,8 +279,6 @@ std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& s
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.mayHaveAsleep();
   select.step.kinematics = kinematicsOf(faces);
-  if (_has_status)
-    clearStatus(space);
   return [this, space, faces, pairs, select, finish = _set.select(space, pairs, select)] {
     const ContactSums sums = finish();
     _has_status = sums.penetrating > 0;
@@ -288,12 +287,6 @@ std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& s
                            _set.next().row_count, _stationary.flags().known_apart);
     return sums;
   };
-}
-
-// The values of nodes without contact.
-void Enforcement::clearStatus(const exec_space& space) {
-  Kokkos::deep_copy(space, _status, 0);
-  Kokkos::deep_copy(space, _gap, -0.0);
 }
 
 void Enforcement::findTouched(const exec_space& space, const FaceAccess& faces,
@@ -374,9 +367,11 @@ void Enforcement::correctEnergy(const exec_space& space, const FaceAccess& faces
     if (edges != nullptr)
       edges->correctForces(space, steps, _responses);
   }
-  _set.sendNotes(space);
-  if (edges != nullptr)
-    edges->sendNotes(space);
+  if (!_has_totals) { // otherwise they have been read since the last correction
+    _set.sendNotes(space);
+    if (edges != nullptr)
+      edges->sendNotes(space);
+  }
   if (!neutral->completes_sums)
     completeSums(space, edges, sums);
 }

@@ -114,7 +114,6 @@ private:
   void collectForces(const exec_space& space, EdgeContact* edges);
   void findTouched(const exec_space& space, const FaceAccess& faces, const NeutralInput* neutral,
                    EdgeContact* edges);
-  void clearStatus(const exec_space& space);
   bool canSkipAll() const;
   NodeFaceKinematics kinematicsOf(const FaceAccess& faces) const;
   // The function returned waits for the device and completes the step.

@@ -3,28 +3,29 @@
 namespace brickwall::contact {
 namespace {
 
-void flagPoints(const exec_space& space, const View<const unsigned char*>& of_surface,
-                const View<const int*>& point_to_node, const View<unsigned char*>& nodes) {
-  Kokkos::parallel_for(
-      "contact::StationaryNodes::flagPoints",
-      rangePolicy(space, static_cast<std::int64_t>(point_to_node.extent(0))),
-      KOKKOS_LAMBDA(const std::int64_t i) { nodes(i) = of_surface(point_to_node(i)); });
-}
-
-// A face is stationary if all its corners are. With `num_points` > 0, node num_points + f stands
-// for face f.
+// A face is stationary if all its corners are. With points of their own, `nodes` are these and then
+// the faces.
 void flagFaces(const exec_space& space, const SweptBoxes& surface,
-               const View<const unsigned char*>& of_points, const View<unsigned char*>& faces,
-               const View<unsigned char*>& nodes, std::int64_t num_points) {
+               const View<const unsigned char*>& of_surface, const View<const int*>& point_to_node,
+               const View<unsigned char*>& faces, const View<unsigned char*>& nodes) {
+  const auto num_points = static_cast<std::int64_t>(point_to_node.extent(0));
+  const std::int64_t num_faces = surface.num_faces;
   Kokkos::parallel_for(
-      "contact::StationaryNodes::flagFaces", rangePolicy(space, surface.num_faces),
-      KOKKOS_LAMBDA(const std::int64_t face) {
+      "contact::StationaryNodes::flagFaces", rangePolicy(space, maxOf(num_points, num_faces)),
+      KOKKOS_LAMBDA(const std::int64_t i) {
+        const bool has_points = num_points > 0;
+        if (i < num_points)
+          nodes(i) = of_surface(point_to_node(i));
+        if (i >= num_faces)
+          return;
         unsigned all = 1;
-        for (int j = 0; j < 4; ++j)
-          all &= of_points(surface.face_to_nodes(face, j));
-        faces(face) = static_cast<unsigned char>(all);
-        if (num_points > 0)
-          nodes(num_points + face) = static_cast<unsigned char>(all);
+        for (int j = 0; j < 4; ++j) {
+          const int corner = surface.face_to_nodes(i, j);
+          all &= of_surface(has_points ? point_to_node(corner) : corner);
+        }
+        faces(i) = static_cast<unsigned char>(all);
+        if (has_points)
+          nodes(num_points + i) = static_cast<unsigned char>(all);
       });
 }
 
@@ -53,13 +54,9 @@ void StationaryNodes::update(const exec_space& space, const SweptBoxes& surface,
   // Otherwise all flags are set, or none is read.
   if (!_is_unchanged && _flags.is_any) {
     const auto of_surface = motion.stationaryNodes();
-    const bool has_list = _point_to_node.extent(0) > 0;
-    if (has_list)
-      flagPoints(space, of_surface, _point_to_node, _nodes);
-    else
+    if (_point_to_node.extent(0) == 0)
       _flags.nodes = of_surface;
-    flagFaces(space, surface, _flags.nodes, _faces, _nodes,
-              static_cast<std::int64_t>(_point_to_node.extent(0)));
+    flagFaces(space, surface, of_surface, _point_to_node, _faces, _nodes);
   }
 }
 

@@ -17,16 +17,26 @@ void zeroRows(const exec_space& space, const std::string& label, const ViewType&
       });
 }
 
-// Zeroes entry i of each.
+// Clears entry i of each.
 struct ClearStep {
-  View<int*> row_count;
+  View<int*> row_count, status;
+  View<double*> gap;
   View<std::int64_t*> counts, words;
   View<std::int64_t* [3]> forces;
+  View<std::int64_t* [12]> ghost_forces;
+  std::int64_t num_ghosts;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t i) const {
     const auto at = static_cast<std::size_t>(i);
     if (at < row_count.extent(0))
       row_count(i) = 0;
+    if (at < status.extent(0)) {
+      status(i) = 0;
+      gap(i) = -0.0;
+    }
+    if (i < num_ghosts)
+      for (int w = 0; w < 12; ++w)
+        ghost_forces(i, w) = 0;
     if (at < forces.extent(0))
       for (int d = 0; d < 3; ++d)
         forces(i, d) = 0;
@@ -301,15 +311,15 @@ void InteractionSet::makeRoom(const exec_space& space, std::int64_t interactions
 // In one kernel, since each launch takes time.
 void InteractionSet::clearStep(const exec_space& space, const FaceAccess& faces) {
   growTo(space, _forces.ghost_corners, faces.ghosts.count);
-  zeroRows(space, "contact::InteractionSet::clearGhosts", _forces.ghost_corners,
-           faces.ghosts.count);
-  ClearStep clear{_next.row_count, _counts, _sums.clear(), {}};
+  ClearStep clear{_next.row_count,       _status,           _gap, _counts, _sums.clear(), {},
+                  _forces.ghost_corners, faces.ghosts.count};
   if (!_are_nodes_zero)
     clear.forces = _forces.nodes;
-  const std::size_t longest = maxOf(maxOf(clear.row_count.extent(0), clear.forces.extent(0)),
-                                    maxOf(clear.counts.extent(0), clear.words.extent(0)));
-  Kokkos::parallel_for("contact::InteractionSet::clearStep",
-                       rangePolicy(space, static_cast<std::int64_t>(longest)), clear);
+  std::int64_t longest = faces.ghosts.count;
+  for (const std::size_t extent : {clear.row_count.extent(0), clear.forces.extent(0),
+                                   clear.counts.extent(0), clear.words.extent(0)})
+    longest = maxOf(longest, static_cast<std::int64_t>(extent));
+  Kokkos::parallel_for("contact::InteractionSet::clearStep", rangePolicy(space, longest), clear);
   _are_nodes_zero = true;
 }
 

@@ -44,6 +44,12 @@ public:
                  int num_nodes, int face_corners, const EnforcementConfig& config,
                  const Quantum& quantum);
 
+  // What kinematics record of each node, [as rows of the history]: select() clears it before.
+  void recordIn(const View<int*>& status, const View<double*>& gap) {
+    _status = status;
+    _gap = gap;
+  }
+
   // Launches SelectInteractions<Kinematics> over the rows of `pairs`. The function returned waits
   // for the device, and launches again with more memory if the interactions, or the contacts of
   // crowded rows, did not fit. Afterwards next() holds the interactions of this step, history()
@@ -110,7 +116,7 @@ private:
   // The same by lists of rows (row_lists.hpp).
   template <class Kinematics>
   void selectListedRows(const exec_space& space, const SelectInteractions<Kinematics>& functor);
-  // Zeroes what the kernels of a step count and add to.
+  // Clears what the kernels of a step count, record and add to.
   void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   int turn() const { return static_cast<int>(_num_proposing % num_turns); } // of _num_corrected
@@ -125,6 +131,8 @@ private:
   View<int*> _corrected; // [place] those of this round, on devices
   View<std::int64_t[num_turns]> _num_corrected;
   ContactHistory _history, _next; // of the last step and of the present one, swapped by advance()
+  View<int*> _status; // see recordIn()
+  View<double*> _gap;
   View<std::int64_t*> _counts; // the memory of those below, which are zeroed together
   View<std::int64_t> _next_count;
   LateSum<ContactSums> _sums; // of the present step

@@ -19,27 +19,33 @@ struct GhostRows {
   }
 };
 
-// One field of a message of `width` words a face, from word `first` on.
+// Values of corners, field after field of a face.
+template <int num_fields>
 void packCorners(const exec_space& space, const View<const int*>& faces, std::int64_t num_faces,
                  const View<const int* [4]>& face_to_nodes,
-                 const View<const double* [3]>& node_values, int first, int width,
+                 const Kokkos::Array<View<const double* [3]>, num_fields>& fields,
                  const View<std::int64_t*>& words) {
   Kokkos::parallel_for(
       "contact::forward::pack", rangePolicy(space, num_faces), KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int corner = 0; corner < 4; ++corner)
-          for (int d = 0; d < 3; ++d)
-            words(i * width + first + 3 * corner + d) =
-                toWord(node_values(face_to_nodes(faces(i), corner), d));
+        std::int64_t to = i * num_fields * words_per_face;
+        for (int field = 0; field < num_fields; ++field)
+          for (int corner = 0; corner < 4; ++corner)
+            for (int d = 0; d < 3; ++d)
+              words(to++) = toWord(fields[field](face_to_nodes(faces(i), corner), d));
       });
 }
 
-void unpackCorners(const exec_space& space, const View<const std::int64_t*>& words, int first,
-                   int width, const GhostRows& rows, const View<double* [12]>& ghost_values) {
+template <int num_fields>
+void unpackCorners(const exec_space& space, const View<const std::int64_t*>& words,
+                   const GhostRows& rows,
+                   const Kokkos::Array<View<double* [12]>, num_fields>& ghost_fields) {
   Kokkos::parallel_for(
       "contact::forward::unpack", rangePolicy(space, rows.count),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        for (int w = 0; w < words_per_face; ++w)
-          fromWord(words(i * width + first + w), ghost_values(rows(i), w));
+        std::int64_t from = i * num_fields * words_per_face;
+        for (int field = 0; field < num_fields; ++field)
+          for (int w = 0; w < words_per_face; ++w)
+            fromWord(words(from++), ghost_fields[field](rows(i), w));
       });
 }
 
@@ -100,11 +106,10 @@ void forward(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_s
   const Region region("contact::forward");
   auto& messages = migration.messages;
   growTo(space, messages.buffers.send, faces_sent.size() * words_per_face);
-  packCorners(space, faces_sent.rows, faces_sent.size(), face_to_nodes, node_values, 0,
-              words_per_face, messages.buffers.send);
+  packCorners<1>(space, faces_sent.rows, faces_sent.size(), face_to_nodes, {node_values},
+                 messages.buffers.send);
   messages.forward(space, comm, tags::corner_values, words_per_face);
-  unpackCorners(space, messages.buffers.receive, 0, words_per_face, {migration.ghosts.count, {}},
-                ghost_values);
+  unpackCorners<1>(space, messages.buffers.receive, {migration.ghosts.count, {}}, {ghost_values});
 }
 
 void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
@@ -112,17 +117,13 @@ void forwardCoordinates(const exec_space& space, MPI_Comm comm, const PartnerLis
   const Region region("contact::forwardCoordinates");
   auto& messages = migration.messages;
   const GhostFaces& ghosts = migration.ghosts;
-  constexpr int second = words_per_face, width = 2 * words_per_face;
+  constexpr int width = 2 * words_per_face;
   growTo(space, messages.buffers.send, faces_sent.size() * width);
-  const auto to_send = messages.buffers.send;
-  packCorners(space, faces_sent.rows, faces_sent.size(), surface.face_to_nodes,
-              surface.coordinates_old, 0, width, to_send);
-  packCorners(space, faces_sent.rows, faces_sent.size(), surface.face_to_nodes,
-              surface.coordinates_new, second, width, to_send);
+  packCorners<2>(space, faces_sent.rows, faces_sent.size(), surface.face_to_nodes,
+                 {surface.coordinates_old, surface.coordinates_new}, messages.buffers.send);
   messages.forward(space, comm, tags::ghost_coordinates, width);
-  const auto received = messages.buffers.receive;
-  unpackCorners(space, received, 0, width, {ghosts.count, {}}, ghosts.coordinates_old);
-  unpackCorners(space, received, second, width, {ghosts.count, {}}, ghosts.coordinates_new);
+  unpackCorners<2>(space, messages.buffers.receive, {ghosts.count, {}},
+                   {ghosts.coordinates_old, ghosts.coordinates_new});
 }
 
 void reverseSum(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
@@ -178,11 +179,10 @@ void GhostSelection::forward(const exec_space& space, MPI_Comm comm,
                              const View<double* [12]>& ghost_values) {
   const Region region("contact::forward");
   growTo(space, _messages.buffers.send, _num_faces * words_per_face);
-  packCorners(space, _faces, _num_faces, face_to_nodes, node_values, 0, words_per_face,
-              _messages.buffers.send);
+  packCorners<1>(space, _faces, _num_faces, face_to_nodes, {node_values}, _messages.buffers.send);
   _messages.reverse(space, comm, tags::corner_values, words_per_face);
-  unpackCorners(space, _messages.buffers.receive, 0, words_per_face, {_ghosts.size(), _ghosts.rows},
-                ghost_values);
+  unpackCorners<1>(space, _messages.buffers.receive, {_ghosts.size(), _ghosts.rows},
+                   {ghost_values});
 }
 
 void GhostSelection::reverseSum(const exec_space& space, MPI_Comm comm,
