@@ -32,10 +32,12 @@ struct CorrectPair {
   struct Correction {
     double force, damping;
     Vec3 friction;
+    double friction_change = 0; // magnitude
     double fading = 1; // factor of the fading force
     KOKKOS_INLINE_FUNCTION bool changes(const Interaction& pair) const {
       return isChange(force - pair.force, pair.first_force) ||
-             isChange(damping - pair.damping, pair.first_force) || isChange(fading - 1, 1.0);
+             isChange(damping - pair.damping, pair.first_force) ||
+             isChange(friction_change, pair.first_force) || isChange(fading - 1, 1.0);
     }
   };
 
@@ -52,6 +54,11 @@ struct CorrectPair {
       const FrictionSpring& spring = pairs.friction(i);
       corrected.friction =
           returnMap(spring.trial, friction_limit * (corrected.force + corrected.damping));
+      const double closing = motion.next_closing + (pair.force - corrected.force) * motion.mobility;
+      if (endsBy(springOf(pair), motion.next_drift, closing))
+        corrected.friction =
+            shareToReturn(pair, spring, corrected.friction, relative) * corrected.friction;
+      corrected.friction_change = norm(corrected.friction - spring.force);
     }
     if (pair.fade_weight < 1) {
       motion.next_closing += (pair.force - corrected.force) * motion.mobility;
@@ -118,6 +125,27 @@ struct CorrectPair {
     motion.next_drift = next_dt / kick;
     motion.mobility = kick * kick * inverse_mass;
     return motion;
+  }
+
+  // The share of the friction of a contact that ends with which it returns no more than its spring
+  // stores, as neutralForce() lets the normal force do; eq. (23a).
+  KOKKOS_INLINE_FUNCTION double shareToReturn(const Interaction& pair, const FrictionSpring& spring,
+                                              const Vec3& friction, const Vec3& relative) const {
+    if (!(spring.stiffness > 0))
+      return 1;
+    const double kick = 0.5 * (dt + next_dt), gain = kick * kick * pair.inverse_mass;
+    const Vec3 last = spring.trial + spring.stiffness * spring.motion;
+    const Vec3 first =
+        returnMap(spring.trial, friction_limit * (pair.first_force + pair.first_damping));
+    const double stored = maxOf(0.5 * dot(last, first) / spring.stiffness, 0.0);
+    // Twice the motion without this friction, over the kick.
+    const Vec3 motion =
+        (2 * kick / dt) * spring.motion + (kick * kick) * relative - gain * spring.force;
+    const double linear = 0.5 * dot(friction, motion),
+                 square = 0.5 * gain * dot(friction, friction);
+    if (!(square > 0) || linear + square <= stored)
+      return 1;
+    return (-linear + std::sqrt(linear * linear + 4 * square * stored)) / (2 * square);
   }
 
   // By how much all proposed changes together can change the acceleration of the pair along its

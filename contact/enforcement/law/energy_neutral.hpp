@@ -38,6 +38,14 @@ KOKKOS_INLINE_FUNCTION Real forceThatReturns(const Real& energy, const Real& D, 
   return (-D + squareRoot(D * D + 2 * energy * tau)) / tau;
 }
 
+// Whether a contact ends in the next drift, of the relative length `next_drift`, in which the pair
+// approaches by `closing` a kick: p = 0 or P = 0, whichever is first.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
+endsBy(const SpringState<Real>& pair, const Real& next_drift, const Real& closing) {
+  return minOf(pair.depth, pair.depth + pair.offset) + next_drift * closing <= Real(0.0);
+}
+
 // Corrected normal forces, of one contact or of as many as there are lanes; eqs. (18) and (19).
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
@@ -50,15 +58,12 @@ KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
   const Real D = -0.5 * (motion.closing + motion.next_closing + present * tau);
   const Real returning = forceThatReturns(maxOf(pair.stored, none), D, tau);
   const Real last = minOf(returning, 4 * first);
-  // until p = 0 or P = 0, whichever is first
-  const Real remaining_depth = minOf(pair.depth, pair.depth + pair.offset);
-  const auto endsBy = [&](const Real& force) {
-    const Real closing = motion.next_closing + (present - force) * tau;
-    return remaining_depth + motion.next_drift * closing <= none;
+  const auto endsWith = [&](const Real& force) {
+    return endsBy(pair, motion.next_drift, Real(motion.next_closing + (present - force) * tau));
   };
-  const Mask ends_by_first = endsBy(first);
+  const Mask ends_by_first = endsWith(first);
   const Mask is_old = !pair.is_new, is_loaded = !is_fixed;
-  const Mask is_last = is_old & ends_by_first & endsBy(last), goes_on = !is_last;
+  const Mask is_last = is_old & ends_by_first & endsWith(last), goes_on = !is_last;
   const Mask stores = is_loaded & (pair.is_new | (ends_by_first & goes_on));
   Real force = where(is_last, last, first);
   if (isAny(stores)) { // k w p p+/2 in total

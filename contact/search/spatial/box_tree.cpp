@@ -27,7 +27,7 @@ BoxTree shapeOf(std::int64_t n) {
 // Computes the levels of a tree from one on that has few lanes, in one team.
 struct RefitSmallLevels {
   // A launch for each level takes longer than a team for all of them. Hosts have no such launches.
-  static constexpr std::int64_t most_lanes = fills_lanes ? 0 : 8192;
+  static constexpr std::int64_t most_lanes = fills_lanes ? 0 : 512;
   static constexpr int team_size = host_accessible ? 1 : 256;
   using Policy =
       Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 1>, launch_by_argument>;

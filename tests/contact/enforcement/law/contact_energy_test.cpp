@@ -122,6 +122,33 @@ double offsetAfter(double work, double held, double offset = 0.1, double fade_we
 
 // A block's edge is pressed into a valley and slips sideways, farther beyond the end of its face than
 // contacts are retained.
+// Sticking friction is an elastic spring, which may hold energy when its contact ends. If it then
+// acts in full, dissipation falls by 2.2 to 3.7 % of the energy.
+TEST(ContactEnergy, FrictionReturnsNoMoreThanItsSpringsStore) {
+  for (const int elements : {1, 2, 3}) {
+    Impact impact;
+    impact.scene.addBox({0, 0, 0}, {2, 1, 1}, {elements, 1, 1});
+    impact.scene.addBox({0, 0, 1}, {2, 1, 1}, {elements, 1, 1});
+    impact.launch(0, {});
+    impact.launch(1, {0.01, 0, -0.01});
+    EnforcementConfig config;
+    config.scheme = Scheme::energy_neutral;
+    config.friction = 100;
+    SpringBricks bricks(impact.scene, config, 0.1, 0.8, 0.1);
+    bricks.velocity = impact.velocity;
+    double start = 0, most = 0, fall = 0;
+    for (int step = 0; step < 300; ++step) {
+      bricks.step();
+      if (step == 0)
+        start = bricks.energy;
+      most = std::max(most, bricks.dissipated_by_friction);
+      fall = std::max(fall, most - bricks.dissipated_by_friction);
+    }
+    EXPECT_EQ(bricks.sums.active, 0) << "the bricks should have parted again";
+    EXPECT_LT(fall, remaining_error * 0.022 * start) << elements;
+  }
+}
+
 TEST(ContactEnergy, ContactThatEndsBeyondAnEdgeReturnsItsEnergy) {
   const double c = std::sqrt(0.75), s = 0.5;
   Impact impact;

@@ -78,6 +78,8 @@ public:
     energy = kinetic + 0.5 * (stored_before + _stored) + exchange +
              sums.terms.sum[spring_stored].value(_scale) +
              edge_sums.terms.sum[spring_stored].value(_scale);
+    _taken_by_friction -= sums.terms.sum[friction_work].value(_scale);
+    dissipated_by_friction = _taken_by_friction - sums.terms.sum[friction_stored].value(_scale);
   }
 
   const Scene& scene() const { return _scene; }
@@ -85,6 +87,7 @@ public:
   std::vector<Vec3> velocity; // [node]
   double dt = 0;
   double energy = 0; // half-step energy of the last step, before its kick
+  double dissipated_by_friction = 0; // up to then, of nodes
   ContactSums sums, edge_sums;
 
 private:
@@ -114,7 +117,7 @@ private:
   std::unique_ptr<EdgeContact> _edges;
   std::vector<Spring> _springs;
   std::vector<Vec3> _force;
-  double _stored = 0;
+  double _stored = 0, _taken_by_friction = 0;
 };
 
 } // namespace brickwall::contact::testing
