@@ -45,7 +45,8 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
       .above(0)
       .atMost(1);
   keys.add("damping", contact.damping,
-           "damping of a contact over its critical damping; 0: elastic contact")
+           "damping of a contact over its critical damping; 0: elastic contact; above 1 contact "
+           "only becomes softer, and more steps are cut")
       .atLeast(0)
       .atMost(1e6); // with more, the default penalty would be rounded to 0
   keys.add("edges", contact.edges, "whether edges touch edges too, beside nodes and faces");

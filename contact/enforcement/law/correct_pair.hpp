@@ -128,7 +128,7 @@ struct CorrectPair {
   }
 
   // The share of the friction of a contact that ends with which it returns no more than its spring
-  // stores, as neutralForce() lets the normal force do; eq. (23a).
+  // stores, as neutralForce() lets the normal force do; eq. (45).
   KOKKOS_INLINE_FUNCTION double shareToReturn(const Interaction& pair, const FrictionSpring& spring,
                                               const Vec3& friction, const Vec3& relative) const {
     if (!(spring.stiffness > 0))
