@@ -24,6 +24,34 @@ BoxTree shapeOf(std::int64_t n) {
   return tree;
 }
 
+// Computes the levels of a tree from one on that has few lanes, in one team.
+struct RefitSmallLevels {
+  // A launch for each level takes longer than a team for all of them, which must be small to find
+  // room beside other kernels. Hosts have no such launches.
+  static constexpr std::int64_t most_lanes = fills_lanes ? 0 : 512;
+  static constexpr int team_size = host_accessible ? 1 : 64;
+  using Policy =
+      Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size, 1>, launch_by_argument>;
+
+  View<const BoxTree*> trees;
+  int first_level;
+
+  KOKKOS_INLINE_FUNCTION void operator()(const Policy::member_type& team) const {
+    const BoxTree& tree = trees(team.league_rank());
+    for (int level = first_level; level < tree.num_levels; ++level) {
+      Kokkos::parallel_for(
+          Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size),
+          [&](const int i) { refitLane(tree, level, i / block_size, i % block_size); });
+      team.team_barrier();
+    }
+  }
+};
+void refitSmallLevels(const exec_space& space, const RefitSmallLevels& kernel, int num_trees) {
+  Kokkos::parallel_for("contact::BoxForest::refit_small_levels",
+                       RefitSmallLevels::Policy(space, num_trees, RefitSmallLevels::team_size),
+                       kernel);
+}
+
 } // namespace
 
 void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& num_items) {
@@ -47,18 +75,17 @@ void BoxForest::shape(const exec_space& space, const std::vector<std::int64_t>& 
 
 void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {
   int most = 0;
-  std::int64_t widest = 0; // most blocks of one tree
   for (const BoxTree& tree : _trees)
     most = std::max(most, tree.num_levels);
-  const auto trees = _device_trees;
-  const auto num_trees = static_cast<std::int64_t>(_trees.size());
   for (int level = first_level; level < most; ++level) {
-    widest = 0;
+    std::int64_t lanes = 0; // most of one tree
     for (const BoxTree& tree : _trees)
-      widest = std::max<std::int64_t>(widest, tree.numBlocks(level));
-    const std::int64_t lanes = widest * block_size;
+      lanes = std::max(lanes, tree.numBlocks(level) * std::int64_t(block_size));
+    if (lanes <= RefitSmallLevels::most_lanes)
+      return refitSmallLevels(space, {_device_trees, level}, numTrees());
+    const auto trees = _device_trees;
     Kokkos::parallel_for(
-        "contact::BoxForest::refit", rangePolicy(space, num_trees * lanes),
+        "contact::BoxForest::refit", rangePolicy(space, numTrees() * lanes),
         KOKKOS_LAMBDA(const std::int64_t i) {
           const BoxTree& tree = trees(i / lanes);
           const std::int64_t block = i % lanes / block_size;
