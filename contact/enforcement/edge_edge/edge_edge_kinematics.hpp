@@ -127,7 +127,7 @@ struct EdgeEdgeKinematics {
     if (test_kind == ContactTest::release) {
       contact.is_retained = true;
       return previous(contact.previous).fade_weight == 1 &&
-             retainPoints(da, db, between, previous(contact.previous), other, contact);
+             retainPoints(da, db, between, previous(contact.previous), other, contact, true);
     }
     const Crossing crossing(da, db, between);
     const bool is_retained = test_kind == ContactTest::retain;
@@ -207,17 +207,20 @@ struct EdgeEdgeKinematics {
   }
   // Loaded edges may turn parallel, and their crossing point runs away. The contact is then
   // retained between the two points where it was last, with the force along the vector between them
-  // (so that it has no couple and derives from an energy), until that vector vanishes or reverses.
+  // (so that it has no couple and derives from an energy), until that vector vanishes or reverses;
+  // a contact that is released continues beyond (`may_be_apart`), with a negative depth.
   KOKKOS_INLINE_FUNCTION static bool retainPoints(const Vec3& da, const Vec3& db,
                                                   const Vec3& between, const Interaction& last,
-                                                  int other, FaceContact& contact) {
+                                                  int other, FaceContact& contact,
+                                                  bool may_be_apart = false) {
     const double s = last.point.share, t = last.weight[1];
     const Vec3 between_points = (t * db - s * da) - between;
     const double square = dot(between_points, between_points);
-    if (!(dot(between_points, last.normal) > 0 &&
+    const double along = dot(between_points, last.normal);
+    if (!((along > 0 || (may_be_apart && along < 0)) &&
           square < max_depth * max_depth * minOf(dot(da, da), dot(db, db))))
       return false;
-    const double depth = std::sqrt(square);
+    const double depth = along > 0 ? std::sqrt(square) : -std::sqrt(square);
     setContact(s, t, (1 / depth) * between_points, depth, other, contact);
     return true;
   }

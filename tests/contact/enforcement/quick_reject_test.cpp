@@ -3,6 +3,7 @@
 #include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 #include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
+#include "tests/contact/enforcement/support/lone_faces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,8 @@
 
 namespace brickwall::contact {
 namespace {
+
+using testing::LoneFaces;
 
 class Random {
 public:
@@ -24,41 +27,6 @@ public:
 
 private:
   std::mt19937_64 _engine{7};
-};
-
-// Faces with four nodes of their own each, followed by `more` nodes.
-struct LoneFaces {
-  LoneFaces(int n, int more, int words)
-      : count(n), x_old("x_old", 4 * n + more), x_new("x_new", 4 * n + more),
-        to_nodes("to_nodes", n), body("body", n), ids("ids", n),
-        attributes("attributes", n, words) {
-    surface.num_nodes = 4 * n + more;
-    surface.num_faces = n;
-    surface.coordinates_old = x_old;
-    surface.coordinates_new = x_new;
-    surface.face_to_nodes = to_nodes;
-    surface.face_body = body;
-    surface.face_ids = ids;
-    surface.face_attributes = attributes;
-    for (int f = 0; f < n; ++f) {
-      body(f) = ids(f) = f;
-      for (int j = 0; j < 4; ++j)
-        to_nodes(f, j) = 4 * f + j;
-    }
-  }
-  void set(int node, const Vec3& now, const Vec3& before) {
-    for (int d = 0; d < 3; ++d) {
-      x_new(node, d) = now[d];
-      x_old(node, d) = before[d];
-    }
-  }
-  EdgeAttributes& edge(int e) { return attributesAt<EdgeAttributes>(attributes, e); }
-  int count;
-  View<double*[3]> x_old, x_new;
-  View<int* [4]> to_nodes;
-  View<global_id*> body, ids;
-  AttributeWords attributes;
-  Surface surface;
 };
 
 Vec3 turned(const Vec3& p, const Vec3& axis_angle) {
