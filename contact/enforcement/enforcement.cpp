@@ -169,10 +169,10 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   _has_totals = false;
   if (_has_forces && _config.scheme == Scheme::energy_neutral)
     correctEnergy(space, faces, steps, neutral, edges, sums);
-  if (!_has_totals && (_has_forces || had_forces))
-    collectForces(space, edges);
-  else if (!_has_totals)
+  if (!_has_forces && !had_forces)
     _forces.ghost_corners = _set.forces().ghost_corners;
+  else if (!_has_totals)
+    collectForces(space, edges);
   _set.advance();
   if (edges != nullptr)
     edges->advance(steps.dt);

@@ -215,12 +215,7 @@ struct RefitTop {
   View<RefitSums> sums;
 
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team) const {
-    for (int level = 4; level < tree.num_levels; ++level) {
-      Kokkos::parallel_for(
-          Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size),
-          [&](const int i) { refitLane(tree, level, i / block_size, i % block_size); });
-      team.team_barrier();
-    }
+    refitLevels(team, tree, 4);
     auto* const parts = static_cast<RefitSums*>(
         team.team_scratch(0).get_shmem_aligned(num_parts * sizeof(RefitSums), alignof(RefitSums)));
     Kokkos::parallel_for(Kokkos::TeamThreadRange(team, num_parts), [&](const int i) {

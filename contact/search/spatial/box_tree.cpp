@@ -37,20 +37,9 @@ struct RefitSmallLevels {
   int first_level;
 
   KOKKOS_INLINE_FUNCTION void operator()(const Policy::member_type& team) const {
-    const BoxTree& tree = trees(team.league_rank());
-    for (int level = first_level; level < tree.num_levels; ++level) {
-      Kokkos::parallel_for(
-          Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size),
-          [&](const int i) { refitLane(tree, level, i / block_size, i % block_size); });
-      team.team_barrier();
-    }
+    refitLevels(team, trees(team.league_rank()), first_level);
   }
 };
-void refitSmallLevels(const exec_space& space, const RefitSmallLevels& kernel, int num_trees) {
-  Kokkos::parallel_for("contact::BoxForest::refit_small_levels",
-                       RefitSmallLevels::Policy(space, num_trees, RefitSmallLevels::team_size),
-                       kernel);
-}
 
 } // namespace
 
@@ -81,9 +70,13 @@ void BoxForest::refitUpperLevels(const exec_space& space, int first_level) {
     std::int64_t lanes = 0; // most of one tree
     for (const BoxTree& tree : _trees)
       lanes = std::max(lanes, tree.numBlocks(level) * std::int64_t(block_size));
-    if (lanes <= RefitSmallLevels::most_lanes)
-      return refitSmallLevels(space, {_device_trees, level}, numTrees());
     const auto trees = _device_trees;
+    if (lanes <= RefitSmallLevels::most_lanes) {
+      Kokkos::parallel_for("contact::BoxForest::refit_small_levels",
+                           RefitSmallLevels::Policy(space, numTrees(), RefitSmallLevels::team_size),
+                           RefitSmallLevels{trees, level});
+      return;
+    }
     Kokkos::parallel_for(
         "contact::BoxForest::refit", rangePolicy(space, numTrees() * lanes),
         KOKKOS_LAMBDA(const std::int64_t i) {

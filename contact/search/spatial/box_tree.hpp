@@ -55,6 +55,17 @@ KOKKOS_INLINE_FUNCTION void refitLane(const BoxTree& tree, int level, std::int64
                                               : FloatBounds());
 }
 
+// Computes the boxes of the levels from `first_level` up, by one team.
+template <class Member>
+KOKKOS_INLINE_FUNCTION void refitLevels(const Member& team, const BoxTree& tree, int first_level) {
+  for (int level = first_level; level < tree.num_levels; ++level) {
+    Kokkos::parallel_for(
+        Kokkos::TeamThreadRange(team, tree.numBlocks(level) * block_size),
+        [&](const int i) { refitLane(tree, level, i / block_size, i % block_size); });
+    team.team_barrier();
+  }
+}
+
 // One or several trees in one allocation, such as one for each sender of node boxes.
 class BoxForest {
 public:
