@@ -11,10 +11,10 @@ namespace brickwall::contact {
 
 struct ContactLaw {
   // With at least this friction, a sliding contact that returns to its node within so many steps
-  // settles: it has at least this damping ratio; eq. (41).
+  // settles: it has at most this penalty and at least this damping ratio; eq. (41).
   static constexpr double settling_friction = 1e-6;
   static constexpr int settling_steps = 100;
-  static constexpr double settling_damping = 0.7;
+  static constexpr double settling_penalty = 0.2, settling_damping = 1;
 
   EnforcementConfig config;
   double dt = 0, previous_dt = 0; // of this step and of the last one, time
@@ -75,27 +75,28 @@ struct ContactLaw {
   // c d-/dt with c = 2 zeta sqrt(k m), m = k dt_ref^2/s <= m_red, and F + F_d >= 0; eq. (14).
   template <class Real>
   KOKKOS_INLINE_FUNCTION void setDamping(ContactState<Real>& state) const {
-    if (config.damping > 0)
-      setDamping(state, config.damping, config.penalty);
-  }
-  template <class Real>
-  KOKKOS_INLINE_FUNCTION void setDamping(ContactState<Real>& state, double damping_ratio,
-                                         double penalty) const {
-    const Real c = 2 * damping_ratio * Real(state.stiffness) * Real(state.fade_weight) *
-                   config.reference_step / std::sqrt(penalty);
+    if (!(config.damping > 0))
+      return;
+    const Real c = dampingRate(config.damping, config.penalty) * Real(state.stiffness) *
+                   Real(state.fade_weight);
     const Real damping = maxOf(c * Real(state.closing) / dt, -Real(state.first_force));
     state.first_damping = where(Real(state.depth) > Real(0.0), damping, Real(0.0));
   }
-
-  // zeta' and s' of a contact that settles; eq. (41).
-  KOKKOS_INLINE_FUNCTION double settlingDamping() const {
-    return maxOf(config.damping, settling_damping);
+  // c/k at w = 1, time.
+  KOKKOS_INLINE_FUNCTION double dampingRate(double ratio, double penalty) const {
+    return 2 * ratio * config.reference_step / std::sqrt(penalty);
   }
-  KOKKOS_INLINE_FUNCTION double settlingPenalty() const {
-    const double zeta = settlingDamping();
-    const double sum = 0.25 * config.penalty + config.damping * std::sqrt(config.penalty);
-    const double root = 2 * (std::sqrt(zeta * zeta + sum) - zeta);
-    return root * root;
+
+  // Contacts settle by the corrections of the energy-neutral scheme only.
+  KOKKOS_INLINE_FUNCTION bool maySettle() const {
+    return config.friction >= settling_friction && config.scheme == Scheme::energy_neutral;
+  }
+  // s'/s and c/k of a contact that settles; eq. (41).
+  KOKKOS_INLINE_FUNCTION double settlingShare() const {
+    return minOf(config.penalty, settling_penalty) / config.penalty;
+  }
+  double settlingRate() const {
+    return dampingRate(maxOf(config.damping, settling_damping), settlingShare() * config.penalty);
   }
 
   // k w p^n p^{n+1}/2, with the mean of w^n and w^{n+1}; eq. (16).

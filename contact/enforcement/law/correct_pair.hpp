@@ -27,6 +27,7 @@ struct CorrectPair {
   NodeVectors responses;
   double dt, next_dt; // lengths of the drifts before and after the kick, time
   double friction_limit; // mu
+  double settling_rate = 0; // c/k of contacts that settle, time; eq. (41)
   View<unsigned char*> marks = {}; // [surface node] set to 1 where the pass adds; or empty
 
   struct Correction {
@@ -39,6 +40,10 @@ struct CorrectPair {
              isChange(damping - pair.damping, pair.first_force) ||
              isChange(friction_change, pair.first_force) || isChange(fading - 1, 1.0);
     }
+    // Of the forces that eq. (36) allows for.
+    KOKKOS_INLINE_FUNCTION double normalChange(const Interaction& pair) const {
+      return std::fabs(force - pair.force) + (pair.settles ? std::fabs(damping - pair.damping) : 0);
+    }
   };
 
   KOKKOS_INLINE_FUNCTION Correction correctionOf(const ContactHistory& pairs,
@@ -48,8 +53,11 @@ struct CorrectPair {
     const Vec3 relative = relativeAcceleration(pair);
     KickedPair motion = kicked(pair.closing, pair.inverse_mass, dot(pair.normal, relative));
     Correction corrected;
-    corrected.force = forceOf(springOf(pair), isProposal() ? 0.0 : responseOf(pair), motion);
-    corrected.damping = maxOf(pair.first_damping, -corrected.force);
+    correctNormal(pair, motion, corrected);
+    if (!isProposal()) {
+      motion.mobility = mobilityOf(corrected.normalChange(pair), responseOf(pair), motion);
+      correctNormal(pair, motion, corrected);
+    }
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
       corrected.friction =
@@ -108,11 +116,30 @@ struct CorrectPair {
     const Real proposed = neutralForce(spring, motion);
     if (isProposal())
       return proposed;
-    const double kick = 0.5 * (dt + next_dt);
-    const Real change = magnitude(proposed - spring.force), none = 0.0;
-    const Real mobility = kick * kick * response / where(change > none, change, Real(1.0));
-    motion.mobility = where(change > none, maxOf(motion.mobility, mobility), motion.mobility);
+    motion.mobility = mobilityOf(Real(magnitude(proposed - spring.force)), response, motion);
     return neutralForce(spring, motion);
+  }
+  // tau' of a contact that proposes `change`; eq. (36).
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION Real mobilityOf(const Real& change, const Real& response,
+                                         const KickedPairOf<Real>& motion) const {
+    const double kick = 0.5 * (dt + next_dt);
+    const Real none = 0.0;
+    const Real mobility = kick * kick * response / where(change > none, change, Real(1.0));
+    return where(change > none, maxOf(motion.mobility, mobility), motion.mobility);
+  }
+  // F' and F_d.
+  KOKKOS_INLINE_FUNCTION void correctNormal(const Interaction& pair, KickedPair motion,
+                                            Correction& corrected) const {
+    const double force = neutralForce(springOf(pair), motion);
+    corrected.force = force;
+    corrected.damping = pair.first_damping;
+    if (pair.settles && pair.depth > 0) {
+      const double c = settling_rate * pair.stiffness * pair.fade_weight;
+      motion.next_closing += (pair.force - force) * motion.mobility;
+      corrected.damping = meanDamping(pair.damping, c / (0.5 * (dt + next_dt)), motion);
+    }
+    corrected.damping = maxOf(corrected.damping, -force);
   }
   // `acceleration`: normal component, of the pushing point with respect to the face point.
   template <class Real>

@@ -79,6 +79,13 @@ KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
   return where(is_fixed, first, force);
 }
 
+// The damping force `rate` (force/length) times the mean approach over the kick, which depends on it;
+// eq. (41). `motion.next_closing` belongs to `present`, the damping force so far.
+KOKKOS_INLINE_FUNCTION double meanDamping(double present, double rate, const KickedPair& motion) {
+  const double missing = 0.5 * rate * (motion.closing + motion.next_closing) - present;
+  return present + missing / (1 + 0.5 * rate * motion.mobility);
+}
+
 // Work of the fading force on the pair over the length of a kick: `before` and `after` at the
 // velocities before and after the kick; `gain` is the part of `after` that the force itself causes.
 struct KickedFading {

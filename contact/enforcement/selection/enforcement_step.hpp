@@ -107,7 +107,7 @@ struct EnforcementStep {
   // Whether a contact of this node returns: the node had none in the last step, but one shortly
   // before. Without friction it does not matter.
   KOKKOS_INLINE_FUNCTION bool returns(int node) const {
-    if (!(law.config.friction >= ContactLaw::settling_friction))
+    if (!law.maySettle())
       return false;
     int& last = last_contact(node);
     if (previous.row_count(node) > 0)

@@ -125,7 +125,7 @@ KOKKOS_INLINE_FUNCTION void correctOne(const ContactHistory& pairs, const Correc
   if (correct.isProposal()) {
     is_corrected(i) = changes;
     if (changes)
-      add.addMagnitude(pair, corrected.force - pair.force);
+      add.addMagnitude(pair, corrected.normalChange(pair));
     return;
   }
   if (!changes)
@@ -342,7 +342,8 @@ void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& f
   add.target = _proposals;
   correctAll(space, {_next,
                      add,
-                     {faces, accelerations, {}, steps.dt, steps.next_dt, _config.friction, marks},
+                     {faces, accelerations, NodeVectors(), steps.dt, steps.next_dt,
+                      _config.friction, ContactLaw{_config}.settlingRate(), marks},
                      has_changed,
                      _is_corrected,
                      ++_num_proposing,
@@ -354,15 +355,15 @@ void InteractionSet::correctForces(const exec_space& space, const FaceAccess& fa
                                    const StepLengths& steps, const NodeVectors& accelerations,
                                    const NodeVectors& responses,
                                    const View<unsigned char*>& marks) {
-  correctAll(space,
-             {_next,
-              pairForces(space, faces),
-              {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction, marks},
-              {},
-              _is_corrected,
-              _num_proposing,
-              _notes,
-              {_corrected, _num_corrected, turn()}});
+  correctAll(space, {_next,
+                     pairForces(space, faces),
+                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction,
+                      ContactLaw{_config}.settlingRate(), marks},
+                     {},
+                     _is_corrected,
+                     _num_proposing,
+                     _notes,
+                     {_corrected, _num_corrected, turn()}});
 }
 
 bool InteractionSet::hasProposals(const exec_space& space) {

@@ -86,9 +86,7 @@ struct WriteInteractions {
       step.kinematics.fade(law.config, step.faces, contact, now, fading);
     state.fade_weight = now.fade_weight;
     state.first_force = now.first_force;
-    if (contact.settles)
-      law.setDamping(state, law.settlingDamping(), law.settlingPenalty());
-    else
+    if (!contact.settles) // otherwise the corrections find it
       law.setDamping(state);
     if (now.fade_weight < 1)
       fading.work = step.workOf(fading, contact.motion, now, contact.face);
@@ -173,7 +171,7 @@ private:
   }
   // s'/s of a contact that settles, eq. (41); otherwise 1.
   KOKKOS_FORCEINLINE_FUNCTION double softnessOf(const FaceContact& contact) const {
-    return contact.settles ? step.law.settlingPenalty() / step.law.config.penalty : 1;
+    return contact.settles ? step.law.settlingShare() : 1;
   }
 
   template <class Real>

@@ -118,6 +118,41 @@ TEST(NeutralForce, ReturnsTheStoredEnergyInTheLastStepOnly) {
   EXPECT_GT(num_last, 50);
 }
 
+// The present damping force, any multiple of the critical one.
+TEST(MeanDamping, IsItsRateTimesTheMeanApproachThatItLeaves) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const KickedPair motion = {uniform(random), uniform(random), 1, 1.1 + uniform(random)};
+    const double present = uniform(random), rate = std::pow(10, 3 * uniform(random));
+    const double force = meanDamping(present, rate, motion);
+    const double next_closing = motion.next_closing + (present - force) * motion.mobility;
+    EXPECT_NEAR(force, rate * 0.5 * (motion.closing + next_closing), round_off * rate);
+  }
+}
+
+// Equal contacts of the same nodes, each with the mobility of all, eq. (36): in each round they move
+// towards the damping force that all need together, do not pass it, and take energy.
+TEST(MeanDamping, OfContactsThatShareNodesTakesEnergyInEachRound) {
+  for (const int num_contacts : {1, 2, 9})
+    for (const double rate : {0.01, 1.0, 1e6}) {
+      const double tau = 0.3, closing = 0.1, free_closing = 0.2;
+      const double all = num_contacts * rate * 0.5 * (closing + free_closing) /
+                         (1 + 0.5 * rate * num_contacts * tau);
+      double force = 0;
+      for (int round = 0; round < 5; ++round) {
+        const double before = force;
+        const double next_closing = free_closing - num_contacts * force * tau;
+        force = meanDamping(force, rate, {closing, next_closing, 1, num_contacts * tau});
+        EXPECT_GE(force, before - round_off);
+        EXPECT_LE(num_contacts * force, all * (1 + round_off));
+        const double mean = 0.5 * (closing + free_closing - num_contacts * force * tau);
+        EXPECT_LE(-force * mean, round_off);
+      }
+      EXPECT_NEAR(num_contacts * force, all, 1e-12 * all);
+    }
+}
+
 TEST(NeutralFading, ReturnsExactlyTheRemainingEnergyInTheLastStep) {
   std::mt19937 random(1);
   int with_load = 0;

@@ -42,13 +42,18 @@ struct SceneRun {
   template <class Cut>
   SceneRun(const Scene& s, MPI_Comm comm, const Cut& cut, const EnforcementConfig& c = config(),
            double reach = 0.3)
-      : scene(s), part(s, comm, cut, reach),
+      : scene(s), scheme(c.scheme), part(s, comm, cut, reach),
         enforcement(exec_space(), comm, part.surface(), part.nodeMass(), c, quantum(),
                     energyScale()) {}
-  // Collective. Forces of all nodes at the present coordinates of the scene.
+  // Collective. Forces of all nodes at the present coordinates of the scene. No other forces act.
   std::vector<std::array<std::int64_t, 3>> step() {
     part.update(scene);
-    sums = enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt).nodes;
+    const NeutralInput neutral =
+        part.neutralInput(scene, std::vector<Vec3>(scene.x_new.size(), {0, 0, 0}));
+    sums = enforcement
+               .enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt,
+                        scheme == Scheme::energy_neutral ? &neutral : nullptr)
+               .nodes;
     sumOverRanks(part.comm(), sums);
     return part.total(enforcement, scene.x_new.size(), scene);
   }
@@ -72,6 +77,7 @@ struct SceneRun {
   }
 
   Scene scene;
+  Scheme scheme;
   ScenePart part;
   Enforcement enforcement;
   ContactSums sums;
