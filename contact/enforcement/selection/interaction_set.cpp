@@ -63,9 +63,6 @@ using CorrectionPolicy = Kokkos::RangePolicy<exec_space, Kokkos::IndexType<std::
 
 // Interactions that one thread corrects at once; their data are prefetched together.
 constexpr int pairs_at_once = simd_width > 1 ? 64 : 1;
-std::int64_t numParts(std::int64_t count) {
-  return (count + pairs_at_once - 1) / pairs_at_once;
-}
 
 // Prefetches what the correction of these pairs reads and adds to.
 KOKKOS_FORCEINLINE_FUNCTION void prefetchPairs(const ContactHistory& pairs,
@@ -248,7 +245,7 @@ private:
 
 void correctAll(const exec_space& space, CorrectAll functor) {
   const bool is_first = functor.correct.isProposal();
-  std::int64_t num_parts = numParts(functor.pairs.count);
+  std::int64_t num_parts = (functor.pairs.count + pairs_at_once - 1) / pairs_at_once;
   if (pairs_at_once == 1 && is_first) {
     num_parts = maxOf<std::int64_t>(num_parts, 1); // one empties the next list
   } else if (pairs_at_once == 1 && functor.pairs.count >= CorrectedList::least_pairs) {
