@@ -30,6 +30,7 @@ struct MeshContents {
 struct ElemCorners {
   global_id elem;
   global_id nodes[8]; // 0-based positions in the file
+  global_id number; // in elem_num_map
 };
 struct SideEntry {
   std::int64_t set, elem, side; // 0-based
@@ -41,6 +42,7 @@ struct NodeEntry {
 struct MeshSlice {
   std::vector<ElemCorners> elems;
   std::array<std::vector<double>, 3> coordinates; // of the nodes of the slice
+  std::vector<global_id> node_numbers; // in node_num_map
   std::vector<SideEntry> sides;
   std::vector<NodeEntry> nodes;
 };

@@ -28,6 +28,7 @@ namespace {
 
 struct NodeData {
   global_id id; // among used nodes
+  global_id number;
   double x[3];
 };
 
@@ -62,6 +63,7 @@ public:
       for (const global_id node : asked[q]) {
         const auto local = static_cast<std::size_t>(node - _begin);
         answers[q].push_back({_id_of_node[local],
+                              _slice.node_numbers[local],
                               {_slice.coordinates[0][local], _slice.coordinates[1][local],
                                _slice.coordinates[2][local]}});
         _holders.emplace_back(node, static_cast<int>(q));
@@ -137,13 +139,16 @@ void storeElems(const MeshContents& contents, const std::vector<ElemCorners>& el
     while (elem.elem >= end)
       end += contents.blocks[++block].num_global_elems;
     part.elem_ids.push_back(elem.elem);
+    part.elem_numbers.push_back(elem.number);
     part.elem_block.push_back(static_cast<int>(block));
   }
   part.elem_nodes = localIndices(file_nodes, nodesOf(elems));
   for (const NodeData& node : data) {
     part.node_ids.push_back(node.id);
+    part.node_numbers.push_back(node.number);
     part.coordinates.insert(part.coordinates.end(), node.x, node.x + 3);
   }
+  part.dropPlainNumbers();
 }
 
 // The same element twice would have twice the mass and no skin. Collective.
@@ -225,7 +230,9 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
   });
 
   refuseRepeatedIds(comm, file_name, contents, maps);
-  maps = {};
+  slice.node_numbers = std::move(maps.nodes);
+  for (std::size_t i = 0; i < slice.elems.size(); ++i)
+    slice.elems[i].number = maps.elems[i];
 
   MeshPart part;
   NodeHome home(comm, contents, slice);

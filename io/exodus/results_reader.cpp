@@ -9,8 +9,6 @@ std::vector<global_id> idsOf(const ExodusFile& file, ex_entity_type type, std::i
   std::vector<global_id> ids(static_cast<std::size_t>(count));
   if (!ids.empty())
     file.check(ex_get_id_map(file.id(), type, ids.data()), "the ids");
-  for (global_id& id : ids)
-    --id;
   return ids;
 }
 
@@ -36,8 +34,8 @@ ResultsReader::ResultsReader(const std::string& path) : _file(ExodusFile::open(p
   ex_init_params sizes{};
   _file.check(ex_get_init_ext(_file.id(), &sizes), "the sizes of the mesh");
   _num_steps = static_cast<int>(ex_inquire_int(_file.id(), EX_INQ_TIME));
-  _node_ids = idsOf(_file, EX_NODE_MAP, sizes.num_nodes);
-  _elem_ids = idsOf(_file, EX_ELEM_MAP, sizes.num_elem);
+  _node_numbers = idsOf(_file, EX_NODE_MAP, sizes.num_nodes);
+  _elem_numbers = idsOf(_file, EX_ELEM_MAP, sizes.num_elem);
   _block_ids.resize(static_cast<std::size_t>(sizes.num_elem_blk));
   if (!_block_ids.empty())
     _file.check(ex_get_ids(_file.id(), EX_ELEM_BLOCK, _block_ids.data()), "the blocks");
@@ -60,7 +58,7 @@ double ResultsReader::time(int step) const {
 }
 
 std::vector<double> ResultsReader::nodal(int step, int variable) const {
-  std::vector<double> values(_node_ids.size());
+  std::vector<double> values(_node_numbers.size());
   if (!values.empty())
     _file.check(ex_get_var(_file.id(), step, EX_NODAL, variable + 1, 1,
                            static_cast<std::int64_t>(values.size()), values.data()),
@@ -69,7 +67,7 @@ std::vector<double> ResultsReader::nodal(int step, int variable) const {
 }
 
 std::vector<double> ResultsReader::element(int step, int variable) const {
-  std::vector<double> values(_elem_ids.size());
+  std::vector<double> values(_elem_numbers.size());
   std::int64_t begin = 0;
   for (std::size_t b = 0; b < _block_ids.size(); ++b) {
     if (_block_sizes[b] > 0)

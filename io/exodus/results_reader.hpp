@@ -18,9 +18,9 @@ public:
 
   int numSteps() const { return _num_steps; }
   double time(int step) const; // `step` from 1
-  // 0-based global ids, in the order of the file.
-  const std::vector<global_id>& nodeIds() const { return _node_ids; }
-  const std::vector<global_id>& elemIds() const { return _elem_ids; }
+  // As MeshPart::nodeNumbers() and elemNumbers(), in the order of the file.
+  const std::vector<global_id>& nodeNumbers() const { return _node_numbers; }
+  const std::vector<global_id>& elemNumbers() const { return _elem_numbers; }
   // The names of variables; those of elements include the fixed ones that the writer adds.
   std::vector<std::string> nodalNames() const { return _nodal_names; }
   std::vector<std::string> elementNames() const { return _element_names; }
@@ -34,7 +34,7 @@ private:
   ExodusFile _file;
   int _num_steps = 0;
   std::vector<std::int64_t> _block_ids, _block_sizes;
-  std::vector<global_id> _node_ids, _elem_ids;
+  std::vector<global_id> _node_numbers, _elem_numbers;
   std::vector<std::string> _nodal_names, _element_names, _global_names;
 };
 

@@ -58,8 +58,12 @@ std::string now(const char* format) {
   return std::string(text, std::strftime(text, sizeof text, format, &broken_down));
 }
 
-int createFlags(const MeshPart& part, FileFormat format) {
+// The largest number of a node, element, block or set of this rank's part.
+std::int64_t largestId(const MeshPart& part) {
   std::int64_t largest = std::max(part.num_global_nodes, part.num_global_elems);
+  for (const auto* numbers : {&part.node_numbers, &part.elem_numbers})
+    for (const global_id number : *numbers)
+      largest = std::max(largest, number);
   const auto take = [&](const auto& blocks_or_sets) {
     for (const auto& entry : blocks_or_sets)
       largest = std::max(largest, entry.id);
@@ -67,6 +71,10 @@ int createFlags(const MeshPart& part, FileFormat format) {
   take(part.blocks);
   take(part.side_sets);
   take(part.node_sets);
+  return largest;
+}
+
+int createFlags(std::int64_t largest, FileFormat format) {
   const int flags = EX_CLOBBER | EX_MAPS_INT64_API | EX_IDS_INT64_API; // local numbers are ints
   if (largest > std::numeric_limits<int>::max())
     return flags | EX_NETCDF4 | EX_ALL_INT64_DB;
@@ -245,14 +253,12 @@ void ResultsWriter::State::writeConnectivity(const MeshPart& part) {
 
 // epu numbers nodes and elements of the joined file by these.
 void ResultsWriter::State::writeIdMaps(const MeshPart& part) {
-  const auto write = [&](ex_entity_type type, std::vector<global_id> ids, const char* what) {
-    for (global_id& id : ids)
-      ++id;
+  const auto write = [&](ex_entity_type type, const std::vector<global_id>& ids, const char* what) {
     if (!ids.empty())
       file.check(ex_put_id_map(file.id(), type, ids.data()), what);
   };
-  write(EX_NODE_MAP, part.node_ids, "the node ids");
-  write(EX_ELEM_MAP, part.elem_ids, "the element ids");
+  write(EX_NODE_MAP, part.nodeNumbers(), "the node ids");
+  write(EX_ELEM_MAP, part.elemNumbers(), "the element ids");
 }
 
 void ResultsWriter::State::writeSets(const MeshPart& part) {
@@ -297,8 +303,8 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
   s.num_nodes = part.numNodes();
   const int rank = rankOf(comm);
   s.path = rankFileName(base, sizeOf(comm), rank);
+  const int flags = createFlags(allReduce(comm, largestId(part), MPI_MAX), config.format);
   rethrowOnAllRanks(comm, [&] {
-    const int flags = createFlags(part, config.format);
     s.file = ExodusFile::create(s.path + config.temporary_suffix, flags,
                                 config.single_precision ? 4 : 8);
     if (flags & EX_NETCDF4) {

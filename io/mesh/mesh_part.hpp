@@ -39,6 +39,12 @@ struct SharedNodes {
   std::vector<int> nodes; // local nodes
 };
 
+inline std::vector<global_id> fromOne(std::vector<global_id> ids) {
+  for (global_id& id : ids)
+    ++id;
+  return ids;
+}
+
 constexpr global_id most_elems_of_rank = INT_MAX / 8; // corners have 32-bit numbers
 
 struct MeshPart {
@@ -59,9 +65,27 @@ struct MeshPart {
   std::vector<NodeSet> node_sets;
   std::vector<SharedNodes> shared_nodes; // in the order of rank
 
+  // [node], [elem] the ids by which other programs know them: node_num_map and elem_num_map of an
+  // Exodus mesh. Empty where they are the global ids + 1.
+  std::vector<global_id> node_numbers, elem_numbers;
+
   global_id num_global_nodes = 0;
   global_id num_global_elems = 0;
   global_id num_global_bodies = 0;
+
+  std::vector<global_id> nodeNumbers() const {
+    return node_numbers.empty() ? fromOne(node_ids) : node_numbers;
+  }
+  std::vector<global_id> elemNumbers() const {
+    return elem_numbers.empty() ? fromOne(elem_ids) : elem_numbers;
+  }
+  // Keeps no numbers that are the global ids + 1.
+  void dropPlainNumbers() {
+    if (node_numbers == fromOne(node_ids))
+      node_numbers.clear();
+    if (elem_numbers == fromOne(elem_ids))
+      elem_numbers.clear();
+  }
 
   int numNodes() const { return static_cast<int>(node_ids.size()); }
   int numElems() const { return static_cast<int>(elem_ids.size()); }

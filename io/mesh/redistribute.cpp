@@ -12,12 +12,12 @@ namespace brickwall::io {
 namespace {
 
 struct Elem {
-  global_id id, body;
+  global_id id, number, body;
   std::int64_t block;
   global_id nodes[8];
 };
 struct Node {
-  global_id id;
+  global_id id, number;
   double x[3];
 };
 // Number of the set, id of the element or node, side of the element: in the order of sets.
@@ -35,10 +35,11 @@ void sortDistinct(std::vector<Entity>& entities) {
 
 void moveElems(MPI_Comm comm, const MeshPart& part, const std::vector<int>& rank_of_elem,
                MeshPart& moved) {
+  const std::vector<global_id> node_numbers = part.nodeNumbers(), elem_numbers = part.elemNumbers();
   std::vector<Elem> elems(part.elem_ids.size());
   std::vector<std::vector<int>> nodes_for(sizeOf(comm)); // local
   for (std::size_t e = 0; e < elems.size(); ++e) {
-    elems[e] = {part.elem_ids[e], part.elem_body[e], part.elem_block[e], {}};
+    elems[e] = {part.elem_ids[e], elem_numbers[e], part.elem_body[e], part.elem_block[e], {}};
     for (std::size_t c = 0; c < 8; ++c) {
       const int node = part.elem_nodes[8 * e + c];
       elems[e].nodes[c] = part.node_ids[node];
@@ -56,23 +57,27 @@ void moveElems(MPI_Comm comm, const MeshPart& part, const std::vector<int>& rank
     std::sort(nodes_for[q].begin(), nodes_for[q].end());
     nodes_for[q].erase(std::unique(nodes_for[q].begin(), nodes_for[q].end()), nodes_for[q].end());
     for (const int node : nodes_for[q]) {
-      const double* x = &part.coordinates[3 * static_cast<std::size_t>(node)];
-      to_ranks[q].push_back({part.node_ids[node], {x[0], x[1], x[2]}});
+      const auto at = static_cast<std::size_t>(node);
+      const double* x = &part.coordinates[3 * at];
+      to_ranks[q].push_back({part.node_ids[at], node_numbers[at], {x[0], x[1], x[2]}});
     }
   }
   std::vector<Node> nodes = joined(exchangeByRank(comm, to_ranks));
   sortDistinct(nodes);
   for (const Node& node : nodes) {
     moved.node_ids.push_back(node.id);
+    moved.node_numbers.push_back(node.number);
     moved.coordinates.insert(moved.coordinates.end(), node.x, node.x + 3);
   }
   for (const Elem& elem : elems) {
     moved.elem_ids.push_back(elem.id);
+    moved.elem_numbers.push_back(elem.number);
     moved.elem_body.push_back(elem.body);
     moved.elem_block.push_back(static_cast<int>(elem.block));
     for (const global_id node : elem.nodes)
       moved.elem_nodes.push_back(localIndex(moved.node_ids, node));
   }
+  moved.dropPlainNumbers();
 }
 
 // The entries that all ranks have sent here, once each.

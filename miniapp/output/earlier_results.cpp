@@ -158,12 +158,12 @@ void EarlierResults::copyTo(io::ResultsWriter& writer, const io::MeshPart& part)
     broadcast(_comm, &time, 1, 0);
     broadcast(_comm, global.data(), static_cast<std::int64_t>(global.size()), 0);
     const auto nodal = gather(
-        _comm, _files, _nodal_names.size(), part.node_ids,
-        [](const auto& file) -> const auto& { return file.nodeIds(); },
+        _comm, _files, _nodal_names.size(), part.nodeNumbers(),
+        [](const auto& file) -> const auto& { return file.nodeNumbers(); },
         [step](const auto& file, int variable) { return file.nodal(step, variable); });
     const auto element = gather(
-        _comm, _files, _element_names.size(), part.elem_ids,
-        [](const auto& file) -> const auto& { return file.elemIds(); },
+        _comm, _files, _element_names.size(), part.elemNumbers(),
+        [](const auto& file) -> const auto& { return file.elemNumbers(); },
         [step](const auto& file, int variable) { return file.element(step, variable); });
     writer.writeStep(time, nodal, element, global);
   }

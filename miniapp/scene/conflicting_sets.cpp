@@ -48,7 +48,8 @@ void refuseConflictingSets(MPI_Comm comm, const Config& config, const io::MeshPa
                   all[i].block + ": found different motions of " + components +
                   " of nodes in both node set \"" + one.node_set + "\" and \"" + other.node_set +
                   "\", " + std::to_string(common.count) + " of them, the first " +
-                  nodeName(common.lowest) + "; expected one motion of each component";
+                  EntityNames(comm, part).node(common.lowest) +
+                  "; expected one motion of each component";
     }
   if (!faults.empty())
     throw InputError(faults);

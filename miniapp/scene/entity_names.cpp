@@ -3,26 +3,48 @@
 #include "contact/base/mpi.hpp"
 #include "miniapp/scene/scene.hpp"
 
+#include <algorithm>
 #include <climits>
 #include <sstream>
 
 namespace brickwall::miniapp {
 
-std::string nodeName(global_id node) {
-  return "node " + std::to_string(node) + " (1-based id " + std::to_string(node + 1) + ")";
+namespace {
+
+// "id 71 in node_num_map", or "1-based id 6" where that is the id. `ids` ascend.
+std::string idOf(MPI_Comm comm, global_id entity, const std::vector<global_id>& ids,
+                 const std::vector<global_id>& numbers, const char* map) {
+  const auto at = std::lower_bound(ids.begin(), ids.end(), entity);
+  const bool is_here = at != ids.end() && *at == entity && !numbers.empty();
+  const global_id number = allReduce(
+      comm, is_here ? numbers[static_cast<std::size_t>(at - ids.begin())] : INT64_MIN, MPI_MAX);
+  return number == INT64_MIN || number == entity + 1
+             ? "1-based id " + std::to_string(entity + 1)
+             : "id " + std::to_string(number) + " in " + map;
 }
 
-std::string elementName(global_id element) {
-  return "element " + std::to_string(element) + " (1-based id " + std::to_string(element + 1) + ")";
+} // namespace
+
+std::string EntityNames::node(global_id node) const {
+  return "node " + std::to_string(node) + " (" +
+         idOf(_comm, node, _part.node_ids, _part.node_numbers, "node_num_map") + ")";
 }
 
-std::string faceName(global_id face) {
+std::string EntityNames::element(global_id element) const {
+  return "element " + std::to_string(element) + " (" + elementId(element) + ")";
+}
+
+std::string EntityNames::face(global_id face) const {
   return "face " + std::to_string(face) + " (side " + std::to_string(face % 6 + 1) +
-         " of the element with 1-based id " + std::to_string(face / 6 + 1) + ")";
+         " of the element with " + elementId(face / 6) + ")";
 }
 
-std::string edgeName(global_id edge) {
-  return "an edge of " + faceName(edge / 4);
+std::string EntityNames::edge(global_id edge) const {
+  return "an edge of " + face(edge / 4);
+}
+
+std::string EntityNames::elementId(global_id element) const {
+  return idOf(_comm, element, _part.elem_ids, _part.elem_numbers, "elem_num_map");
 }
 
 std::string bodyName(const Config& config, global_id body) {

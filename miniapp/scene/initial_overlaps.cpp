@@ -22,20 +22,23 @@ std::string advice(double reach) {
   return message.str();
 }
 
-std::string describe(const Config& config, const contact::InitialOverlap& overlap) {
+std::string describe(const EntityNames& names, const Config& config,
+                     const contact::InitialOverlap& overlap) {
   std::ostringstream message;
-  message << "bodies overlap at the start: " << nodeName(overlap.node) << " of "
+  message << "bodies overlap at the start: " << names.node(overlap.node) << " of "
           << bodyName(config, overlap.node_body) << " is " << overlap.depth << " deep in "
-          << bodyName(config, overlap.face_body) << ", behind " << faceName(overlap.face);
+          << bodyName(config, overlap.face_body) << ", behind " << names.face(overlap.face);
   return message.str();
 }
 
-std::string describe(const Config& config, const contact::ElementOverlap& overlap) {
+std::string describe(const EntityNames& names, const Config& config,
+                     const contact::ElementOverlap& overlap) {
   std::ostringstream message;
-  message << "bodies overlap at the start: " << elementName(overlap.element) << " of "
+  message << "bodies overlap at the start: " << names.element(overlap.element) << " of "
           << bodyName(config, overlap.body) << ", centre (" << overlap.centre.x << ", "
-          << overlap.centre.y << ", " << overlap.centre.z << "), and " << elementName(overlap.other)
-          << " of " << bodyName(config, overlap.other_body) << " overlap by " << overlap.depth;
+          << overlap.centre.y << ", " << overlap.centre.z << "), and "
+          << names.element(overlap.other) << " of " << bodyName(config, overlap.other_body)
+          << " overlap by " << overlap.depth;
   return message.str();
 }
 
@@ -90,11 +93,11 @@ void refuseDeepOverlaps(const exec_space& space, MPI_Comm comm, const Config& co
   const contact::InitialOverlap of_nodes =
       contact::deepestOverlap(space, comm, surface, 0.5 * scene.longest_edge);
   if (of_nodes.depth > reach)
-    throw InputError(describe(config, of_nodes) + advice(reach));
+    throw InputError(describe(EntityNames(comm, scene.part), config, of_nodes) + advice(reach));
   const contact::ElementOverlap of_elements = contact::deepestElementOverlap(
       space, comm, elementsOf(space, scene.mesh, displacement, bodies), reach);
   if (of_elements.depth > 0)
-    throw InputError(describe(config, of_elements) + advice(reach));
+    throw InputError(describe(EntityNames(comm, scene.part), config, of_elements) + advice(reach));
 }
 
 } // namespace brickwall::miniapp

@@ -80,7 +80,8 @@ void refuseEdgesOfZeroLength(const exec_space& space, MPI_Comm comm, const Scene
       Kokkos::Min<global_id>(first));
   first = allReduce(comm, first, MPI_MIN);
   if (first != INT64_MAX)
-    throw InputError("the mesh has an edge of length zero on " + faceName(first) +
+    throw InputError("the mesh has an edge of length zero on " +
+                     EntityNames(comm, scene.part).face(first) +
                      "; expected hexahedra with eight distinct corners");
 }
 

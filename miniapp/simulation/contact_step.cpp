@@ -169,7 +169,8 @@ contact::PairMotion ContactStep::fastestPair(const Vec3& mean, double limit) {
 }
 
 double ContactStep::shortenForPair(const contact::PairMotion& pair, double dt, const Clock& clock) {
-  const double longest = _guard.shorten(dt, pair, !hasForces(), clock.step, clock.time);
+  const double longest = _guard.shorten(dt, pair, !hasForces(), clock.step, clock.time,
+                                        EntityNames(_comm, _scene.part));
   _enforcement->setReferenceStep(_guard.referenceStep());
   if (_edges)
     _edges->setReferenceStep(_guard.referenceStep());

@@ -66,12 +66,13 @@ std::string describeLargestForce(const Simulation& simulation) {
   const auto body = [&](global_id id) {
     return bodyName(simulation.comm(), simulation.config(), simulation.scene().part, id);
   };
+  const EntityNames names(simulation.comm(), simulation.scene().part);
   const double range = contact::largestPairForce(simulation.forceQuantum());
   std::ostringstream message;
   message << "; the largest, " << largest.force << ", is that of "
-          << (largest.is_of_edges ? edgeName(largest.node) : nodeName(largest.node)) << " of "
+          << (largest.is_of_edges ? names.edge(largest.node) : names.node(largest.node)) << " of "
           << body(largest.node_body) << " and "
-          << (largest.is_of_edges ? edgeName(largest.face) : faceName(largest.face)) << " of "
+          << (largest.is_of_edges ? names.edge(largest.face) : names.face(largest.face)) << " of "
           << body(largest.face_body) << ". The range ends at " << range
           << ", a multiple of (lambda + 2 mu) h^2 of the strongest element";
   if (largest.force < HUGE_VAL)
@@ -212,7 +213,7 @@ std::string largeStrainWarning(const Simulation& simulation) {
   if (!(neglected.strain > mechanics::large_neglected_strain))
     return "";
   std::ostringstream message;
-  message << elementName(neglected.elem)
+  message << EntityNames(simulation.comm(), simulation.scene().part).element(neglected.elem)
           << " of a linear material has rotated or deformed so far that the neglected part of its "
              "strain, H^T H/2, is "
           << std::setprecision(2) << neglected.strain << " in step " << clock.step << " (time "

@@ -84,7 +84,8 @@ double StepController::longestStepAtStart(const View<const double* [3]>& displac
     const auto stable =
         mechanics::stableTimeStep(_space, _comm, _scene.mesh, displacement, limit.load, limit.rest);
     if (!(stable.dt > 0))
-      throw InputError("initial.deformation: found " + elementName(stable.elem) +
+      throw InputError("initial.deformation: found " +
+                       EntityNames(_comm, _scene.part).element(stable.elem) +
                        " inverted or unstable at the start; expected a smaller gradient");
     step = minOf(step, limit.share * stable.dt);
   }

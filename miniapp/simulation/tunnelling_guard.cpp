@@ -1,7 +1,6 @@
 #include "miniapp/simulation/tunnelling_guard.hpp"
 
 #include "contact/base/error.hpp"
-#include "miniapp/scene/entity_names.hpp"
 
 #include <sstream>
 
@@ -11,14 +10,14 @@ namespace {
 
 constexpr double least_share_of_stable_step = 1e-3;
 
-std::string describe(const contact::PairMotion& pair) {
+std::string describe(const EntityNames& names, const contact::PairMotion& pair) {
   std::ostringstream text;
   if (pair.is_of_edges)
-    text << edgeName(pair.node);
+    text << names.edge(pair.node);
   else
-    text << nodeName(pair.node);
+    text << names.node(pair.node);
   text << " of body " << pair.node_body << " moves by " << pair.motion << " against "
-       << (pair.is_of_edges ? edgeName(pair.face) : faceName(pair.face)) << " of body "
+       << (pair.is_of_edges ? names.edge(pair.face) : names.face(pair.face)) << " of body "
        << pair.face_body << " in one step";
   return text.str();
 }
@@ -33,7 +32,7 @@ TunnellingGuard::TunnellingGuard(const Config& config, double reach, double refe
 }
 
 double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
-                                std::int64_t step, double time) {
+                                std::int64_t step, double time, const EntityNames& names) {
   const double reserve = actsEarly(is_early) ? 0.8 : 1; // 3/4 of it is below early_share
   // the reference step in which the pair moves by the allowed motion
   const double sure = reserve * _allowed / (pair.motion / dt);
@@ -44,7 +43,8 @@ double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool
   }
   std::ostringstream message;
   message << "contact could be missed in step " << step + 1 << " (from time " << time
-          << "): " << describe(pair) << "; contact is reliable up to " << allowedMotion(dt) << ". ";
+          << "): " << describe(names, pair) << "; contact is reliable up to " << allowedMotion(dt)
+          << ". ";
   if (is_too_short)
     message << "The step would have to decrease from " << dt << " to " << 0.5 * sure
             << ", below 1/1000 of the stable one. Slow the bodies down or raise contact.tolerance";

@@ -12,6 +12,7 @@
 #include "contact/search/audit/pair_motion.hpp"
 #include "mechanics/ledger/ledger_sums.hpp"
 #include "miniapp/deck/config.hpp"
+#include "miniapp/scene/entity_names.hpp"
 
 namespace brickwall::miniapp {
 
@@ -43,7 +44,7 @@ public:
   // if the deck asks for it or if the step would be shorter than 1/1000 of the stable one. `step`
   // and `time` are those of the positions before the drift.
   double shorten(double dt, const contact::PairMotion& pair, bool is_early, std::int64_t step,
-                 double time);
+                 double time, const EntityNames& names);
 
   // Reference step of contact; not shorter than any later step.
   double referenceStep() const { return _reference_step; }

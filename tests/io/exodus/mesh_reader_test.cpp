@@ -5,6 +5,8 @@
 #include "io/exodus/classic_netcdf.hpp"
 #include "io/exodus/mesh_reader.hpp"
 #include "io/exodus/mesh_writer.hpp"
+#include "io/exodus/results_reader.hpp"
+#include "io/mesh/redistribute.hpp"
 #include "io/wall/wall_generator.hpp"
 
 #include <exodusII.h>
@@ -317,21 +319,56 @@ TEST(MeshReader, RefusesAnotherNumberOfElementsThanTheBlocksHave) {
   expectInputError(path, "found 99 for num_elem, expected the 1 elements of the blocks");
 }
 
+void putMap(const std::string& path, ex_entity_type type, const std::vector<std::int64_t>& ids) {
+  if (rankOf(MPI_COMM_WORLD) == 0) {
+    int real_bytes = 8, stored_bytes = 0;
+    float version = 0;
+    const int id =
+        ex_open(path.c_str(), EX_WRITE | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
+    EXPECT_GE(id, 0);
+    EXPECT_EQ(ex_put_id_map(id, type, ids.data()), 0);
+    EXPECT_EQ(ex_close(id), 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
+// Nodes 17 to 24 of the file belong to no element, so that the global ids of those after them are
+// not their places in it.
+TEST(MeshReader, KeepsTheIdsOfTheMapsInResultsOfAnyPartition) {
+  const TemporaryFolder folder(MPI_COMM_WORLD);
+  const std::string path = folder / "ids.exo";
+  writeRaw(path, 36, {cubes({0, 2}), cubes({6})});
+  const std::vector<std::int64_t> of_elems = {900, 7, 2000000000};
+  std::vector<std::int64_t> of_nodes(36);
+  for (std::size_t i = 0; i < of_nodes.size(); ++i)
+    of_nodes[i] = 1000 - 7 * static_cast<std::int64_t>(i);
+  putMap(path, EX_ELEM_MAP, of_elems);
+  putMap(path, EX_NODE_MAP, of_nodes);
+  const MeshPart read = readMesh(MPI_COMM_WORLD, path);
+  const int last = sizeOf(MPI_COMM_WORLD) - 1;
+  for (const MeshPart& part :
+       {read, redistribute(MPI_COMM_WORLD, read, std::vector<int>(read.elem_ids.size(), last))}) {
+    writeMesh(MPI_COMM_WORLD, folder / "out.exo", part, {});
+    const ResultsReader out(rankFileName(folder / "out.exo", last + 1, rankOf(MPI_COMM_WORLD)));
+    ASSERT_EQ(out.elemNumbers().size(), part.elem_ids.size());
+    for (std::size_t e = 0; e < part.elem_ids.size(); ++e)
+      EXPECT_EQ(out.elemNumbers()[e], of_elems[static_cast<std::size_t>(part.elem_ids[e])]);
+    ASSERT_EQ(out.nodeNumbers().size(), part.node_ids.size());
+    for (std::size_t i = 0; i < part.node_ids.size(); ++i) {
+      const auto place =
+          static_cast<std::size_t>(part.node_ids[i] + (part.node_ids[i] < 16 ? 0 : 8));
+      EXPECT_EQ(out.nodeNumbers()[i], of_nodes[place]);
+    }
+  }
+}
+
 TEST(MeshReader, RefusesMapsThatRepeatAnId) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
-  const auto withMap = [&](const char* name, ex_entity_type type, std::vector<std::int64_t> ids) {
+  const auto withMap = [&](const char* name, ex_entity_type type,
+                           const std::vector<std::int64_t>& ids) {
     std::string path = folder / name;
     writeRaw(path, 24, {cubes({0, 2, 4}), cubes({1})});
-    if (rankOf(MPI_COMM_WORLD) == 0) {
-      int real_bytes = 8, stored_bytes = 0;
-      float version = 0;
-      const int id =
-          ex_open(path.c_str(), EX_WRITE | EX_ALL_INT64_API, &real_bytes, &stored_bytes, &version);
-      EXPECT_GE(id, 0);
-      EXPECT_EQ(ex_put_id_map(id, type, ids.data()), 0);
-      EXPECT_EQ(ex_close(id), 0);
-    }
-    MPI_Barrier(MPI_COMM_WORLD);
+    putMap(path, type, ids);
     return path;
   };
   std::vector<std::int64_t> nodes(24);

@@ -18,6 +18,9 @@ TunnellingGuard guardThat(GuardAction action) {
   return {config, reach, step};
 }
 
+const io::MeshPart no_mesh;
+const EntityNames names(MPI_COMM_SELF, no_mesh);
+
 contact::PairMotion movingBy(double motion) {
   contact::PairMotion pair;
   pair.motion = motion;
@@ -39,7 +42,7 @@ TEST(TunnellingGuard, ACutMovesThePairBelowTheThreshold) {
       auto guard = guardThat(GuardAction::cut);
       if (!(speed * step > guard.tolerableMotion(step, is_early)))
         continue;
-      const double dt = guard.shorten(step, movingBy(speed * step), is_early, 1, 0.0);
+      const double dt = guard.shorten(step, movingBy(speed * step), is_early, 1, 0.0, names);
       EXPECT_LE(dt, step);
       EXPECT_GE(guard.referenceStep(), dt) << speed;
       EXPECT_LT(guard.referenceStep(), step) << speed;
@@ -50,7 +53,7 @@ TEST(TunnellingGuard, ACutMovesThePairBelowTheThreshold) {
 
 TEST(TunnellingGuard, RefusesAStepThatIsTooShort) {
   auto guard = guardThat(GuardAction::cut);
-  EXPECT_THROW(guard.shorten(step, movingBy(1e3), false, 1, 0.0), PhysicsError);
+  EXPECT_THROW(guard.shorten(step, movingBy(1e3), false, 1, 0.0, names), PhysicsError);
 }
 
 } // namespace
