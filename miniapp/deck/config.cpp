@@ -1,6 +1,7 @@
 #include "miniapp/deck/config.hpp"
 
 #include "contact/base/error.hpp"
+#include "contact/enforcement/law/contact_law.hpp"
 #include "miniapp/deck/deck_blocks.hpp"
 
 namespace brickwall::miniapp {
@@ -62,6 +63,10 @@ Config parseConfig(const std::string& deck_text, const std::string& deck_path,
 double boxTolerance(const ContactConfig& contact, double shortest_edge, double longest_edge) {
   const double beyond = 0.5 * maxOf(contact.lateral_tolerance, contact.edge_tolerance);
   return maxOf(contact.tolerance * shortest_edge, 0.5 * 1.5 * beyond * longest_edge);
+}
+
+bool dampsContacts(const ContactConfig& contact) {
+  return contact.enabled && (contact.damping > 0 || contact::ContactLaw{contact}.maySettle());
 }
 
 double deepestActivation(const ContactConfig& contact, double shortest_edge) {

@@ -274,6 +274,9 @@ double boxTolerance(const ContactConfig& contact, double shortest_edge, double l
 // face over the shortest edge.
 double deepestActivation(const ContactConfig& contact, double shortest_edge);
 
+// Whether contacts may be damped: by contact.damping, or because they settle.
+bool dampsContacts(const ContactConfig& contact);
+
 // Whether pairs within one body are excluded from the search.
 bool dropsSameBody(const Config& config);
 

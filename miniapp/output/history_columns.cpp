@@ -45,7 +45,7 @@ bool hasFriction(const Config& config) {
   return config.contact.enabled && config.contact.friction > 0;
 }
 bool hasContactDamping(const Config& config) {
-  return config.contact.enabled && config.contact.damping > 0;
+  return dampsContacts(config.contact);
 }
 bool hasEdges(const Config& config) {
   return config.contact.enabled && config.contact.edges;

@@ -20,7 +20,7 @@ double shareOfAbsentTerms(const Config& config) {
                           contact.enabled,
                           contact.enabled && contact.edges,
                           contact.enabled && contact.friction > 0,
-                          contact.enabled && contact.damping > 0};
+                          dampsContacts(contact)};
   int absent = 0;
   for (const bool is_present : present)
     absent += !is_present;

@@ -91,12 +91,12 @@ struct ContactLaw {
   KOKKOS_INLINE_FUNCTION bool maySettle() const {
     return config.friction >= settling_friction && config.scheme == Scheme::energy_neutral;
   }
-  // s'/s and c/k of a contact that settles; eq. (41).
-  KOKKOS_INLINE_FUNCTION double settlingShare() const {
-    return minOf(config.penalty, settling_penalty) / config.penalty;
+  // s' and c/k of a contact that settles; eq. (41).
+  KOKKOS_INLINE_FUNCTION double settlingPenalty() const {
+    return minOf(config.penalty, +settling_penalty);
   }
   double settlingRate() const {
-    return dampingRate(maxOf(config.damping, settling_damping), settlingShare() * config.penalty);
+    return dampingRate(maxOf(config.damping, +settling_damping), settlingPenalty());
   }
 
   // k w p^n p^{n+1}/2, with the mean of w^n and w^{n+1}; eq. (16).

@@ -4,6 +4,7 @@
 // the proposals of all, eq. (36).
 #pragma once
 
+#include "contact/enforcement/law/contact_law.hpp"
 #include "contact/enforcement/law/coulomb_friction.hpp"
 #include "contact/enforcement/law/energy_neutral.hpp"
 #include "contact/surface/face_access.hpp"
@@ -27,7 +28,7 @@ struct CorrectPair {
   NodeVectors responses;
   double dt, next_dt; // lengths of the drifts before and after the kick, time
   double friction_limit; // mu
-  double settling_rate = 0; // c/k of contacts that settle, time; eq. (41)
+  double settling_rate; // c/k of contacts that settle, time; eq. (41)
   View<unsigned char*> marks = {}; // [surface node] set to 1 where the pass adds; or empty
 
   struct Correction {
@@ -51,25 +52,25 @@ struct CorrectPair {
     const Interaction& pair = pairs.interactions(i);
     const double kick = 0.5 * (dt + next_dt);
     const Vec3 relative = relativeAcceleration(pair);
-    KickedPair motion = kicked(pair.closing, pair.inverse_mass, dot(pair.normal, relative));
+    const KickedPair present = kicked(pair.closing, pair.inverse_mass, dot(pair.normal, relative));
+    KickedPair motion = present;
     Correction corrected;
     correctNormal(pair, motion, corrected);
     if (!isProposal()) {
-      motion.mobility = mobilityOf(corrected.normalChange(pair), responseOf(pair), motion);
+      motion = present;
+      motion.mobility = mobilityOf(corrected.normalChange(pair), responseOf(pair), present);
       correctNormal(pair, motion, corrected);
     }
     if (friction_limit > 0) {
       const FrictionSpring& spring = pairs.friction(i);
       corrected.friction =
           returnMap(spring.trial, friction_limit * (corrected.force + corrected.damping));
-      const double closing = motion.next_closing + (pair.force - corrected.force) * motion.mobility;
-      if (endsBy(springOf(pair), motion.next_drift, closing))
+      if (endsBy(springOf(pair), motion.next_drift, motion.next_closing))
         corrected.friction =
             shareToReturn(pair, spring, corrected.friction, relative) * corrected.friction;
       corrected.friction_change = norm(corrected.friction - spring.force);
     }
     if (pair.fade_weight < 1) {
-      motion.next_closing += (pair.force - corrected.force) * motion.mobility;
       const FadingForce& fading = pairs.fading(i);
       KickedFading kicked;
       kicked.before = kick / dt * fading.work;
@@ -109,16 +110,6 @@ struct CorrectPair {
   }
   KOKKOS_INLINE_FUNCTION bool isProposal() const { return responses.nodes.data() == nullptr; }
 
-  // The corrected normal force. In the second pass the mobility grows to that of eq. (36).
-  template <class Real>
-  KOKKOS_INLINE_FUNCTION Real forceOf(const SpringState<Real>& spring, const Real& response,
-                                      KickedPairOf<Real>& motion) const {
-    const Real proposed = neutralForce(spring, motion);
-    if (isProposal())
-      return proposed;
-    motion.mobility = mobilityOf(Real(magnitude(proposed - spring.force)), response, motion);
-    return neutralForce(spring, motion);
-  }
   // tau' of a contact that proposes `change`; eq. (36).
   template <class Real>
   KOKKOS_INLINE_FUNCTION Real mobilityOf(const Real& change, const Real& response,
@@ -128,18 +119,20 @@ struct CorrectPair {
     const Real mobility = kick * kick * response / where(change > none, change, Real(1.0));
     return where(change > none, maxOf(motion.mobility, mobility), motion.mobility);
   }
-  // F' and F_d.
-  KOKKOS_INLINE_FUNCTION void correctNormal(const Interaction& pair, KickedPair motion,
+  // F' and F_d, and in `motion` the approach after the kick with them.
+  KOKKOS_INLINE_FUNCTION void correctNormal(const Interaction& pair, KickedPair& motion,
                                             Correction& corrected) const {
     const double force = neutralForce(springOf(pair), motion);
     corrected.force = force;
     corrected.damping = pair.first_damping;
+    motion.next_closing += (pair.force - force) * motion.mobility;
     if (pair.settles && pair.depth > 0) {
       const double c = settling_rate * pair.stiffness * pair.fade_weight;
-      motion.next_closing += (pair.force - force) * motion.mobility;
       corrected.damping = meanDamping(pair.damping, c / (0.5 * (dt + next_dt)), motion);
     }
     corrected.damping = maxOf(corrected.damping, -force);
+    if (pair.settles)
+      motion.next_closing += (pair.damping - corrected.damping) * motion.mobility;
   }
   // `acceleration`: normal component, of the pushing point with respect to the face point.
   template <class Real>
@@ -214,5 +207,19 @@ struct CorrectPair {
     return faces.corner(pair.face_index, j, accelerations.nodes, accelerations.ghosts);
   }
 };
+
+// `responses` without Views in the first pass.
+inline CorrectPair correctPair(const EnforcementConfig& config, const FaceAccess& faces,
+                               const StepLengths& steps, const NodeVectors& accelerations,
+                               const NodeVectors& responses, const View<unsigned char*>& marks) {
+  return {faces,
+          accelerations,
+          responses,
+          steps.dt,
+          steps.next_dt,
+          config.friction,
+          ContactLaw{config}.settlingRate(),
+          marks};
+}
 
 } // namespace brickwall::contact

@@ -76,7 +76,12 @@ KOKKOS_INLINE_FUNCTION void evaluate(const Gathered<Real>& gathered, const Corre
   spring.is_new = !(Real(gathered.is_new) == Real(0.0));
   KickedPairOf<Real> motion =
       correct.kicked(Real(gathered.closing), Real(gathered.inverse_mass), dot(normal, relative));
-  const Real force = correct.forceOf(spring, Real(gathered.response), motion);
+  Real force = neutralForce(spring, motion);
+  if (!correct.isProposal()) {
+    motion.mobility =
+        correct.mobilityOf(Real(magnitude(force - spring.force)), Real(gathered.response), motion);
+    force = neutralForce(spring, motion);
+  }
   const Real damping = maxOf(Real(gathered.first_damping), -force);
   corrected.force = force;
   corrected.damping = damping;

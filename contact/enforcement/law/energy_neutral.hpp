@@ -79,8 +79,8 @@ KOKKOS_INLINE_FUNCTION Real neutralForce(const SpringState<Real>& pair,
   return where(is_fixed, first, force);
 }
 
-// The damping force `rate` (force/length) times the mean approach over the kick, which depends on it;
-// eq. (41). `motion.next_closing` belongs to `present`, the damping force so far.
+// The damping force that is `rate` (force/length) times the mean approach over the kick, which it
+// changes; eq. (41). `motion.next_closing` belongs to `present`, the damping force so far.
 KOKKOS_INLINE_FUNCTION double meanDamping(double present, double rate, const KickedPair& motion) {
   const double missing = 0.5 * rate * (motion.closing + motion.next_closing) - present;
   return present + missing / (1 + 0.5 * rate * motion.mobility);

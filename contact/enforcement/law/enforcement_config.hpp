@@ -10,6 +10,14 @@ enum class Scheme {
   energy_neutral, // first and last step of a contact corrected so that no energy is created
 };
 
+// Times of the drifts before and after the forces; the kick between them has their mean length.
+struct StepLengths {
+  double dt; // of the motion coordinates_new - coordinates_old
+  double next_dt;
+  StepLengths(double dt_before, double dt_after) : dt(dt_before), next_dt(dt_after) {}
+  StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
+};
+
 struct EnforcementConfig {
   Scheme scheme = Scheme::energy_neutral;
   // s: k = min(eps A, s m_red/dt_ref^2), eqs. (11) and (12) of theory.md. Contact takes up to s/4

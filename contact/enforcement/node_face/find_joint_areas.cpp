@@ -249,7 +249,7 @@ void JointProblem::findDiagonal() {
 void JointProblem::addAreas() {
   const auto contacts = _contacts;
   const PairForces add = pairForces();
-  const CorrectPair relative{_faces, {_y, _ghost_y}, {}, 1, 1, 0};
+  const CorrectPair relative{_faces, {_y, _ghost_y}, {}, 1, 1, 0, 0};
   zeroSums();
   Kokkos::parallel_for(
       "contact::findJointAreas::addAreas", rangePolicy(_space, _count),

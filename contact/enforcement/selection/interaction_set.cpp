@@ -339,8 +339,7 @@ void InteractionSet::proposeChanges(const exec_space& space, const FaceAccess& f
   add.target = _proposals;
   correctAll(space, {_next,
                      add,
-                     {faces, accelerations, NodeVectors(), steps.dt, steps.next_dt,
-                      _config.friction, ContactLaw{_config}.settlingRate(), marks},
+                     correctPair(_config, faces, steps, accelerations, NodeVectors(), marks),
                      has_changed,
                      _is_corrected,
                      ++_num_proposing,
@@ -354,8 +353,7 @@ void InteractionSet::correctForces(const exec_space& space, const FaceAccess& fa
                                    const View<unsigned char*>& marks) {
   correctAll(space, {_next,
                      pairForces(space, faces),
-                     {faces, accelerations, responses, steps.dt, steps.next_dt, _config.friction,
-                      ContactLaw{_config}.settlingRate(), marks},
+                     correctPair(_config, faces, steps, accelerations, responses, marks),
                      {},
                      _is_corrected,
                      _num_proposing,

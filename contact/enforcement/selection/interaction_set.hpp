@@ -14,14 +14,6 @@
 
 namespace brickwall::contact {
 
-// Times of the drifts before and after the forces; the kick between them has their mean length.
-struct StepLengths {
-  double dt; // of the motion coordinates_new - coordinates_old
-  double next_dt;
-  StepLengths(double dt_before, double dt_after) : dt(dt_before), next_dt(dt_after) {}
-  StepLengths(double both) : StepLengths(both, both) {} // steps of equal length
-};
-
 // Counts of corrected pairs, taken in turn: a round adds to one and empties the next.
 constexpr int num_turns = 3;
 

@@ -171,7 +171,7 @@ private:
   }
   // s'/s of a contact that settles, eq. (41); otherwise 1.
   KOKKOS_FORCEINLINE_FUNCTION double softnessOf(const FaceContact& contact) const {
-    return contact.settles ? step.law.settlingShare() : 1;
+    return contact.settles ? step.law.settlingPenalty() / step.law.config.penalty : 1;
   }
 
   template <class Real>

@@ -215,7 +215,7 @@ std::int64_t flopsOfContact() {
   gathered.node_motion.set(0, {0, 0, -depth / 4});
   gathered.node_mass[0] = 1;
   PairForces add;
-  CorrectPair correct{{{}, GhostFaces::none()}, {}, {}, dt, dt, 0};
+  CorrectPair correct{{{}, GhostFaces::none()}, {}, {}, dt, dt, 0, 0};
   ContactLaw law;
   law.dt = law.previous_dt = dt;
   Counted::count = 0;

@@ -41,7 +41,7 @@ public:
   }
 
   CorrectPair propose() const {
-    return {_faces, {_accelerations, _ghost_accelerations}, {}, 0.9, 1.1, 0};
+    return {_faces, {_accelerations, _ghost_accelerations}, {}, 0.9, 1.1, 0, 0};
   }
   CorrectPair correct() const {
     CorrectPair correct = propose();
@@ -288,6 +288,17 @@ TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
                          std::fabs(changes(i));
     EXPECT_GE(responses(i), alone - 1e-10) << i;
   }
+}
+
+TEST(CorrectPair, AllowsForTheDampingOfContactsThatSettle) {
+  Interaction pair;
+  pair.force = 2;
+  CorrectPair::Correction corrected;
+  corrected.force = 1.5;
+  corrected.damping = 0.25;
+  EXPECT_EQ(corrected.normalChange(pair), 0.5);
+  pair.settles = true;
+  EXPECT_EQ(corrected.normalChange(pair), 0.75);
 }
 
 TEST(CorrectPair, MakesNoChangeBelowItsLeastShareOfTheUncorrectedForce) {

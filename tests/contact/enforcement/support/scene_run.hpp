@@ -42,7 +42,7 @@ struct SceneRun {
   template <class Cut>
   SceneRun(const Scene& s, MPI_Comm comm, const Cut& cut, const EnforcementConfig& c = config(),
            double reach = 0.3)
-      : scene(s), scheme(c.scheme), part(s, comm, cut, reach),
+      : scene(s), part(s, comm, cut, reach),
         enforcement(exec_space(), comm, part.surface(), part.nodeMass(), c, quantum(),
                     energyScale()) {}
   // Collective. Forces of all nodes at the present coordinates of the scene. No other forces act.
@@ -50,10 +50,9 @@ struct SceneRun {
     part.update(scene);
     const NeutralInput neutral =
         part.neutralInput(scene, std::vector<Vec3>(scene.x_new.size(), {0, 0, 0}));
-    sums = enforcement
-               .enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt,
-                        scheme == Scheme::energy_neutral ? &neutral : nullptr)
-               .nodes;
+    sums =
+        enforcement.enforce(exec_space(), part.surface(), part.ghosts(), part.pairs(), dt, &neutral)
+            .nodes;
     sumOverRanks(part.comm(), sums);
     return part.total(enforcement, scene.x_new.size(), scene);
   }
@@ -77,7 +76,6 @@ struct SceneRun {
   }
 
   Scene scene;
-  Scheme scheme;
   ScenePart part;
   Enforcement enforcement;
   ContactSums sums;
