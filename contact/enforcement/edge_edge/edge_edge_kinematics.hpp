@@ -124,12 +124,15 @@ struct EdgeEdgeKinematics {
     const int own = edgeOf(node);
     Vec3 da, db, between;
     lines(faces, own, other, da, db, between);
+    const Crossing crossing(da, db, between);
     if (test_kind == ContactTest::release) {
       contact.is_retained = true;
-      return previous(contact.previous).fade_weight == 1 &&
-             retainPoints(da, db, between, previous(contact.previous), other, contact, true);
+      const Interaction& last = previous(contact.previous);
+      return last.fade_weight == 1 &&
+             (crossing.isAcross(parallel_sine)
+                  ? releaseAtCrossing(da, db, between, crossing, last, other, contact)
+                  : retainPoints(da, db, between, last, other, contact, true));
     }
-    const Crossing crossing(da, db, between);
     const bool is_retained = test_kind == ContactTest::retain;
     contact.is_retained = is_retained && (previous(contact.previous).is_retained ||
                                           !crossing.isAcross(parallel_sine));
@@ -205,6 +208,21 @@ struct EdgeEdgeKinematics {
     contact.depth = depth;
     contact.face = other;
   }
+  // A contact that slides out of reach, or whose edges separate, is released along the common normal
+  // of the edges: along the vector between two points it would hold on to the slide.
+  KOKKOS_INLINE_FUNCTION bool releaseAtCrossing(const Vec3& da, const Vec3& db, const Vec3& between,
+                                                const Crossing& crossing, const Interaction& last,
+                                                int other, FaceContact& contact) const {
+    const Vec3 across = cross(da, db);
+    const double sign = dot(across, last.normal) < 0 ? -1 : 1;
+    const Vec3 normal = (sign / norm(across)) * across;
+    const double depth = -dot(between, normal);
+    if (crossing.isFarBeyond(start() + 1.5 * overhang) ||
+        !(depth * depth < max_depth * max_depth * minOf(crossing.aa, crossing.bb)))
+      return false;
+    setContact(crossing.s, crossing.t, normal, depth, other, contact);
+    return true;
+  }
   // Loaded edges may turn parallel, and their crossing point runs away. The contact is then
   // retained between the two points where it was last, with the force along the vector between them
   // (so that it has no couple and derives from an energy), until that vector vanishes or reverses;
@@ -257,21 +275,6 @@ struct EdgeEdgeKinematics {
     const FadeLength fade_length = fadeLength(depth, length);
     fade_weight.set(beyond, at_second, fade_length, fade_length.slope * fade_depth_ratio / length);
     return fade_weight;
-  }
-
-  // Whether the edges had not crossed at x^n, where their common normal pointed to the same side as
-  // `normal`. A contact becomes active when edges come to cross, not when edges that have crossed
-  // come to lie side by side.
-  KOKKOS_INLINE_FUNCTION bool wereApart(const FaceAccess& faces, int own, int other,
-                                        const Vec3& normal) const {
-    const auto& nodes = faces.surface.coordinates_old;
-    const auto& ghosts = faces.ghosts.coordinates_old;
-    const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
-    Vec3 old_normal =
-        cross(faces.corner(own, 1, nodes, ghosts) - a, faces.corner(other, 1, nodes, ghosts) - b);
-    if (dot(old_normal, normal) < 0)
-      old_normal = -old_normal;
-    return dot(a - b, old_normal) >= 0;
   }
 
   // Edges slide over bends (isOn()), and end their contacts before they separate.

@@ -54,6 +54,21 @@ struct Crossing {
   }
 };
 
+// Whether the edges had not crossed at x^n, where their common normal pointed to the same side as
+// `normal`. A contact becomes active when edges come to cross, not when edges that have crossed
+// come to lie side by side.
+KOKKOS_INLINE_FUNCTION bool wereApart(const FaceAccess& faces, int own, int other,
+                                      const Vec3& normal) {
+  const auto& nodes = faces.surface.coordinates_old;
+  const auto& ghosts = faces.ghosts.coordinates_old;
+  const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
+  Vec3 old_normal =
+      cross(faces.corner(own, 1, nodes, ghosts) - a, faces.corner(other, 1, nodes, ghosts) - b);
+  if (dot(old_normal, normal) < 0)
+    old_normal = -old_normal;
+  return dot(a - b, old_normal) >= 0;
+}
+
 // Whether the two edges belong to one body and share a node, or `own` is the second of the pair.
 // Such a pair is never in contact.
 KOKKOS_INLINE_FUNCTION bool sharesNode(const FaceAccess& faces, int own, int other) {
