@@ -29,6 +29,7 @@ TunnellingGuard::TunnellingGuard(const Config& config, double reach, double refe
       _shortest_step(least_share_of_stable_step * reference_step) {
   if (_action != GuardAction::off)
     _allowed = reach * minOf(0.5, config.contact.penalty);
+  _penalty = config.contact.penalty;
 }
 
 double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
@@ -51,6 +52,9 @@ double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool
   else
     message << "contact.guard = \"cut\" shortens the step; a larger contact.tolerance or a smaller "
                "time.safety may also suffice";
+  if (_penalty < 0.5)
+    message << ". A larger contact.penalty helps too; it is " << _penalty
+            << " (the default is less with contact.damping)";
   throw PhysicsError(message.str());
 }
 

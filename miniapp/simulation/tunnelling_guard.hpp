@@ -57,6 +57,7 @@ private:
   GuardAction _action = GuardAction::off;
   double _allowed = HUGE_VAL; // in a reference step
   double _reference_step = 1, _shortest_step = 0;
+  double _penalty = 1;
 };
 
 } // namespace brickwall::miniapp

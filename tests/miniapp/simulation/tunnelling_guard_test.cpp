@@ -11,10 +11,10 @@ using namespace brickwall::miniapp;
 
 constexpr double reach = 0.1, step = 0.5;
 
-TunnellingGuard guardThat(GuardAction action) {
+TunnellingGuard guardThat(GuardAction action, double penalty = 0.75) { // allowed: reach/2
   Config config;
   config.contact.guard = action;
-  config.contact.penalty = 0.75; // allowed: reach/2
+  config.contact.penalty = penalty;
   return {config, reach, step};
 }
 
@@ -54,6 +54,19 @@ TEST(TunnellingGuard, ACutMovesThePairBelowTheThreshold) {
 TEST(TunnellingGuard, RefusesAStepThatIsTooShort) {
   auto guard = guardThat(GuardAction::cut);
   EXPECT_THROW(guard.shorten(step, movingBy(1e3), false, 1, 0.0, names), PhysicsError);
+}
+
+TEST(TunnellingGuard, NamesThePenaltyWhereItMakesContactSoft) {
+  for (const double penalty : {0.75, 0.001})
+    try {
+      guardThat(GuardAction::cut, penalty).shorten(step, movingBy(1e3), false, 1, 0.0, names);
+      FAIL() << "no error";
+    } catch (const PhysicsError& error) {
+      const std::string message = error.what();
+      EXPECT_EQ(message.find("contact.penalty helps too; it is 0.001") != std::string::npos,
+                penalty < 0.5)
+          << message;
+    }
 }
 
 } // namespace
