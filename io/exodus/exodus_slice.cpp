@@ -122,7 +122,7 @@ void readElems(const ExodusFile& file, const MeshContents& contents, global_id b
                                      to - from, corners.data(), nullptr, nullptr),
                  "the elements of block " + block.name);
       for (global_id elem = from; elem < to; ++elem) {
-        ElemCorners corner_list{elem, {}, elem + 1};
+        ElemCorners corner_list{elem, {}};
         for (int c = 0; c < 8; ++c)
           corner_list.nodes[c] =
               indexFrom(file, corners[8 * static_cast<std::size_t>(elem - from) + c],

@@ -30,7 +30,7 @@ struct MeshContents {
 struct ElemCorners {
   global_id elem;
   global_id nodes[8]; // 0-based positions in the file
-  global_id number; // in elem_num_map
+  global_id number = 0; // in elem_num_map; set with node_numbers, once the maps are checked
 };
 struct SideEntry {
   std::int64_t set, elem, side; // 0-based

@@ -262,11 +262,6 @@ void ResultsWriter::State::writeIdMaps(const MeshPart& part) {
 }
 
 void ResultsWriter::State::writeSets(const MeshPart& part) {
-  const auto fromOne = [](std::vector<int> values) {
-    for (int& value : values)
-      ++value;
-    return values;
-  };
   for (const SideSet& set : part.side_sets)
     if (!set.elems.empty())
       file.check(ex_put_set(file.id(), EX_SIDE_SET, set.id, fromOne(set.elems).data(),

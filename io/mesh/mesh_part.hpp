@@ -39,10 +39,12 @@ struct SharedNodes {
   std::vector<int> nodes; // local nodes
 };
 
-inline std::vector<global_id> fromOne(std::vector<global_id> ids) {
-  for (global_id& id : ids)
-    ++id;
-  return ids;
+// Numbers that count from 0, as files have them.
+template <class Integer>
+std::vector<Integer> fromOne(std::vector<Integer> numbers) {
+  for (Integer& number : numbers)
+    ++number;
+  return numbers;
 }
 
 constexpr global_id most_elems_of_rank = INT_MAX / 8; // corners have 32-bit numbers

@@ -26,10 +26,10 @@ std::string describe(const EntityNames& names, const contact::PairMotion& pair) 
 
 TunnellingGuard::TunnellingGuard(const Config& config, double reach, double reference_step)
     : _action(config.contact.guard), _reference_step(reference_step),
-      _shortest_step(least_share_of_stable_step * reference_step) {
+      _shortest_step(least_share_of_stable_step * reference_step),
+      _penalty(config.contact.penalty) {
   if (_action != GuardAction::off)
     _allowed = reach * minOf(0.5, config.contact.penalty);
-  _penalty = config.contact.penalty;
 }
 
 double TunnellingGuard::shorten(double dt, const contact::PairMotion& pair, bool is_early,
