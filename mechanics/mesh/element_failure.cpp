@@ -63,11 +63,8 @@ GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMe
 
 std::string describe(const GlobalFailure& failure) {
   char text[256];
-  std::snprintf(text, sizeof text,
-                "element %lld (1-based id %lld) at (%.9g, %.9g, %.9g): %s; failed elements: %lld",
-                static_cast<long long>(failure.first_elem),
-                static_cast<long long>(failure.first_elem) + 1, failure.position.x,
-                failure.position.y, failure.position.z, textOf(failure.reason),
+  std::snprintf(text, sizeof text, "at (%.9g, %.9g, %.9g): %s; failed elements: %lld",
+                failure.position.x, failure.position.y, failure.position.z, textOf(failure.reason),
                 static_cast<long long>(failure.count));
   return text;
 }

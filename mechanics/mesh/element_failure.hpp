@@ -2,6 +2,7 @@
 // over ranks.
 #pragma once
 
+#include "contact/base/error.hpp"
 #include "contact/base/vec3.hpp"
 #include "mechanics/mesh/hex_mesh.hpp"
 
@@ -53,7 +54,18 @@ struct GlobalFailure {
 GlobalFailure agreeOnFailure(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                              const ElementFailure& local);
 
-// For example "element 17 (1-based id 18) at (x, y, z): inverted (J <= 0); failed elements: 3".
+// What has failed, to follow the name of the first element: for example "at (x, y, z): inverted (J
+// <= 0); failed elements: 3".
 std::string describe(const GlobalFailure& failure);
+
+// An element of the mesh is refused. Thrown on all ranks.
+struct BadElementError : InputError {
+  // `the_fault` follows the name of the element.
+  BadElementError(global_id the_elem, const std::string& the_fault)
+      : InputError("element " + std::to_string(the_elem) + " " + the_fault), elem(the_elem),
+        fault(the_fault) {}
+  global_id elem;
+  std::string fault;
+};
 
 } // namespace brickwall::mechanics

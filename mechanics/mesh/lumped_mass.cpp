@@ -75,9 +75,9 @@ View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& 
   const MassCheck check = checkMasses(space, m, mesh.num_elems);
   const GlobalFailure failure = agreeOnFailure(space, comm, mesh, check.failure);
   if (failure.count > 0)
-    throw BadElementError(
-        failure, describe(failure) + "; expected J > 0 at all 2x2x2 Gauss points of each element, "
-                                     "and a finite mass > 0");
+    throw BadElementError(failure.first_elem,
+                          describe(failure) + "; expected J > 0 at all 2x2x2 Gauss points of each "
+                                              "element, and a finite mass > 0");
   const double largest = allReduce(comm, check.largest, MPI_MAX);
   const Quantum quantum = largest > 0 ? Quantum::forForceScale(largest) : Quantum::powerOfTwo(0);
   View<std::int64_t**> sums("mechanics::lumpedMass::sums", mesh.num_nodes, 1);

@@ -12,15 +12,8 @@
 
 namespace brickwall::mechanics {
 
-// An element of the mesh has no positive volume. Thrown on all ranks.
-struct BadElementError : InputError {
-  BadElementError(const GlobalFailure& failure, const std::string& message)
-      : InputError(message), elem(failure.first_elem) {}
-  global_id elem; // the first
-};
-
-// Mass of every node [node], owned or not. Throws BadElementError, naming the element, if an
-// element's volume is not positive. Collective.
+// Mass of every node [node], owned or not. Throws BadElementError if an element's volume is not
+// positive. Collective.
 View<double*> lumpedMass(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
                          SharedNodeSum& shared);
 

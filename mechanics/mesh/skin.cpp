@@ -3,6 +3,7 @@
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
+#include "mechanics/mesh/element_failure.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>
@@ -42,10 +43,18 @@ struct LocalFace {
   int elem, side;
 };
 
-[[noreturn]] void throwThirdElement(const HostMesh& host, int elem, int side) {
-  throw InputError("side " + std::to_string(side + 1) + " of the element with 1-based id " +
-                   std::to_string(host.elem_ids(elem) + 1) +
-                   " belongs to more than two elements; expected one or two");
+global_id idOf(const HostMesh& host, const LocalFace& face) {
+  return 6 * host.elem_ids(face.elem) + face.side;
+}
+
+// `face`: the lowest id of a face of this rank that more than two elements share, or no_face.
+// Collective.
+constexpr global_id no_face = INT64_MAX;
+void refuseThirdElement(MPI_Comm comm, global_id face) {
+  const global_id first = allReduce(comm, face, MPI_MIN);
+  if (first != no_face)
+    throw BadElementError(first / 6, "has a side that belongs to more than two elements, side " +
+                                         std::to_string(first % 6 + 1) + "; expected one or two");
 }
 
 // Local nodes of face 6 elem + side, ascending.
@@ -63,14 +72,14 @@ std::array<int, 4> nodesOf(const HostMesh& host, std::int64_t face) {
 
 // Faces of this rank's elements that may be on the skin or on a cut between ranks, in the order of
 // element, then side: faces that no other element of this rank shares, and faces with only shared
-// corners, which may also belong to an element of another rank.
+// corners, which may also belong to an element of another rank. `crowded` becomes the lowest id of
+// a face that more than two elements share.
 std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
-                                  const std::vector<char>& is_shared) {
+                                  const std::vector<char>& is_shared, global_id& crowded) {
   const int num_faces = checkedInt(6 * std::int64_t(mesh.num_elems), "findSkin: element sides");
   const Groups groups = groupByKey("mechanics::findSkin::groups", num_faces, mesh.num_nodes,
                                    [&](std::int64_t face) { return nodesOf(host, face)[0]; });
   std::vector<char> is_outer = hostArray<char>(num_faces);
-  int third = num_faces; // the first that two elements have before it
   parallelOnHost("mechanics::findSkin::match", mesh.num_nodes, [&](std::int64_t node) {
     const int* const begin = groups.items.data() + groups.begin[node];
     const int* const end = groups.items.data() + groups.begin[node + 1];
@@ -84,12 +93,10 @@ std::vector<LocalFace> outerFaces(const HexMesh& mesh, const HostMesh& host,
         if (other != face && nodes[other - begin] == nodes[face - begin])
           ++(*other < *face ? before : after);
       is_outer[*face] = before + after == 0 || allShared(host, *face / 6, *face % 6, is_shared);
-      if (before == 2)
-        Kokkos::atomic_fetch_min(&third, *face);
+      if (before + after > 1)
+        Kokkos::atomic_fetch_min(&crowded, idOf(host, {*face / 6, *face % 6}));
     }
   });
-  if (third < num_faces)
-    throwThirdElement(host, third / 6, third % 6);
   // by parts of the faces, in order
   constexpr int part = 1 << 16;
   std::vector<std::vector<LocalFace>> parts(num_faces / part + 1);
@@ -122,11 +129,11 @@ std::vector<LocalFace> withoutCuts(MPI_Comm comm, const HostMesh& host,
   std::vector<char> is_cut(faces.size(), 0);
   for (std::size_t s = 0; s < suspects.size(); ++s)
     is_cut[suspects[s]] = uses[s] > 1;
-  rethrowOnAllRanks(comm, [&] {
-    for (std::size_t s = 0; s < suspects.size(); ++s)
-      if (uses[s] > 2)
-        throwThirdElement(host, faces[suspects[s]].elem, faces[suspects[s]].side);
-  });
+  global_id crowded = no_face;
+  for (std::size_t s = 0; s < suspects.size(); ++s)
+    if (uses[s] > 2)
+      crowded = minOf(crowded, idOf(host, faces[suspects[s]]));
+  refuseThirdElement(comm, crowded);
   std::size_t next = 0;
   faces.erase(std::remove_if(faces.begin(), faces.end(),
                              [&](const LocalFace&) { return is_cut[next++] != 0; }),
@@ -172,7 +179,9 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
   const HostMesh host = copyToHost(space, mesh);
   std::vector<LocalFace> faces;
   const std::vector<char> is_shared = sharedFlags(mesh, shared);
-  rethrowOnAllRanks(comm, [&] { faces = outerFaces(mesh, host, is_shared); });
+  global_id crowded = no_face;
+  rethrowOnAllRanks(comm, [&] { faces = outerFaces(mesh, host, is_shared, crowded); });
+  refuseThirdElement(comm, crowded);
   faces = withoutCuts(comm, host, is_shared, std::move(faces));
   std::vector<int> surface_to_node;
   const std::vector<int> surface_of =

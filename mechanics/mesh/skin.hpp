@@ -24,8 +24,8 @@ struct Skin {
   View<int*> surface_to_node; // [surface node] mesh-local node, ascending
 };
 
-// Faces are matched by their four global node ids, between ranks by a rendezvous. Throws InputError
-// on all ranks if three elements share a face. For set-up; collective.
+// Faces are matched by their four global node ids, between ranks by a rendezvous. Throws
+// BadElementError if more than two elements share a face. For set-up; collective.
 Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
               const SharedNodeLists& shared);
 

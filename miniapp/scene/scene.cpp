@@ -257,17 +257,18 @@ std::vector<std::string> emptySets(MPI_Comm comm, const Config& config, const io
   return warnings;
 }
 
-// An element without a volume is named as other programs know it. Collective.
-View<double*> massesOf(const exec_space& space, MPI_Comm comm, const Config& config, Scene& scene) {
+// Sets mass and skin of a scene; errors name the file, and elements by their ids there. Collective.
+void findMassAndSkin(const exec_space& space, MPI_Comm comm, const Config& config,
+                     const mechanics::SharedNodeLists& shared, Scene& scene) {
+  const std::string file = config.mesh ? config.mesh->file + ": " : "";
   try {
-    return mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+    scene.mass = mechanics::lumpedMass(space, comm, scene.mesh, scene.shared);
+    scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
+    measureSkinEdges(space, comm, scene);
   } catch (const mechanics::BadElementError& error) { // on all ranks
-    if (!config.mesh)
-      throw;
-    const std::string& file = config.mesh->file;
-    std::string name;
-    rethrowOnAllRanks(comm, [&] { name = io::nameOfElem(file, error.elem); });
-    throw InputError(file + ": " + name + ", " + error.what());
+    throw InputError(file + EntityNames(comm, scene.part).element(error.elem) + " " + error.fault);
+  } catch (const InputError& error) { // on all ranks
+    throw InputError(file + error.what());
   }
 }
 
@@ -321,19 +322,13 @@ Scene makeScene(const exec_space& space, MPI_Comm comm, const Config& config, io
 
   const mechanics::SharedNodeLists shared = sharedNodes(scene.part);
   scene.shared = mechanics::SharedNodeSum(space, comm, shared);
-  scene.mass = massesOf(space, comm, config, scene);
+  findMassAndSkin(space, comm, config, shared, scene);
   for (const std::string& warning : checkForceRange(comm, scene.part, materials))
     scene.warnings.push_back(warning);
   if (config.mass == NodalMass::inertia) {
     const auto body_mass = mechanics::massWithInertia(space, comm, scene.mesh, scene.mass);
     scene.mass = body_mass.mass;
     scene.mass_shares = body_mass.least_shares;
-  }
-  try {
-    scene.skin = mechanics::findSkin(space, comm, scene.mesh, shared);
-    measureSkinEdges(space, comm, scene);
-  } catch (const InputError& error) { // on all ranks
-    throw InputError((config.mesh ? config.mesh->file + ": " : "") + error.what());
   }
   for (const auto& warnings : {coarsePositions(space, comm, scene),
                                interiorSideWarnings(comm, config, scene.part, scene.skin)})

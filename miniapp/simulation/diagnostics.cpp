@@ -283,7 +283,8 @@ std::string describeFailure(const Simulation& simulation) {
   message << "the computation broke down in step " << clock.step << " (time " << clock.time
           << "): ";
   if (failure.count > 0)
-    message << mechanics::describe(failure);
+    message << EntityNames(comm, simulation.scene().part).element(failure.first_elem) << " "
+            << mechanics::describe(failure);
   else if (sums.failures() > 0)
     message << (sums.nodes.failures() > 0 ? sums.nodes : sums.edges).problem()
             << (sums.nodes.invalid + sums.edges.invalid > 0 ? describeLargestForce(simulation)
