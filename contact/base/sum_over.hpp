@@ -70,7 +70,6 @@ Value sumOver(const std::string& label, const exec_space& space, std::int64_t be
               std::int64_t end, const Functor& functor) {
   Value sum = Value();
   launchSum<Value, teams_at_once>(label, space, begin, end, functor, PlusReducer<Value>(sum));
-  space.fence();
   return sum;
 }
 

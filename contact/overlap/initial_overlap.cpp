@@ -166,7 +166,6 @@ Vec3 centreOf(const exec_space& space, MPI_Comm comm, const BodyElements& elemen
         },
         Kokkos::Max<double>(centre[d]));
   }
-  space.fence();
   allReduce(comm, centre, 3, MPI_MAX);
   return {centre[0], centre[1], centre[2]};
 }
@@ -185,7 +184,6 @@ InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surf
   Kokkos::parallel_reduce("contact::deepestOverlap", rangePolicy(space, search.pairs().num_rows),
                           FindDeepest{FaceAccess{surface, search.ghosts()}, search.pairs()},
                           PlusReducer<LeadingPair>(local));
-  space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   return {leader.pair, leader.value};
 }
@@ -207,7 +205,6 @@ ElementOverlap deepestElementOverlap(const exec_space& space, MPI_Comm comm,
       "contact::deepestElementOverlap", rangePolicy(space, search.pairs().num_rows),
       FindDeepestElements{FaceAccess{surface, search.ghosts()}, search.pairs(), least},
       PlusReducer<LeadingPair>(local));
-  space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   deepest.depth = leader.value;
   if (deepest.depth > 0) {

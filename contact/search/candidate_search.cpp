@@ -1,12 +1,6 @@
-// Proof that kept lists are complete. The boxes of a search in step m are inflated by T = t +
-// margin/2, where t is the tolerance. Let the swept box of each node, from x^{n-1} to x^n, leave
-// that from x^{m-1} to x^m by no more than D <= T - t along any axis. Then the box of step m,
-// inflated by T, contains that of step n, inflated by t: min(x^{m-1}, x^m) - T <= min(x^{n-1}, x^n)
-// + D - T <= min(x^{n-1}, x^n) - t. The same holds for the upper bounds, for faces (hulls of their
-// corners) and for the copies of faces on other ranks. Boxes that overlap in step n therefore
-// overlapped in step m, and the pair is listed. This holds bit for bit, since rounding is monotone:
-// only T and D themselves must be correct, so D is compared with the difference of the T and t
-// used, less a few units in the last place for the rounding of T - t and of D.
+// Kept lists are complete: theory.md, section 2. Only T and D themselves must be correct, so D is
+// compared with the difference of the T and t used, less a few units in the last place for the
+// rounding of T - t and of D.
 #include "contact/search/candidate_search.hpp"
 
 #include "contact/base/mpi.hpp"
@@ -46,7 +40,6 @@ double motionOutOf(const exec_space& space, const View<const double* [6]>& boxes
           all = maxOf(all, excursionOutside(boxes, node, rowOf(x_old, node), rowOf(x_new, node)));
       },
       Kokkos::Max<double>(largest));
-  space.fence();
   return largest;
 }
 

@@ -187,7 +187,6 @@ void throwIfRepeated(const exec_space& space, const View<const global_id*>& ids,
         }
       },
       num_repeated);
-  space.fence();
   if (num_repeated == 0)
     return;
   const auto host_ids = toHost(ids);
@@ -213,7 +212,6 @@ Content inspect(const exec_space& space, const SweptBoxes& s) {
   Content found;
   Kokkos::parallel_reduce("contact::checkSurface", rangePolicy(space, samples.numRows()),
                           InspectRow{s, samples}, PlusReducer<Content>(found));
-  space.fence();
   return found;
 }
 

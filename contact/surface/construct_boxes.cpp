@@ -46,7 +46,6 @@ void constructNodeBoxes(const exec_space& space, const SweptBoxes& surface, doub
         all.box.include(box);
       },
       PlusReducer<NodeReduction>(result));
-  space.fence();
   boxes.node_box = result.box;
   boxes.num_invalid = result.num_invalid;
   boxes.first_invalid = result.first_invalid;
@@ -66,7 +65,6 @@ void constructFaceBoxes(const exec_space& space, const SweptBoxes& surface, doub
         all.include(box);
       },
       PlusReducer<Box>(boxes.face_box));
-  space.fence();
 }
 
 } // namespace

@@ -23,7 +23,8 @@ struct SweptBoxes {
   View<const double* [3]> coordinates_new;
   // [face][corner], outward normal by the right-hand rule; a triangle repeats a corner
   View<const int* [4]> face_to_nodes;
-  View<const global_id*> node_ids; // [node] 0 or more, each once on a rank
+  // [node] 0 or more, each once on a rank; below 2^60 for enforcement
+  View<const global_id*> node_ids;
   View<const global_id*> face_ids; // [face] likewise
   View<const unsigned char*> node_is_owned; // [node]
   View<const global_id*> node_body; // [node] 0 or more; bodies share no node

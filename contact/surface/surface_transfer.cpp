@@ -135,7 +135,6 @@ void SurfaceTransfer::select(const exec_space& space, const Flags& source, const
         ++sum;
       },
       _num_selected);
-  space.fence();
 }
 
 } // namespace brickwall::contact

@@ -50,7 +50,6 @@ MeshExtremes extremesOf(const exec_space& space, const MeshViews& m, int num_ele
         sum += one;
       },
       PlusReducer<MeshExtremes>(result));
-  space.fence();
   return result;
 }
 
@@ -117,7 +116,6 @@ MotionSums motionOf(const exec_space& space, const HexMesh& mesh, const NodalSta
         }
       },
       PlusReducer<MotionSums>(result));
-  space.fence();
   return result;
 }
 

@@ -26,7 +26,6 @@ NeglectedStrain neglectedStrain(const exec_space& space, MPI_Comm comm, const He
         all += one;
       },
       PlusReducer<NeglectedStrain>(local));
-  space.fence();
   NeglectedStrain largest;
   largest.strain = allReduce(comm, local.strain, MPI_MAX);
   largest.elem = allReduce(comm, local.strain == largest.strain ? local.elem : INT64_MAX, MPI_MIN);

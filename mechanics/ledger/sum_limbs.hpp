@@ -152,7 +152,6 @@ LimbSums<N> sumStrided(const std::string& label, const exec_space& space, std::i
     Kokkos::parallel_reduce(label, rangePolicy(space, pieces),
                             AddPiece<N, Functor>{functor, pieces}, PlusReducer<LimbSums<N>>(sums));
   }
-  space.fence();
   return sums;
 }
 

@@ -53,7 +53,6 @@ void raiseNoiseFloorForRotation(const exec_space& space, MPI_Comm comm, const He
         all.add(turned_inertia, material.density * volume * dot(centre, centre), s.inertia);
       },
       PlusReducer<TurnedSums>(sums));
-  space.fence();
   allReduce(comm, sums);
   const double energy = energies_over_rounding * sums.sum[turned_energy].value(scales.energy);
   const double inertia = sums.sum[turned_inertia].value(scales.inertia);

@@ -96,7 +96,6 @@ double farthestCorner(const exec_space& space, const HexMesh& mesh, const Vec3& 
         }
       },
       Kokkos::Max<double>(square));
-  space.fence();
   return std::sqrt(maxOf(square, 0.0));
 }
 

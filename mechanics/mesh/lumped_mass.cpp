@@ -50,7 +50,6 @@ MassCheck checkMasses(const exec_space& space, const MeshViews& m, int num_elems
           sum.failure.add(m.elem_ids(elem), reason);
       },
       PlusReducer<MassCheck>(check));
-  space.fence();
   return check;
 }
 

@@ -233,7 +233,6 @@ double Lanczos::dot(const Vectors& a, const Vectors& b) const {
       "mechanics::largestFrequency::dot", rangePolicy(_space, _bodies.mesh.num_nodes),
       DotTerms{a, b, _bodies.mass, _bodies.mesh.node_is_owned, 1 / _total_mass, scale},
       PlusReducer<LimbSums<1>>(sum));
-  _space.fence();
   allReduce(_comm, sum);
   return sum.sum[0].value(scale);
 }

@@ -211,7 +211,6 @@ Limits sumOfLimits(const exec_space& space, const char* label, std::int64_t num_
   const std::int64_t parts = (num_elems + items_per_memory - 1) / items_per_memory;
   Kokkos::parallel_reduce(label, rangePolicy(space, parts),
                           AddLimits<LimitsOf>{limits_of, num_elems}, PlusReducer<Limits>(limits));
-  space.fence();
   return limits;
 }
 

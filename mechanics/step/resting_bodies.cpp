@@ -130,7 +130,7 @@ void RestingBodies::wake(const exec_space& space, const NodalForces& forces) {
       "mechanics::RestingBodies::wake", rangePolicy(space, watched.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t i, int& count) {
         int* const flag = &flags(body_of_watched(i));
-        if (Kokkos::atomic_fetch_add(flag, 0) == 0)
+        if (loadShared(*flag) == 0)
           return;
         std::int64_t some = 0;
         for (int column = 0; column < columns; ++column)
@@ -139,7 +139,6 @@ void RestingBodies::wake(const exec_space& space, const NodalForces& forces) {
           count += Kokkos::atomic_exchange(flag, 0);
       },
       woken);
-  space.fence();
   if (woken > 0)
     selectMoving(space);
 }

@@ -212,7 +212,7 @@ contact::EnforcementSums ContactStep::enforce(const contact::StepLengths& steps,
   if (hasForces() && !_enforcement->hasTotals())
     sum_forces(_enforcement->forces());
   shared.finish(_space);
-  restoreForces(forces);
+  storeForces(forces);
   _has_forces_of_search = true;
   _balance.addTime(time.seconds());
   return sums;

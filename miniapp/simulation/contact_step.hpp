@@ -99,7 +99,7 @@ public:
   }
   // Stores the forces of the last enforce() in `forces`, whose columns of contact are zero unless
   // willStoreAllForces(). Collective.
-  void restoreForces(const mechanics::NodalForces& forces) {
+  void storeForces(const mechanics::NodalForces& forces) {
     if (hasForces() || willStoreAllForces()) // otherwise the columns are zero
       _coupling.storeContactForces(_space, _enforcement->touched(), _enforcement->forces(), forces);
   }

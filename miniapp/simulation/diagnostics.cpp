@@ -244,7 +244,6 @@ Checksums checksums(const Simulation& simulation) {
                           HashNode{mesh.node_ids, mesh.node_is_owned,
                                    simulation.state().displacement, simulation.state().velocity},
                           Kokkos::Sum<std::uint64_t>(nodes));
-  space.fence();
   const Checksums of_contacts = contactChecksums(simulation);
   // Signed sums wrap in MPI as unsigned ones do.
   std::int64_t sums[3] = {static_cast<std::int64_t>(nodes),

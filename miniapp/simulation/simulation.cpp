@@ -324,7 +324,7 @@ void Simulation::stepBack() {
   takeSums();
   forces();
   if (_contact)
-    _contact->restoreForces(_forces);
+    _contact->storeForces(_forces);
   _forces.acts[mechanics::contact_force] = _contact != nullptr;
 }
 

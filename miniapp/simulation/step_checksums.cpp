@@ -30,7 +30,6 @@ std::uint64_t hashNodes(const Simulation& simulation, const Columns& values, int
         sum += hash.value();
       },
       Kokkos::Sum<std::uint64_t>(hashes));
-  simulation.space().fence();
   return hashes;
 }
 
@@ -58,7 +57,6 @@ std::uint64_t hashPairs(const Simulation& simulation) {
         }
       },
       Kokkos::Sum<std::uint64_t>(hashes));
-  simulation.space().fence();
   return hashes;
 }
 

@@ -1,6 +1,7 @@
 #include "contact/enforcement/law/check_enforcement_input.hpp"
 
 #include "contact/base/same_on_all_ranks.hpp"
+#include "contact/base/to_device.hpp"
 #include "contact/surface/check_surface.hpp"
 
 #include <cfloat>
@@ -27,6 +28,16 @@ struct Parameter {
   double value;
   Range range;
 };
+
+// Greater ids leave no room for those of edges (edge_surface.cpp).
+void requireRoomForEdgeIds(const View<const global_id*>& ids, const std::string& name) {
+  constexpr global_id limit = global_id(1) << 60;
+  const auto host_ids = toHost(ids);
+  for (std::size_t row = 0; row < host_ids.extent(0); ++row)
+    if (host_ids(row) >= limit)
+      throw InputError(name + "(" + std::to_string(row) + ") = " + std::to_string(host_ids(row)) +
+                       "; expected less than 2^60");
+}
 
 // Collective.
 void checkParameters(MPI_Comm comm, const std::string& function, Scheme scheme,
@@ -77,6 +88,8 @@ void checkEnforcementInput(const exec_space& space, MPI_Comm comm, const std::st
       throw InputError(where + std::to_string(num_words) +
                        " words of attributes per face; expected those of FaceAttributes, " +
                        std::to_string(words_of<FaceAttributes>));
+    requireRoomForEdgeIds(surface.node_ids, where + "node_ids");
+    requireRoomForEdgeIds(surface.face_ids, where + "face_ids");
   });
 }
 

@@ -33,11 +33,12 @@ struct Interaction {
   // 1: an edge contact that continues at fixed points (ContactTest::retain), or releases()
   int is_retained = 0;
 
-  // Of the current step only.
-  bool is_new = true; // activated in this step
-  bool settles = false; // damped as a sliding contact that returned; of all steps, eq. (41)
+  bool is_new = true; // activated in that step
+  bool settles = false; // damped as a sliding contact that returned; eq. (41)
   int node = -1; // surface node (or number of the edge) whose row this is
   int face_index = -1; // own face below num_faces, otherwise ghost face index - num_faces
+
+  // Of the current step only.
   double first_damping = 0; // F_d before the corrections
   double inverse_mass = 0; // 1/m_s + sum N_j^2/m_j, 1/mass
 

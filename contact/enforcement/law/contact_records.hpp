@@ -1,5 +1,5 @@
-// The contact history as records on the host, for restart files: every value that the next step
-// reads, with global ids in place of local numbers.
+// The contact history as records on the host, for restart files: every value that the next step or
+// a report after a restart reads, with global ids in place of local numbers.
 #pragma once
 
 #include "contact/base/to_device.hpp"
@@ -21,7 +21,7 @@ struct ContactRecord {
 };
 
 // Calls visit(name, value) for every value of a record that a restart needs; a value is a double, a
-// Vec3, an array of doubles, an int, a bool or a global_id. The only list of these values.
+// Vec3, an array of doubles, an int, a bool or a global_id.
 template <class Record, class Visit>
 void visitFields(Record& record, const Visit& visit) {
   visit("node", record.node);

@@ -207,7 +207,7 @@ private:
       addTo<Alone>(target.nodes, node, 0, values, sign, lane);
     } else {
       addTo<How>(owners.by_others, node, 0, values, sign, lane);
-      owners.has_others(NodeOwners::blockOf(node)) = 1;
+      storeShared(owners.has_others(NodeOwners::blockOf(node)), static_cast<unsigned char>(1));
     }
   }
   template <class How, class ViewType, class Integers>

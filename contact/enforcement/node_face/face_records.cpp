@@ -28,6 +28,7 @@ void markRequested(const exec_space& space, const CandidatePairs& pairs, const S
         if (sleep.sleeps(block))
           return;
         constexpr int width = CandidatePairs::rows_per_block;
+        constexpr unsigned char set = 1;
         const std::int64_t end = minOf<std::int64_t>((block + 1) * width, pairs.num_rows);
         for (std::int64_t row = block * width; row < end; ++row) {
           const std::int64_t last = pairs.end(row);
@@ -35,11 +36,11 @@ void markRequested(const exec_space& space, const CandidatePairs& pairs, const S
             continue;
           for (std::int64_t p = pairs.begin(row); p < last; ++p)
             if (pairs.faces(p) < num_faces)
-              is_requested(pairs.faces(p)) = 1;
+              storeShared(is_requested(pairs.faces(p)), set);
           const int node = pairs.node(row);
           for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k)
             if (adjacent_faces.rows(k) < num_faces)
-              is_requested(adjacent_faces.rows(k)) = 1;
+              storeShared(is_requested(adjacent_faces.rows(k)), set);
         }
       });
 }

@@ -333,7 +333,7 @@ bool JointProblem::solve() {
   double error = largestError(), t = 1;
   if (error < needless)
     return false;
-  for (int round = 1; !(error < sufficient) && round < max_rounds; ++round) {
+  for (int round = 1; !(error < sufficient) && round <= max_rounds; ++round) {
     const double next_t = (1 + std::sqrt(1 + 4 * t * t)) / 2;
     t = ascend((t - 1) / next_t) ? next_t : 1;
     addAreas();

@@ -27,6 +27,7 @@ struct HashInteraction {
     hash.take(pair.closing);
     hash.take(pair.normal);
     hash.take(pair.is_retained);
+    hash.take(static_cast<int>(pair.is_new));
     hash.take(static_cast<int>(pair.settles));
     hash.take(pair.point.share);
     hash.take(pair.first_force);
@@ -61,7 +62,6 @@ std::uint64_t historyChecksum(const exec_space& space, const View<const global_i
   Kokkos::parallel_reduce("contact::historyChecksum", rangePolicy(space, history.count),
                           HashInteraction{node_ids, history, history.friction.size() > 0},
                           Kokkos::Sum<std::uint64_t>(sum));
-  space.fence();
   return sum;
 }
 

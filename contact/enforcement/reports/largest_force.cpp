@@ -26,7 +26,6 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const SweptBoxes&
         all += one;
       },
       PlusReducer<LeadingPair>(local));
-  space.fence();
   const LeadingPair leader = leaderOfAll(comm, local);
   return {leader.pair, leader.value};
 }

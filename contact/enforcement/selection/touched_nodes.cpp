@@ -45,7 +45,7 @@ void flagGhostsInUse(const exec_space& space, const FaceAccess& faces, const Con
       KOKKOS_LAMBDA(const std::int64_t i) {
         const int face = interactions(i).face_index;
         if (!faces.isOwn(face))
-          flags(faces.ghostOf(face)) = 1;
+          storeShared(flags(faces.ghostOf(face)), static_cast<unsigned char>(1));
       });
 }
 

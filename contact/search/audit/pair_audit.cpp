@@ -97,7 +97,6 @@ std::int64_t countMissedPairs(const exec_space& space, MPI_Comm comm, const Swep
     Kokkos::parallel_reduce("contact::countMissedPairs::count", rangePolicy(space, pairs.num_rows),
                             CountMissed{FaceAccess{surface, ghosts}, pairs, all, count, config},
                             Kokkos::Sum<std::int64_t>(of_root));
-    space.fence();
     missed += of_root;
   }
   return allReduce(comm, missed, MPI_SUM);

@@ -110,7 +110,6 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
   Kokkos::parallel_reduce("contact::FastestPair::find", rangePolicy(space, pairs.num_rows),
                           FindFastest<Pair>{pair_of, pairs, is_fast},
                           PlusReducer<LeadingPair>(local));
-  space.fence();
   const double square = allReduce(comm, local.value, MPI_MAX);
   PairMotion fastest;
   fastest.motion = std::sqrt(square);

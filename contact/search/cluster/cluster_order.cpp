@@ -106,7 +106,6 @@ void sortById(const exec_space& space, const View<const global_id*>& ids, std::i
       "contact::sortById::most", rangePolicy(space, n),
       KOKKOS_LAMBDA(const std::int64_t i, global_id& found) { found = maxOf(found, ids(i)); },
       Kokkos::Max<global_id>(most));
-  space.fence();
   const auto keys = sorted.keys;
   const auto values = sorted.values;
   const auto base = static_cast<std::uint64_t>(least);
@@ -214,7 +213,7 @@ View<int*> placeNodes(const exec_space& space, const SweptBoxes& surface, const 
         for (int corner = 0; corner < 4; ++corner) {
           std::int64_t& of_node = first(face_to_nodes(face, corner));
           const std::int64_t use = 4 * position + corner;
-          if (*const_cast<volatile std::int64_t*>(&of_node) > use) // most uses are not the first
+          if (loadShared(of_node) > use) // most uses are not the first
             Kokkos::atomic_fetch_min(&of_node, use);
         }
       });
@@ -293,7 +292,6 @@ std::int64_t countDescents(const exec_space& space, const SweptBoxes& surface) {
         sum += ordered ? 0 : 1;
       },
       descents);
-  space.fence();
   return descents;
 }
 

@@ -74,7 +74,6 @@ PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
       "contact::ClusterPairs::find",
       dynamicPolicy(space, (find.num_clusters + group_size - 1) / group_size, 8), find,
       PlusReducer<PairCounts>(counts));
-  space.fence();
   return counts;
 }
 

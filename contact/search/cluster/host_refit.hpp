@@ -138,7 +138,6 @@ struct HostRefit {
     const auto num_clusters = static_cast<std::int64_t>(input.owned.extent(0));
     Kokkos::parallel_reduce("contact::SurfaceClusters::nodes", rangePolicy(space, num_clusters),
                             RefitCluster{input}, PlusReducer<RefitSums>(sums));
-    space.fence();
   }
   template <class Input>
   static void refitFaces(const exec_space& space, const Input& input, RefitScratch&, RefitSums&) {

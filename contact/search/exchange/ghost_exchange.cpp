@@ -91,13 +91,6 @@ void takeFaces(const exec_space& space, const View<const std::int64_t*>& words, 
       KOKKOS_LAMBDA(const std::int64_t i) { faces(i) = sent(first + words(i)); });
 }
 
-void copyToDevice(const exec_space& space, const std::vector<std::int64_t>& from,
-                  const View<std::int64_t*>& to) {
-  Kokkos::deep_copy(space, Kokkos::subview(to, std::make_pair(std::size_t(0), from.size())),
-                    Kokkos::View<const std::int64_t*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>(
-                        from.data(), from.size()));
-}
-
 } // namespace
 
 void forward(const exec_space& space, MPI_Comm comm, const PartnerLists& faces_sent,
@@ -153,7 +146,6 @@ void GhostSelection::select(const exec_space& space, MPI_Comm comm, const Partne
     growTo(space, _before, num_ghosts + 1);
     listFlagged(space, "contact::GhostSelection::list", flags, GhostRows{num_ghosts, {}},
                 num_ghosts, _ghosts.rows, _before);
-    growTo(space, _starts, static_cast<std::int64_t>(begins.size()));
     copyToDevice(space, begins, _starts);
     offsetsOfKept(space, _before, _starts, _ghosts);
   }

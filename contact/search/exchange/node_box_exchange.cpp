@@ -48,7 +48,6 @@ void unpackBoxes(const exec_space& space, RemoteNodeBoxes& remote) {
         all.include(box);
       },
       PlusReducer<Box>(remote.all));
-  space.fence();
 }
 
 } // namespace

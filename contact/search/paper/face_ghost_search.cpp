@@ -70,7 +70,6 @@ std::int64_t countDescents(const exec_space& space, const View<const global_id*>
           ++sum;
       },
       descents);
-  space.fence();
   return descents;
 }
 

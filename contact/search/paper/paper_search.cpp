@@ -22,7 +22,6 @@ void appendGhostBoxes(const exec_space& space, const View<const Box*>& own, int 
         sum.include(box);
       },
       PlusReducer<Box>(ghost_box));
-  space.fence();
   all.include(ghost_box);
 }
 

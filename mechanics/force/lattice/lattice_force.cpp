@@ -34,7 +34,6 @@ ForceSums launch(const exec_space& space, const LatticeTables& tables,
                             dynamicPolicy(space, static_cast<std::int64_t>(slabs.extent(0)), 1),
                             LatticeForceFunctor<W>{tables, slabs, arguments, {}},
                             PlusReducer<ForceSums>(sums));
-    space.fence();
   }
   return sums;
 }

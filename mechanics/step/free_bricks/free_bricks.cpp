@@ -49,7 +49,6 @@ BrickSums launch(const exec_space& space, const BrickStepFunctor<W>& functor) {
         "mechanics::FreeBricks::step::slabs",
         dynamicPolicy(space, static_cast<std::int64_t>(functor.slabs.extent(0)), 1), functor,
         PlusReducer<BrickSums>(sums));
-    space.fence();
   }
   return sums;
 }

@@ -130,6 +130,14 @@ TEST_F(EnforcementInHost, EnforcementChecksWhatItIsGiven) {
   expect(where + ": face_ids is missing", [](Given& g) { g.surface.face_ids = {}; });
   expect(where + ": num_nodes is -3", [](Given& g) { g.surface.num_nodes = -3; });
   expect(where + " has 0 rows of node_mass", [](Given& g) { g.node_mass = {}; });
+  expect(where + " has face_ids(0) = 1152921504606846976; expected less than 2^60", [](Given& g) {
+    View<global_id*> ids("test::ids", g.surface.num_faces);
+    const auto host = Kokkos::create_mirror_view(ids);
+    for (int face = 0; face < g.surface.num_faces; ++face)
+      host(face) = (global_id(1) << 60) + face;
+    Kokkos::deep_copy(ids, host);
+    g.surface.face_ids = ids;
+  });
   expect("words of attributes", [](Given& g) {
     g.surface.face_attributes = AttributeWords("test::attributes", g.surface.num_faces, 3);
   });
