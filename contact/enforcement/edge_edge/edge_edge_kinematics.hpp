@@ -288,17 +288,14 @@ struct EdgeEdgeKinematics {
   KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess&, int, const FacePoint&) const {
     return false;
   }
-  KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
-                                        Vec3 (&lever)[2]) const {
-    const Quad one = faces.quad(edgeOf(now.node)), other = faces.quad(now.face_index);
-    dualBasis(one.corner[1] - one.corner[0], other.corner[1] - other.corner[0], P, lever);
-  }
-  // Derivatives of the normal motion by the weights of both edges' second ends.
-  KOKKOS_INLINE_FUNCTION void normalMotionGradient(const FaceAccess& faces, const Interaction& pair,
-                                                   int face, double (&slope)[2]) const {
-    slope[0] = dot(pair.normal,
-                   faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
-    slope[1] = dot(pair.normal, faces.cornerMotion(face, 1) - faces.cornerMotion(face, 0));
+  KOKKOS_INLINE_FUNCTION void findTangents(const FaceAccess& faces, const Interaction& pair,
+                                           int face, Vec3 (&tangent)[2], Vec3 (&motion)[2]) const {
+    const int edges[2] = {edgeOf(pair.node), face};
+    for (int a = 0; a < 2; ++a) {
+      const Quad quad = faces.quad(edges[a]);
+      tangent[a] = quad.corner[1] - quad.corner[0];
+      motion[a] = faces.cornerMotion(edges[a], 1) - faces.cornerMotion(edges[a], 0);
+    }
   }
 
   KOKKOS_INLINE_FUNCTION ContactPoint pointOf(const FaceAccess& faces, int node,

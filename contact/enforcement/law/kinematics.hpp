@@ -58,10 +58,9 @@
 //   fade(config, faces, contact, pair, fading)
 //                                 sets w, multiplies the normal force, fills the fading force; eq.
 //                                 (26)
-//   setLevers(faces, pair, P, lever)
-//                                 P times the dual basis of the face or of both edges; eq. (22)
-//   normalMotionGradient(faces, pair, face, slope)
-//                                 derivatives of the normal motion by the two parameters, length
+//   findTangents(faces, pair, face, tangent, motion)
+//                                 derivatives of the position by the two parameters of the face, or
+//                                 along both edges, and their changes in this step, length
 //   relativeDepth(faces, contact) penetration over the size of the face or edge
 //   record(node, count, deepest)  stores the number of contacts and the largest penetration of the
 //                                 node
@@ -96,8 +95,7 @@ struct KinematicsContract {
   static FaceContact& contact();
   static Interaction& pair();
   static FadingForce& fading();
-  static Vec3 (&lever())[2];
-  static double (&slope())[2];
+  static Vec3 (&vectors())[2];
   static constexpr ContactTest activate = ContactTest::activate;
   template <class Found, class Needed>
   static constexpr bool is = std::is_same<Found, Needed>::value;
@@ -125,8 +123,7 @@ struct KinematicsContract {
   static_assert(is<decltype(k().mayFade(contact())), bool>);
   static_assert(is<decltype(k().fadeWeightOf(faces(), 0, contact())), double>);
   static_assert(is<decltype(k().fade(config(), faces(), contact(), pair(), fading())), void>);
-  static_assert(is<decltype(k().setLevers(faces(), pair(), 1.0, lever())), void>);
-  static_assert(is<decltype(k().normalMotionGradient(faces(), pair(), 0, slope())), void>);
+  static_assert(is<decltype(k().findTangents(faces(), pair(), 0, vectors(), vectors())), void>);
   static_assert(is<decltype(k().relativeDepth(faces(), contact())), double>);
   static_assert(is<decltype(k().record(0, 1, 0.0)), void>);
 };

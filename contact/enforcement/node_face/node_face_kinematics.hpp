@@ -243,28 +243,17 @@ struct NodeFaceKinematics : NodeSurface {
     return point.gap >= 0 &&
            fadeRegionOf(faces, face, faces.quad(face)).covers(point, lateral_tolerance);
   }
-  KOKKOS_INLINE_FUNCTION void setLevers(const FaceAccess& faces, const Interaction& now, double P,
-                                        Vec3 (&lever)[2]) const {
-    double along_xi[4], along_eta[4];
-    shapeDerivatives(now.weight, along_xi, along_eta);
-    const Quad quad = faces.quad(now.face_index);
-    Vec3 t_xi, t_eta;
+  KOKKOS_INLINE_FUNCTION void findTangents(const FaceAccess& faces, const Interaction& pair,
+                                           int face, Vec3 (&tangent)[2], Vec3 (&motion)[2]) const {
+    double along[2][4];
+    shapeDerivatives(pair.weight, along[0], along[1]);
+    const Quad quad = faces.quad(face);
     for (int j = 0; j < 4; ++j) {
-      t_xi += along_xi[j] * quad.corner[j];
-      t_eta += along_eta[j] * quad.corner[j];
-    }
-    dualBasis(t_xi, t_eta, P, lever);
-  }
-  // Derivatives of the normal motion by xi and eta.
-  KOKKOS_INLINE_FUNCTION void normalMotionGradient(const FaceAccess& faces, const Interaction& pair,
-                                                   int face, double (&slope)[2]) const {
-    double along_xi[4], along_eta[4];
-    shapeDerivatives(pair.weight, along_xi, along_eta);
-    slope[0] = slope[1] = 0;
-    for (int j = 0; j < 4; ++j) {
-      const double motion = dot(pair.normal, faces.cornerMotion(face, j));
-      slope[0] += along_xi[j] * motion;
-      slope[1] += along_eta[j] * motion;
+      const Vec3 of_corner = faces.cornerMotion(face, j);
+      for (int a = 0; a < 2; ++a) {
+        tangent[a] += along[a][j] * quad.corner[j];
+        motion[a] += along[a][j] * of_corner;
+      }
     }
   }
 

@@ -56,15 +56,6 @@ struct EnforcementStep {
                        faces.nodeMotion(pair.point.node[1]) - faces.nodeMotion(pair.point.node[0]));
   }
 
-  // Motion that the friction force works on: that of the node, and the normal motion of the face's
-  // corners, which the balancing forces work on; eq. (23).
-  KOKKOS_INLINE_FUNCTION Vec3 slipOf(const FrictionSpring& friction, const Vec3& motion,
-                                     const Interaction& pair, int face) const {
-    double slope[2];
-    kinematics.normalMotionGradient(faces, pair, face, slope);
-    return motion - slope[0] * friction.lever[0] - slope[1] * friction.lever[1];
-  }
-
   // Records the work of the last step's forces over the half steps before and after them; this
   // step's motion is the second of these. Returns the work done on the contact's spring, dt F n .
   // (v^{n-1/2} + v^{n+1/2})/2, with its fading part. `closing_now` is the approach of this step
@@ -96,11 +87,14 @@ struct EnforcementStep {
                                                  ContactSums& sums) const {
     const Interaction& last = previous.interactions(index);
     const FrictionSpring& friction = previous.friction(index);
+    Vec3 tangent[2], tangent_motion[2];
+    kinematics.findTangents(faces, last, last_face, tangent, tangent_motion);
+    const Vec3 slip = slipOf(friction, motion, last.normal, tangent_motion);
     const double kick = 0.5 * (law.previous_dt + law.dt);
     sums.terms.add(friction_work,
                    kick * 0.5 *
                        (dot(friction.force, friction.motion) / law.previous_dt +
-                        dot(friction.force, slipOf(friction, motion, last, last_face)) / law.dt),
+                        dot(friction.force, slip) / law.dt),
                    energy_scale);
   }
 

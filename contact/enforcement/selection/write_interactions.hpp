@@ -299,17 +299,21 @@ private:
     friction.stiffness = step.law.config.friction_stiffness * now.stiffness;
     if (!(now.depth > 0 && friction.stiffness > 0) || now.is_retained)
       return; // nearly parallel edges could not balance the couple of a force across both
-    step.kinematics.setLevers(step.faces, now, penetration, friction.lever);
+    Vec3 tangent[2], tangent_motion[2];
+    step.kinematics.findTangents(step.faces, now, now.face_index, tangent, tangent_motion);
+    dualBasis(tangent, penetration, friction.lever);
     friction.motion =
-        tangentialPart(step.slipOf(friction, motion, now, now.face_index), now.normal);
+        tangentialPart(slipOf(friction, motion, now.normal, tangent_motion), now.normal);
+    const double half_turn = halfTurnOf(tangent, tangent_motion, now.normal);
     Vec3 rotated;
     if (previous >= 0) {
       const FrictionSpring& last = step.previous.friction(previous);
-      rotated = rotateToPlane(last.force, now.normal);
+      rotated = turnInPlane(rotateToPlane(last.force, now.normal), now.normal, half_turn);
       if (friction.stiffness < last.stiffness) // at equal stored energy
         rotated = std::sqrt(friction.stiffness / last.stiffness) * rotated;
     }
-    friction.trial = rotated - friction.stiffness * friction.motion;
+    friction.trial =
+        trialForce(rotated, friction.stiffness, friction.motion, now.normal, half_turn);
     friction.force =
         returnMap(friction.trial, step.law.config.friction * (now.force + now.damping));
     sums.terms.add(friction_stored, 0.5 * dot(rotated, friction.force) / friction.stiffness,

@@ -94,6 +94,59 @@ TEST(Friction, RotatesWithTheContact) {
   EXPECT_EQ(norm(returnMap({3, 4, 0}, 0)), 0);
 }
 
+TEST(Friction, TurnsWithTheBodies) {
+  auto run = pressedBlock(rough());
+  run->scene.step();
+  run->scene.move(1, {0.004, 0, 0});
+  run->step();
+  const double angle = 0.3; // a step, about the normal
+  for (int step = 1; step <= 3; ++step) {
+    run->scene.step();
+    for (Vec3& x : run->scene.x_new)
+      x = {std::cos(angle) * x.x - std::sin(angle) * x.y,
+           std::sin(angle) * x.x + std::cos(angle) * x.y, x.z};
+    const auto force = run->step();
+    double sum[3] = {};
+    for (std::size_t i = 0; i < force.size(); ++i)
+      if (run->scene.node_body[i] == 1)
+        for (int d = 0; d < 3; ++d)
+          sum[d] += static_cast<double>(force[i][d]);
+    EXPECT_NEAR(sum[0] / sum[2], -0.2 * std::cos(step * angle), 1e-12) << step;
+    EXPECT_NEAR(sum[1] / sum[2], -0.2 * std::sin(step * angle), 1e-12) << step;
+  }
+}
+
+TEST(Friction, TheTurnOfAFaceIsExactForRigidRotationsAboutItsNormal) {
+  const Vec3 normal = {0, 0.6, 0.8}, across = {1, 0, 0}, along = cross(normal, across);
+  const auto at = [&](double angle, double size) {
+    return size * (std::cos(angle) * across + std::sin(angle) * along);
+  };
+  const Vec3 now[2] = {at(0.9, 2), at(2.1, 3)}, before[2] = {at(0.2, 2), at(1.4, 3)};
+  const Vec3 motion[2] = {now[0] - before[0], now[1] - before[1]};
+  EXPECT_NEAR(halfTurnOf(now, motion, normal), std::tan(0.35), 1e-15);
+  EXPECT_NEAR(norm(turnInPlane(before[0], normal, std::tan(0.35)) - now[0]), 0, 1e-15);
+  EXPECT_NEAR(halved(std::tan(0.35)), std::tan(0.175), 1e-16);
+}
+
+// The slip is along and across the force by turns, so that a first-order error would add up.
+TEST(Friction, ASpringThatTurnsKeepsItsEnergy) {
+  const Vec3 normal = {0, 0, 1};
+  const double stiffness = 2, theta = 0.01;
+  Vec3 force = {1, 0, 0};
+  double work = 0, bound = 0;
+  const double start = dot(force, force);
+  for (int step = 0; step < 1000; ++step) {
+    const Vec3 slip = 0.01 * cross(normal, force), last = force;
+    const double half_turn = std::tan(0.5 * (step % 2 == 0 ? theta : -theta));
+    const Vec3 rotated = turnInPlane(last, normal, half_turn);
+    force = trialForce(rotated, stiffness, (step % 2 == 0 ? 1 : -1) * slip, normal, half_turn);
+    work += 0.5 * dot(last + force, (step % 2 == 0 ? 1 : -1) * slip);
+    bound += 0.125 * theta * theta * (norm(last) + norm(force)) * norm(slip);
+  }
+  EXPECT_NEAR(work, (start - dot(force, force)) / (2 * stiffness), bound);
+  EXPECT_LT(bound, 0.01 * 1000 * 0.5 * theta * 0.01); // of the first-order error
+}
+
 // Drags to and fro: the recorded work is that of friction, and the stored energy is returned.
 TEST(Friction, RecordsItsWorkAndItsStoredEnergy) {
   auto run = pressedBlock(rough());
