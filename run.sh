@@ -136,6 +136,7 @@ while [[ $# -gt 0 ]]; do
     --no-picture) picture=no; shift ;;
     --oversubscribe) oversubscribe=yes; shift ;;
     --no-output) writes=no; program_options+=("$1"); shift ;;
+    -q | --quiet | --checksums | --version) program_options+=("$1"); shift ;;
     --) shift; program_options+=("$@"); break ;;
     --set | --steps | --timing | --time-limit | --restart | --extend-to) value_of "$@"; program_options+=("$1" "$2"); shift 2 ;;
     -*) program_options+=("$1"); shift ;;
@@ -194,7 +195,7 @@ cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true
 
 # Each rank gets its share of the physical cores.
 cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l || true)
-usable=$(nproc)
+usable=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 [[ $cores -ge 1 && $cores -le $usable ]] || cores=$usable
 if [[ -z $threads ]]; then
   threads=$((cores / ranks))
@@ -291,7 +292,9 @@ trap - INT TERM HUP USR1 USR2
 # The launcher is quiet, so this is the only message about a crash.
 if [[ $code -ge 128 ]]; then
   echo "run.sh: signal $((code - 128)) ended $program" >&2
-  [[ ! -d $output/checkpoints ]] || echo "run.sh: --restart latest continues the run from its last checkpoint" >&2
+  if [[ -n $(find "$output/checkpoints" -newer "$started" 2>/dev/null) ]]; then
+    echo "run.sh: --restart latest continues the run from its last checkpoint" >&2
+  fi
 fi
 
 # Removes rank files of earlier runs with another number of ranks, and joins those of this run.

@@ -191,11 +191,13 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const double dt = simulation.clock().dt;
   const std::int64_t num_steps = simulation.steps().plannedSteps(),
                      num_small_elems = scene.part.num_global_elems;
+  Config planned = config; // ends with the last step that time.steps allows
+  planned.time.end = std::min(config.time.end, static_cast<double>(num_steps) * dt);
   const bool all_congruent = specialElements(simulation).congruent == num_small_elems;
   const auto skipped = skippedWork(small, simulation, contactCounts(simulation), num_small_elems);
   const Magnitudes magnitudes = magnitudesOf(comm, config, scene, dt);
   for (const auto& warnings : {loadWarnings(comm, config, scene.part, dt),
-                               absurdMagnitudes(config, magnitudes, num_steps)})
+                               absurdMagnitudes(planned, magnitudes, num_steps)})
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   const int ranks = sizeOf(comm);
   const SceneCounts counts = countsOf(config, scene);
@@ -225,8 +227,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   printTimeStep(config, simulation);
   printSkipped(config, skipped);
   std::printf("  steps             %lld to time %g\n", static_cast<long long>(num_steps),
-              config.time.end);
-  printMagnitudes(config, magnitudes);
+              planned.time.end);
+  printMagnitudes(planned, magnitudes);
   // brickwall_study/problem_size.py reads this line.
   std::printf("  memory            %.0f MB per rank on %d rank(s), of which %.0f MB %s\n",
               1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device,

@@ -28,9 +28,10 @@ constexpr const char* description =
     "a limit of the deck is broken, 4 an output could not be written, 5 a signal or --time-limit\n"
     "ended the run early: --restart latest continues it.";
 
-constexpr const char* footer =
-    "Options --kokkos-* go to Kokkos, such as --kokkos-num-threads=2 (--kokkos-threads=2 in\n"
-    "Kokkos 3).";
+// As this Kokkos spells it.
+const std::string threads_option =
+    KOKKOS_VERSION < 30700 ? "--kokkos-threads" : "--kokkos-num-threads";
+const std::string footer = "Options --kokkos-* go to Kokkos, such as " + threads_option + "=2.";
 
 bool startsWith(const std::string& text, const std::string& prefix) {
   return text.compare(0, prefix.size(), prefix) == 0;
@@ -45,6 +46,11 @@ Command commandOf(const std::string& word) {
 
 bool isCommand(const std::string& word) {
   return word == "run" || word == "check" || word == "mesh" || word == "search";
+}
+
+// Whether the text is an integer from 1 to 10^15 - 1.
+bool isCount(const std::string& text) {
+  return std::regex_match(text, std::regex("[1-9]\\d{0,14}"));
 }
 
 // Seconds of hh:mm:ss; nothing for another form.
@@ -112,7 +118,9 @@ void addOptions(CLI::App& app, Arguments& given, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--steps", given.steps, "end after N steps (--set time.steps=N)")
       ->option_text("N")
-      ->check(CLI::Range(std::int64_t(1), std::int64_t(1000000000000000)));
+      ->check([](const std::string& text) {
+        return isCount(text) ? "" : "found \"" + text + "\", expected an integer of at least 1";
+      });
   app.add_option("--time-limit", given.time_limit,
                  "end the run after this wall clock time, with output and a checkpoint")
       ->type_name("HH:MM:SS");
@@ -149,6 +157,10 @@ std::string takeWords(int argc, const char* const* argv, std::vector<std::string
     if (word.empty() || (startsWith(word, "--") && word.find('=') + 1 == word.size()))
       return "found \"" + word + "\"" + (i > 1 ? std::string(" after ") + argv[i - 1] : "") +
              ", expected a value";
+    // Kokkos divides by the number of threads.
+    if (startsWith(word, threads_option + "=") && !isCount(word.substr(word.find('=') + 1)))
+      return threads_option + ": found \"" + word.substr(word.find('=') + 1) +
+             "\", expected an integer of at least 1";
     if (startsWith(word, "--kokkos-"))
       options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
     else

@@ -46,7 +46,8 @@ std::vector<RankValue> loadOfRank(const Simulation& simulation, const PhaseRecor
 void judgeNumbers(RunReport& report) {
   if (report.has_load && report.steps > 0 && report.balance.peak_total == 0)
     report.warnings.push_back(
-        "the loads have moved nothing: their forces on nodes are below the rounding of forces");
+        "the loads have moved nothing: their forces on nodes are below the rounding of forces, or "
+        "act on nodes with prescribed motion only");
   if (report.balance.peak_total > 0 && !report.balance.is_above_noise)
     report.warnings.push_back(
         format("the energy of the run, at most %.3g, is within the rounding of forces and "
@@ -71,6 +72,7 @@ RunReport runReport(MPI_Comm comm, const Config& config, const Scene& scene,
                     const Simulation& simulation, const PhaseRecorder& recorder) {
   RunReport report;
   report.title = config.title;
+  report.units = nameOf(config.units);
   report.provenance = describeRun(comm);
   report.elements = scene.part.num_global_elems;
   report.nodes = scene.part.num_global_nodes;

@@ -282,8 +282,10 @@ std::string describeFailure(const Simulation& simulation) {
   message << "the computation broke down in step " << clock.step << " (time " << clock.time
           << "): ";
   if (failure.count > 0)
-    message << EntityNames(comm, simulation.scene().part).element(failure.first_elem) << " "
-            << mechanics::describe(failure);
+    message
+        << EntityNames(comm, simulation.scene().part).element(failure.first_elem) << " "
+        << mechanics::describe(failure)
+        << "; in strongly deformed bodies a smaller time.check_interval or time.safety may help";
   else if (sums.failures() > 0)
     message << (sums.nodes.failures() > 0 ? sums.nodes : sums.edges).problem()
             << (sums.nodes.invalid + sums.edges.invalid > 0 ? describeLargestForce(simulation)

@@ -61,6 +61,20 @@ TEST(CommandLine, TakesCommandDeckAndOptionsInAnyOrder) {
   EXPECT_EQ(line.options->timing, Timing::paper);
 }
 
+TEST(CommandLine, CountsAreIntegersOfAtLeastOne) {
+  for (const char* value : {"0", "-4", "abc", "1e3", "1.5", "99999999999999999999"}) {
+    const std::string found =
+        "found \"" + std::string(value) + "\", expected an integer of at least 1";
+    EXPECT_NE(parse({"--steps", value}).text.find(found), std::string::npos) << value;
+    // one of the two spellings is that of this Kokkos
+    const std::string old = std::string("--kokkos-threads=") + value,
+                      present = std::string("--kokkos-num-threads=") + value;
+    const CommandLine line = parse({old.c_str(), present.c_str()});
+    EXPECT_EQ(line.exit_code, 2) << value;
+    EXPECT_NE(line.text.find(found), std::string::npos) << line.text;
+  }
+}
+
 TEST(CommandLine, TakesTheDeckWithoutACommand) {
   const CommandLine line = parse({"a.toml"});
   ASSERT_TRUE(line.options.has_value());
