@@ -221,8 +221,12 @@ struct CheckpointConfig {
   bool any() const { return steps || minutes; }
 };
 
+// A row of the table of consistent units in reference.md; none: unknown, or dimensionless.
+enum class UnitSystem { m_kg_s, mm_t_s, mm_kg_ms, cm_g_us, none };
+
 struct Config {
   std::string title;
+  UnitSystem units = UnitSystem::m_kg_s;
   std::optional<WallConfig> wall; // exactly one of wall and mesh is given
   std::optional<MeshConfig> mesh;
   std::vector<MaterialConfig> materials;

@@ -23,7 +23,7 @@ constexpr const char* introduction =
     "`<deck>.resolved.toml` in the output folder holds the values of all keys of a run.\n"
     "\n## Units\n\n"
     "The program converts nothing: with the units of one row for all values, results are in that "
-    "row too. Wall clock times stay in seconds.\n"
+    "row too. Wall clock times stay in seconds. The key `units` names the row for labels.\n"
     "Mind the density, of which water has 1000 kg/m3 = 1e-9 t/mm3 = 1e-6 kg/mm3 = 1 g/cm3, and "
     "gravity. `brickwall check` compares wave speeds with them.\n\n"
     "| length | mass | time | force | stress | energy | velocity | steel (nu = 0.3): density | "

@@ -13,6 +13,9 @@ using io::Deck;
 
 void topKeys(BlockKeys& keys, Config& config) {
   keys.add("title", config.title, "one line about the problem; it stands in reports and results");
+  keys.add("units", config.units,
+           "units of length, mass and time for the labels of reports and pictures; nothing is "
+           "converted");
 }
 
 void wallKeys(BlockKeys& keys, WallConfig& wall) {

@@ -2,6 +2,13 @@
 
 namespace brickwall::miniapp {
 
+Words<UnitSystem> wordsOf(UnitSystem) {
+  return {{"m-kg-s", UnitSystem::m_kg_s},
+          {"mm-t-s", UnitSystem::mm_t_s},
+          {"mm-kg-ms", UnitSystem::mm_kg_ms},
+          {"cm-g-us", UnitSystem::cm_g_us},
+          {"none", UnitSystem::none}};
+}
 Words<io::WallEnds> wordsOf(io::WallEnds) {
   return {{"flush", io::WallEnds::flush}, {"ragged", io::WallEnds::ragged}};
 }

@@ -24,6 +24,7 @@ template <class Enum>
 using Words = std::vector<Word<Enum>>;
 
 // In the order in which `brickwall --keys` lists them.
+Words<UnitSystem> wordsOf(UnitSystem);
 Words<io::WallEnds> wordsOf(io::WallEnds);
 Words<mechanics::MaterialModel> wordsOf(mechanics::MaterialModel);
 Words<Formulation> wordsOf(Formulation);

@@ -280,6 +280,7 @@ std::string reportJson(const RunReport& r) {
   json["schema"] = "brickwall-report-1";
   json["case"] = r.case_name;
   json["title"] = r.title;
+  json["units"] = r.units;
   json["command"] = "run";
   json["options"] = r.options;
   addProvenance(json, r.provenance);
@@ -340,7 +341,7 @@ namespace {
 
 void printTables(std::ostream& out, const RunReport& r) {
   printHeading(out, r.case_name,
-               format("%lld elements, %lld nodes, %lld faces, %lld steps to %.6g s", r.elements,
+               format("%lld elements, %lld nodes, %lld faces, %lld steps to time %.6g", r.elements,
                       r.nodes, r.faces, r.steps, r.end_time),
                r.provenance, r.max_rank_bytes);
   printTable(out, "phase, in steps after the first", r.phases);

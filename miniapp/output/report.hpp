@@ -61,7 +61,7 @@ struct SkippedPart {
 };
 
 struct RunReport {
-  std::string case_name, title;
+  std::string case_name, title, units;
   std::vector<std::string> options; // of the command line that change the times, as typed
   Provenance provenance;
   std::int64_t elements = 0, nodes = 0, faces = 0; // all ranks

@@ -32,7 +32,7 @@ def main(arguments):
 def run(options):
     files = RunFiles(options.run)
     if options.history or options.phases:
-        figure = draw_history(files.history(), files.title()) if options.history else phases(files)
+        figure = draw_history(files.history(), files.title(), files.units(options.units)) if options.history else phases(files)
         path = options.output or files.folder / ("history.png" if options.history else "phases.png")
         writing(path, lambda: save(figure, path))
     else:
@@ -41,7 +41,7 @@ def run(options):
             print_fields(results)
             return
         path = options.output or files.base.with_name(files.base.name + ".png")
-        draw(results, options, path)
+        draw(results, options, path, files.units(options.units))
     print(path)
 
 
@@ -55,10 +55,10 @@ def phases(files):
         raise PlotError(f"{files.folder / 'report.json'}: a field is of another kind: {error}") from None
 
 
-def draw(results, options, path):
+def draw(results, options, path, units):
     scene = Scene(results, options.field, options.scale, cut_plane(options), options.arrows)
     steps = chosen_steps(results, options)
-    pictures = Pictures(scene, steps, options, SAMPLES_OF_ANIMATIONS if options.animates else SAMPLES)
+    pictures = Pictures(scene, steps, options, SAMPLES_OF_ANIMATIONS if options.animates else SAMPLES, units)
     frames = (pixels(pictures.draw(step)) for step in steps)
     if options.animates:
         write = write_mp4 if path.suffix.lower() == ".mp4" else write_gif

@@ -11,7 +11,7 @@ from .camera import Camera
 from .colours import colour_map
 from .errors import PlotError
 from .painter import Canvas, Painter
-from .units import round_below, scaled, unit_of
+from .units import quantity_of, round_below
 
 INK, GREY = "#1a1717", "#5c5757"
 LONGEST_ARROW = 0.07  # over the diagonal of the picture
@@ -22,8 +22,8 @@ NO_COLOUR = np.array([[241, 230, 211]], dtype=np.uint8)  # of a mesh without ste
 class Pictures:
     """Draws steps of a scene with options of the command line (options.py)."""
 
-    def __init__(self, scene, steps, options, samples):
-        self.scene, self.options = scene, options
+    def __init__(self, scene, steps, options, samples, units):
+        self.scene, self.options, self.units = scene, options, units
         self.width, self.height = options.size
         self._choose_view(steps, samples)
         shades = self._choose_colours(steps) if scene.field else NO_COLOUR
@@ -57,7 +57,7 @@ class Pictures:
                 raise PlotError(f"{self.scene.results.paths[0]}: {name} has no finite values here")
             self.range = (low, high) if high > low else (low, low + (abs(low) or 1.0))
         self.map = colour_map(options.colours, *self.range)
-        self.factor, unit = scaled(unit_of(name), max(map(abs, self.range)))
+        self.factor, unit = self.units.scaled(quantity_of(name), max(map(abs, self.range)))
         self.label = self.scene.label() + (f" ({unit})" if unit else "")
         if options.label:
             self.factor, self.label = 1.0, options.label
@@ -87,9 +87,9 @@ class Pictures:
         figure.text(0.04, 0.953, title, fontsize=15, weight="semibold", va="center", color=INK)
         times, notes = self.scene.results.times, []
         if len(times):
-            factor, unit = scaled("s", abs(times).max())
+            factor, unit = self.units.scaled("time", abs(times).max())
             digits = max(0, 4 - len(f"{abs(times).max() * factor:.0f}"))
-            notes.append(f"t = {times[step] * factor:.{digits}f} {unit}")
+            notes.append(f"t = {times[step] * factor:.{digits}f} {unit}".rstrip())
         if self.scene.displacement is None:
             notes.append("undeformed: the file has no displacement")
         elif self.scene.scale != 1:
@@ -132,7 +132,7 @@ class Pictures:
             return
         # The key: an arrow of a round value.
         value = round_below(self.longest)
-        factor, unit = scaled(unit_of(self.scene.arrows), value)
+        factor, unit = self.units.scaled(quantity_of(self.scene.arrows), value)
         end = np.array([[0.97 * self.width, 0.962 * self.height]])
         overlay.add_collection(arrow_shapes(end - [value * length * self.canvas.scale, 0], end, thickness))
         overlay.text(end[0, 0], end[0, 1] - 14 * thickness, f"{self.scene.arrows.replace('_', ' ')}: {value * factor:g} {unit}".rstrip(),

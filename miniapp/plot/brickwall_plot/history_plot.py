@@ -2,41 +2,42 @@
 import numpy as np
 
 from .style import COLOURS, new_figure
-from .units import scaled
 
 TOTAL = "total energy, one step earlier"
-# Panels: title, unit, logarithmic, {column or vector: label}. Columns that a run lacks, or that are zero throughout, are
+# Panels: title, quantity, logarithmic, {column or vector: label}. Columns that a run lacks, or that are zero throughout, are
 # left out, and components below a thousandth of the largest.
 PANELS = (
-    ("Energy balance", "J", False, {"external_work": "external work", "total_energy": TOTAL, "kinetic_energy": "kinetic",
+    ("Energy balance", "energy", False, {"external_work": "external work", "total_energy": TOTAL, "kinetic_energy": "kinetic",
                                     "internal_energy": "internal", "dissipated_energy": "dissipated"}),
-    ("Stored and dissipated energies", "J", True, {
+    ("Stored and dissipated energies", "energy", True, {
         "internal_energy": "internal", "hourglass_energy": "hourglass, part of internal", "contact_energy": "contact",
         "friction_energy": "friction springs", "edge_energy": "edge contact", "dissipated_energy": "dissipated"}),
     ("Error measures: largest difference over scale, so far", "", True, {"energy_error": "energy", "stored_error": "stored energy",
                                                   "contact_error": "contact energy", "momentum_error": "momentum",
                                                   "angular_momentum_error": "angular momentum"}),
-    ("Momentum and impulses", "N s", False, {"momentum": "momentum", "impulse_load": "loads", "impulse_gravity": "gravity",
+    ("Momentum and impulses", "momentum", False, {"momentum": "momentum", "impulse_load": "loads", "impulse_gravity": "gravity",
                                              "impulse_reaction": "reactions", "impulse_damping": "damping"}),
-    ("Angular momentum", "N m s", False, {"angular_momentum_x": "x", "angular_momentum_y": "y", "angular_momentum_z": "z"}),
+    ("Angular momentum", "angular momentum", False, {"angular_momentum_x": "x", "angular_momentum_y": "y", "angular_momentum_z": "z"}),
     ("Contacts", "", False, {"contacts": "under load", "lost_contacts": "lost since the start",
                              "missed_pairs": "missed pairs since the start"}),
     ("Largest penetration over face size", "", True, {"max_penetration": ""}),
-    ("Length of the step", "s", False, {"timestep": ""}),
+    ("Length of the step", "time", False, {"timestep": ""}),
 )
 STYLES = {"external work": {"color": "#c9c4be", "linewidth": 5.0}, TOTAL: {"color": "#1a1717", "linestyle": "--"}}
 
 
-def draw_history(columns, title):
+def draw_history(columns, title, units):
     """The figure of {column: list}."""
     figure, panels = new_figure(4, 2, (11, 13))
     columns = {name: np.array(values) for name, values in columns.items()}
-    factor, unit = scaled("s", columns["time"].max())
+    factor, unit = units.scaled("time", columns["time"].max())
+    time_label = f"time ({unit})" if unit else "time"
     time = columns["time"] * factor
     half = columns["timestep"] / 2 * factor if "timestep" in columns else 0 * time
-    for axes, (name, axis_unit, logarithmic, lines) in zip(panels, PANELS):
-        drawn, is_ledger = _lines(columns, lines), axis_unit not in ("", "s")
-        scale, axis_unit = (1, axis_unit) if logarithmic else scaled(axis_unit, max((abs(v).max() for v, *_ in drawn), default=0))
+    for axes, (name, quantity, logarithmic, lines) in zip(panels, PANELS):
+        drawn, is_ledger = _lines(columns, lines), quantity not in ("", "time")
+        largest = max((abs(v).max() for v, *_ in drawn), default=0)
+        scale, axis_unit = (1, units.of(quantity)) if logarithmic else units.scaled(quantity, largest)
         for values, label, style in drawn:
             # The ledger is that of the half step after t, but its total energy that of the one before (miniapp/output.md).
             shift = 0 * half if not is_ledger else -half if label == TOTAL else half
@@ -46,7 +47,7 @@ def draw_history(columns, title):
         elif drawn and min(values.min() for values, *_ in drawn) >= 0:
             axes.set_ylim(0, 1.05 * scale * max(values.max() for values, *_ in drawn))
         axes.set_title(name, fontsize=11, loc="left")
-        axes.set(xlabel=f"time ({unit})" + ", at half steps" * is_ledger, ylabel=axis_unit)
+        axes.set(xlabel=time_label + ", at half steps" * is_ledger, ylabel=axis_unit)
         if time[-1] > time[0]:
             axes.set_xlim(time[0], time[-1])
         if not drawn:

@@ -6,6 +6,7 @@ import numpy as np
 
 from .camera import VIEWS
 from .errors import PlotError
+from .units import SYSTEMS
 
 EPILOG = """examples:
   brickwall-plot out/brick_wall --list                        steps and fields
@@ -18,7 +19,7 @@ EPILOG = """examples:
   brickwall-plot out/brick_wall --phases                      times of the stages of a step
   brickwall-plot results.exo.4.0                              the files of all four ranks, joined or not
 
-Units are SI; --label names others. Exit codes: 0 success, 2 faulty input or command line."""
+Units are those of the deck (its key units). Exit codes: 0 success, 2 faulty input or command line."""
 ANIMATIONS, PICTURES, PLOTS = (".mp4", ".gif"), (".png",), (".png", ".pdf", ".svg")
 
 
@@ -57,6 +58,7 @@ def parse(arguments):
     view.add_argument("--range", type=pair, metavar="LOW,HIGH", help="limits of the colours (default: those of all steps drawn)")
     view.add_argument("--colours", metavar="NAME", help="colour map of matplotlib, such as viridis (default: sand to plum; with both "
                       "signs night to sand to plum)")
+    view.add_argument("--units", choices=SYSTEMS, help="units of the labels (default: those in report.json, or m-kg-s)")
     view.add_argument("--label", help="label of the colours, without change of the unit")
     view.add_argument("--title", help="default: the title in the file")
     view.add_argument("--outline", type=finite, default=1.2, metavar="WIDTH", help="of the outlines of bricks; 0 for none "

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 from .errors import PlotError
+from .units import SI, Units
 
 RANK_FILE = re.compile(r"(.+)\.(\d+)\.(\d+)")
 
@@ -29,6 +30,11 @@ class RunFiles:
     def title(self):
         """The title of the run, or the name of its folder."""
         return self.report().get("title", "") if (self.folder / "report.json").exists() else self.folder.resolve().name
+
+    def units(self, chosen=None):
+        """The Units that are chosen, or those of the deck; without a report SI."""
+        has_report = (self.folder / "report.json").exists()
+        return Units(chosen or (self.report().get("units", SI) if has_report else SI))
 
     def exodus(self):
         """The joined file, or the files of all ranks, in the order of ranks."""

@@ -1,24 +1,50 @@
-"""Labels of fields with SI units and prefixes. Decks in other units need labels of their own (--label)."""
+"""Labels of fields with the units of the deck, and prefixes in SI."""
 import numpy as np
 
-UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²", "force": "N", "stress": "Pa", "principal": "Pa",
-         "von_mises": "Pa", "pressure": "Pa", "contact_pressure": "Pa", "energy_density": "J/m³", "strain_energy": "J",
-         "contact_gap": "m", "slip_velocity": "m/s", "slip_distance": "m", "search_time": "s"}
+# The rows of the table in miniapp/deck/reference.md.
+SYSTEMS = {"m-kg-s": {"length": "m", "time": "s", "velocity": "m/s", "force": "N", "stress": "Pa", "energy": "J"},
+           "mm-t-s": {"length": "mm", "time": "s", "velocity": "mm/s", "force": "N", "stress": "MPa", "energy": "mJ"},
+           "mm-kg-ms": {"length": "mm", "time": "ms", "velocity": "m/s", "force": "kN", "stress": "GPa", "energy": "J"},
+           "cm-g-us": {"length": "cm", "time": "µs", "velocity": "10⁴ m/s", "force": "10⁷ N", "stress": "Mbar", "energy": "10⁵ J"},
+           "none": {}}
+SI = "m-kg-s"
+QUANTITIES = {"displacement": "length", "velocity": "velocity", "acceleration": "acceleration", "force": "force", "stress": "stress",
+              "principal": "stress", "von_mises": "stress", "pressure": "stress", "contact_pressure": "stress",
+              "energy_density": "energy/volume", "strain_energy": "energy", "contact_gap": "length", "slip_velocity": "velocity",
+              "slip_distance": "length", "search_time": "wall clock"}
 PREFIXES = {1e9: "G", 1e6: "M", 1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n"}
 
 
-def unit_of(name):
-    """The SI unit of a field of the program, or ""."""
-    return next((unit for start, unit in UNITS.items() if name.startswith(start)), "")
+class Units:
+    """The units of a system of SYSTEMS."""
+
+    def __init__(self, system=SI):
+        self.system, self.names = system, SYSTEMS[system]
+
+    def of(self, quantity):
+        """The unit of a quantity, or "" where it has none."""
+        if quantity == "wall clock":
+            return "s"
+        if not self.names or not quantity:
+            return ""
+        length, time, force = (self.names[name] for name in ("length", "time", "force"))
+        products = {"acceleration": f"{length}/{time}²", "energy/volume": f"{self.names['energy']}/{length}³",
+                    "momentum": f"{force} {time}", "angular momentum": f"{force} {length} {time}"}
+        return products.get(quantity) or self.names[quantity]
+
+    def scaled(self, quantity, largest):
+        """(factor, unit) for values of a quantity. In SI prefixes bring the largest between 1 and 1000; from 0.05 on it keeps the
+        plain unit."""
+        unit = self.of(quantity)
+        if self.system != SI or not unit or not np.isfinite(largest) or largest == 0 or 0.05 <= largest < 1:
+            return 1.0, unit
+        factor = next((f for f in PREFIXES if largest >= f), 1e-9)
+        return 1 / factor, PREFIXES[factor] + unit
 
 
-def scaled(unit, largest):
-    """(factor, unit with prefix) that bring the largest value of a field between 1 and 1000; from 0.05 on it keeps the
-    plain unit."""
-    if not unit or not np.isfinite(largest) or largest == 0 or 0.05 <= largest < 1:
-        return 1.0, unit
-    factor = next((f for f in PREFIXES if largest >= f), 1e-9)
-    return 1 / factor, PREFIXES[factor] + unit
+def quantity_of(name):
+    """The quantity of a field of the program, or ""."""
+    return next((quantity for start, quantity in QUANTITIES.items() if name.startswith(start)), "")
 
 
 def round_below(value):

@@ -20,7 +20,7 @@ PHASES = (("search", "search"), ("- ghosts", "contact::findGhosts"), ("- pairs",
           ("audit of pairs", "step::audit of pairs"))
 # Settings of a search, which search.json holds in place of a deck.
 SEARCH_SETTINGS = ("method", "timing", "local_search", "shuffled", "jitter", "drift", "seed", "margin")
-IGNORED = ("title", "output.")  # of a deck: they do not change the computation
+IGNORED = ("title", "units", "output.")  # of a deck: they do not change the computation
 
 
 @dataclass

@@ -9,7 +9,7 @@ from brickwall_plot.painter import Canvas, Painter
 from brickwall_plot.raster import visible_triangles
 from brickwall_plot.skin import exterior_faces, sides_of_bodies, normals
 from brickwall_plot.surface import Surface
-from brickwall_plot.units import round_below, scaled
+from brickwall_plot.units import Units, quantity_of, round_below
 
 GREY = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
 
@@ -203,11 +203,22 @@ class Colours(unittest.TestCase):
         self.assertEqual(colour_map(None, -1, 3)(1.0), colour_map(None, 0, 1)(1.0))
 
     def test_have_units_with_prefixes(self):
-        self.assertEqual(scaled("Pa", 3.2e6), (1e-6, "MPa"))
-        self.assertEqual(scaled("m", 0.16), (1.0, "m"))
-        self.assertEqual(scaled("m", 2e-4)[1], "µm")
+        scaled = Units().scaled
+        self.assertEqual(scaled("stress", 3.2e6), (1e-6, "MPa"))
+        self.assertEqual(scaled("length", 0.16), (1.0, "m"))
+        self.assertEqual(scaled("length", 2e-4)[1], "µm")
         self.assertEqual(scaled("", 1e9), (1.0, ""))
+        self.assertEqual(scaled("acceleration", 3), (1.0, "m/s²"))
+        self.assertEqual(scaled("angular momentum", 3), (1.0, "N m s"))
         self.assertEqual([round_below(value) for value in (1, 4.9, 5, 0.0021)], [1, 2, 5, 0.002])
+
+    def test_have_the_units_of_the_deck_without_prefixes_in_others_than_si(self):
+        tonnes = Units("mm-t-s")
+        self.assertEqual(tonnes.scaled(quantity_of("displacement"), 1600), (1.0, "mm"))
+        self.assertEqual(tonnes.scaled(quantity_of("stress_xx"), 3.2e6), (1.0, "MPa"))
+        self.assertEqual(tonnes.scaled(quantity_of("energy_density"), 1)[1], "mJ/mm³")
+        self.assertEqual(tonnes.scaled(quantity_of("search_time"), 1)[1], "s")
+        self.assertEqual(Units("none").scaled("energy", 1e-12), (1.0, ""))
 
 
 if __name__ == "__main__":
