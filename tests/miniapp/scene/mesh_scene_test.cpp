@@ -224,8 +224,7 @@ TEST(MeshScene, AnInvertedElementIsReportedWithFileAndItsIdThere) {
     part.elem_numbers = {41, 71};
   });
   const std::string fault = faultOf(mesh.config(""));
-  EXPECT_NE(fault.find(mesh.path() + ": element 1 (id 71 in elem_num_map) at ("),
-            std::string::npos)
+  EXPECT_NE(fault.find(mesh.path() + ": element 1 (id 71 in elem_num_map) at ("), std::string::npos)
       << fault;
   EXPECT_NE(fault.find("inverted (J <= 0)"), std::string::npos) << fault;
 }
