@@ -114,12 +114,20 @@ class Program(unittest.TestCase):
         self.assertAlmostEqual(sum(bar.get_width() for bar in stages.patches), step, delta=1e-3 * report["loop_seconds"])
 
     def test_ledger_curves_say_that_they_are_of_half_steps(self):
-        energies, *_ = axes = draw_history(RunFiles(work / "run").history(), "").axes
-        dt = RunFiles(work / "run").history()["timestep"]
+        files = RunFiles(work / "run")
+        energies, *_ = axes = draw_history(files.history(), "", files.units("m-kg-s")).axes
+        dt = files.history()["timestep"]
         lines = {line.get_label(): line.get_xdata() for line in energies.lines}
         behind = lines["external work"] - lines["total energy, one step earlier"]
         self.assertTrue(np.allclose(behind, 1e6 * np.array(dt), rtol=1e-9))  # microseconds
         self.assertEqual([", at half steps" in one.get_xlabel() for one in axes], [True, True, False, True, True, False, False, False])
+
+    def test_labels_have_the_units_of_the_deck_unless_others_are_chosen(self):
+        files = RunFiles(work / "run")
+        self.assertEqual(files.units().system, files.report()["units"])
+        time = draw_history(files.history(), "", files.units("mm-kg-ms")).axes[0].get_xlabel()
+        self.assertEqual(time, "time (ms), at half steps")
+        self.assertEqual(draw_history(files.history(), "", files.units("none")).axes[0].get_xlabel(), "time, at half steps")
 
     def test_is_installed_with_the_program(self):
         subprocess.run([cmake, "--install", build, "--prefix", work / "prefix", "--component", "program"], check=True,
@@ -175,6 +183,7 @@ class FaultyInput(unittest.TestCase):
                 ('--outline: "thick" is not a finite number', self.file, "--outline", "thick"),
                 ("this view is along the plane", self.file, "--step", "0", "--cut", "x=0.5", "--view", "front"),
                 ("is not x=VALUE", self.file, "--cut", "u=1"),
+                ("invalid choice: 'inch' (choose from 'm-kg-s', 'mm-t-s'", self.file, "--units", "inch"),
                 ("there is no colour map sunset", self.file, "--step", "0", "--colours", "sunset"),
                 ("the suffix must be one of", self.file, "-o", "picture.bmp"),
                 ("cannot be written: No such file or directory", self.file, "--step", "0", "-o", work / "none" / "a.png", *SMALL),
