@@ -276,9 +276,7 @@ double RunReport::faceSearchesPerSecond() const {
 }
 
 std::string reportJson(const RunReport& r) {
-  nlohmann::ordered_json json;
-  json["schema"] = "brickwall-report-1";
-  json["case"] = r.case_name;
+  nlohmann::ordered_json json = {{"schema", "brickwall-report-1"}, {"case", r.case_name}};
   json["title"] = r.title;
   json["units"] = r.units;
   json["command"] = "run";
