@@ -86,9 +86,11 @@ std::string RunOutput::resume(const OutputRestart& data, const Simulation& simul
     problem = HistoryWriter::whyNotContinued(_comm, path("balance.csv"), balanceColumns(simulation),
                                              data.history_rows);
   if (!problem.empty())
-    throw InputError("the results in " + _directory +
-                     " are not those that the checkpoint continues: " + problem +
-                     "; move them away, or name another folder with -o, to begin new files");
+    throw InputError(
+        "the results in " + _directory +
+        " are not those that the checkpoint continues: " + problem +
+        ". Either may be of another run in this folder; move the results away, or name "
+        "another folder with -o, to begin new files");
   _history_ticker.restore(data.history_tick);
   _output_ticker.restore(data.output_tick);
   if (!has_history && !earlier.isFound()) {
