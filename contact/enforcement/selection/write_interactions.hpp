@@ -256,8 +256,10 @@ private:
     }
   }
 
-  // A contact that was about to end beyond an edge has returned its energy. If it loads again, it
-  // stores no more than the work done on it, with the energy k w p^n p^{n+1}/2 at the half step.
+  // A contact that was about to end beyond an edge has returned its energy. If it loads again and
+  // its spring would hold more than largest_gain times the work done on it, it stores that work,
+  // with the energy k w p^n p^{n+1}/2 at the half step.
+  static constexpr double largest_gain = 2;
   KOKKOS_INLINE_FUNCTION void limitStoredEnergy(const FaceContact& contact,
                                                 ContactState<double>& state) const {
     const double depth = state.depth, stored = maxOf(double(state.stored), 0.0);
@@ -265,7 +267,7 @@ private:
         0.5 *
         (state.last_fade_weight + step.kinematics.fadeWeightOf(step.faces, contact.node, contact));
     const double softened = state.stiffness * fade_weight, last_depth = state.last_depth;
-    if (depth > 0 && softened * last_depth * depth > 4 * stored)
+    if (depth > 0 && softened * last_depth * depth > 2 * largest_gain * stored)
       ContactLaw::setOffset(state, contact.depth - 2 * stored / (softened * last_depth));
   }
   // Energy at the half step: (U^n + U^{n+1})/2 - (W^n - W^{n+1})/4, eq. (27), with U = k w p^2/2
