@@ -172,7 +172,7 @@ std::string takeWords(int argc, const char* const* argv, std::vector<std::string
 // Returns "" or the fault.
 std::string takeArguments(const CLI::App& app, const Arguments& given, Options& options) {
   const bool has_steps = app.count("--steps") > 0, extends = app.count("--extend-to") > 0;
-  const std::string surplus = takePositionals(given.positionals, options);
+  std::string surplus = takePositionals(given.positionals, options);
   if (!surplus.empty())
     return surplus;
   if (has_steps && (options.command == Command::mesh || options.command == Command::search))
