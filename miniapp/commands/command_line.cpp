@@ -81,7 +81,7 @@ std::string takePositionals(const std::vector<std::string>& words, Options& opti
   if (next < words.size() && isCommand(words[next])) {
     options.command = commandOf(words[next++]);
   } else if (next < words.size()) {
-    const std::string fault = faultOfFirst(words[next]);
+    std::string fault = faultOfFirst(words[next]);
     if (!fault.empty())
       return fault;
   }
