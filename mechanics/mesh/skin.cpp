@@ -194,7 +194,7 @@ Skin findSkin(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
     const LocalFace face = faces[f];
     elems[f] = face.elem;
     sides[f] = face.side;
-    ids[f] = host.elem_ids(face.elem) * 6 + face.side;
+    ids[f] = idOf(host, face);
     for (int j = 0; j < 4; ++j) {
       nodes[4 * f + j] = host.elem_to_nodes(face.elem, hex8_sides[face.side][j]);
       surface[4 * f + j] = surface_of[nodes[4 * f + j]];

@@ -48,9 +48,11 @@ bool isCommand(const std::string& word) {
   return word == "run" || word == "check" || word == "mesh" || word == "search";
 }
 
-// Whether the text is an integer from 1 to 10^15 - 1.
-bool isCount(const std::string& text) {
-  return std::regex_match(text, std::regex("[1-9]\\d{0,14}"));
+// "" or the fault of a text that is no integer from 1 to 10^15 - 1.
+std::string faultOfCount(const std::string& text) {
+  return std::regex_match(text, std::regex("[1-9]\\d{0,14}"))
+             ? ""
+             : "found \"" + text + "\", expected an integer of at least 1";
 }
 
 // Seconds of hh:mm:ss; nothing for another form.
@@ -118,9 +120,7 @@ void addOptions(CLI::App& app, Arguments& given, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--steps", given.steps, "end after N steps (--set time.steps=N)")
       ->option_text("N")
-      ->check([](const std::string& text) {
-        return isCount(text) ? "" : "found \"" + text + "\", expected an integer of at least 1";
-      });
+      ->check(faultOfCount);
   app.add_option("--time-limit", given.time_limit,
                  "end the run after this wall clock time, with output and a checkpoint")
       ->type_name("HH:MM:SS");
@@ -158,9 +158,9 @@ std::string takeWords(int argc, const char* const* argv, std::vector<std::string
       return "found \"" + word + "\"" + (i > 1 ? std::string(" after ") + argv[i - 1] : "") +
              ", expected a value";
     // Kokkos divides by the number of threads.
-    if (startsWith(word, threads_option + "=") && !isCount(word.substr(word.find('=') + 1)))
-      return threads_option + ": found \"" + word.substr(word.find('=') + 1) +
-             "\", expected an integer of at least 1";
+    if (startsWith(word, threads_option + "="))
+      if (const std::string fault = faultOfCount(word.substr(word.find('=') + 1)); !fault.empty())
+        return threads_option + ": " + fault;
     if (startsWith(word, "--kokkos-"))
       options.kokkos_arguments.insert(options.kokkos_arguments.begin(), argv[i]);
     else

@@ -276,11 +276,12 @@ double RunReport::faceSearchesPerSecond() const {
 }
 
 std::string reportJson(const RunReport& r) {
-  nlohmann::ordered_json json = {{"schema", "brickwall-report-1"}, {"case", r.case_name}};
-  json["title"] = r.title;
-  json["units"] = r.units;
-  json["command"] = "run";
-  json["options"] = r.options;
+  nlohmann::ordered_json json = {{"schema", "brickwall-report-1"},
+                                 {"case", r.case_name},
+                                 {"title", r.title},
+                                 {"units", r.units},
+                                 {"command", "run"},
+                                 {"options", r.options}};
   addProvenance(json, r.provenance);
   json["elements"] = r.elements;
   json["nodes"] = r.nodes;

@@ -2,6 +2,7 @@
 
 #include "contact/base/to_device.hpp"
 #include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
+#include "contact/enforcement/law/check_enforcement_input.hpp"
 
 #include <string>
 #include <vector>
@@ -21,9 +22,6 @@ ViewType filled(const exec_space& space, const std::string& name, int rows, cons
   space.fence();
   return device;
 }
-
-// Ids from here on belong to no node of a mesh.
-constexpr global_id first_edge_node_id = global_id(1) << 60;
 
 // Nodes of the host's surface at the corners of the listed faces, ascending. Sets corner_of [node],
 // their places in the list.
@@ -89,7 +87,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
           v(e, j) = nodeOf(e, j);
       });
   s.node_ids = filled<View<global_id*>>(space, "node_ids", num_nodes, [&](auto& v, int i) {
-    v(i) = i < num_corners ? node_ids(corners[i]) : first_edge_node_id + idOf(i - num_corners);
+    v(i) = i < num_corners ? node_ids(corners[i]) : first_edge_id + idOf(i - num_corners);
   });
   s.node_body = filled<View<global_id*>>(space, "node_body", num_nodes, [&](auto& v, int i) {
     v(i) = i < num_corners ? node_body(corners[i]) : bodyOf(i - num_corners);

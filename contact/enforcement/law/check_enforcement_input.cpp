@@ -29,12 +29,10 @@ struct Parameter {
   Range range;
 };
 
-// Greater ids leave no room for those of edges (edge_surface.cpp).
 void requireRoomForEdgeIds(const View<const global_id*>& ids, const std::string& name) {
-  constexpr global_id limit = global_id(1) << 60;
   const auto host_ids = toHost(ids);
   for (std::size_t row = 0; row < host_ids.extent(0); ++row)
-    if (host_ids(row) >= limit)
+    if (host_ids(row) >= first_edge_id)
       throw InputError(name + "(" + std::to_string(row) + ") = " + std::to_string(host_ids(row)) +
                        "; expected less than 2^60");
 }

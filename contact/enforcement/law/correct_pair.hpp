@@ -154,6 +154,7 @@ struct CorrectPair {
     if (!(spring.stiffness > 0))
       return 1;
     const double kick = 0.5 * (dt + next_dt), gain = kick * kick * pair.inverse_mass;
+    // R t^n, but for the turn of the slip, which is of second order
     const Vec3 last = spring.trial + spring.stiffness * spring.motion;
     const Vec3 first =
         returnMap(spring.trial, friction_limit * (pair.first_force + pair.first_damping));

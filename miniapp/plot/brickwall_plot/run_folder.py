@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from .errors import PlotError
-from .units import SI, Units
+from .units import SI, SYSTEMS, Units
 
 RANK_FILE = re.compile(r"(.+)\.(\d+)\.(\d+)")
 
@@ -33,8 +33,11 @@ class RunFiles:
 
     def units(self, chosen=None):
         """The Units that are chosen, or those of the deck; without a report SI."""
-        has_report = (self.folder / "report.json").exists()
-        return Units(chosen or (self.report().get("units", SI) if has_report else SI))
+        path = self.folder / "report.json"
+        system = chosen or (self.report().get("units", SI) if path.exists() else SI)
+        if system not in SYSTEMS:
+            raise PlotError(f"{path}: units: found {json.dumps(system)}, expected one of {', '.join(SYSTEMS)}")
+        return Units(system)
 
     def exodus(self):
         """The joined file, or the files of all ranks, in the order of ranks."""

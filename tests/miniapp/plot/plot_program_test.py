@@ -241,6 +241,13 @@ class FaultyInput(unittest.TestCase):
             self.expect(fault, work, "--phases")
         (work / "report.json").unlink()
 
+    def test_of_a_report_in_other_units_names_those_that_are_known(self):
+        (work / "history.csv").write_text("time\n0\n")
+        (work / "report.json").write_text('{"schema": "brickwall-report-1", "units": "inch"}')
+        self.expect('report.json: units: found "inch", expected one of m-kg-s, mm-t-s', work, "--history")
+        (work / "report.json").unlink()
+        (work / "history.csv").unlink()
+
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:

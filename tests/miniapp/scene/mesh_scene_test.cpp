@@ -235,7 +235,8 @@ TEST(MeshScene, AnElementWithOneCornerEightTimesIsReportedWithFileAndItsIdThere)
       part.elem_nodes[8 + corner] = part.elem_nodes[8];
   });
   const std::string fault = faultOf(mesh.config(""));
-  EXPECT_NE(fault.find("the element of id 2 in elem_num_map"), std::string::npos) << fault;
+  EXPECT_NE(fault.find(mesh.path() + ": the element of id 2 in elem_num_map"), std::string::npos)
+      << fault;
 }
 
 TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
