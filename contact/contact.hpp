@@ -7,6 +7,6 @@
 #include "contact/search/candidate_search.hpp"
 #include "contact/search/global_search.hpp"
 #include "contact/search/local_search.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "contact/surface/search_config.hpp"
 #include "contact/surface/surface.hpp"

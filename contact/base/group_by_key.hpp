@@ -1,8 +1,10 @@
-// Items grouped by a number: a counting sort by the threads of the host, for set-up.
+// Items grouped by a number, by a counting sort with the threads of the host, and disjoint sets; for
+// set-up.
 #pragma once
 
 #include "contact/base/to_device.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -30,5 +32,32 @@ Groups groupByKey(const std::string& label, int num_items, int num_keys, const K
   });
   return groups;
 }
+
+// Disjoint sets of 0 .. n - 1, with path halving.
+class DisjointSets {
+public:
+  explicit DisjointSets(std::size_t n) : _parent(n) {
+    std::iota(_parent.begin(), _parent.end(), 0);
+  }
+  int rootOf(int i) {
+    while (_parent[i] != i)
+      i = _parent[i] = _parent[_parent[i]];
+    return i;
+  }
+  void join(int a, int b) { _parent[rootOf(a)] = rootOf(b); }
+  // [i] the lowest of `values` in the set of i.
+  template <class T>
+  std::vector<T> lowestOfSets(std::vector<T> values) {
+    const int n = static_cast<int>(values.size());
+    for (int i = 0; i < n; ++i)
+      values[rootOf(i)] = std::min(values[rootOf(i)], values[i]);
+    for (int i = 0; i < n; ++i)
+      values[i] = values[rootOf(i)];
+    return values;
+  }
+
+private:
+  std::vector<int> _parent;
+};
 
 } // namespace brickwall

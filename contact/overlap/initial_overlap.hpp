@@ -19,7 +19,8 @@ struct InitialOverlap : PairIds {
 // The node that is deepest inside another body at coordinates_new, among those no deeper than about
 // 2 `reach` (length). A node is inside if the nearest point of the body's faces lies within the
 // face, not on its rim, and the node lies behind the face. Among equal depths the lowest node, then
-// face. For set-up: the cost is that of one search with wide boxes. Collective.
+// face. `surface` is not divided into sides. For set-up: the cost is that of one search with wide
+// boxes. Collective.
 InitialOverlap deepestOverlap(const exec_space& space, MPI_Comm comm, const Surface& surface,
                               double reach);
 

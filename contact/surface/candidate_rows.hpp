@@ -27,7 +27,7 @@ public:
   // comparisons are joined without branches, since either outcome is likely.
   KOKKOS_INLINE_FUNCTION bool allow(int node, int face) const {
     if (_drop_same_body)
-      return bodyOf(face) != _node_body(node);
+      return bodyOfSide(bodyOf(face)) != _node_body(node);
     if (face < _num_faces)
       return (_face_to_nodes(face, 0) != node) & (_face_to_nodes(face, 1) != node) &
              (_face_to_nodes(face, 2) != node) & (_face_to_nodes(face, 3) != node);

@@ -119,7 +119,8 @@ struct InspectRow {
     found.hash[samples.sampleOf(row)] += hashOfRow(s, row);
     if (row < s.num_nodes) {
       requireNotNegative(s.node_ids(row), row, found.node_id);
-      requireNotNegative(s.node_body(row), row, found.node_body);
+      if (s.node_body(row) != bodyOfSide(s.node_body(row)))
+        found.node_body = minOf(found.node_body, row);
       if (row > 0 && s.node_ids(row) <= s.node_ids(row - 1))
         found.unordered_nodes = 1;
     }
@@ -140,10 +141,11 @@ struct InspectRow {
   }
 };
 
-void throwIfNegative(const View<const global_id*>& values, const char* name, std::int64_t row) {
+void throwIfOutside(const View<const global_id*>& values, const char* name, std::int64_t row,
+                    const char* range = "0 or more") {
   if (row != none)
     throw InputError(std::string(name) + "(" + std::to_string(row) + ") is " +
-                     std::to_string(toHost(values)(row)) + "; expected 0 or more");
+                     std::to_string(toHost(values)(row)) + "; expected " + range);
 }
 
 void throwIfNoNode(const SweptBoxes& s, std::int64_t face) {
@@ -221,10 +223,10 @@ Content throwIfWrong(const exec_space& space, const SweptBoxes& s) {
     throw InputError(problem);
   const Content found = inspect(space, s);
   throwIfNoNode(s, found.corner);
-  throwIfNegative(s.node_ids, "node_ids", found.node_id);
-  throwIfNegative(s.node_body, "node_body", found.node_body);
-  throwIfNegative(s.face_ids, "face_ids", found.face_id);
-  throwIfNegative(s.face_body, "face_body", found.face_body);
+  throwIfOutside(s.node_ids, "node_ids", found.node_id);
+  throwIfOutside(s.node_body, "node_body", found.node_body, "0 to 2^40 - 1");
+  throwIfOutside(s.face_ids, "face_ids", found.face_id);
+  throwIfOutside(s.face_body, "face_body", found.face_body);
   if (found.unordered_nodes)
     throwIfRepeated(space, s.node_ids, s.num_nodes, "node_ids");
   if (found.unordered_faces)

@@ -19,7 +19,8 @@ struct FaceAccess {
   KOKKOS_INLINE_FUNCTION global_id id(int face) const {
     return isOwn(face) ? surface.face_ids(face) : ghosts.face_ids(ghostOf(face));
   }
-  KOKKOS_INLINE_FUNCTION global_id body(int face) const {
+  KOKKOS_INLINE_FUNCTION global_id body(int face) const { return bodyOfSide(side(face)); }
+  KOKKOS_INLINE_FUNCTION global_id side(int face) const {
     return isOwn(face) ? surface.face_body(face) : ghosts.bodies(ghostOf(face));
   }
   KOKKOS_INLINE_FUNCTION global_id cornerId(int face, int j) const {

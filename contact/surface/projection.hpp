@@ -238,7 +238,7 @@ struct MeanPlane {
 // around a node, normal and area only.
 struct alignas(16) FaceRecord {
   MeanPlane plane;
-  global_id body = -1, id = -1;
+  global_id side = -1, id = -1;
 };
 
 // Half the cross product of the diagonals: the exact area vector of the bilinear patch, and of a

@@ -10,6 +10,16 @@
 
 namespace brickwall::contact {
 
+// The surface of a body may be divided into sides (surface_sides.hpp): a node has at most one
+// contact with each. The side 0 of a body has the number of the body itself.
+inline constexpr int body_bits = 40; // of the number of a body
+KOKKOS_INLINE_FUNCTION global_id sideOfBody(global_id body, int side) {
+  return body | global_id(side) << body_bits;
+}
+KOKKOS_FORCEINLINE_FUNCTION global_id bodyOfSide(global_id side) {
+  return side & ((global_id(1) << body_bits) - 1);
+}
+
 // The input of the search: boxes swept over the step, one for each node, and faces, whose boxes are
 // the hulls of those of their corners. Node boxes look for partners among the faces of all ranks.
 // The arrays belong to the host code; the search only reads them. A node that several ranks share
@@ -27,8 +37,8 @@ struct SweptBoxes {
   View<const global_id*> node_ids;
   View<const global_id*> face_ids; // [face] likewise
   View<const unsigned char*> node_is_owned; // [node]
-  View<const global_id*> node_body; // [node] 0 or more; bodies share no node
-  View<const global_id*> face_body; // [face]
+  View<const global_id*> node_body; // [node] 0 or more, below 2^40; bodies share no node
+  View<const global_id*> face_body; // [face] body, or side of a body
   ConstAttributeWords face_attributes; // data of the host that ghosts carry along; may be empty
 };
 
@@ -58,7 +68,7 @@ struct GhostFaces {
 
   int count = 0;
   View<global_id*> face_ids{"contact::GhostFaces::face_ids", 0}; // [ghost]
-  View<global_id*> bodies{"contact::GhostFaces::bodies", 0}; // [ghost]
+  View<global_id*> bodies{"contact::GhostFaces::bodies", 0}; // [ghost] as face_body
   CornerIds corner_ids{"contact::GhostFaces::corner_ids", 0}; // global node ids
   CornerCoordinates coordinates_old{"contact::GhostFaces::coordinates_old", 0}; // x^n
   CornerCoordinates coordinates_new{"contact::GhostFaces::coordinates_new", 0}; // x^{n+1}

@@ -2,37 +2,21 @@
 // label changes.
 #include "io/mesh/connected_components.hpp"
 
+#include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "io/mesh/id_slices.hpp"
 #include "io/mesh/local_numbering.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 namespace brickwall::io {
 
 namespace {
 
-// Disjoint sets of local nodes, with path halving.
-class NodeSets {
-public:
-  explicit NodeSets(int num_nodes) : _parent(num_nodes) {
-    std::iota(_parent.begin(), _parent.end(), 0);
-  }
-  int rootOf(int node) {
-    while (_parent[node] != node)
-      node = _parent[node] = _parent[_parent[node]];
-    return node;
-  }
-  void join(int a, int b) { _parent[rootOf(a)] = rootOf(b); }
-
-private:
-  std::vector<int> _parent;
-};
-
-NodeSets joinElementNodes(const MeshPart& part) {
-  NodeSets sets(part.numNodes());
+// Of local nodes.
+DisjointSets joinElementNodes(const MeshPart& part) {
+  DisjointSets sets(part.numNodes());
   for (std::size_t corner = 0; corner < part.elem_nodes.size(); ++corner)
     if (corner % 8 != 0)
       sets.join(part.elem_nodes[corner], part.elem_nodes[corner - 1]);
@@ -41,7 +25,7 @@ NodeSets joinElementNodes(const MeshPart& part) {
 
 // Lowers the labels of roots to those of the other sharers of their nodes. True if any label here
 // changed.
-bool lowerLabels(MPI_Comm comm, const MeshPart& part, NodeSets& sets,
+bool lowerLabels(MPI_Comm comm, const MeshPart& part, DisjointSets& sets,
                  std::vector<global_id>& label_of_root) {
   std::vector<std::vector<global_id>> to_sharers(sizeOf(comm));
   for (const SharedNodes& shared : part.shared_nodes)
@@ -87,7 +71,7 @@ global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_i
 } // namespace
 
 void findBodies(MPI_Comm comm, MeshPart& part) {
-  NodeSets sets = joinElementNodes(part);
+  DisjointSets sets = joinElementNodes(part);
   std::vector<global_id> label_of_root(part.node_ids.size(), part.num_global_elems);
   for (int elem = 0; elem < part.numElems(); ++elem) {
     global_id& label = label_of_root[sets.rootOf(part.elem_nodes[8 * std::size_t(elem)])];

@@ -106,7 +106,7 @@ TableLayout nodeLayout(const Simulation& simulation, bool has_forces) {
   return layout;
 }
 
-const TableLayout joint_layout{"joint_contacts", {{"body", false, 1}, {"area", true, 1}}};
+const TableLayout joint_layout{"joint_contacts", {{"side", false, 1}, {"area", true, 1}}};
 const TableLayout box_layout{"swept_boxes", {{"box", true, 6}}};
 
 io::RowsById nodeRows(const SimulationRestart& data, const Simulation& simulation) {
@@ -213,7 +213,7 @@ io::RowsById contactRows(const std::vector<contact::ContactRecord>& records) {
   }
   return rows;
 }
-// The contacts of this rank's `ids`, one with each body. Collective.
+// The contacts of this rank's `ids`, one with each side. Collective.
 std::vector<contact::ContactRecord> takeRecords(MPI_Comm comm, const std::string& name,
                                                 const TableFiles& files,
                                                 const std::vector<global_id>& ids) {
@@ -225,7 +225,7 @@ std::vector<contact::ContactRecord> takeRecords(MPI_Comm comm, const std::string
       const std::int64_t* next = rows.row(i);
       contact::visitFields(records[i], FieldFromWords{next});
       if (records[i].node != rows.ids[i] ||
-          !pairs.emplace(records[i].node, records[i].pair.body).second)
+          !pairs.emplace(records[i].node, records[i].pair.side).second)
         throw InputError("the checkpoint has a contact of " + name + " twice, or of another id");
     }
   });
@@ -295,7 +295,7 @@ std::vector<io::Table> entityTables(const SimulationRestart& data, const Simulat
   io::RowsById joints{{}, joint_layout.width(), {}};
   for (const contact::JointRecord& record : data.contact.joints) {
     joints.ids.push_back(record.node);
-    joints.words.insert(joints.words.end(), {record.body, io::wordOf(record.area)});
+    joints.words.insert(joints.words.end(), {record.side, io::wordOf(record.area)});
   }
   tables.push_back(toTable(joint_layout, joints));
   io::RowsById boxes{surfaceNodes(*contact, false), box_layout.width(), {}};

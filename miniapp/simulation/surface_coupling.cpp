@@ -167,13 +167,21 @@ void SurfaceCoupling::setFeatureEdges(const exec_space& space, contact::FeatureE
   _features = _primary_features = std::move(features);
   const auto masks = toDevice<View<unsigned char*>>(space, "miniapp::SurfaceCoupling::face_edges",
                                                     _features.face_edges);
+  const auto sides =
+      toDevice<View<int*>>(space, "miniapp::SurfaceCoupling::face_sides", _features.face_sides);
   const auto attributes = _attributes;
+  const auto bodies = _primary.face_body;
+  const auto bodies_and_sides =
+      allocate<View<global_id*>>(space, "miniapp::SurfaceCoupling::face_body", _primary.num_faces);
   Kokkos::parallel_for(
       "miniapp::SurfaceCoupling::setFeatureEdges", rangePolicy(space, _primary.num_faces),
       KOKKOS_LAMBDA(const std::int64_t face) {
         contact::attributesAt<contact::FaceAttributes>(attributes, face).feature_edges =
             masks(face);
+        bodies_and_sides(face) =
+            contact::sideOfBody(contact::bodyOfSide(bodies(face)), sides(face));
       });
+  _primary.face_body = bodies_and_sides;
 }
 
 void SurfaceCoupling::gatherCoordinates(const exec_space& space,

@@ -5,7 +5,7 @@
 
 #include "contact/enforcement/enforcement.hpp"
 #include "contact/search/candidate_search.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "contact/surface/secondary_surface.hpp"
 #include "mechanics/loads/boundary_conditions.hpp"
 #include "mechanics/mesh/nodal_state.hpp"

@@ -135,8 +135,8 @@ private:
       const bool has_bound = separation.holds() && separation.gap > rounding;
       if (!has_bound && !known_apart(node))
         return false;
-      if (bound == nullptr || faces.surface.face_body(face) != body) {
-        body = faces.surface.face_body(face);
+      if (bound == nullptr || faces.body(face) != body) {
+        body = faces.body(face);
         other = motions.find(body);
         if (own < 0 || other < 0)
           return false;

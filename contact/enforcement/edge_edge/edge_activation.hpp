@@ -20,7 +20,7 @@ struct EdgeActivationLimits {
   double least_sine; // of the angle between the edges, and of those to their faces
   double reach; // beyond the ends of edges, in lengths of the edge
   double deepest; // penetration over the length of the shorter edge
-  double across; // an edge that spans a side is longer than this many of its widths
+  double overhang; // beyond a side and its ends of an edge that spans it, in widths or lengths
 };
 
 namespace edge_activation {
@@ -117,16 +117,27 @@ struct Surroundings {
   LaneArray<Real> narrower[2]; // the smaller width of the sides of own and other
 };
 
-// Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and
-// not on its rim where the other edge, of this squared length, may span a side.
+// Whether an edge cannot span a side of another one (EdgeEdgeKinematics::isSpanned()): it is shorter
+// than the side is wide, with the overhangs, and ends within the length of the other edge. `first`:
+// from the first end of the other edge to that of this one.
 template <class Real>
 KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
-leadsIn(const InCone<Real>& cone, const Real& sign, const Real& squared_length,
-        const Real& narrower, const EdgeActivationLimits& limits) {
-  const double across = (1 - slack) * limits.across;
-  const auto is_short = squared_length < across * across * narrower * narrower;
+cannotSpan(const Triple<Real>& edge, const Triple<Real>& first, const Triple<Real>& other,
+           const Real& narrower, const EdgeActivationLimits& limits) {
+  const double across = (1 - slack) * (1 + 2 * limits.overhang);
+  const Real square = dot(other, other), over = (limits.overhang - 1e-6) * square;
+  const Real one_end = dot(first, other) + over, other_end = one_end + dot(edge, other);
+  const Real most = square + 2.0 * over, zero = 0.0;
+  return (dot(edge, edge) < across * across * narrower * narrower) & (zero <= one_end) &
+         (zero <= other_end) & (one_end <= most) & (other_end <= most);
+}
+// Whether `sign` n does not lead out of an edge: it is less than least_sine inside the cone, and
+// not on its rim where the other edge may span a side.
+template <class Real, class Mask>
+KOKKOS_INLINE_FUNCTION Mask leadsIn(const InCone<Real>& cone, const Real& sign,
+                                    const Mask& cannot_span, const EdgeActivationLimits& limits) {
   return cone.isOutside(sign, -limits.least_sine) |
-         (is_short & cone.isOutside(sign, limits.least_sine));
+         (cannot_span & cone.isOutside(sign, limits.least_sine));
 }
 
 // Lanes whose edges have crossed, with the normal inside both cones; for edges that pass
@@ -146,12 +157,15 @@ KOKKOS_INLINE_FUNCTION unsigned lanesInDepth(const Surroundings<Real>& pairs,
   const Real outward = in_other.outward(), zero = 0.0;
   // of the normal that leads out of the other edge
   const Real sign = where(outward < zero, Real(-1.0), Real(1.0));
+  const auto own_is_short = cannotSpan(da, between, db, Real(pairs.narrower[1]), limits);
+  const auto other_is_short =
+      cannotSpan(db, Real(-1.0) * between, da, Real(pairs.narrower[0]), limits);
   const double deepest = (1 + slack) * limits.deepest * limits.deepest;
   const auto is_rejected = (depth * depth > deepest * aa) | (depth * depth > deepest * bb) |
                            ((outward > Real(slack)) & (depth <= zero)) |
                            ((outward < Real(-slack)) & (-depth <= zero)) | // -n is the normal
-                           leadsIn(in_own, -sign, bb, Real(pairs.narrower[0]), limits) |
-                           leadsIn(in_other, sign, aa, Real(pairs.narrower[1]), limits);
+                           leadsIn(in_own, -sign, other_is_short, limits) |
+                           leadsIn(in_other, sign, own_is_short, limits);
   return bitsOf(!is_rejected);
 }
 

@@ -90,7 +90,7 @@ void recordGhosts(const exec_space& space, const FaceAccess& faces,
           for (int d = 0; d < 3; ++d)
             record.end[j][d] = x[d];
         }
-        record.body = faces.body(edge);
+        record.side = faces.side(edge);
         record.id = faces.id(edge);
       });
 }
@@ -140,6 +140,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
       _energy_scale(energy_scale) {
   checkEnforcementInput(space, comm, "EdgeContact", surface, node_mass, config, quantum,
                         energy_scale);
+  _config.max_activation_depth = HUGE_VAL; // edges have bounds of their own
   const EdgeSurface made = edgeSurface(space, surface, edges, node_mass);
   _edges = made.surface;
   _num_corners = made.num_corners;
@@ -163,7 +164,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
-  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, config, quantum);
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, _config, quantum);
   _stationary = StationaryNodes("contact::EdgeContact", _edges, _corner_to_node);
   _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
 }

@@ -11,7 +11,7 @@
 #include "contact/enforcement/selection/touched_nodes.hpp"
 #include "contact/search/audit/pair_motion.hpp"
 #include "contact/search/candidate_search.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 
 #include <cstdint>
 #include <functional>

@@ -18,17 +18,18 @@ struct EdgeEdgeKinematics {
   static constexpr bool tests_rows_at_once = true; // by rowsThatMayActivate()
   static constexpr bool projects_candidates_at_once = false;
   // Edges at smaller sines, to each other or to a face, are left to node-to-face contact: a node
-  // half an element away is inside before the penetration reaches a twentieth of an element.
-  static constexpr double least_sine = 0.05;
+  // half an element away is inside before the penetration reaches 0.015 elements.
+  static constexpr double least_sine = 0.03;
   static constexpr double parallel_sine = 0.2; // below it a contact may be retained at fixed points
-  // An edge that spans a side of the other body has no node over that side which could be inside,
-  // so it becomes active there too; otherwise bars narrower than their elements would pass through
-  // each other. The edge must end beyond the side by this many lateral tolerances of half its
-  // width; nearer nodes are in contact with the side.
+  // An edge that spans a side of the other body, or a corner of it, has no node over that side which
+  // could be inside, so it becomes active there too; otherwise bars narrower than their elements
+  // would pass through each other, and cubes of one element that are turned against each other. The
+  // edge must end beyond the side by this many lateral tolerances of half its width; nearer nodes
+  // are in contact with the side.
   static constexpr double side_overhang = 0.8;
   // Edges that have crossed less deeply than this, relative to the shorter edge, may become active.
   // Edges of bricks that lie flat on each other cross at zero depth and angle; once they have
-  // rotated by `least_sine`, nodes half an element away have let them in by half of that.
+  // rotated by `least_sine`, nodes an element away have let them in by as much.
   static constexpr double shallow_depth = 0.06;
   // how far the pushing edge continues over the next one, in lengths of the edge
   static constexpr double overhang = 1.0;
@@ -52,15 +53,15 @@ struct EdgeEdgeKinematics {
   }
   KOKKOS_INLINE_FUNCTION int edgeOf(int node) const { return node - num_corners; }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int edge) const { prefetch(&records.of(edge)); }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchBody(const FaceAccess&, int edge) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchSide(const FaceAccess&, int edge) const {
     prefetchFace(edge);
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchHead(int node) const {
     prefetch(&records.of(edgeOf(node)));
   }
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNode(int) const {}
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess&, int edge) const {
-    return records.of(edge).body;
+  KOKKOS_INLINE_FUNCTION global_id sideOf(const FaceAccess&, int edge) const {
+    return records.of(edge).side;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int edge) const {
     return records.of(edge).id;
@@ -79,26 +80,22 @@ struct EdgeEdgeKinematics {
 
   // Bit r: row rows[r] holds an edge that its own edge may come into contact with; 0 only if test()
   // at ContactTest::activate is false for all edges that it pushes. Only rows of the bits in
-  // `requested` are tested. Rows are in the order of bodies, and those that the edge does not push
-  // come first.
+  // `requested` are tested.
   KOKKOS_INLINE_FUNCTION unsigned rowsThatMayActivate(const FaceAccess& faces,
                                                       const CandidatePairs& pairs,
                                                       const std::int64_t* rows, int count,
                                                       unsigned requested) const {
-    const EdgeActivationLimits limits{least_sine, 0.5 * lateral_tolerance, max_activation_depth,
-                                      1 + 2 * sideOverhang()};
-    EdgeActivationTest<Lanes> activation_test{faces, records, limits, 0, {}, {}};
+    EdgeActivationTest<Lanes> activation_test{faces, records, activationLimits(), 0, {}, {}};
     for (int r = 0; r < count; ++r) {
       if (!(requested >> r & 1u))
         continue;
       const int own = edgeOf(pairs.node(rows[r]));
-      const global_id body = records.of(own).body;
+      const global_id body = bodyOfSide(records.of(own).side);
       const std::int64_t begin = pairs.begin(rows[r]);
       for (std::int64_t p = pairs.end(rows[r]); p-- > begin;) {
         const int other = pairs.faces(p);
-        if (!pushes(body, records.of(other).body))
-          break;
-        activation_test.add(r, own, other);
+        if (pushes(body, bodyOfSide(records.of(other).side)))
+          activation_test.add(r, own, other);
       }
     }
     activation_test.finish();
@@ -167,9 +164,10 @@ struct EdgeEdgeKinematics {
     const EdgeCone cone_a(faces.quad(own), faces.attributes<EdgeAttributes>(own));
     const double in_a = cone_a.depthOf(-normal), in_b = cone_b.depthOf(normal);
     const bool leads_out =
-        continues ? minOf(in_a, in_b) > -max_outside
-                  : (in_a > least_sine || isSpanned(faces, own, cone_a, -normal, in_a, t, db)) &&
-                        (in_b > least_sine || isSpanned(faces, other, cone_b, normal, in_b, s, da));
+        continues
+            ? minOf(in_a, in_b) > -max_outside
+            : (in_a > least_sine || isSpanned(faces, own, cone_a, -normal, in_a, s, t, db)) &&
+                  (in_b > least_sine || isSpanned(faces, other, cone_b, normal, in_b, t, s, da));
     if (!leads_out || sharesNode(faces, own, other))
       return false;
     if (contact.previous < 0 && depth * depth > shallow_depth * shallow_depth * minOf(aa, bb) &&
@@ -178,25 +176,30 @@ struct EdgeEdgeKinematics {
     setContact(s, t, normal, depth, other, contact);
     return true;
   }
-  // In widths of a side.
+  // In widths of a side, or lengths of its edge.
   KOKKOS_INLINE_FUNCTION double sideOverhang() const {
     return 0.5 * side_overhang * lateral_tolerance;
   }
+  KOKKOS_INLINE_FUNCTION EdgeActivationLimits activationLimits() const {
+    return {least_sine, 0.5 * lateral_tolerance, max_activation_depth, sideOverhang()};
+  }
   // Whether the direction n, on the rim of the edge's cone, leads out of a side that the other edge
-  // spans; the other edge crosses here at the weight `at`.
+  // spans; the edges cross at the weights `at` and `at_other`.
   KOKKOS_INLINE_FUNCTION bool isSpanned(const FaceAccess& faces, int edge, const EdgeCone& cone,
-                                        const Vec3& n, double inside, double at,
+                                        const Vec3& n, double inside, double at, double at_other,
                                         const Vec3& other_edge) const {
     if (!(inside > -least_sine))
       return false;
+    const Quad quad = faces.quad(edge);
     const bool is_first_side = dot(n, cone.first) > dot(n, cone.second);
-    const Vec3 inward =
+    EdgeSide side;
+    side.inward =
         is_first_side ? cross(cone.first, cone.tangent) : cross(cone.tangent, cone.second);
-    const double width = faces.attributes<EdgeAttributes>(edge).width[is_first_side ? 0 : 1];
-    const double along = dot(other_edge, inward);
-    const double one_end = -at * along, other_end = (1 - at) * along;
-    return minOf(one_end, other_end) < -sideOverhang() * width &&
-           maxOf(one_end, other_end) > (1 + sideOverhang()) * width;
+    side.tangent = cone.tangent;
+    side.width = faces.attributes<EdgeAttributes>(edge).width[is_first_side ? 0 : 1];
+    side.length = norm(quad.corner[1] - quad.corner[0]);
+    side.continued_ends = continuedEnds(faces, edge);
+    return side.isSpannedBy(other_edge, at, at_other, sideOverhang());
   }
   KOKKOS_INLINE_FUNCTION static void setContact(double s, double t, const Vec3& normal,
                                                 double depth, int other, FaceContact& contact) {

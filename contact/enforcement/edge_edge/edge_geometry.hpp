@@ -54,6 +54,29 @@ struct Crossing {
   }
 };
 
+// A side of a body next to one of its edges.
+struct EdgeSide {
+  Vec3 inward, tangent; // unit vectors in the side: from the edge, and along it
+  double width, length; // of the side, and of the edge
+  int continued_ends; // FeatureEdge::goes_on
+
+  // Whether another edge, which crosses this one at the weights `at` and `at_other`, ends beyond it
+  // and, on the other end, beyond the width or beyond a free end of this edge, where it cuts off a
+  // corner of the side. `overhang` in widths and lengths.
+  KOKKOS_INLINE_FUNCTION bool isSpannedBy(const Vec3& other_edge, double at, double at_other,
+                                          double overhang) const {
+    const double across = dot(other_edge, inward);
+    const double to_inner_end = across > 0 ? 1 - at_other : -at_other;
+    const double to_outer_end = across > 0 ? -at_other : 1 - at_other;
+    if (!(to_outer_end * across < -overhang * width))
+      return false;
+    const double inner_end = at + to_inner_end * dot(other_edge, tangent) / length;
+    return to_inner_end * across > (1 + overhang) * width ||
+           (inner_end < -overhang && !(continued_ends & 1)) ||
+           (inner_end > 1 + overhang && !(continued_ends & 2));
+  }
+};
+
 // Whether the edges had not crossed at x^n, where their common normal pointed to the same side as
 // `normal`. A contact becomes active when edges come to cross, not when edges that have crossed
 // come to lie side by side.

@@ -71,7 +71,8 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   const auto idOf = [&](int e) {
     return 4 * face_ids(edges.convex[e].face) + edges.convex[e].edge;
   };
-  const auto bodyOf = [&](int e) { return face_body(edges.convex[e].face); };
+  const auto bodyOf = [&](int e) { return bodyOfSide(face_body(edges.convex[e].face)); };
+  const auto lineOf = [&](int e) { return sideOfBody(bodyOf(e), edges.convex[e].line); };
   EdgeSurface made;
   made.num_corners = num_corners;
   SweptBoxes& s = made.surface;
@@ -99,7 +100,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   s.face_ids = filled<View<global_id*>>(space, "edge_ids", num_edges,
                                         [&](auto& v, int e) { v(e) = idOf(e); });
   s.face_body = filled<View<global_id*>>(space, "edge_body", num_edges,
-                                         [&](auto& v, int e) { v(e) = bodyOf(e); });
+                                         [&](auto& v, int e) { v(e) = lineOf(e); });
   s.face_attributes = filled<AttributeWords>(
       space, "attributes", num_edges,
       [&](auto& v, int e) {
@@ -113,7 +114,7 @@ EdgeSurface edgeSurface(const exec_space& space, const Surface& surface, const F
   made.corner_mass = filled<View<double*>>(space, "corner_mass", num_corners,
                                            [&](auto& v, int i) { v(i) = masses(corners[i]); });
   made.records = filled<View<EdgeRecord*>>(space, "records", num_edges, [&](auto& v, int e) {
-    v(e) = {{}, bodyOf(e), idOf(e)};
+    v(e) = {{}, lineOf(e), idOf(e)};
   });
   return made;
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/surface/face_access.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 
 namespace brickwall::contact {
 
@@ -15,10 +15,10 @@ struct EdgeAttributes : CornerMasses {
   double width[2]; // FeatureEdge::width, length
 };
 
-// End points, body and id of an edge.
+// End points, line (with its body, sideOfBody()) and id of an edge.
 struct EdgeRecord {
   double end[2][3]; // at x^{n+1} [first or second][xyz], length
-  global_id body, id;
+  global_id side, id;
 };
 static_assert(sizeof(EdgeRecord) == 64, "a cache line");
 

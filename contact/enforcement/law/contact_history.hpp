@@ -1,5 +1,5 @@
-// The contact history: what a contact of a node (or edge) with an opposing body carries from step
-// to step. One interaction per (owned node or edge, body), in rows by node. Arrays of plain
+// The contact history: what a contact of a node (or edge) with an opposing side carries from step
+// to step. One interaction per (owned node or edge, side), in rows by node. Arrays of plain
 // structs, so that a restart file can hold them. Symbols are those of contact/theory.md.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace brickwall::contact {
 
-// One node (or edge) against one body. P is the penetration, n the outward normal of the face.
+// One node (or edge) against one side of a body. P is the penetration, n the outward normal of the face.
 struct Interaction {
-  global_id body = -1; // opposing body
+  global_id side = -1; // opposing side (surface.hpp), or line of edges
   global_id face = -1; // global id of the face in contact
   double offset = 0; // e, length: part of the penetration that gives no force; eq. (9)
   double depth = 0; // p = P - e, length: deformation of the spring
@@ -106,7 +106,7 @@ struct FadingForce {
   }
 };
 
-// Rows by surface node. The order of the rows in `interactions` is arbitrary; within a row, bodies
+// Rows by surface node. The order of the rows in `interactions` is arbitrary; within a row, sides
 // ascend.
 struct ContactHistory {
   StructArray<Interaction> interactions; // [0, count); the array may be longer

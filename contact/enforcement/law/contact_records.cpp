@@ -87,7 +87,7 @@ void setHistory(const exec_space& space, const View<const global_id*>& node_ids,
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int i, int j) {
     const Interaction &a = active[i].pair, &b = active[j].pair;
-    return a.node != b.node ? a.node < b.node : a.body < b.body;
+    return a.node != b.node ? a.node < b.node : a.side < b.side;
   });
   history.count = static_cast<std::int64_t>(active.size());
   growTo(space, history.interactions, history.count);

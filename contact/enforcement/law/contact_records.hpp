@@ -27,7 +27,7 @@ void visitFields(Record& record, const Visit& visit) {
   visit("node", record.node);
   visit("steps_since", record.steps_since);
   auto& pair = record.pair;
-  visit("body", pair.body);
+  visit("side", pair.side);
   visit("face", pair.face);
   visit("offset", pair.offset);
   visit("depth", pair.depth);
@@ -62,7 +62,7 @@ void visitFields(Record& record, const Visit& visit) {
 
 // The area of a contact in a flush joint (JointAreas).
 struct JointRecord {
-  global_id node = -1, body = -1; // of the node, and of the opposing body
+  global_id node = -1, side = -1; // of the node, and of the opposing side
   double area = 0; // length^2
 };
 

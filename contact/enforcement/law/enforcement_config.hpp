@@ -38,7 +38,7 @@ struct EnforcementConfig {
   double damping = 0;
   // smallest penetration of a contact, length; above the rounding of coordinates
   double least_depth = 0;
-  // largest penetration at activation beyond the approach of that step, length
+  // largest penetration of a node at activation beyond the approach of that step, length
   double max_activation_depth = HUGE_VAL;
   // a face of the node opposes the candidate if n_k . n_F < -this; eq. (8)
   double opposed_cosine = 0.35;

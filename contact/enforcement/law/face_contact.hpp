@@ -16,7 +16,7 @@ struct FaceContact {
   int face; // candidate index
   bool is_retained; // see Interaction
 
-  // The contact with the same body in the contact history
+  // The contact with the same side in the contact history
   int previous; // index of the interaction, or -1
   int previous_face; // candidate index of its face, or -1
   // data of the persistent contact; null if `face` is another face
@@ -51,7 +51,7 @@ struct FaceContact {
 
 // The tests of a pair:
 //   persist   to continue the contact on the same face
-//   activate  to become active, or to take over the spring of a contact with the same body
+//   activate  to become active, or to take over the spring of a contact with the same side
 //   transfer  to take over the spring of a loaded contact where no face passes `activate`: the
 //             surfaces need to oppose each other only a little
 //   retain    to continue a loaded contact where no face passes `transfer`: a node or edge in the

@@ -16,7 +16,7 @@
 //                                 mayPenetrate(), mayActivate() and mayTouch()
 //
 // Identity
-//   bodyOf(faces, face)           body of a candidate
+//   sideOf(faces, face)           side of a body of a candidate (surface.hpp), or line of edges
 //   idOf(faces, face)             global id of a candidate
 //   pushes(own_body, body)        whether a row of own_body tests candidates of body
 //   pointOf(faces, node, contact) pushing point: its nodes and the weight of the second one
@@ -51,7 +51,7 @@
 //                                 k, force/length, of one of the contacts of a node; eq. (11)
 //   stiffnessCap(config, inverse_mass)
 //                                 upper bound of k, force/length; eq. (12); also in SIMD lanes
-//   capFactor(node, face)         factor of this bound for the contact of a node with a face's body
+//   capFactor(node, face)         factor of this bound for the contact of a node with a face's side
 //   mayFade(contact)              false only if w is 1
 //   fadeWeightOf(faces, node, contact)
 //                                 w in [0, 1]; eq. (24)
@@ -66,7 +66,7 @@
 //                                 node
 //
 // Prefetching, without effect on results
-//   prefetchHead(node), prefetchNode(node), prefetchFace(face), prefetchBody(faces, face)
+//   prefetchHead(node), prefetchNode(node), prefetchFace(face), prefetchSide(faces, face)
 //
 // Dormancy needs two free functions: surroundingsOf(kinematics, faces, node) and
 // separationOf(kinematics, faces, surroundings, node, face); see node_face_separation.hpp and
@@ -104,7 +104,7 @@ struct KinematicsContract {
   static_assert(is<decltype(K::projects_persistent_contacts), const bool>);
   static_assert(is<decltype(K::projects_candidates_at_once), const bool>);
   static_assert(is<decltype(K::tests_rows_at_once), const bool>);
-  static_assert(is<decltype(k().bodyOf(faces(), 0)), global_id>);
+  static_assert(is<decltype(k().sideOf(faces(), 0)), global_id>);
   static_assert(is<decltype(k().idOf(faces(), 0)), global_id>);
   static_assert(is<decltype(k().pushes(global_id(), global_id())), bool>);
   static_assert(is<decltype(k().pointOf(faces(), 0, contact())), ContactPoint>);

@@ -12,7 +12,7 @@ void ghostRecords(const exec_space& space, const FaceAccess& faces, int first_ro
       "contact::enforce::ghostRecords", rangePolicy(space, faces.ghosts.count),
       KOKKOS_LAMBDA(const std::int64_t ghost) {
         const int face = faces.surface.num_faces + static_cast<int>(ghost);
-        records(first_row + ghost) = {meanPlane(faces.quad(face)), faces.body(face),
+        records(first_row + ghost) = {meanPlane(faces.quad(face)), faces.side(face),
                                       faces.id(face)};
       });
 }

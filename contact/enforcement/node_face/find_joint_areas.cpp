@@ -344,16 +344,16 @@ bool JointProblem::solve() {
 }
 
 JointAreas JointProblem::areas() const {
-  const auto bodies = allocated<View<global_id*>>("bodies", _count);
+  const auto sides = allocated<View<global_id*>>("sides", _count);
   const auto areas = allocated<View<double*>>("areas", _count);
   const auto contacts = _contacts;
   Kokkos::parallel_for(
       "contact::findJointAreas::areas", rangePolicy(_space, _count),
       KOKKOS_LAMBDA(const std::int64_t i) {
-        bodies(i) = contacts(i).body;
+        sides(i) = contacts(i).side;
         areas(i) = contacts(i).force;
       });
-  return {_row_begin, _row_count, bodies, areas};
+  return {_row_begin, _row_count, sides, areas};
 }
 
 } // namespace

@@ -15,24 +15,24 @@ inline constexpr double flush_cosine = 0.999, flush_gap = 1e-4;
 // with a face; at a sharper one it ends.
 inline constexpr double bend_cosine = 0.9;
 
-// The flush contacts of nodes, one with each opposing body.
+// The flush contacts of nodes, one with each opposing side.
 struct FlushContacts {
   NodeFaceKinematics kinematics;
   FaceAccess faces;
   CandidatePairs pairs;
   View<unsigned char*> is_chosen; // [pair] 0 at first
 
-  // Chooses among the candidates of a row the face of each body that covers the node best.
+  // Chooses among the candidates of a row the face of each side that covers the node best.
   KOKKOS_INLINE_FUNCTION void choose(std::int64_t row) const {
     const int node = pairs.node(row);
     const global_id own_body = faces.surface.node_body(node);
     const std::int64_t end = pairs.end(row);
     for (std::int64_t p = pairs.begin(row); p < end;) {
-      const global_id body = kinematics.bodyOf(faces, pairs.faces(p));
+      const global_id side = kinematics.sideOf(faces, pairs.faces(p));
       std::int64_t best = -1;
       double least_excess = HUGE_VAL;
-      for (; p < end && kinematics.bodyOf(faces, pairs.faces(p)) == body; ++p)
-        if (body != own_body && isBetter(node, pairs.faces(p), least_excess))
+      for (; p < end && kinematics.sideOf(faces, pairs.faces(p)) == side; ++p)
+        if (bodyOfSide(side) != own_body && isBetter(node, pairs.faces(p), least_excess))
           best = p;
       if (best >= 0)
         is_chosen(best) = 1;
@@ -71,7 +71,7 @@ struct FlushContacts {
   KOKKOS_INLINE_FUNCTION Interaction contact(int node, int face) const {
     const FacePoint point = projected(node, face);
     Interaction contact;
-    contact.body = kinematics.bodyOf(faces, face);
+    contact.side = kinematics.sideOf(faces, face);
     contact.face_index = face;
     contact.node = node;
     contact.point = atNode(node);

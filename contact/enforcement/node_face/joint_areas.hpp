@@ -16,7 +16,7 @@ struct JointAreas {
   static constexpr double cap_factor = 2.01 * stiffness_share;
 
   View<const int*> row_begin, row_count; // [surface node]; empty if there are no joints
-  View<const global_id*> bodies; // opposing body [contact of a joint]
+  View<const global_id*> sides; // opposing side [contact of a joint]
   View<const double*> areas; // a_i, length^2 [contact of a joint]
 
   KOKKOS_FORCEINLINE_FUNCTION bool isEmpty() const { return row_count.extent(0) == 0; }
@@ -26,13 +26,13 @@ struct JointAreas {
     brickwall::prefetch(&row_begin(node));
     brickwall::prefetch(&row_count(node));
   }
-  // 0 if the node and the body have no joint.
-  KOKKOS_FORCEINLINE_FUNCTION double areaOf(int node, global_id body) const {
+  // 0 if the node and the side have no joint.
+  KOKKOS_FORCEINLINE_FUNCTION double areaOf(int node, global_id side) const {
     if (isEmpty())
       return 0;
     const int begin = row_begin(node), end = begin + row_count(node);
     for (int i = begin; i < end; ++i)
-      if (bodies(i) == body)
+      if (sides(i) == side)
         return areas(i);
     return 0;
   }

@@ -36,7 +36,7 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_FORCEINLINE_FUNCTION void prefetchFace(int face) const {
     prefetch(&records(recordOf(face)));
   }
-  KOKKOS_FORCEINLINE_FUNCTION void prefetchBody(const FaceAccess& faces, int face) const {
+  KOKKOS_FORCEINLINE_FUNCTION void prefetchSide(const FaceAccess& faces, int face) const {
     if (faces.isOwn(face))
       prefetch(&faces.surface.face_body(face));
   }
@@ -55,8 +55,8 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_FORCEINLINE_FUNCTION const FaceRecord& recordOfFace(int face) const {
     return records(recordOf(face));
   }
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(const FaceAccess& faces, int face) const {
-    return fills_lanes ? faces.body(face) : records(recordOf(face)).body;
+  KOKKOS_INLINE_FUNCTION global_id sideOf(const FaceAccess& faces, int face) const {
+    return fills_lanes ? faces.side(face) : records(recordOf(face)).side;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(const FaceAccess&, int face) const {
     return records(recordOf(face)).id;
@@ -182,7 +182,7 @@ struct NodeFaceKinematics : NodeSurface {
         1 - edge_overlap_tolerance)
       return false;
     FadeRegion region;
-    region.mask = faces.attributes(face).trueEdges();
+    region.mask = faces.attributes(face).edgesOfBody();
     if (region.mask == 0)
       return false;
     const Quad quad = faces.quad(face);
@@ -285,7 +285,7 @@ struct NodeFaceKinematics : NodeSurface {
     return config.penalty / (config.reference_step * config.reference_step) / inverse_mass;
   }
   KOKKOS_FORCEINLINE_FUNCTION double jointArea(int node, int face) const {
-    return joints.areaOf(node, records(recordOf(face)).body);
+    return joints.areaOf(node, records(recordOf(face)).side);
   }
   KOKKOS_FORCEINLINE_FUNCTION double capFactor(int node, int face) const {
     return jointArea(node, face) > 0 ? JointAreas::cap_factor : 1.0;

@@ -15,7 +15,7 @@ struct HashInteraction {
     const Interaction& pair = history.interactions(i);
     Hash hash;
     hash.take(node_ids(pair.node));
-    hash.take(pair.body);
+    hash.take(pair.side);
     hash.take(pair.face);
     hash.take(pair.offset);
     hash.take(pair.depth);

@@ -22,7 +22,8 @@ LargestForce largestOf(const exec_space& space, MPI_Comm comm, const SweptBoxes&
         const Interaction& pair = interactions(i);
         LeadingPair one;
         one.value = forceOf(pair);
-        one.pair = {ids(pair.node - first_row), pair.face, node_body(pair.node), pair.body};
+        one.pair = {ids(pair.node - first_row), pair.face, node_body(pair.node),
+                    bodyOfSide(pair.side)};
         all += one;
       },
       PlusReducer<LeadingPair>(local));

@@ -13,7 +13,7 @@
 
 namespace brickwall::contact {
 
-// Memory for the contacts of crowded rows, which have more bodies than the local arrays of a thread
+// Memory for the contacts of crowded rows, which have more sides than the local arrays of a thread
 // hold.
 struct RowWorkspace {
   View<PersistentContact*> persistent; // [place]

@@ -1,4 +1,4 @@
-// Selection of the active faces of a node (or edge): one face of each opposing body, by the rules
+// Selection of the active faces of a node (or edge): one face of each opposing side, by the rules
 // of theory.md, section 6. Kernel part of SelectInteractions.
 #pragma once
 
@@ -15,7 +15,7 @@ struct SelectActiveFaces {
     const PersistentContact* contacts;
     int count;
   };
-  // The place in the history of a row and in its persistent contacts. Bodies ascend in both, as
+  // The place in the history of a row and in its persistent contacts. Sides ascend in both, as
   // those of the candidates do, so all are read side by side.
   struct History {
     int next, end; // indices of interactions
@@ -28,7 +28,7 @@ struct SelectActiveFaces {
     return {first, first + count, persistent.contacts, persistent.contacts + persistent.count};
   }
 
-  // One contact per opposing body, written to `contacts`, which has room for all bodies of the row.
+  // One contact per opposing side, written to `contacts`, which has room for all sides of the row.
   // Returns their number.
   KOKKOS_INLINE_FUNCTION int selectActiveFaces(std::int64_t row, int node,
                                                const Persistents& persistent, FaceContact* contacts,
@@ -38,15 +38,15 @@ struct SelectActiveFaces {
     const global_id own_body = step.faces.surface.node_body(node);
     int num_contacts = 0;
     for (std::int64_t pair = step.pairs.begin(row); pair < end;) {
-      const global_id body = step.kinematics.bodyOf(step.faces, step.pairs.faces(pair));
+      const global_id side = step.kinematics.sideOf(step.faces, step.pairs.faces(pair));
       const std::int64_t begin = pair;
-      if (step.kinematics.bodyOf(step.faces, step.pairs.faces(end - 1)) == body)
+      if (step.kinematics.sideOf(step.faces, step.pairs.faces(end - 1)) == side)
         pair = end;
-      while (pair < end && step.kinematics.bodyOf(step.faces, step.pairs.faces(pair)) == body)
+      while (pair < end && step.kinematics.sideOf(step.faces, step.pairs.faces(pair)) == side)
         ++pair;
       FaceContact& contact = contacts[num_contacts];
-      recallContact(body, history, contact, sums);
-      if (isTested(own_body, body) && selectFaceOfBody(node, begin, pair, contact))
+      recallContact(side, history, contact, sums);
+      if (isTested(own_body, side) && selectFaceOfSide(node, begin, pair, contact))
         ++num_contacts;
     }
     return num_contacts;
@@ -54,7 +54,7 @@ struct SelectActiveFaces {
 
   // Calls accept(k, face) with the candidate that is the face of contact k, for all contacts of a
   // row of the history. Returns false if a contact is not under load or its face is none of the
-  // candidates, if accept() is false, or if a contact with another body may become active. Whether
+  // candidates, if accept() is false, or if a contact with another side may become active. Whether
   // the pair is of this step (isOfThisStep()) is left to the caller. Notes rows that are steady if
   // all these contacts persist.
   template <class Accept>
@@ -70,7 +70,7 @@ struct SelectActiveFaces {
     step.steady.note(node);
     return true;
   }
-  // Bodies ascend among candidates and contacts.
+  // Sides ascend among candidates and contacts.
   template <class Accept>
   KOKKOS_INLINE_FUNCTION bool findFacesAmongCandidates(std::int64_t row, int node, int first,
                                                        int count, const Accept& accept) const {
@@ -80,23 +80,23 @@ struct SelectActiveFaces {
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
     if (begin == end)
       return false;
-    const global_id last_body = step.kinematics.bodyOf(step.faces, step.pairs.faces(end - 1));
+    const global_id last_side = step.kinematics.sideOf(step.faces, step.pairs.faces(end - 1));
     int k = 0;
-    global_id body_of_contact = interactions(first).body, body = -1;
+    global_id side_of_contact = interactions(first).side, side = -1;
     bool is_found = false; // the face of contact k
     for (std::int64_t p = begin; p < end; ++p) {
       const int face = step.pairs.faces(p);
-      if (body != last_body)
-        body = step.kinematics.bodyOf(step.faces, face);
-      while (body_of_contact < body && k + 1 < count) {
+      if (side != last_side)
+        side = step.kinematics.sideOf(step.faces, face);
+      while (side_of_contact < side && k + 1 < count) {
         if (!is_found)
           return false;
         is_found = false;
         ++k;
-        body_of_contact = interactions(first + k).body;
+        side_of_contact = interactions(first + k).side;
       }
-      if (body != body_of_contact) {
-        if (!isTested(own_body, body))
+      if (side != side_of_contact) {
+        if (!isTested(own_body, side))
           continue;
         is_steady = false;
         if (step.kinematics.mayPenetrate(step.faces, node, face) &&
@@ -123,14 +123,15 @@ struct SelectActiveFaces {
                : step.kinematics.idOf(step.faces, face) == last.face;
   }
 
-  KOKKOS_INLINE_FUNCTION bool isTested(global_id own_body, global_id body) const {
+  KOKKOS_INLINE_FUNCTION bool isTested(global_id own_body, global_id side) const {
+    const global_id body = bodyOfSide(side);
     return (body != own_body || step.law.config.self_contact) &&
            step.kinematics.pushes(own_body, body);
   }
 
-  // Selects the face of a body, from its candidates [begin, end): the last one while it stays in
+  // Selects the face of a side, from its candidates [begin, end): the last one while it stays in
   // contact under load, otherwise the least penetrated one.
-  KOKKOS_INLINE_FUNCTION bool selectFaceOfBody(int node, std::int64_t begin, std::int64_t end,
+  KOKKOS_INLINE_FUNCTION bool selectFaceOfSide(int node, std::int64_t begin, std::int64_t end,
                                                FaceContact& contact) const {
     // An unloaded contact is selected anew; otherwise a node that slid in beside a face would keep
     // it for ever.
@@ -148,7 +149,7 @@ struct SelectActiveFaces {
     // the face that covers it better takes over.
     const double covered = persists ? leastWeight(contact) : -HUGE_VAL;
     if (!persists) {
-      // A node that has left through the face has ended its contact. Another contact with the body
+      // A node that has left through the face has ended its contact. Another contact with the side
       // then starts anew.
       contact.has_ended =
           is_released || (has_face && step.kinematics.isInFront(step.faces, contact.previous_face,
@@ -296,14 +297,14 @@ struct SelectActiveFaces {
                  minOf(contact.weight[2], contact.weight[3]));
   }
 
-  // Reads the interaction with `body` from the contact history if its face is still a candidate,
+  // Reads the interaction with `side` from the contact history if its face is still a candidate,
   // and records the work of its last forces.
-  KOKKOS_INLINE_FUNCTION void recallContact(global_id body, History& history, FaceContact& contact,
+  KOKKOS_INLINE_FUNCTION void recallContact(global_id side, History& history, FaceContact& contact,
                                             ContactSums& sums) const {
-    while (history.next < history.end && step.previous.interactions(history.next).body < body)
+    while (history.next < history.end && step.previous.interactions(history.next).side < side)
       ++history.next;
     const bool is_known =
-        history.next < history.end && step.previous.interactions(history.next).body == body;
+        history.next < history.end && step.previous.interactions(history.next).side == side;
     contact.previous = is_known ? history.next : -1;
     contact.previous_face = -1;
     contact.persistent = nullptr;

@@ -24,8 +24,8 @@ struct UnsetArray {
 };
 
 // Takes rows_at_once rows of candidates, one row per surface node: tests the node against its
-// candidates, selects one face of each opposing body and writes the node's row of `next`.
-// Candidates are in the order of (body, face id), so ties go to the lower id. Rows without history
+// candidates, selects one face of each opposing side and writes the node's row of `next`.
+// Candidates are in the order of (side, face id), so ties go to the lower id. Rows without history
 // where no contact can become active are skipped: row_count must be 0 before the launch, and
 // Kinematics::record() values must be those of no contact.
 template <class Kinematics>
@@ -36,10 +36,10 @@ struct SelectInteractions {
   static constexpr int rows_at_once = simd_width > 1 ? 32 : 1;
   static constexpr std::int64_t rows_of_block = CandidatePairs::rows_per_block;
   static_assert(rows_at_once % rows_of_block == 0, "whole blocks");
-  // Bodies of a row whose contacts fit local arrays; a row with more is crowded, and uses the
+  // Sides of a row whose contacts fit local arrays; a row with more is crowded, and uses the
   // workspace.
-  static constexpr int max_bodies = simd_width > 1 ? 16 : 4;
-  static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_bodies;
+  static constexpr int max_sides = simd_width > 1 ? 16 : 4;
+  static constexpr int max_persistent = simd_width > 1 ? 2 * rows_at_once : max_sides;
   static constexpr int max_selected = simd_width > 1 ? 2 * rows_at_once : 0;
 
   EnforcementStep<Kinematics> step;
@@ -179,8 +179,8 @@ struct SelectInteractions {
       return;
     }
     if (begin < end && !step.steady.isSteady(row, node)) {
-      step.kinematics.prefetchBody(step.faces, step.pairs.faces(begin));
-      step.kinematics.prefetchBody(step.faces, step.pairs.faces(end - 1));
+      step.kinematics.prefetchSide(step.faces, step.pairs.faces(begin));
+      step.kinematics.prefetchSide(step.faces, step.pairs.faces(end - 1));
       prefetch(&step.faces.surface.node_body(node));
     }
     brickwall::prefetchRow(step.faces.surface.coordinates_old, node);
@@ -246,19 +246,19 @@ struct SelectInteractions {
     }
     return num_kept;
   }
-  // The number of bodies of a crowded row, 0 for others. `count`: its contacts in the history.
+  // The number of sides of a crowded row, 0 for others. `count`: its contacts in the history.
   KOKKOS_INLINE_FUNCTION int crowdOf(std::int64_t row, int count) const {
     const std::int64_t begin = step.pairs.begin(row), end = step.pairs.end(row);
-    if (maxOf<std::int64_t>(end - begin, count) <= max_bodies)
+    if (maxOf<std::int64_t>(end - begin, count) <= max_sides)
       return 0;
-    int num_bodies = 0;
+    int num_sides = 0;
     for (std::int64_t p = begin; p < end; ++p)
-      num_bodies += p == begin || bodyOf(p) != bodyOf(p - 1);
-    const int crowd = maxOf(num_bodies, count);
-    return crowd > max_bodies ? crowd : 0;
+      num_sides += p == begin || sideOf(p) != sideOf(p - 1);
+    const int crowd = maxOf(num_sides, count);
+    return crowd > max_sides ? crowd : 0;
   }
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(std::int64_t pair) const {
-    return step.kinematics.bodyOf(step.faces, step.pairs.faces(pair));
+  KOKKOS_INLINE_FUNCTION global_id sideOf(std::int64_t pair) const {
+    return step.kinematics.sideOf(step.faces, step.pairs.faces(pair));
   }
   // Takes workspace for an empty batch. Returns false if there is too little: the step is then
   // repeated with more.
@@ -271,7 +271,7 @@ struct SelectInteractions {
     batch.crowded = &step.workspace.contacts(place);
     return true;
   }
-  // Candidates and the row of the history are in the order of (body, face id).
+  // Candidates and the row of the history are in the order of (side, face id).
   KOKKOS_INLINE_FUNCTION void findPersistent(std::int64_t row, int node, int count,
                                              Batch& batch) const {
     const std::int64_t pairs_end = step.pairs.end(row);
@@ -320,7 +320,7 @@ struct SelectInteractions {
                                       batch.persistent);
     batch.first[batch.num_rows] = batch.num_persistent;
     const WriteInteractions<Kinematics> write{step};
-    UnsetArray<FaceContact, max_selected + max_bodies> local; // room for one more row
+    UnsetArray<FaceContact, max_selected + max_sides> local; // room for one more row
     FaceContact* contacts =
         batch.crowded != nullptr ? batch.crowded : static_cast<FaceContact*>(local);
     int num_selected = 0;
@@ -343,7 +343,7 @@ struct SelectInteractions {
   }
 
   // Writes the contacts of the row that have a force to `contacts`, which has room for one for each
-  // body of the row. Returns their number.
+  // side of the row. Returns their number.
   KOKKOS_INLINE_FUNCTION int selectOfRow(std::int64_t row, const Persistents& persistent,
                                          FaceContact* contacts, ContactSums& sums) const {
     const SelectActiveFaces<Kinematics> select{step};

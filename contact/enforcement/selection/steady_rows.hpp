@@ -1,5 +1,5 @@
 // Rows of candidates that need not be read again: all their contacts persisted on own faces in the
-// last step, no candidate is of another body, and no search has changed the row since.
+// last step, no candidate is of another side, and no search has changed the row since.
 #pragma once
 
 #include "contact/surface/seen_rows.hpp"

@@ -204,7 +204,7 @@ private:
   }
   KOKKOS_FORCEINLINE_FUNCTION void writeIdentity(const FaceContact& contact,
                                                  Interaction& now) const {
-    now.body = step.kinematics.bodyOf(step.faces, contact.face);
+    now.side = step.kinematics.sideOf(step.faces, contact.face);
     now.face = step.kinematics.idOf(step.faces, contact.face);
     now.node = contact.node;
     now.point = contact.point;

@@ -64,7 +64,7 @@ struct CountMissed {
   }
   KOKKOS_INLINE_FUNCTION bool isAllowed(int node, int face) const {
     if (config.drop_same_body)
-      return all.ids(face, 1) != faces.surface.node_body(node);
+      return bodyOfSide(all.ids(face, 1)) != faces.surface.node_body(node);
     for (int corner = 0; corner < 4; ++corner)
       if (all.ids(face, 2 + corner) == faces.surface.node_ids(node))
         return false;

@@ -39,7 +39,7 @@ void nameBodies(const exec_space& space, const SweptBoxes& surface, ClusterOrder
         const std::int64_t begin = block * block_size;
         for (std::int64_t i = begin; i < minOf<std::int64_t>(begin + block_size, num_faces); ++i) {
           const int face = face_order(i);
-          joinBody(face_body(face), body, is_first);
+          joinBody(bodyOfSide(face_body(face)), body, is_first);
           for (int k = 0; k < 4; ++k)
             joinBody(node_body(face_to_nodes(face, k)), body, is_first);
         }

@@ -263,8 +263,8 @@ struct FindRowsOfGroups {
       NearFace& face = scratch.near[bitsBelow(near, lane)];
       face = of_lane[lane];
       if (test.drop_same_body)
-        face.body = of_ghosts ? test.ghosts.bodies(face.face - test.surface.num_faces)
-                              : test.surface.face_body(face.face);
+        face.body = bodyOfSide(of_ghosts ? test.ghosts.bodies(face.face - test.surface.num_faces)
+                                         : test.surface.face_body(face.face));
     });
     const int num_near = countBits(near);
     forLanes(team, [&](const int lane) {

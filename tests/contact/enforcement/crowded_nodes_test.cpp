@@ -1,5 +1,5 @@
 // Nodes and edges in contact with any number of bodies: more than the local arrays of a thread hold
-// (SelectInteractions::max_bodies), and more than a byte counts.
+// (SelectInteractions::max_sides), and more than a byte counts.
 #include "contact/enforcement/reports/history_checksum.hpp"
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
@@ -51,7 +51,7 @@ TEST(CrowdedNodes, ManyEqualBodiesShareTheStiffnessOfOneAndPushWithEqualIntegers
       ASSERT_EQ(contacts.size(), static_cast<std::size_t>(num_plates));
       EXPECT_EQ(status(node), num_plates);
       for (int i = 0; i < num_plates; ++i) {
-        EXPECT_EQ(contacts[i].body, i);
+        EXPECT_EQ(contacts[i].side, i);
         EXPECT_DOUBLE_EQ(contacts[i].stiffness * num_plates, whole); // A_i is divided among them
       }
       const double quanta = quantum().inverse * (contacts[0].force * contacts[0].normal.z);

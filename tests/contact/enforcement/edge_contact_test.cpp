@@ -130,11 +130,11 @@ TEST(EdgeContact, BarsNarrowerThanTheirElementsAreInContactWhereverTheyCross) {
       EXPECT_EQ(all, 0);
       EXPECT_GT(up, 0) << rolled << " " << inclined;
     }
-  // Flush: each edge of one lies on one of the other.
+  // Flush: each of the two edges of one bar lies on both of the other.
   EdgeRun flush(crossedBars(0.01, 0, 0), MPI_COMM_SELF, onOneRank);
   flush.move(1, {0, 0, -0.02});
   flush.step();
-  EXPECT_EQ(flush.sums.active, 2);
+  EXPECT_EQ(flush.sums.active, 4);
   EXPECT_NEAR(flush.sums.deepest, 0.01, 1e-12);
 }
 

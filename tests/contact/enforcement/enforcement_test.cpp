@@ -184,7 +184,7 @@ TEST(Enforcement, EdgeNodesOfARunningBondHaveAContactWithEachNeighbour) {
   const auto bodies = [&](int body, double x, double z) {
     std::vector<global_id> touched;
     for (const Interaction& i : run->of(run->scene.nodeAt(body, {x, 0.5, z})))
-      touched.push_back(i.body);
+      touched.push_back(i.side);
     return touched;
   };
   using Bodies = std::vector<global_id>;

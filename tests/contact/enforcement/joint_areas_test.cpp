@@ -95,7 +95,7 @@ std::vector<double> unitForces(const JointRun& joint, const Vec3& up) {
     FacePoint best;
     const Scene::Face* nearest = nullptr;
     for (const Scene::Face& face : scene.faces) {
-      if (face.body != pair.body)
+      if (face.body != pair.side)
         continue;
       Quad quad;
       for (int j = 0; j < 4; ++j)

@@ -1,7 +1,7 @@
 // Faces that a host code may have: triangles, faces without an area, and ranks or whole surfaces
 // without any.
 #include "contact/search/candidate_search.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
 #include <gtest/gtest.h>

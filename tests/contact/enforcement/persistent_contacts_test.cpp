@@ -5,7 +5,7 @@
 #include "contact/base/mpi.hpp"
 #include "contact/enforcement/law/persistent_contact.hpp"
 #include "contact/surface/construct_boxes.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
 #include <gtest/gtest.h>
@@ -116,11 +116,11 @@ private:
   std::unique_ptr<Enforcement> _enforcement;
 };
 
-using Key = std::pair<int, global_id>; // node, body
+using Key = std::pair<int, global_id>; // node, side
 std::map<Key, Interaction> byNode(const std::vector<Interaction>& interactions) {
   std::map<Key, Interaction> sorted;
   for (const Interaction& pair : interactions)
-    sorted[{pair.node, pair.body}] = pair;
+    sorted[{pair.node, pair.side}] = pair;
   EXPECT_EQ(sorted.size(), interactions.size());
   return sorted;
 }
@@ -132,7 +132,7 @@ auto numbersOf(const Interaction& i) {
                          i.weight[3], i.point.share);
 }
 auto namesOf(const Interaction& i) {
-  return std::make_tuple(i.body, i.face, i.node, i.face_index, i.point.node[0], i.point.node[1],
+  return std::make_tuple(i.side, i.face, i.node, i.face_index, i.point.node[0], i.point.node[1],
                          i.is_retained, i.is_new);
 }
 
@@ -178,7 +178,7 @@ struct Counts {
     for (const Interaction& now : lanes.interactions) {
       activations += now.is_new;
       fading += now.fade_weight < 1;
-      const auto found = before.find({now.node, now.body});
+      const auto found = before.find({now.node, now.side});
       if (now.is_new || found == before.end())
         continue;
       const bool persists = found->second.face == now.face;

@@ -4,7 +4,7 @@
 #include "contact/base/hash.hpp"
 #include "contact/search/audit/read_back.hpp"
 #include "contact/search/candidate_search.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/search/search_checks.hpp"
 #include "tests/contact/support/host_traffic.hpp"
 
@@ -143,6 +143,10 @@ std::vector<Flaw> flaws() {
   });
   add("negative body", {"face_body(6) is -2"}, [](Surface& s) {
     s.face_body = changed(s.face_body, s.num_faces, [](const auto& v) { v(6) = -2; });
+  });
+  add("body too large", {"node_body(5) is 1099511627776; expected 0 to 2^40 - 1"}, [](Surface& s) {
+    s.node_body =
+        changed(s.node_body, s.num_nodes, [](const auto& v) { v(5) = global_id(1) << body_bits; });
   });
   return all;
 }

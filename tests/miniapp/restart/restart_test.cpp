@@ -161,12 +161,12 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
     return point;
   };
   std::vector<contact::ContactRecord> records(4);
-  const global_id nodes[4] = {30, 40, 30, 40}, bodies[4] = {9, 2, 3, 1};
+  const global_id nodes[4] = {30, 40, 30, 40}, sides[4] = {9, 2, 3, 1};
   double next = 1;
   for (int i = 0; i < 4; ++i) {
     contact::visitFields(records[i], SetDoubles{next});
     records[i].node = nodes[i];
-    records[i].pair.body = bodies[i];
+    records[i].pair.side = sides[i];
     records[i].pair.is_retained = i % 2;
     records[i].pair.fade_weight = 0.5;
     records[i].pair.settles = i % 2 == 0;
@@ -190,7 +190,7 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
   EXPECT_EQ(count(2), 2);
   const auto pairs = toHost(history.interactions);
   for (const int row : {0, 2}) {
-    EXPECT_LT(pairs(begin(row)).body, pairs(begin(row) + 1).body);
+    EXPECT_LT(pairs(begin(row)).side, pairs(begin(row) + 1).side);
     EXPECT_EQ(pairs(begin(row)).node, row);
     EXPECT_EQ(pairs(begin(row)).point.node[0], row);
     EXPECT_EQ(pairs(begin(row)).point.node[1], row + 1);
@@ -201,7 +201,7 @@ TEST(ContactRecords, MakeTheHistoryAgainInAnyOrder) {
     bool is_found = false;
     for (const auto& other : again)
       is_found = is_found || valuesOf(record) == valuesOf(other);
-    EXPECT_TRUE(is_found) << "node " << record.node << ", body " << record.pair.body;
+    EXPECT_TRUE(is_found) << "node " << record.node << ", side " << record.pair.side;
   }
   records[0].node = 41;
   EXPECT_THROW(setHistory(space, ids, records, true, atRow, history, last), Error);

@@ -101,7 +101,7 @@ TEST(ElementMove, KeepsEachContactAndJointOnce) {
   run.simulation->step();
   miniapp::SimulationRestart data = run.simulation->restartData();
   for (const contact::ContactRecord& record : data.contact.nodes) // these meshes match: no joints
-    data.contact.joints.push_back({record.node, record.pair.body, 1e-4});
+    data.contact.joints.push_back({record.node, record.pair.side, 1e-4});
   run.simulation->restore(data);
   const auto before = numRecords(*run.simulation);
   EXPECT_GT(before[2], 0);

@@ -234,21 +234,21 @@ Interaction onlyInteraction(const EdgeRun& run) {
 
 // Half of s m_red/dt^2 at any angle at which there is a contact.
 TEST(EdgeActivation, HasItsFullStiffnessFromTheSmallestAngleOn) {
-  for (const double angle : {0.055, 0.1, 0.3, 1.5}) {
+  for (const double angle : {0.035, 0.1, 0.3, 1.5}) {
     EdgeRun run(ridgesAt(angle, 0.001), MPI_COMM_SELF, onOneRank);
     run.step();
     run.move(1, {0, 0, -0.011});
     run.step();
     ASSERT_EQ(run.sums.active, 1) << angle;
     const Interaction pair = onlyInteraction(run);
-    // |x| ~ 1, over the sine of 0.05
+    // |x| ~ 1, over the sine of 0.03
     EXPECT_NEAR(pair.depth, 0.01, 1e-14) << angle;
     EXPECT_DOUBLE_EQ(pair.stiffness,
                      0.5 * EnforcementConfig().penalty / (dt * dt) / pair.inverse_mass);
     EXPECT_DOUBLE_EQ(pair.force, pair.stiffness * pair.depth);
     EXPECT_EQ(pair.fade_weight, 1);
   }
-  EdgeRun parallel(ridgesAt(0.045, 0.001), MPI_COMM_SELF, onOneRank);
+  EdgeRun parallel(ridgesAt(0.025, 0.001), MPI_COMM_SELF, onOneRank);
   parallel.step();
   parallel.move(1, {0, 0, -0.011});
   parallel.step();
@@ -258,7 +258,7 @@ TEST(EdgeActivation, HasItsFullStiffnessFromTheSmallestAngleOn) {
 // The same at the rim of the cone of outward directions: the lower body is rotated about its ridge
 // until a face is almost level.
 TEST(EdgeActivation, HasItsFullStiffnessFromTheRimOfItsConeOn) {
-  for (const double inside : {0.045, 0.055, 0.2}) {
+  for (const double inside : {0.025, 0.035, 0.2}) {
     Scene scene = crossedRidges(0.001, 1);
     Turn{{1, 0, 0}, {}, 0.25 * M_PI - inside}.body(scene, 0);
     scene.step();
@@ -266,7 +266,7 @@ TEST(EdgeActivation, HasItsFullStiffnessFromTheRimOfItsConeOn) {
     run.step();
     run.move(1, {0, 0, -0.011});
     run.step();
-    ASSERT_EQ(run.sums.active, inside > 0.05 ? 1 : 0) << inside;
+    ASSERT_EQ(run.sums.active, inside > 0.03 ? 1 : 0) << inside;
     if (run.sums.active == 1) {
       const Interaction pair = onlyInteraction(run);
       EXPECT_DOUBLE_EQ(pair.stiffness,
@@ -294,10 +294,10 @@ TEST(RetainedContact, EdgesThatTurnParallelUnderLoadKeepTheirEnergy) {
     const auto force = run.step();
     ASSERT_EQ(run.sums.active, 1) << turned;
     const Interaction pair = onlyInteraction(run);
-    EXPECT_EQ(pair.is_retained, std::fabs(std::cos(turned)) < 0.05 || was_retained) << turned;
+    EXPECT_EQ(pair.is_retained, std::fabs(std::cos(turned)) < 0.03 || was_retained) << turned;
     was_retained = pair.is_retained;
     EXPECT_NEAR(pair.stiffness, activated.stiffness, 1e-13 * activated.stiffness);
-    // depths differ from heights by 1e-16/0.05 of the ridges' size
+    // depths differ from heights by 1e-16/0.03 of the ridges' size
     const double scale = activated.stiffness * 0.03 * 0.03;
     work += run.sums.terms.sum[spring_work].value(energyScale());
     if (step == 0)

@@ -1,7 +1,7 @@
 // Contact beyond true edges: the fading force is the gradient of its energy, and findFeatureEdges()
 // finds true edges.
 #include "contact/enforcement/law/edge_fading.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Energy in the spring of a contact at the half step, with and without fading.
 #include "contact/enforcement/node_face/node_face_kinematics.hpp"
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/enforcement/support/resultant.hpp"
 
 #include <gtest/gtest.h>

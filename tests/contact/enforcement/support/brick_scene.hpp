@@ -21,8 +21,8 @@ namespace brickwall::contact::testing {
 struct Scene {
   struct Face {
     std::array<int, 4> nodes;
-    global_id id;
-    int body, element;
+    global_id id, body; // body, or side of a body
+    int element;
     double surface_mass;
   };
   std::vector<Vec3> x_old, x_new; // [node]
@@ -324,7 +324,7 @@ private:
     });
     for (std::size_t i = 0; i < _nodes.size(); ++i) {
       for (const int f : order)
-        if (_is_owned[i] && faceOf(f).body != scene.node_body[_nodes[i]] &&
+        if (_is_owned[i] && bodyOfSide(faceOf(f).body) != scene.node_body[_nodes[i]] &&
             (near(scene.x_new[_nodes[i]], scene, faceOf(f), _reach) ||
              near(scene.x_old[_nodes[i]], scene, faceOf(f), _reach)))
           listed.push_back(f);

@@ -71,7 +71,7 @@ struct SceneRun {
       if (part.nodes()[all(i).node] == node)
         found.push_back(all(i));
     std::sort(found.begin(), found.end(),
-              [](const Interaction& a, const Interaction& b) { return a.body < b.body; });
+              [](const Interaction& a, const Interaction& b) { return a.side < b.side; });
     return found;
   }
 

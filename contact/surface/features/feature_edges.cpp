@@ -1,12 +1,14 @@
 // See feature_edges.hpp. Faces of an edge are matched on their rank, unless both nodes of the edge
 // are on other ranks as well: then a rank chosen by these nodes receives a record from each face,
 // decides, and replies.
-#include "contact/surface/feature_edges.hpp"
+#include "contact/surface/features/feature_edges.hpp"
 
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/surface/check_surface.hpp"
+#include "contact/surface/features/edge_lines.hpp"
+#include "contact/surface/features/surface_sides.hpp"
 #include "contact/surface/projection.hpp"
 
 #include <algorithm>
@@ -33,11 +35,14 @@ struct EdgeReply {
   int face, edge;
   int is_convex; // and this face lists it
   int is_feature; // otherwise it is bent
+  int is_concave;
+  int unused;
   double cosine, sine, width[2];
 };
-constexpr EdgeReply no_reply{0, 0, 0, 1, 1, 0, {0, 0}};
+constexpr EdgeReply no_reply{0, 0, 0, 1, 0, 0, 1, 0, {0, 0}};
 
 constexpr double flat_cosine = 1 - 5e-7; // of the angle 1e-3
+constexpr double concave_cosine = 0.99955; // of the angle 0.03
 
 template <class T>
 using HostCopy = decltype(toHost(View<T>()));
@@ -105,14 +110,15 @@ std::vector<char> sharedNodes(MPI_Comm comm, const HostSurface& surface) {
 // Whether the edge of two faces is a feature edge or bent, and its reply if so.
 bool judgePair(const EdgeRecord& a, const EdgeRecord& b, double largest_cosine, EdgeReply& reply) {
   reply.cosine = dot(a.normal, b.normal);
+  const double height_of_b = dot(b.centre - a.on_edge, a.normal);
+  const double height_of_a = dot(a.centre - a.on_edge, b.normal);
+  reply.is_concave = height_of_a > 0 && height_of_b > 0 && reply.cosine <= concave_cosine;
   reply.is_feature = reply.cosine <= largest_cosine;
   if (!reply.is_feature)
     return reply.cosine < flat_cosine;
   reply.sine = norm(cross(a.normal, b.normal));
   reply.width[0] = a.width, reply.width[1] = b.width;
-  const bool is_convex =
-      dot(b.centre - a.on_edge, a.normal) < 0 && dot(a.centre - a.on_edge, b.normal) < 0;
-  reply.is_convex = is_convex && reply.sine > 0;
+  reply.is_convex = height_of_b < 0 && height_of_a < 0 && reply.sine > 0;
   return true;
 }
 
@@ -175,57 +181,6 @@ std::vector<EdgeReply> judgeOwnEdges(const HostSurface& surface, const std::vect
   return replies;
 }
 
-// One end of a convex edge.
-struct EdgeEnd {
-  global_id node, face_id; // of the edge: unique together with `edge`
-  Vec3 direction; // unit, from the node along the edge
-  int rank, index, edge, end;
-
-  auto key() const { return std::tie(node, face_id, edge); }
-};
-struct EndReply {
-  int index, end;
-};
-
-// Sets FeatureEdge::goes_on. The rank chosen by the id of a node decides for the edges that end
-// there.
-void findContinuations(MPI_Comm comm, const HostSurface& surface, std::vector<FeatureEdge>& edges) {
-  const int num_ranks = sizeOf(comm);
-  std::vector<std::vector<EdgeEnd>> ends(num_ranks);
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    for (int end = 0; end < 2; ++end) {
-      const FeatureEdge& edge = edges[i];
-      const int node = surface.face_to_nodes(edge.face, (edge.edge + end) % 4);
-      const int other = surface.face_to_nodes(edge.face, (edge.edge + 1 - end) % 4);
-      const Vec3 way = rowOf(surface.x, other) - rowOf(surface.x, node);
-      ends[surface.node_ids(node) % num_ranks].push_back(
-          {surface.node_ids(node), surface.face_ids(edge.face), (1 / norm(way)) * way, rankOf(comm),
-           static_cast<int>(i), edge.edge, end});
-    }
-  std::vector<EdgeEnd> all;
-  for (const auto& some : exchangeByRank(comm, ends))
-    all.insert(all.end(), some.begin(), some.end());
-  std::sort(all.begin(), all.end(),
-            [](const EdgeEnd& a, const EdgeEnd& b) { return a.key() < b.key(); });
-  constexpr double head_on = -0.75; // cosine
-  std::vector<std::vector<EndReply>> replies(num_ranks);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto meets = [&](std::size_t j) {
-      return dot(all[i].direction, all[j].direction) < head_on;
-    };
-    bool goes_on = false;
-    for (std::size_t j = i; !goes_on && j-- > 0 && all[j].node == all[i].node;)
-      goes_on = meets(j);
-    for (std::size_t j = i + 1; !goes_on && j < all.size() && all[j].node == all[i].node; ++j)
-      goes_on = meets(j);
-    if (goes_on)
-      replies[all[i].rank].push_back({all[i].index, all[i].end});
-  }
-  for (const auto& some : exchangeByRank(comm, replies))
-    for (const EndReply& reply : some)
-      edges[reply.index].goes_on |= 1 << reply.end;
-}
-
 } // namespace
 
 FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosine) {
@@ -257,16 +212,19 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
   answers.push_back(judgeOwnEdges(host, is_shared, rank, cosine));
   FeatureEdges edges;
   edges.face_edges.assign(surface.num_faces, 0);
+  std::vector<unsigned char> concave_edges(surface.num_faces, 0);
   for (const auto& some : answers)
     for (const EdgeReply& reply : some) {
-      edges.face_edges[reply.face] |=
-          static_cast<unsigned char>((reply.is_feature ? 1 : 16) << reply.edge);
+      edges.face_edges[reply.face] |= static_cast<unsigned char>(
+          (reply.is_feature | (!reply.is_feature || reply.is_concave) << 4) << reply.edge);
+      concave_edges[reply.face] |= static_cast<unsigned char>(reply.is_concave << reply.edge);
       if (reply.is_convex)
         edges.convex.push_back(
             {reply.face, reply.edge, reply.cosine, reply.sine, {reply.width[0], reply.width[1]}});
     }
   std::sort(edges.convex.begin(), edges.convex.end());
-  findContinuations(comm, host, edges.convex);
+  findLines(comm, surface, edges.convex);
+  edges.face_sides = findSides(comm, surface, concave_edges, edges.face_edges);
   return edges;
 }
 

@@ -12,6 +12,8 @@
 
 namespace brickwall::contact {
 
+inline constexpr int num_lines = 1 << 22;
+
 // A convex edge between two faces of a body, listed by the rank of the face of lower id.
 struct FeatureEdge {
   int face = -1; // own face
@@ -21,16 +23,22 @@ struct FeatureEdge {
   double width[2] = {0, 0}; // of its own face and of the other one: area over the edge's length
   // Bit 0, 1: beyond its first, second node another feature edge continues in the same direction.
   int goes_on = 0;
+  // Of its line (edge_lines.hpp), below num_lines: a hash of the lowest id of an edge of the line.
+  // Two lines of a body have one number with a probability of 1/num_lines; they count as one.
+  int line = 0;
 
   friend bool operator<(const FeatureEdge& a, const FeatureEdge& b) { // in FeatureEdges::convex
     return a.face != b.face ? a.face < b.face : a.edge < b.edge;
   }
 };
 
+// Enforcement needs face_edges as FaceAttributes::feature_edges and the sides in Surface::face_body,
+// by sideOfBody().
 struct FeatureEdges {
-  // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: another edge at which the
-  // surface is bent (FaceAttributes::feature_edges)
+  // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: the body is concave there,
+  // or the surface is bent at another edge (FaceAttributes::feature_edges)
   std::vector<unsigned char> face_edges;
+  std::vector<int> face_sides; // [own face] the side of its body (surface_sides.hpp)
   std::vector<FeatureEdge> convex; // ascending
 };
 
