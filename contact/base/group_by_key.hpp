@@ -1,5 +1,5 @@
-// Items grouped by a number, by a counting sort with the threads of the host, and disjoint sets; for
-// set-up.
+// Items grouped by a number, by a counting sort with the threads of the host, and disjoint sets;
+// for set-up.
 #pragma once
 
 #include "contact/base/to_device.hpp"

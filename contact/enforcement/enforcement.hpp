@@ -87,7 +87,7 @@ public:
   bool hasForces() const { return _has_forces; }
   // The nodes where forces() may differ from 0, also after sums over ranks.
   const NodeList& touched() const { return _touched.list(); }
-  // [surface node] number of bodies that the node penetrates, loaded or not; 0 if not owned.
+  // [surface node] number of sides of bodies that the node penetrates, loaded or not; 0 if not owned.
   const View<int*>& status() const { return _status; }
   // [surface node] least gap, length: minus the largest penetration, or 0.
   const View<double*>& gap() const { return _gap; }

@@ -27,7 +27,7 @@ public:
   // comparisons are joined without branches, since either outcome is likely.
   KOKKOS_INLINE_FUNCTION bool allow(int node, int face) const {
     if (_drop_same_body)
-      return bodyOfSide(bodyOf(face)) != _node_body(node);
+      return bodyOfSide(sideOf(face)) != _node_body(node);
     if (face < _num_faces)
       return (_face_to_nodes(face, 0) != node) & (_face_to_nodes(face, 1) != node) &
              (_face_to_nodes(face, 2) != node) & (_face_to_nodes(face, 3) != node);
@@ -37,10 +37,10 @@ public:
            (_ghost_corners(ghost, 2) != id) & (_ghost_corners(ghost, 3) != id);
   }
 
-  // The order of a row: by body, then by face id.
+  // The order of a row: by side of a body, then by face id.
   KOKKOS_INLINE_FUNCTION bool before(int a, int b) const {
-    const global_id body_a = bodyOf(a), body_b = bodyOf(b);
-    return body_a != body_b ? body_a < body_b : idOf(a) < idOf(b);
+    const global_id side_a = sideOf(a), side_b = sideOf(b);
+    return side_a != side_b ? side_a < side_b : idOf(a) < idOf(b);
   }
 
 private:
@@ -54,7 +54,7 @@ private:
     else
       return Kokkos::create_mirror_view_and_copy(Space(), view);
   }
-  KOKKOS_INLINE_FUNCTION global_id bodyOf(int face) const {
+  KOKKOS_INLINE_FUNCTION global_id sideOf(int face) const {
     return face < _num_faces ? _face_body(face) : _ghost_bodies(face - _num_faces);
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(int face) const {

@@ -63,8 +63,8 @@ struct FaceAttributes : CornerMasses {
 
   double surface_mass = 0; // mu = rho h_n/2, mass/area
   // Bit j: edge j, from corner j to the next, is a feature edge: it has no coplanar neighbour in
-  // the body (edge_fading.hpp). Bit 4 + j: the body is concave at the feature edge j, or the surface
-  // is bent at the edge j, which is none.
+  // the body (edge_fading.hpp). Bit 4 + j: the body is concave at the feature edge j, or the
+  // surface is bent at the edge j, which is none.
   std::int64_t feature_edges = unknown;
   KOKKOS_FORCEINLINE_FUNCTION int trueEdges() const {
     return feature_edges == unknown ? 0 : static_cast<int>(feature_edges & 15);

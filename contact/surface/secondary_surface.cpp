@@ -285,7 +285,7 @@ std::vector<std::vector<int>> findSharedRows(const Communicator& comm, const Mer
   return rows;
 }
 
-// Faces of this rank by bodies and ids, as candidates.
+// Faces of this rank by sides and ids, as candidates.
 struct MergedFaces {
   std::vector<global_id> ids, bodies;
   std::vector<int> corners; // [face][corner]

@@ -89,7 +89,7 @@ struct StepTest {
 // Candidate pairs in rows, one row for each surface node, in an order chosen by the search: row r
 // lists the faces that node(r) may touch, faces(begin(r)) .. faces(end(r) - 1). A face index below
 // num_faces is an own face, otherwise it is ghost face index - num_faces. Rows of nodes not owned
-// here are empty. Each row is in the order of (body, face id), without repeats. Rows come in
+// here are empty. Each row is in the order of (side, face id), without repeats. Rows come in
 // blocks; between blocks `faces` may have entries that belong to no row. The Views persist and
 // grow.
 struct CandidatePairs {

@@ -117,9 +117,9 @@ struct Surroundings {
   LaneArray<Real> narrower[2]; // the smaller width of the sides of own and other
 };
 
-// Whether an edge cannot span a side of another one (EdgeEdgeKinematics::isSpanned()): it is shorter
-// than the side is wide, with the overhangs, and ends within the length of the other edge. `first`:
-// from the first end of the other edge to that of this one.
+// Whether an edge cannot span a side of another one (EdgeEdgeKinematics::isSpanned()): it is
+// shorter than the side is wide, with the overhangs, and ends within the length of the other edge.
+// `first`: from the first end of the other edge to that of this one.
 template <class Real>
 KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
 cannotSpan(const Triple<Real>& edge, const Triple<Real>& first, const Triple<Real>& other,

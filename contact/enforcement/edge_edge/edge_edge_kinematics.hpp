@@ -21,11 +21,11 @@ struct EdgeEdgeKinematics {
   // half an element away is inside before the penetration reaches 0.015 elements.
   static constexpr double least_sine = 0.03;
   static constexpr double parallel_sine = 0.2; // below it a contact may be retained at fixed points
-  // An edge that spans a side of the other body, or a corner of it, has no node over that side which
-  // could be inside, so it becomes active there too; otherwise bars narrower than their elements
-  // would pass through each other, and cubes of one element that are turned against each other. The
-  // edge must end beyond the side by this many lateral tolerances of half its width; nearer nodes
-  // are in contact with the side.
+  // An edge that spans a side of the other body, or a corner of it, has no node over that side
+  // which could be inside, so it becomes active there too; otherwise bars narrower than their
+  // elements would pass through each other, and cubes of one element that are turned against each
+  // other. The edge must end beyond the side by this many lateral tolerances of half its width;
+  // nearer nodes are in contact with the side.
   static constexpr double side_overhang = 0.8;
   // Edges that have crossed less deeply than this, relative to the shorter edge, may become active.
   // Edges of bricks that lie flat on each other cross at zero depth and angle; once they have
@@ -211,8 +211,8 @@ struct EdgeEdgeKinematics {
     contact.depth = depth;
     contact.face = other;
   }
-  // A contact that slides out of reach, or whose edges separate, is released along the common normal
-  // of the edges: along the vector between two points it would hold on to the slide.
+  // A contact that slides out of reach, or whose edges separate, is released along the common
+  // normal of the edges: along the vector between two points it would hold on to the slide.
   KOKKOS_INLINE_FUNCTION bool releaseAtCrossing(const Vec3& da, const Vec3& db, const Vec3& between,
                                                 const Crossing& crossing, const Interaction& last,
                                                 int other, FaceContact& contact) const {

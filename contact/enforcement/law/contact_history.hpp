@@ -11,7 +11,8 @@
 
 namespace brickwall::contact {
 
-// One node (or edge) against one side of a body. P is the penetration, n the outward normal of the face.
+// One node (or edge) against one side of a body. P is the penetration, n the outward normal of the
+// face.
 struct Interaction {
   global_id side = -1; // opposing side (surface.hpp), or line of edges
   global_id face = -1; // global id of the face in contact

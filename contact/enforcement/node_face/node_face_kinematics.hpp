@@ -237,7 +237,8 @@ struct NodeFaceKinematics : NodeSurface {
            isInFront(faces, face,
                      project(faces.quad(face), rowOf(faces.surface.coordinates_new, node)));
   }
-  // Whether a node that projects onto the face at `point` is in front of it, not behind or beside it.
+  // Whether a node that projects onto the face at `point` is in front of it, not behind or beside
+  // it.
   KOKKOS_INLINE_FUNCTION bool isInFront(const FaceAccess& faces, int face,
                                         const FacePoint& point) const {
     return point.gap >= 0 &&

@@ -19,7 +19,7 @@ struct ClusterOrder {
   View<int*> corners; // [block][corner][lane] node positions of the faces; -1 in empty lanes
   // [cluster] bit i: the node at position cluster * cluster_size + i is owned here
   View<unsigned*> owned;
-  // [face position] rank in the order of (body, face id); empty if the host's faces are in that
+  // [face position] rank in the order of (side, face id); empty if the host's faces are in that
   // order
   View<int*> face_rank;
   // Of orders by body, otherwise empty: the body to which all nodes of a cluster belong, or all

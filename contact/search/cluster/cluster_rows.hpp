@@ -57,7 +57,7 @@ struct PairTest {
   KOKKOS_INLINE_FUNCTION bool overlap(int node, int face) const {
     return FaceAccess{surface, ghosts}.boxesOverlap(node, face, node_tolerance, face_tolerance);
   }
-  // By (body, face id).
+  // By (side, face id).
   KOKKOS_INLINE_FUNCTION bool before(int a, int b) const {
     if (a < surface.num_faces && b < surface.num_faces && order.face_rank.extent(0) == 0)
       return a < b;

@@ -1,5 +1,5 @@
-// Lines of convex edges: edges that continue each other in nearly the same direction. An edge has at
-// most one contact with each line of another body, and slides along it from edge to edge.
+// Lines of convex edges: edges that continue each other in nearly the same direction. An edge has
+// at most one contact with each line of another body, and slides along it from edge to edge.
 #pragma once
 
 #include "contact/surface/features/feature_edges.hpp"

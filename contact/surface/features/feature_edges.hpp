@@ -32,11 +32,11 @@ struct FeatureEdge {
   }
 };
 
-// Enforcement needs face_edges as FaceAttributes::feature_edges and the sides in Surface::face_body,
-// by sideOfBody().
+// Enforcement needs face_edges as FaceAttributes::feature_edges and the sides in
+// Surface::face_body, by sideOfBody().
 struct FeatureEdges {
-  // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: the body is concave there,
-  // or the surface is bent at another edge (FaceAttributes::feature_edges)
+  // [own face] bit j: edge j is a feature edge, convex or not; bit 4 + j: the body is concave
+  // there, or the surface is bent at another edge (FaceAttributes::feature_edges)
   std::vector<unsigned char> face_edges;
   std::vector<int> face_sides; // [own face] the side of its body (surface_sides.hpp)
   std::vector<FeatureEdge> convex; // ascending

@@ -1,5 +1,5 @@
-// See surface_sides.hpp. Patches are joined on their rank first. Those that meet parts on other ranks,
-// directly or through others, are told to all ranks, which number them alike.
+// See surface_sides.hpp. Patches are joined on their rank first. Those that meet parts on other
+// ranks, directly or through others, are told to all ranks, which number them alike.
 #include "contact/surface/features/surface_sides.hpp"
 
 #include "contact/base/to_device.hpp"
@@ -67,8 +67,8 @@ std::vector<global_id> findParts(const Surface& surface, const std::vector<Patch
   return parts.lowestOfSets(std::vector<global_id>(ids.data(), ids.data() + surface.num_faces));
 }
 
-// The edges, sorted, at which parts meet: those of this rank, and those of other ranks that parts on
-// them meet directly or through others. `parts` [own face].
+// The edges, sorted, at which parts meet: those of this rank, and those of other ranks that parts
+// on them meet directly or through others. `parts` [own face].
 std::vector<PatchEdge> findMeetings(MPI_Comm comm, const std::vector<PatchEdge>& own,
                                     const std::vector<global_id>& parts) {
   const auto num_faces = parts.size();

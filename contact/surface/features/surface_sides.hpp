@@ -1,5 +1,5 @@
-// The sides of the surface of a concave body. A node has at most one contact with each, so that both
-// flanks of a re-entrant corner can hold it. Theory: theory.md, section 6.2.
+// The sides of the surface of a concave body. A node has at most one contact with each, so that
+// both flanks of a re-entrant corner can hold it. Theory: theory.md, section 6.2.
 #pragma once
 
 #include "contact/surface/surface.hpp"
