@@ -78,8 +78,8 @@ public:
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); }
 
   // Forces of the last enforce(). Unless they are totals at every copy of a node, by
-  // NeutralInput::sum_forces, they are partial sums: the caller returns ghost_corners to their owners
-  // (reverseSum) and sums over the ranks that share a node.
+  // NeutralInput::sum_forces, they are partial sums: the caller returns ghost_corners to their
+  // owners (reverseSum) and sums over the ranks that share a node.
   const ContactForces& forces() const { return _forces; }
   bool hasTotals() const { return _has_totals; }
   // Whether any rank had contact forces in the last enforce(). If not, forces() are zero on all
@@ -87,7 +87,8 @@ public:
   bool hasForces() const { return _has_forces; }
   // The nodes where forces() may differ from 0, also after sums over ranks.
   const NodeList& touched() const { return _touched.list(); }
-  // [surface node] number of sides of bodies that the node penetrates, loaded or not; 0 if not owned.
+  // [surface node] number of sides of bodies that the node penetrates, loaded or not; 0 if not
+  // owned.
   const View<int*>& status() const { return _status; }
   // [surface node] least gap, length: minus the largest penetration, or 0.
   const View<double*>& gap() const { return _gap; }
