@@ -42,7 +42,7 @@ struct EdgeReply {
 constexpr EdgeReply no_reply{0, 0, 0, 1, 0, 0, 1, 0, {0, 0}};
 
 constexpr double flat_cosine = 1 - 5e-7; // of the angle 1e-3
-constexpr double concave_cosine = 0.99955; // of the angle 0.03
+constexpr double concave_cosine = 0.99875; // of the angle 0.05
 
 template <class T>
 using HostCopy = decltype(toHost(View<T>()));

@@ -57,14 +57,14 @@ TEST(SurfaceSides, ConvexBodiesHaveOne) {
     EXPECT_EQ(side, 0) << id;
 }
 
-TEST(SurfaceSides, FlanksOfAGrooveDifferFromAnAngleOfThreeHundredthsOn) {
-  for (const double slope : {3.0, 1.0, 0.3, 0.05, 0.0155, 0.0145}) {
+TEST(SurfaceSides, FlanksOfAGrooveDifferFromAnAngleOfATwentiethOn) {
+  for (const double slope : {3.0, 1.0, 0.3, 0.05, 0.0255, 0.0245}) {
     const auto sides = sidesOfTop(groove(slope));
     for (const auto& of_part : sides)
       ASSERT_EQ(of_part.size(), 1u) << slope;
     EXPECT_EQ(sides[0], sides[1]) << slope;
     EXPECT_EQ(sides[2], sides[3]) << slope;
-    EXPECT_EQ(sides[0] != sides[2], 2 * std::atan(slope) > 0.03) << slope;
+    EXPECT_EQ(sides[0] != sides[2], 2 * std::atan(slope) > 0.05) << slope;
   }
 }
 
