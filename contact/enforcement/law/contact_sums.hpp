@@ -27,7 +27,7 @@ enum ContactTerm : int {
 struct ContactSums {
   static constexpr int num_maxima = 2; // max_penetration and deepest, see LateSum
   LimbSums<num_contact_terms> terms;
-  // pairs of a node (or edge) and a body that it penetrates, loaded or not
+  // pairs of a node (or edge) and a side that it penetrates, loaded or not
   std::int64_t penetrating = 0;
   std::int64_t interactions = 0; // interactions in the contact history: those under load
   std::int64_t active = 0; // interactions with p > 0
