@@ -259,6 +259,22 @@ std::vector<std::vector<T>> exchangeByRank(MPI_Comm of_host,
   return exchangeByRank(Communicator(of_host), values);
 }
 
+// The lists one after another.
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
+  std::vector<T> all;
+  for (const auto& list : lists)
+    all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+template <class T>
+std::vector<T> sortedDistinct(std::vector<T> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
 // For each of this rank's keys, in their order, how often the ranks together list it. Equal keys
 // meet on the rank number_of(key) modulo ranks. Keys are plain values with an order. Collective;
 // for set-up.
@@ -270,9 +286,7 @@ std::vector<std::int64_t> countOnAllRanks(MPI_Comm comm, const std::vector<Key>&
   for (const Key& key : keys)
     questions[number_of(key) % size].push_back(key);
   const auto received = exchangeByRank(comm, questions);
-  std::vector<Key> sorted;
-  for (const auto& list : received)
-    sorted.insert(sorted.end(), list.begin(), list.end());
+  std::vector<Key> sorted = joined(received);
   std::sort(sorted.begin(), sorted.end());
   std::vector<std::vector<std::int64_t>> replies(size);
   for (int q = 0; q < size; ++q)

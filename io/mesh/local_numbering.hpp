@@ -17,12 +17,6 @@ inline int localIndex(const std::vector<global_id>& ids, global_id id) {
   return static_cast<int>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
 }
 
-inline std::vector<global_id> sortedDistinct(std::vector<global_id> ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
 // Local number of each of `ids` in the ascending list `numbered`.
 inline std::vector<int> localIndices(const std::vector<global_id>& numbered,
                                      const std::vector<global_id>& ids) {
@@ -31,15 +25,6 @@ inline std::vector<int> localIndices(const std::vector<global_id>& numbered,
   for (const global_id id : ids)
     local.push_back(localIndex(numbered, id));
   return local;
-}
-
-// The lists one after another.
-template <class T>
-std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
-  std::vector<T> all;
-  for (const auto& list : lists)
-    all.insert(all.end(), list.begin(), list.end());
-  return all;
 }
 
 // Sends values[i] to the rank ranks[i]; returns those for this rank, in the order of senders.

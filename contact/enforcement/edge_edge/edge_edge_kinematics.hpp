@@ -91,8 +91,7 @@ struct EdgeEdgeKinematics {
         continue;
       const int own = edgeOf(pairs.node(rows[r]));
       const global_id body = bodyOfSide(records.of(own).side);
-      const std::int64_t begin = pairs.begin(rows[r]);
-      for (std::int64_t p = pairs.end(rows[r]); p-- > begin;) {
+      for (std::int64_t p = pairs.begin(rows[r]); p < pairs.end(rows[r]); ++p) {
         const int other = pairs.faces(p);
         if (pushes(body, bodyOfSide(records.of(other).side)))
           activation_test.add(r, own, other);

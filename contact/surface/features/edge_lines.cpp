@@ -51,9 +51,7 @@ std::vector<Continuation> findContinuations(MPI_Comm comm, const Surface& surfac
                                         directionFrom(end, edges[i], face_to_nodes, x), rank,
                                         static_cast<int>(i), end, 0});
     }
-  std::vector<EdgeEnd> all;
-  for (const auto& some : exchangeByRank(comm, ends))
-    all.insert(all.end(), some.begin(), some.end());
+  std::vector<EdgeEnd> all = joined(exchangeByRank(comm, ends));
   std::sort(all.begin(), all.end(),
             [](const EdgeEnd& a, const EdgeEnd& b) { return a.key() < b.key(); });
   std::vector<std::vector<Continuation>> replies(num_ranks);
@@ -63,10 +61,7 @@ std::vector<Continuation> findContinuations(MPI_Comm comm, const Surface& surfac
         replies[all[i].rank].push_back({all[j].edge, all[i].index, all[i].end});
         replies[all[j].rank].push_back({all[i].edge, all[j].index, all[j].end});
       }
-  std::vector<Continuation> continuations;
-  for (const auto& some : exchangeByRank(comm, replies))
-    continuations.insert(continuations.end(), some.begin(), some.end());
-  return continuations;
+  return joined(exchangeByRank(comm, replies));
 }
 
 // The lowest ids of the lines that go on on other ranks, by the lowest ids of their parts here.

@@ -195,9 +195,7 @@ FeatureEdges findFeatureEdges(MPI_Comm comm, const Surface& surface, double cosi
       to_judges[(host.node_ids(a) + host.node_ids(b)) % num_ranks].push_back(
           host.record(edge, rank));
   }
-  std::vector<EdgeRecord> records;
-  for (const auto& some : exchangeByRank(comm, to_judges))
-    records.insert(records.end(), some.begin(), some.end());
+  std::vector<EdgeRecord> records = joined(exchangeByRank(comm, to_judges));
   std::sort(records.begin(), records.end(),
             [](const EdgeRecord& a, const EdgeRecord& b) { return a.key() < b.key(); });
   std::vector<std::vector<EdgeReply>> replies(num_ranks);

@@ -26,16 +26,7 @@ struct Meeting {
 // The values of all ranks, by rank. Collective.
 template <class T>
 std::vector<T> gatherFromAll(MPI_Comm comm, const std::vector<T>& values) {
-  std::vector<T> all;
-  for (const auto& some : exchangeByRank(comm, std::vector<std::vector<T>>(sizeOf(comm), values)))
-    all.insert(all.end(), some.begin(), some.end());
-  return all;
-}
-
-template <class T>
-void sortDistinct(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return joined(exchangeByRank(comm, std::vector<std::vector<T>>(sizeOf(comm), values)));
 }
 
 // Calls visit(a, b) for each two that meet; `meetings` are sorted. Where more than two have the

@@ -26,10 +26,7 @@ std::vector<global_id> findConcaveBodies(MPI_Comm comm,
   for (std::size_t face = 0; face < concave_edges.size(); ++face)
     if (concave_edges[face] != 0)
       bodies.push_back(bodyOfSide(body(face)));
-  sortDistinct(bodies);
-  bodies = gatherFromAll(comm, bodies);
-  sortDistinct(bodies);
-  return bodies;
+  return sortedDistinct(gatherFromAll(comm, sortedDistinct(std::move(bodies))));
 }
 
 // The edges of this rank's faces of the given bodies, sorted, with the face as the part.
@@ -102,7 +99,7 @@ std::map<global_id, int> chooseSides(const std::vector<PatchEdge>& edges) {
     if (a.is_concave != 0 && a.part != b.part)
       meeting.insert(meeting.end(), {{a.part, b.part}, {b.part, a.part}});
   });
-  sortDistinct(meeting);
+  meeting = sortedDistinct(std::move(meeting));
   std::map<global_id, int> sides;
   for (auto first = meeting.begin(), last = first; first != meeting.end(); first = last) {
     std::vector<int> taken; // by patches of lower ids
