@@ -60,12 +60,17 @@ fi
 echo "setup: installing Debian packages: ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-if ! {
-  "${as_root[@]}" apt-get -qq update &&
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+tries=0
+until {
+  "${as_root[@]}" env LC_ALL=C apt-get -qq update &&
+    "${as_root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive \
       apt-get -qq -y --no-install-recommends install "${missing[@]}" </dev/null
-} >"$log" 2>&1; then
-  echo "setup: apt-get failed:" >&2
-  tail -n 20 "$log" >&2
-  exit 1
-fi
+} >"$log" 2>&1; do
+  # A machine that has just started may update itself at the same time.
+  if ((++tries > 60)) || ! grep -q 'Could not get lock' "$log"; then
+    echo "setup: apt-get failed:" >&2
+    tail -n 20 "$log" >&2
+    exit 1
+  fi
+  sleep 10
+done
