@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Sets up, builds with warnings as errors, checks the format and runs all tests. Further arguments
-# go to ctest, for example ./test.sh -R contact. Ends with ctest's own summary, and with a line on
-# the format if it is wrong.
+# Sets up, builds, checks the format and runs all tests. Further arguments go to ctest, for example
+# ./test.sh -R contact. Ends with ctest's own summary, and with a line on the format if it is
+# wrong.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then

@@ -1,8 +1,10 @@
 # Options of the build and the flags that follow from them.
+include(CheckCXXSourceCompiles)
 include(CTest) # defines BUILD_TESTING
 
 option(BRICKWALL_NATIVE "Build our own targets for this machine's processor (-march=native)" ON)
-option(BRICKWALL_LANES "On processors, take elements and nodes at once in SIMD lanes; OFF: one by one as devices do, for tests" ON)
+set(BRICKWALL_LANES "auto" CACHE STRING
+    "Elements and nodes that a thread of a processor takes at once, in SIMD lanes: auto, 8, 4, 2, or 1 (one by one as devices do)")
 option(BRICKWALL_WERROR "Treat warnings in our own code as errors" OFF)
 option(BRICKWALL_ADIAK "Give the figures of a run to Adiak, whose metadata Caliper records" OFF)
 set(BRICKWALL_EXECUTION_SPACE "" CACHE STRING "Kokkos execution space, e.g. Serial, OpenMP, Cuda (default: Kokkos' own)")
@@ -17,15 +19,42 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 # Usage requirements that every target of ours shares, and nobody else's.
 add_library(brickwall_flags INTERFACE)
 # Conditions are joined without branches on purpose, which Clang reports from version 14.
-# Packs are eight lanes wide on every processor, and no compiled interface passes them: how vectors that
-# are wider than its registers are passed between object files does not matter.
+# No compiled interface passes packs, so how vectors that are wider than a register are passed does not matter.
 target_compile_options(brickwall_flags INTERFACE -Wall -Wextra -Wno-psabi
   $<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,14>>:-Wno-bitwise-instead-of-logical>)
+# Roots of negative numbers set no errno: then roots are taken in lanes.
+target_compile_options(brickwall_flags INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang>:-fno-math-errno>)
 if(BRICKWALL_WERROR)
   target_compile_options(brickwall_flags INTERFACE -Werror)
 endif()
 if(BRICKWALL_NATIVE)
   target_compile_options(brickwall_flags INTERFACE -march=native)
+endif()
+
+# As many lanes as doubles fit the registers of the processor.
+if(BRICKWALL_LANES STREQUAL "auto")
+  if(BRICKWALL_NATIVE)
+    set(CMAKE_REQUIRED_FLAGS -march=native)
+  endif()
+  foreach(instruction_set IN ITEMS AVX AVX512F)
+    check_cxx_source_compiles("
+      #ifndef __${instruction_set}__
+      #error
+      #endif
+      int main() {}" BRICKWALL_HAS_${instruction_set}_NATIVE_${BRICKWALL_NATIVE})
+  endforeach()
+  unset(CMAKE_REQUIRED_FLAGS)
+  if(BRICKWALL_HAS_AVX512F_NATIVE_${BRICKWALL_NATIVE})
+    set(brickwall_lanes 8)
+  elseif(BRICKWALL_HAS_AVX_NATIVE_${BRICKWALL_NATIVE})
+    set(brickwall_lanes 4)
+  else()
+    set(brickwall_lanes 2)
+  endif()
+elseif(BRICKWALL_LANES MATCHES "^[1248]$")
+  set(brickwall_lanes ${BRICKWALL_LANES})
+else()
+  message(FATAL_ERROR "BRICKWALL_LANES is \"${BRICKWALL_LANES}\"; expected auto, 8, 4, 2 or 1")
 endif()
 if(BRICKWALL_SANITIZE)
   target_compile_options(brickwall_flags INTERFACE -fsanitize=${BRICKWALL_SANITIZE}

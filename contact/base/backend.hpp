@@ -51,17 +51,11 @@ using range_policy =
 // whose kernels run on a device.
 constexpr bool host_accessible = std::is_same<memory_space, Kokkos::HostSpace>::value;
 
-// Whether threads have SIMD lanes to fill; on a device the lanes are threads. With
-// BRICKWALL_LANES=OFF they have none, so that the code paths of devices can be tested on
-// processors.
-#if defined(BRICKWALL_ONE_LANE)
-constexpr bool fills_lanes = false;
-#else
-constexpr bool fills_lanes = host_accessible;
-#endif
-
-// Number of elements that one thread processes at once in SIMD lanes (contact/base/pack.hpp).
-constexpr int simd_width = fills_lanes ? 8 : 1;
+// Number of elements that one thread processes at once in SIMD lanes (contact/base/pack.hpp); on a
+// device the lanes are threads. With BRICKWALL_LANES=1 threads of processors have no lanes either,
+// so that the code paths of devices can be tested there.
+constexpr int simd_width = host_accessible ? BRICKWALL_LANES : 1;
+constexpr bool fills_lanes = simd_width > 1;
 
 // Number of nodes that the contact search processes at once: the lanes of a SIMD register.
 constexpr int cluster_size = fills_lanes ? 16 : 1;

@@ -261,17 +261,19 @@ KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks
   return written;
 }
 
-// Whether any of eight numbers has a bit that is set.
-KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[8]) {
+// Whether any of the numbers has a bit that is set.
+template <int N>
+KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[N]) {
 #if defined(BRICKWALL_LANES_AVX512)
-  const __m512i all = _mm512_loadu_si512(numbers);
-  return _mm512_test_epi64_mask(all, all) != 0;
-#else
+  if constexpr (N == 8) {
+    const __m512i all = _mm512_loadu_si512(numbers);
+    return _mm512_test_epi64_mask(all, all) != 0;
+  }
+#endif
   std::uint64_t any = 0;
   for (const std::uint64_t number : numbers)
     any |= number;
   return any != 0;
-#endif
 }
 
 // Reserves `count` >= 0 consecutive places of a list whose length is *counter, which other threads

@@ -7,6 +7,7 @@
 #include "contact/base/backend.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace brickwall {
 
@@ -21,6 +22,13 @@ struct VectorsOf<8> {
   typedef unsigned char bytes __attribute__((vector_size(8)));
 };
 
+template <>
+struct VectorsOf<2> {
+  typedef double real __attribute__((vector_size(16)));
+  typedef std::int64_t integer __attribute__((vector_size(16)));
+  typedef std::uint64_t bits __attribute__((vector_size(16)));
+  typedef unsigned char bytes __attribute__((vector_size(2)));
+};
 template <>
 struct VectorsOf<4> {
   typedef double real __attribute__((vector_size(32)));
@@ -100,6 +108,15 @@ struct MaskPackOf {
   friend MaskPackOf operator!(const MaskPackOf& a) { return ~a.v; }
 };
 
+// The vector {number(0), ..., number(W - 1)}.
+template <int W>
+using AllLanes = std::make_integer_sequence<int, W>;
+template <int W, class Number, int... lane>
+KOKKOS_FORCEINLINE_FUNCTION typename IntPackOf<W>::vector
+numbersOfLanes(const Number& number, std::integer_sequence<int, lane...>) {
+  return typename IntPackOf<W>::vector{number(lane)...};
+}
+
 // Whether any lane is not zero.
 template <class Integers>
 inline bool anyLane(const Integers& mask) {
@@ -135,9 +152,8 @@ inline PackOf<W> whereOrZero(const MaskPackOf<W>& mask, const PackOf<W>& a) {
 // The lanes of a moved up by one; the last lane of `before` becomes the first.
 template <int W>
 inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a) {
-  static_assert(W == 8);
-  using I = typename IntPackOf<W>::vector;
-  return shuffled(before.v, a.v, I{7, 8, 9, 10, 11, 12, 13, 14});
+  return shuffled(before.v, a.v,
+                  numbersOfLanes<W>([](int lane) { return W - 1 + lane; }, AllLanes<W>()));
 }
 
 // The smaller of the two, or NaN if one is NaN.

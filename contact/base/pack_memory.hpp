@@ -23,30 +23,37 @@ inline void storePack(const Pack& pack, Number* to) {
 // packs that they fill.
 template <int W, class Rows>
 KOKKOS_FORCEINLINE_FUNCTION void triplesOf(const Rows& rows, PackOf<W> (&lanes)[3]) {
-  static_assert(W == 8);
-  using V = typename PackOf<W>::vector;
-  using I = typename IntPackOf<W>::vector;
-  const V a = rows(0).v, b = rows(1).v, c = rows(2).v;
-  lanes[0].v =
-      shuffled(shuffled(a, b, I{0, 3, 6, 9, 12, 15, 0, 0}), c, I{0, 1, 2, 3, 4, 5, 10, 13});
-  lanes[1].v =
-      shuffled(shuffled(a, b, I{1, 4, 7, 10, 13, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 8, 11, 14});
-  lanes[2].v =
-      shuffled(shuffled(a, b, I{2, 5, 8, 11, 14, 0, 0, 0}), c, I{0, 1, 2, 3, 4, 9, 12, 15});
+  const auto a = rows(0).v, b = rows(1).v, c = rows(2).v;
+  const auto part = [&](auto xyz) {
+    // number(lane) is the place of the component among the 3 * W numbers
+    constexpr auto number = [](int lane) { return 3 * lane + decltype(xyz)::value; };
+    const auto of_ab = numbersOfLanes<W>(
+        [&](int lane) { return number(lane) < 2 * W ? number(lane) : 0; }, AllLanes<W>());
+    const auto with_c = numbersOfLanes<W>(
+        [&](int lane) { return number(lane) < 2 * W ? lane : number(lane) - W; }, AllLanes<W>());
+    return shuffled(shuffled(a, b, of_ab), c, with_c);
+  };
+  lanes[0].v = part(std::integral_constant<int, 0>());
+  lanes[1].v = part(std::integral_constant<int, 1>());
+  lanes[2].v = part(std::integral_constant<int, 2>());
 }
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], double* rows) {
-  static_assert(W == 8);
-  using I = typename IntPackOf<W>::vector;
   const auto &x = lanes[0].v, &y = lanes[1].v, &z = lanes[2].v;
-  const auto a = shuffled(shuffled(x, y, I{0, 8, 0, 1, 9, 0, 2, 10}), z, I{0, 1, 8, 3, 4, 9, 6, 7});
-  const auto b =
-      shuffled(shuffled(x, y, I{0, 3, 11, 0, 4, 12, 0, 5}), z, I{10, 1, 2, 11, 4, 5, 12, 7});
-  const auto c =
-      shuffled(shuffled(x, y, I{13, 0, 6, 14, 0, 7, 15, 0}), z, I{0, 13, 2, 3, 14, 5, 6, 15});
-  memcpy(rows, &a, sizeof a);
-  memcpy(rows + 8, &b, sizeof b);
-  memcpy(rows + 16, &c, sizeof c);
+  const auto row = [&](auto k) {
+    // number(lane) = 3 * node + xyz
+    constexpr auto number = [](int lane) { return W * decltype(k)::value + lane; };
+    const auto of_xy = numbersOfLanes<W>(
+        [&](int lane) { return number(lane) / 3 + W * (number(lane) % 3 == 1); }, AllLanes<W>());
+    const auto with_z = numbersOfLanes<W>(
+        [&](int lane) { return number(lane) % 3 == 2 ? W + number(lane) / 3 : lane; },
+        AllLanes<W>());
+    const auto all = shuffled(shuffled(x, y, of_xy), z, with_z);
+    memcpy(rows + W * decltype(k)::value, &all, sizeof all);
+  };
+  row(std::integral_constant<int, 0>());
+  row(std::integral_constant<int, 1>());
+  row(std::integral_constant<int, 2>());
 }
 
 // Asks for a line of memory that will be read later, into the second-level cache only. (Forced

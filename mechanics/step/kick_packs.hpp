@@ -63,9 +63,9 @@ public:
       return false;
     if (!_has_constraints)
       return true;
-    std::uint64_t words[3 * W / 8], any = 0;
+    std::uint16_t words[3 * W / 2], any = 0;
     memcpy(words, &_node_kick.boundary.motion(first, 0), sizeof words);
-    for (const std::uint64_t word : words)
+    for (const std::uint16_t word : words)
       any |= word;
     return any == 0;
   }

@@ -17,8 +17,9 @@ void runInLanes(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
 
 } // namespace
 
-void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
-              const LatticeSlab& slab, SteppedPlanes<8>& planes) {
+void runSweep(
+    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, simd_width>& sweep,
+    const LatticeSlab& slab, SteppedPlanes<simd_width>& planes) {
   runInLanes<simd_width>(sweep, slab, planes);
 }
 

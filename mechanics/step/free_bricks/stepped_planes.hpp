@@ -92,8 +92,9 @@ struct SteppedPlanes {
 };
 
 // Compiled in scheduled_sweeps.cpp with flags of its own.
-void runSweep(LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, 8>& sweep,
-              const LatticeSlab& slab, SteppedPlanes<8>& planes);
+void runSweep(
+    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, simd_width>& sweep,
+    const LatticeSlab& slab, SteppedPlanes<simd_width>& planes);
 
 extern template void sweepModel<MaterialModel::neo_hookean>(const BrickLattice&, const LatticeSlab&,
                                                             const ForceArguments&, double*,
