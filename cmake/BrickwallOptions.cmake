@@ -3,7 +3,7 @@ include(CheckCXXSourceCompiles)
 include(CTest) # defines BUILD_TESTING
 
 option(BRICKWALL_NATIVE "Build our own targets for this machine's processor (-march=native)" ON)
-set(BRICKWALL_LANES "auto" CACHE STRING
+set(BRICKWALL_SIMD_WIDTH "auto" CACHE STRING
     "Elements and nodes that a thread of a processor takes at once, in SIMD lanes: auto, 8, 4, 2, or 1 (one by one as devices do)")
 option(BRICKWALL_WERROR "Treat warnings in our own code as errors" OFF)
 option(BRICKWALL_ADIAK "Give the figures of a run to Adiak, whose metadata Caliper records" OFF)
@@ -18,8 +18,8 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 # Usage requirements that every target of ours shares, and nobody else's.
 add_library(brickwall_flags INTERFACE)
-# Conditions are joined without branches on purpose, which Clang reports from version 14.
-# No compiled interface passes packs, so how vectors that are wider than a register are passed does not matter.
+# Conditions are joined without branches on purpose, which Clang reports from version 14. No compiled interface passes packs:
+# how vectors that are wider than a register are passed (psabi) does not matter.
 target_compile_options(brickwall_flags INTERFACE -Wall -Wextra -Wno-psabi
   $<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,14>>:-Wno-bitwise-instead-of-logical>)
 # Roots of negative numbers set no errno: then roots are taken in lanes.
@@ -32,7 +32,7 @@ if(BRICKWALL_NATIVE)
 endif()
 
 # As many lanes as doubles fit the registers of the processor.
-if(BRICKWALL_LANES STREQUAL "auto")
+if(BRICKWALL_SIMD_WIDTH STREQUAL "auto")
   if(BRICKWALL_NATIVE)
     set(CMAKE_REQUIRED_FLAGS -march=native)
   endif()
@@ -45,16 +45,16 @@ if(BRICKWALL_LANES STREQUAL "auto")
   endforeach()
   unset(CMAKE_REQUIRED_FLAGS)
   if(BRICKWALL_HAS_AVX512F_NATIVE_${BRICKWALL_NATIVE})
-    set(brickwall_lanes 8)
+    set(brickwall_simd_width 8)
   elseif(BRICKWALL_HAS_AVX_NATIVE_${BRICKWALL_NATIVE})
-    set(brickwall_lanes 4)
+    set(brickwall_simd_width 4)
   else()
-    set(brickwall_lanes 2)
+    set(brickwall_simd_width 2)
   endif()
-elseif(BRICKWALL_LANES MATCHES "^[1248]$")
-  set(brickwall_lanes ${BRICKWALL_LANES})
+elseif(BRICKWALL_SIMD_WIDTH MATCHES "^[1248]$")
+  set(brickwall_simd_width ${BRICKWALL_SIMD_WIDTH})
 else()
-  message(FATAL_ERROR "BRICKWALL_LANES is \"${BRICKWALL_LANES}\"; expected auto, 8, 4, 2 or 1")
+  message(FATAL_ERROR "BRICKWALL_SIMD_WIDTH is \"${BRICKWALL_SIMD_WIDTH}\"; expected auto, 8, 4, 2 or 1")
 endif()
 if(BRICKWALL_SANITIZE)
   target_compile_options(brickwall_flags INTERFACE -fsanitize=${BRICKWALL_SANITIZE}
