@@ -265,10 +265,8 @@ KOKKOS_INLINE_FUNCTION int selectByBit(const int* numbers, const unsigned* masks
 template <int N>
 KOKKOS_FORCEINLINE_FUNCTION bool anyBitIn(const std::uint64_t (&numbers)[N]) {
 #if defined(BRICKWALL_LANES_AVX512)
-  if constexpr (N == 8) {
-    const __m512i all = _mm512_loadu_si512(numbers);
-    return _mm512_test_epi64_mask(all, all) != 0;
-  }
+  if constexpr (N == 8)
+    return _mm512_test_epi64_mask(_mm512_loadu_si512(numbers), _mm512_set1_epi64(-1)) != 0;
 #endif
   std::uint64_t any = 0;
   for (const std::uint64_t number : numbers)
