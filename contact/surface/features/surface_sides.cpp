@@ -5,6 +5,8 @@
 #include "contact/base/to_device.hpp"
 #include "contact/surface/features/joined_parts.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace brickwall::contact {
@@ -92,14 +94,41 @@ std::vector<PatchEdge> findMeetings(MPI_Comm comm, const std::vector<PatchEdge>&
   return here;
 }
 
-// The sides of the patches that meet at concave edges. `edges`, sorted, have patches as parts.
-std::map<global_id, int> chooseSides(const std::vector<PatchEdge>& edges) {
-  std::vector<std::pair<global_id, global_id>> meeting; // patches
+// Pairs of patches, each in both orders and sorted, that concave edges with a common node connect:
+// those on both sides of an edge, and all around the deepest point of a pit. `edges`, sorted, have
+// patches as parts.
+std::vector<std::pair<global_id, global_id>> findPairs(const std::vector<PatchEdge>& edges) {
+  std::vector<std::array<global_id, 3>> at_nodes; // node, two patches that meet at an edge of it
   forPairs(edges, [&](const PatchEdge& a, const PatchEdge& b) {
     if (a.is_concave != 0 && a.part != b.part)
-      meeting.insert(meeting.end(), {{a.part, b.part}, {b.part, a.part}});
+      for (const global_id node : {a.low, a.high})
+        at_nodes.push_back({node, a.part, b.part});
   });
-  meeting = sortedDistinct(std::move(meeting));
+  std::sort(at_nodes.begin(), at_nodes.end());
+  std::vector<std::pair<global_id, global_id>> pairs;
+  for (auto first = at_nodes.begin(), last = first; first != at_nodes.end(); first = last) {
+    last =
+        std::find_if(first, at_nodes.end(), [&](const auto& at) { return at[0] != (*first)[0]; });
+    std::vector<global_id> patches;
+    for (auto at = first; at != last; ++at)
+      patches.insert(patches.end(), {(*at)[1], (*at)[2]});
+    patches = sortedDistinct(std::move(patches));
+    const auto placeOf = [&](global_id patch) {
+      return std::lower_bound(patches.begin(), patches.end(), patch) - patches.begin();
+    };
+    DisjointSets connected(patches.size());
+    for (auto at = first; at != last; ++at)
+      connected.join(placeOf((*at)[1]), placeOf((*at)[2]));
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      for (std::size_t j = 0; j < patches.size(); ++j)
+        if (i != j && connected.rootOf(i) == connected.rootOf(j))
+          pairs.push_back({patches[i], patches[j]});
+  }
+  return sortedDistinct(std::move(pairs));
+}
+
+// The sides of patches; `meeting` as findPairs() gives them.
+std::map<global_id, int> chooseSides(const std::vector<std::pair<global_id, global_id>>& meeting) {
   std::map<global_id, int> sides;
   for (auto first = meeting.begin(), last = first; first != meeting.end(); first = last) {
     std::vector<int> taken; // by patches of lower ids
@@ -129,7 +158,7 @@ std::vector<int> findSides(MPI_Comm comm, const Surface& surface,
   const auto patches = joinParts(all, [](const PatchEdge& edge) { return edge.is_concave == 0; });
   for (PatchEdge& edge : all)
     edge.part = patches.at(edge.part);
-  const std::map<global_id, int> sides_of_patches = chooseSides(all);
+  const std::map<global_id, int> sides_of_patches = chooseSides(findPairs(all));
   for (int face = 0; face < surface.num_faces; ++face) {
     const auto patch = patches.find(parts[face]);
     if (patch == patches.end())

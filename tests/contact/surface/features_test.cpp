@@ -68,14 +68,22 @@ TEST(SurfaceSides, FlanksOfAGrooveDifferFromAnAngleOfATwentiethOn) {
   }
 }
 
-TEST(SurfaceSides, FlanksOfAPitDifferFromTheirNeighbours) {
-  const auto sides = sidesOfTop(pit());
-  for (const auto& of_part : sides)
+TEST(SurfaceSides, AllFlanksOfAPitDiffer) {
+  std::set<int> all;
+  for (const auto& of_part : sidesOfTop(pit())) {
     ASSERT_EQ(of_part.size(), 1u);
-  EXPECT_NE(sides[0], sides[1]);
-  EXPECT_NE(sides[0], sides[2]);
-  EXPECT_NE(sides[3], sides[1]);
-  EXPECT_NE(sides[3], sides[2]);
+    all.insert(of_part.begin(), of_part.end());
+  }
+  EXPECT_EQ(all, (std::set<int>{0, 1, 2, 3}));
+}
+
+// Of parallel grooves that follow each other, patches that do not meet share a side.
+TEST(SurfaceSides, PatchesThatShareNoConcaveNodeMayBeOfOneSide) {
+  const Scene scene = bentPlate([](double x, double) { return x * x; }); // edges at -0.5, 0, 0.5
+  std::set<int> all;
+  for (const auto& of_part : sidesOfTop(scene))
+    all.insert(of_part.begin(), of_part.end());
+  EXPECT_EQ(all, (std::set<int>{0, 1}));
 }
 
 // The dent ends inside the top, so that no closed line of edges parts its faces.

@@ -1,6 +1,7 @@
-"""H23: Under gravity a wedge stands in a groove and a block in the corner of a floor and a wall; a
-plank of one element lies on two ribs, and across a rib narrower than its element. The lower body is
-one. A node must be held by both faces of a re-entrant corner, an edge by all edges that it crosses."""
+"""H23: Under gravity a wedge stands in a groove, a pyramid in a pit and a block in the corner of a
+floor and a wall; a plank of one element lies on two ribs, and across a rib narrower than its element.
+The lower body is one. A node must be held by all faces of a re-entrant corner, an edge by all edges
+that it crosses."""
 import numpy as np
 from framework.meshes import Mesh, box, together
 
@@ -38,6 +39,19 @@ def wedge_in_groove(slope):
     return mesh, {}, np.isclose(high.nodes[:, 0], 0) & (high.nodes[:, 2] < 2 * DROP)
 
 
+def pyramid_in_pit(slope):
+    """Four flanks of the pit z = slope (|x| + |y|), in whose deepest point a pyramid of slope + 1 stands by its tip."""
+    def distance(x):
+        return abs(x[:, 0]) + abs(x[:, 1])
+    low = box((2, 2, 0.5), (8, 8, 2), (-1, -1, -0.5), "low").mapped(lambda x: x + np.outer(slope * distance(x), [0, 0, 1]))
+    height = 1.2
+    high = box((0.3, 0.3, height), (2, 2, 4), (-0.15, -0.15, 0), "high").mapped(
+        lambda x: x + np.outer((slope + 1) * distance(x) * (1 - x[:, 2] / height) + DROP, [0, 0, 1]))
+    mesh = pair(low, high, lambda x: np.isclose(x[:, 2] - slope * distance(x), -0.5))
+    mesh.node_sets["guide"] = mesh.node_sets["high"][np.isclose(high.nodes[:, 2], height + DROP)]
+    return mesh, {}, np.isclose(distance(high.nodes), 0) & (high.nodes[:, 2] < 2 * DROP)
+
+
 def block_in_corner(elements):
     low = part_of(box((1.5, 1, 1.5), (6, 4, 6), (-0.5, 0, -0.5), "low"), lambda c: (c[:, 0] < 0) | (c[:, 2] < 0))
     high = box((0.8, 0.6, 0.8), elements, (DROP, 0.2, DROP), "high")
@@ -57,6 +71,7 @@ def plank_on_ribs(places, width):
 
 def scenes(quick):
     all_scenes = {f"wedge, slope {slope}": lambda slope=slope: wedge_in_groove(slope) for slope in SLOPES}
+    all_scenes |= {f"pyramid in a pit, slope {slope}": lambda slope=slope: pyramid_in_pit(slope) for slope in (2.0, 1.0)}
     all_scenes["block in a corner"] = lambda: block_in_corner((4, 3, 4))
     all_scenes["block of other elements"] = lambda: block_in_corner((3, 2, 3))
     all_scenes["plank on two ribs"] = lambda: plank_on_ribs((-0.3, 0.3), 0.1)
