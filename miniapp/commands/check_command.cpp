@@ -230,8 +230,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
               planned.time.end);
   printMagnitudes(planned, magnitudes);
   // brickwall_study/problem_size.py reads this line.
-  std::printf("  memory            %.0f MB per rank on %d rank(s), of which %.0f MB %s\n",
-              1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device,
+  std::printf("  memory            %.0f MB per rank on %s, of which %.0f MB %s\n",
+              1e-6 * memory.of_rank, counted(ranks, "rank").c_str(), 1e-6 * memory.of_device,
               host_accessible ? "in arrays of the time loop" : "on the device");
   for (const std::string& warning : scene.warnings)
     std::printf("warning: %s\n", warning.c_str());

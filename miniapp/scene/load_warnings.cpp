@@ -190,7 +190,8 @@ std::vector<std::string> interiorSideWarnings(MPI_Comm comm, const Config& confi
     if (counts[0] > 0)
       warnings.push_back("[[load.pressure]] acts inside a body: " + std::to_string(counts[0]) +
                          " of the " + std::to_string(counts[1]) + " faces of side set \"" +
-                         load.side_set + "\" are not on the surface of a body");
+                         load.side_set + "\" " + (counts[0] == 1 ? "is" : "are") +
+                         " not on the surface of a body");
   }
   return warnings;
 }

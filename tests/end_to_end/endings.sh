@@ -52,7 +52,7 @@ for ranks in 1 3; do
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   # The mesh has the place of the results: of those of a rank, or where epu would join those of several.
   output=$work/own_mesh
-  expect "a mesh is written" 0 '1 bodies' 1 mesh "$inputs/one_brick.toml"
+  expect "a mesh is written" 0 ' 1 body$' 1 mesh "$inputs/one_brick.toml"
   cp "$output/one_brick.exo" "$work/mesh.exo"
   names=(one_brick.exo)
   [[ $ranks -eq 1 ]] || names+=("one_brick.exo.$ranks.1")
