@@ -2,7 +2,6 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
-#include "miniapp/commands/failure.hpp"
 #include "miniapp/commands/run_checkpoints.hpp"
 #include "miniapp/commands/run_signals.hpp"
 #include "miniapp/output/progress.hpp"
@@ -72,11 +71,8 @@ public:
     giveToAdiak(_comm, report);
     if (_options.write_output)
       writeTextFile(_comm, _output.path("report.json"), reportJson(report));
-    if (rankOf(_comm) == 0) {
-      if (!_breakdown.empty())
-        printMessage(_breakdown);
+    if (rankOf(_comm) == 0)
       printReport(std::cout, report, _options.quiet);
-    }
     if (!_checkpoints.failure().empty() && report.failures.empty())
       throw OutputError(_checkpoints.failure());
     return report.pass()             ? 0

@@ -46,6 +46,7 @@ for ranks in 1 3; do
   expect "a small wall passes" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 20
   expect "an inverted element is named with place, time and step" 3 'element [0-9]+ .*at \(.*step|step .*element [0-9]+ .*at \(' \
     $ranks run "$inputs/one_brick.toml" --set 'load.pressure[0].peak=1e11' --set limits.energy_error=1e9
+  [[ $(grep -c 'the computation broke down' "$work/log") -eq 1 ]] || { echo "FAILED: the reason is not printed once"; failures=$((failures + 1)); }
   [[ -s $work/out/one_brick.exo || -s $work/out/one_brick.exo.3.0 ]] || { echo "FAILED: no results left"; failures=$((failures + 1)); }
   grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
   expect "a load beyond all range stops the start" 3 'in step 0 .*nodal forces of .*load.pressure' $ranks run "$inputs/one_brick.toml" \
