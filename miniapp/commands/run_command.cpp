@@ -9,6 +9,7 @@
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/restart/element_move.hpp"
 #include "miniapp/scene/load_warnings.hpp"
+#include "miniapp/scene/magnitudes.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/timing/phase_recorder.hpp"
@@ -36,9 +37,11 @@ public:
         _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
                 options.write_output),
         _setup_seconds(_clock.seconds()), _element_balance(comm, config.partition, _setup_seconds) {
-    for (const std::string& warning :
-         loadWarnings(comm, config, _scene.part, _simulation->clock().dt))
-      _scene.warnings.push_back(warning);
+    const double dt = _simulation->clock().dt;
+    for (const auto& warnings : {loadWarnings(comm, config, _scene.part, dt),
+                                 absurdMagnitudes(config, magnitudesOf(comm, config, _scene, dt),
+                                                  _simulation->steps().plannedSteps())})
+      _scene.warnings.insert(_scene.warnings.end(), warnings.begin(), warnings.end());
     for (const std::string& warning : _scene.warnings)
       print("warning: " + warning);
     if (_options.restart.empty())

@@ -1,4 +1,5 @@
-// Magnitudes of a scene in which a mistake in the units of its deck shows, for `brickwall check`.
+// Magnitudes of a scene in which a mistake in the units of its deck shows: `brickwall check` prints
+// them, and a run warns of absurd ones too.
 #pragma once
 
 #include "miniapp/scene/scene.hpp"

@@ -68,6 +68,9 @@ for ranks in 1 3; do
     cmp "$output/$name" "$work/mesh.exo" || { echo "FAILED: the mesh was changed"; failures=$((failures + 1)); }
   done
   output=$work/out
+  expect "a run warns of units that do not fit together" 0 '^warning: material.brick has the wave speed .* suggests mm and s: ' $ranks \
+    run "$inputs/one_brick.toml" --set 'gravity.acceleration=[0,0,-9810]' --steps 2
+  [[ $(grep -c 'suggests mm and s' "$work/log") -eq 1 ]] || { echo "FAILED: the warning is not printed once"; failures=$((failures + 1)); }
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
   expect "a warning is printed and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
