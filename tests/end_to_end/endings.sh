@@ -99,6 +99,8 @@ for ranks in 1 3; do
   expect "flush crossing bars without penetrating nodes are refused" 2 \
     'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* overlap by 0\.5' \
     $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
+  expect "check refuses them too" 2 'element 1 .*of body 0 .* and element 5 .*of body 1 .* overlap by 0\.5' \
+    $ranks check "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
   expect "a former name of a block is accepted with a warning" 0 '^warning: --set spare.lattices=false: \[spare\] is the former name of \[skip\]' \
     $ranks run "$inputs/one_brick.toml" --set spare.lattices=false --steps 5
@@ -125,6 +127,8 @@ for ranks in 1 3; do
 done
 expect "a check warns of more elements than a rank can number" 0 'too many for 32-bit numbers; a run needs at least 2 ranks' \
   1 check "$inputs/brick_wall.toml" --set 'wall.bricks=[1500,1,1500]'
+expect "a check of a large wall warns that it looks for no overlaps" 0 'overlaps due to initial.deformation are not looked for' \
+  1 check "$here/overlapping_cubes.toml" --set 'wall.bricks=[4000,1,1]'
 expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-foo=1' 1 check "$inputs/brick_wall.toml" --kokkos-foo=1
 expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
