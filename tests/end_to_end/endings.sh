@@ -143,6 +143,14 @@ expect "a checkpoint that is not there names the nearest one" 2 'no manifest.jso
   1 run "${rotation[@]}" --restart "$work/out/checkpoints/step-5"
 expect "a folder without checkpoints names those of the run" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
   1 run "${rotation[@]}" --restart "$work"
+# A restart into another folder begins files there; the next one from the same checkpoint replaces them.
+restarted=(run "${rotation[@]}" --restart "$work/out" --extend-to 1.2e-3)
+output=$work/second_folder
+expect "a restart into another folder begins new files" 0 'found no results of the earlier run' 1 "${restarted[@]}"
+for ranks in 1 2; do
+  expect "a second restart from that checkpoint replaces them" 0 'begin after the checkpoint and are replaced' $ranks "${restarted[@]}"
+done
+output=$work/out
 # The name of the new file of rank 0 is taken when elements move.
 rm -rf "$work/out"
 mkdir -p "$work/out/brick_wall.exo.2.0.new/taken"
