@@ -107,6 +107,7 @@ choose_study() {
     *) die "unknown study \"$1\"; known studies: paper, verification, stability, accuracy, same-bits, savings, step, scale, balance, or a file FILE.toml" ;;
   esac
 }
+counted() { [[ $1 -eq 1 ]] && echo "1 $2" || echo "$1 $2s"; }
 positive() { [[ $2 =~ ^[1-9][0-9]*$ ]] || die "$1 needs a positive number, not \"$2\""; }
 value_of() {
   [[ $# -ge 2 && -n $2 ]] || die "$1 needs a value"
@@ -203,9 +204,9 @@ if [[ -z $threads ]]; then
 fi
 positive -t "$threads"
 if [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $((8 * cores)) && $oversubscribe == no ]]; then
-  die "$ranks ranks are more than 8 for each of the $cores cores; --oversubscribe runs them all the same"
+  die "$ranks ranks are more than 8 for each of the $(counted "$cores" core); --oversubscribe runs them all the same"
 elif [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $cores ]]; then
-  echo "run.sh: warning: $ranks ranks share $cores cores; times are not representative" >&2
+  echo "run.sh: warning: $ranks ranks share $(counted "$cores" core); times are not representative" >&2
 fi
 export OMP_NUM_THREADS=$threads
 

@@ -39,6 +39,14 @@ struct Deck::Contents {
           return const_cast<DeckValue&>(value);
     throw Error(ExitCode::internal, "Deck: no block \"" + block + "\" with a key \"" + key + "\"");
   }
+  // Where a message on a block, or a key of it, belongs, and what it names: "[wall] gap".
+  std::pair<Position, std::string> subjectOf(const std::string& block, const std::string& key) {
+    const DeckBlock* instance = findBlock(block);
+    if (!instance)
+      throw Error(ExitCode::internal, "Deck: no block \"" + block + "\"");
+    const std::string blank = instance->header.empty() || key.empty() ? "" : " ";
+    return {key.empty() ? instance->at : value(block, key).at, instance->header + blank + key};
+  }
 };
 
 namespace {
@@ -178,12 +186,13 @@ std::vector<std::string> Deck::texts(const std::string& block, const std::string
 
 void Deck::complain(const std::string& block, const std::string& key, const std::string& found,
                     const std::string& expected) {
-  const DeckBlock* instance = _contents->findBlock(block);
-  if (!instance)
-    throw Error(ExitCode::internal, "Deck::complain: no block \"" + block + "\"");
-  const Position at = key.empty() ? instance->at : _contents->value(block, key).at;
-  const std::string blank = instance->header.empty() || key.empty() ? "" : " ";
-  _contents->faults.add(at, instance->header + blank + key, found, expected);
+  const auto [at, subject] = _contents->subjectOf(block, key);
+  _contents->faults.add(at, subject, found, expected);
+}
+
+void Deck::warn(const std::string& block, const std::string& key, const std::string& text) {
+  const auto [at, subject] = _contents->subjectOf(block, key);
+  _contents->faults.warn(at, subject + " " + text);
 }
 
 std::string Deck::placeOf(const std::string& block, const std::string& key) const {

@@ -140,6 +140,8 @@ public:
   // and `expected` complete the sentences "found ..." and "expected ...".
   void complain(const std::string& block, const std::string& key, const std::string& found,
                 const std::string& expected);
+  // Adds a warning, at the same places.
+  void warn(const std::string& block, const std::string& key, const std::string& text);
   // Place of a block, for a message: `a.toml:12`, or the --set that gave it, or its `key` if any.
   std::string placeOf(const std::string& block, const std::string& key = "") const;
   // Replaces a text, such as a relative path by the absolute path, also in resolved().
@@ -154,7 +156,8 @@ public:
   void finish(MPI_Comm comm) const;
   // All faults as finish() throws them; "" if there are none.
   std::string message() const;
-  // One line for each former name in the deck or the overrides, in the order of the faults.
+  // One line for each former name in the deck or the overrides, and for each warn(), in the order
+  // of the faults.
   std::vector<std::string> warnings() const;
 
   // The deck with all defaults filled in, as TOML that resolves to itself. Needs a deck without

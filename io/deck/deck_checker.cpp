@@ -100,7 +100,7 @@ private:
       else
         _faults.add(node.key_at, block.name,
                     isTables(node) ? "an array of tables [" + plain + "]" : node.describe(),
-                    "one table " + plain);
+                    "one table " + plain + withKeys(block));
     } else if (block.kind == BlockKind::named) {
       visitNamed(node, block);
     } else if (node.kind == Kind::list) {
@@ -112,7 +112,7 @@ private:
     } else {
       _faults.add(node.key_at, block.name,
                   node.kind == Kind::table ? "a single table " + plain : node.describe(),
-                  "an array of tables: [" + plain + "]");
+                  "an array of tables: [" + plain + "]" + withKeys(block));
     }
   }
 
@@ -129,7 +129,7 @@ private:
         _faults.add(member.key_at, "[" + block.name + "] " + name,
                     isTables(member) ? "an array of tables [[" + block.name + "." + name + "]]"
                                      : member.describe(),
-                    "a table " + header);
+                    "a table " + header + withKeys(block));
   }
 
   void visitKeys(const TomlNode& table, const BlockRule& block, const std::string& header) {
@@ -153,6 +153,10 @@ private:
       if (block.kind == BlockKind::single && inner.name.compare(0, begin.size(), begin) == 0)
         names.push_back(inner.name.substr(begin.size()));
     return names;
+  }
+
+  std::string withKeys(const BlockRule& block) const {
+    return ", whose keys are " + listed(namesIn(block));
   }
 
   void unknownKey(const TomlNode& node, const BlockRule& block, const std::string& header,
@@ -338,10 +342,11 @@ std::vector<DeckBlock> checkDeck(const TomlNode& root, const Schema& schema, Dec
   for (const BlockRule& rule : schema) {
     const TomlNode* node = findNode(root, rule.name);
     if (rule.kind == BlockKind::top || rule.kind == BlockKind::single) {
-      if (node && node->kind != Kind::table)
-        node = nullptr; // reported already
+      const bool is_no_table = node && node->kind != Kind::table; // reported already
+      if (is_no_table)
+        node = nullptr;
       const std::string header = rule.name.empty() ? "" : "[" + rule.name + "]";
-      if (!node && rule.required)
+      if (!node && rule.required && !is_no_table)
         faults.add(end, "", "no block " + header, header + "  " + rule.help);
       addBlock(rule, rule.name, header, node);
     } else if (rule.kind == BlockKind::named && node && node->kind == Kind::table) {

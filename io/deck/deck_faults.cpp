@@ -89,7 +89,8 @@ std::string DeckFaults::message() const {
   for (std::size_t i = 0; i < std::min(most, all.size()); ++i)
     out += describe(all[i]);
   if (all.size() > most)
-    out += "and " + std::to_string(all.size() - most) + " more faults\n";
+    out += "and " + std::to_string(all.size() - most) +
+           (all.size() == most + 1 ? " more fault\n" : " more faults\n");
   if (!out.empty())
     out.pop_back(); // the caller prints the last line end
   return out;

@@ -223,7 +223,7 @@ MeshPart readMesh(MPI_Comm comm, const std::string& file_name) {
       maps = readIdMaps(file, contents, rank, size);
     } catch (const std::bad_alloc&) {
       throw InputError(file_name + ": does not fit into memory: damaged, or too large for " +
-                       std::to_string(size) + " ranks");
+                       std::to_string(size) + (size == 1 ? " rank" : " ranks"));
     } catch (const std::length_error&) {
       throw InputError(file_name + ": is damaged: it holds a negative or impossible count");
     }

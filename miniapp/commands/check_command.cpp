@@ -21,10 +21,27 @@ namespace brickwall::miniapp {
 
 namespace {
 
+// Whether some bodies of a wall are deformed at the start, and may then overlap others.
+bool mayOverlap(const Config& config) {
+  const auto is_of_some = [](const InitialSelection& initial) {
+    return initial.block || initial.brick || initial.body;
+  };
+  return config.wall && config.contact.enabled &&
+         std::any_of(config.initial_deformations.begin(), config.initial_deformations.end(),
+                     is_of_some);
+}
+
+// The whole wall is made only to look for such overlaps, and only if that takes no longer than a
+// few seconds.
+constexpr std::int64_t most_elements_made = 200000;
+bool needsWholeWall(const Config& config) {
+  return mayOverlap(config) && io::WallLayout(*config.wall).numElems() <= most_elements_made;
+}
+
 // A wall with one brick of each kind that the deck's wall has: its time step is the same.
 Config smallestLikeScene(const Config& config) {
   Config small = config;
-  if (small.wall) {
+  if (small.wall && !needsWholeWall(config)) {
     auto& bricks = small.wall->bricks;
     bricks = {std::min<std::int64_t>(bricks[0], 2), 1, std::min<std::int64_t>(bricks[2], 2)};
     // Not those of single bricks and bodies of the large wall.
@@ -45,10 +62,11 @@ bool startsUnlike(const Config& config) {
   const auto is_of_one = [](const InitialSelection& initial) {
     return initial.brick.has_value() || initial.body.has_value();
   };
-  return config.wall && (std::any_of(config.initial_velocities.begin(),
-                                     config.initial_velocities.end(), is_of_one) ||
-                         std::any_of(config.initial_deformations.begin(),
-                                     config.initial_deformations.end(), is_of_one));
+  return config.wall && !needsWholeWall(config) &&
+         (std::any_of(config.initial_velocities.begin(), config.initial_velocities.end(),
+                      is_of_one) ||
+          std::any_of(config.initial_deformations.begin(), config.initial_deformations.end(),
+                      is_of_one));
 }
 
 void printMagnitudes(const Config& config, const Magnitudes& found) {
@@ -210,6 +228,11 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
     scene.warnings.push_back(format("the elements of a rank are too many for 32-bit numbers; a run "
                                     "needs at least %lld ranks",
                                     counts.elements / io::most_elems_of_rank + 1));
+  if (mayOverlap(config) && !needsWholeWall(config))
+    scene.warnings.push_back(format(
+        "a wall of more than %lld elements is not made, so overlaps due to initial.deformation are "
+        "not looked for; a run refuses those that contact cannot resolve",
+        most_elements_made));
   const double of_host = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
   if (memory.of_rank - (host_accessible ? 0 : memory.of_device) > of_host)
     scene.warnings.push_back(format("a rank needs more memory than this machine has, %.0f MB: use "
@@ -230,8 +253,8 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
               planned.time.end);
   printMagnitudes(planned, magnitudes);
   // brickwall_study/problem_size.py reads this line.
-  std::printf("  memory            %.0f MB per rank on %d rank(s), of which %.0f MB %s\n",
-              1e-6 * memory.of_rank, ranks, 1e-6 * memory.of_device,
+  std::printf("  memory            %.0f MB per rank on %s, of which %.0f MB %s\n",
+              1e-6 * memory.of_rank, counted(ranks, "rank").c_str(), 1e-6 * memory.of_device,
               host_accessible ? "in arrays of the time loop" : "on the device");
   for (const std::string& warning : scene.warnings)
     std::printf("warning: %s\n", warning.c_str());

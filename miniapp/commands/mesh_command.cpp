@@ -13,10 +13,10 @@ namespace brickwall::miniapp {
 int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options) {
   const io::MeshPart part = makeMeshPart(comm, config);
   if (rankOf(comm) == 0)
-    std::printf("%s: %lld elements, %lld nodes, %lld bodies\n", options.caseName().c_str(),
-                static_cast<long long>(part.num_global_elems),
-                static_cast<long long>(part.num_global_nodes),
-                static_cast<long long>(part.num_global_bodies));
+    std::printf("%s: %s, %s, %s\n", options.caseName().c_str(),
+                counted(part.num_global_elems, "element").c_str(),
+                counted(part.num_global_nodes, "node").c_str(),
+                counted(part.num_global_bodies, "body", "bodies").c_str());
   if (!options.write_output)
     return 0;
   io::ResultsConfig results;

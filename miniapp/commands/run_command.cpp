@@ -2,7 +2,6 @@
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "miniapp/commands/commands.hpp"
-#include "miniapp/commands/failure.hpp"
 #include "miniapp/commands/run_checkpoints.hpp"
 #include "miniapp/commands/run_signals.hpp"
 #include "miniapp/output/progress.hpp"
@@ -10,6 +9,7 @@
 #include "miniapp/output/run_report.hpp"
 #include "miniapp/restart/element_move.hpp"
 #include "miniapp/scene/load_warnings.hpp"
+#include "miniapp/scene/magnitudes.hpp"
 #include "miniapp/simulation/diagnostics.hpp"
 #include "miniapp/simulation/element_balance.hpp"
 #include "miniapp/timing/phase_recorder.hpp"
@@ -37,9 +37,11 @@ public:
         _output(comm, config, _scene, _recorder, options.output_directory, options.caseName(),
                 options.write_output),
         _setup_seconds(_clock.seconds()), _element_balance(comm, config.partition, _setup_seconds) {
-    for (const std::string& warning :
-         loadWarnings(comm, config, _scene.part, _simulation->clock().dt))
-      _scene.warnings.push_back(warning);
+    const double dt = _simulation->clock().dt;
+    for (const auto& warnings : {loadWarnings(comm, config, _scene.part, dt),
+                                 absurdMagnitudes(config, magnitudesOf(comm, config, _scene, dt),
+                                                  _simulation->steps().plannedSteps())})
+      _scene.warnings.insert(_scene.warnings.end(), warnings.begin(), warnings.end());
     for (const std::string& warning : _scene.warnings)
       print("warning: " + warning);
     if (_options.restart.empty())
@@ -72,11 +74,8 @@ public:
     giveToAdiak(_comm, report);
     if (_options.write_output)
       writeTextFile(_comm, _output.path("report.json"), reportJson(report));
-    if (rankOf(_comm) == 0) {
-      if (!_breakdown.empty())
-        printMessage(_breakdown);
+    if (rankOf(_comm) == 0)
       printReport(std::cout, report, _options.quiet);
-    }
     if (!_checkpoints.failure().empty() && report.failures.empty())
       throw OutputError(_checkpoints.failure());
     return report.pass()             ? 0

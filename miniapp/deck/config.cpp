@@ -3,6 +3,7 @@
 #include "contact/base/error.hpp"
 #include "contact/enforcement/law/contact_law.hpp"
 #include "miniapp/deck/deck_blocks.hpp"
+#include "miniapp/deck/unused_keys.hpp"
 
 namespace brickwall::miniapp {
 namespace {
@@ -18,6 +19,7 @@ Config readDeck(io::Deck& deck) {
   readLoads(deck, config);
   readMethods(deck, config);
   readOutput(deck, config);
+  warnOfUnusedKeys(config, deck);
   config.warnings = deck.warnings();
   return config;
 }

@@ -80,6 +80,18 @@ std::string HistoryWriter::whyNotContinued(MPI_Comm comm, const std::string& pat
   return broadcast(comm, reason);
 }
 
+std::int64_t HistoryWriter::firstStep(MPI_Comm comm, const std::string& path) {
+  std::int64_t step = -1;
+  if (rankOf(comm) == 0) {
+    std::ifstream file(path);
+    std::string header;
+    if (std::int64_t found = 0; std::getline(file, header) && file >> found)
+      step = found;
+  }
+  broadcast(comm, &step, 1, 0);
+  return step;
+}
+
 void HistoryWriter::open(const char* mode, const char* verb) {
   try {
     rethrowOnAllRanks(_comm, [&] {

@@ -33,7 +33,8 @@ std::string progressLine(const ProgressState& state) {
   if (rate > 0)
     line += format("  %.3g steps/s  ", rate) +
             clockText(static_cast<double>(state.steps - state.step) / rate) + " left";
-  return line + format("  energy error %.1e  %lld contacts", state.energy_error, state.contacts);
+  return line + format("  energy error %.1e  ", state.energy_error) +
+         counted(state.contacts, "contact");
 }
 
 Progress::Style Progress::chooseStyle(bool quiet) {

@@ -124,17 +124,12 @@ nlohmann::ordered_json partitionJson(const RunReport& r) {
   return {{"rebalance", r.rebalance}, {"rebalancings", rebalancings}};
 }
 
-std::string counted(int count, const char* what) {
-  return format("%d %s%s", count, what, count == 1 ? "" : "s");
-}
-
 void printRebalancings(std::ostream& out, const RunReport& r) {
   if (!r.rebalancings.empty())
-    out << format(
-        "elements rebalanced: %zu times; the first time in %.3g s, imbalance of work %.3g, "
-        "then %.3g\n",
-        r.rebalancings.size(), r.rebalancings[0].seconds, r.rebalancings[0].imbalance_before,
-        r.rebalancings[0].imbalance_after);
+    out << "elements rebalanced: " << counted(r.rebalancings.size(), "time")
+        << format("; the first time in %.3g s, imbalance of work %.3g, then %.3g\n",
+                  r.rebalancings[0].seconds, r.rebalancings[0].imbalance_before,
+                  r.rebalancings[0].imbalance_after);
 }
 
 double stepsPerSearch(const ContactCounts& counts) {
@@ -142,8 +137,8 @@ double stepsPerSearch(const ContactCounts& counts) {
 }
 
 void printSteps(std::ostream& out, const StepReport& steps) {
-  out << format("time step: %.4g at the start, %.4g at the end, cut %zu times", steps.first,
-                steps.last, steps.cuts.size());
+  out << format("time step: %.4g at the start, %.4g at the end, cut ", steps.first, steps.last)
+      << counted(steps.cuts.size(), "time");
   constexpr std::size_t most = 4;
   for (std::size_t i = 0; i < minOf(most, steps.cuts.size()); ++i) {
     const StepCut& cut = steps.cuts[i];
@@ -154,7 +149,7 @@ void printSteps(std::ostream& out, const StepReport& steps) {
   if (steps.bound == "lanczos")
     out << format("; %.1f %% longer than by elements (Lanczos, %d products, body types: %lld)",
                   100 * (steps.gain.step - 1), steps.gain.products, steps.gain.body_types);
-  out << format("; tunnelling guard active in %lld steps\n", steps.guarded_steps);
+  out << "; tunnelling guard active in " << counted(steps.guarded_steps, "step") << "\n";
 }
 
 void printBalance(std::ostream& out, const RunReport& r) {
@@ -340,25 +335,26 @@ namespace {
 
 void printTables(std::ostream& out, const RunReport& r) {
   printHeading(out, r.case_name,
-               format("%lld elements, %lld nodes, %lld faces, %lld steps to time %.6g", r.elements,
-                      r.nodes, r.faces, r.steps, r.end_time),
+               counted(r.elements, "element") + ", " + counted(r.nodes, "node") + ", " +
+                   counted(r.faces, "face") + ", " + counted(r.steps, "step") +
+                   format(" to time %.6g", r.end_time),
                r.provenance, r.max_rank_bytes);
   printTable(out, "phase, in steps after the first", r.phases);
   out << "\n";
   printTable(out, "global search (own time)", r.search_timers);
   out << "\nsearch: " << r.search.method << ", pairs within one body "
-      << (r.search.drops_same_body ? "dropped" : "kept")
-      << format(", %lld searches, %s, median %.3e s per step; last step: %lld ghost faces, %lld "
-                "candidate pairs, %lld active contacts\n",
-                r.contact.searches,
-                r.contact.searches >= r.contact.updates
-                    ? "in every step"
-                    : format("one in %.3g steps", stepsPerSearch(r.contact)).c_str(),
-                r.search.seconds_per_step, r.contact.ghost_faces, r.contact.candidate_pairs,
-                r.contact.active);
+      << (r.search.drops_same_body ? "dropped" : "kept") << ", "
+      << counted(r.contact.searches, "search", "searches")
+      << (r.contact.searches >= r.contact.updates
+              ? ", in every step"
+              : format(", one in %.3g steps", stepsPerSearch(r.contact)))
+      << format(", median %.3e s per step; last step: ", r.search.seconds_per_step)
+      << counted(r.contact.ghost_faces, "ghost face") << ", "
+      << counted(r.contact.candidate_pairs, "candidate pair") << ", "
+      << counted(r.contact.active, "active contact") << "\n";
   if (r.contact.distributions > 0)
-    out << format("faces distributed anew: %lld times (search.decomposition = %s)\n",
-                  r.contact.distributions, r.search.decomposition.c_str());
+    out << "faces distributed anew: " << counted(r.contact.distributions, "time")
+        << " (search.decomposition = " << r.search.decomposition << ")\n";
   printRebalancings(out, r);
   if (r.provenance.ranks > 1) {
     out << "imbalance (largest over mean of the ranks):";
@@ -368,8 +364,9 @@ void printTables(std::ostream& out, const RunReport& r) {
     out << "\n";
   }
   if (r.search.audit > 0)
-    out << format("audit: %lld pairs missed, all pairs tested every %lld steps\n",
-                  r.contact.missed_pairs, r.search.audit);
+    out << "audit: " << counted(r.contact.missed_pairs, "pair") << " missed, all pairs tested "
+        << (r.search.audit == 1 ? "in every step" : format("every %lld steps", r.search.audit))
+        << "\n";
   printSteps(out, r.time_step);
   printBalance(out, r);
   for (const SkippedPart& part : r.skipped)

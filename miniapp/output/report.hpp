@@ -146,4 +146,11 @@ std::string format(const char* how, Values... values) {
   return text;
 }
 
+// "1 face", "2 faces"; `several` where the plural has no s.
+template <class Count>
+std::string counted(Count count, const std::string& one, const std::string& several = "") {
+  const std::string plural = several.empty() ? one + "s" : several;
+  return std::to_string(count) + " " + (count == 1 ? one : plural);
+}
+
 } // namespace brickwall::miniapp

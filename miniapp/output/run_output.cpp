@@ -7,6 +7,7 @@
 #include "miniapp/output/run_report.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace brickwall::miniapp {
 
@@ -76,16 +77,19 @@ std::string RunOutput::resume(const OutputRestart& data, const Simulation& simul
   const std::string exodus = path(_case_name) + ".exo";
   const std::string history = path("history.csv");
   const bool has_history = fileExists(_comm, history);
-  EarlierResults earlier(_comm, exodus, static_cast<int>(data.ranks),
-                         static_cast<int>(data.exodus_steps), data.exodus_time,
-                         resultsConfig(_config));
-  std::string problem = earlier.reason();
+  std::optional<EarlierResults> earlier;
+  earlier.emplace(_comm, exodus, static_cast<int>(data.ranks), static_cast<int>(data.exodus_steps),
+                  data.exodus_time, resultsConfig(_config));
+  std::string problem = earlier->reason();
   if (has_history && problem.empty())
     problem = HistoryWriter::whyNotContinued(_comm, history, columns(), data.history_rows);
   if (has_history && problem.empty() && _config.output.balance)
     problem = HistoryWriter::whyNotContinued(_comm, path("balance.csv"), balanceColumns(simulation),
                                              data.history_rows);
-  if (!problem.empty())
+  // Rows precede the checkpoint, but none is in this file: its run was restarted into this folder.
+  const bool begins_later = has_history && !problem.empty() && data.history_rows > 0 &&
+                            HistoryWriter::firstStep(_comm, history) > simulation.clock().step;
+  if (!problem.empty() && !begins_later)
     throw InputError(
         "the results in " + _directory +
         " are not those that the checkpoint continues: " + problem +
@@ -93,18 +97,21 @@ std::string RunOutput::resume(const OutputRestart& data, const Simulation& simul
         "another folder with -o, to begin new files");
   _history_ticker.restore(data.history_tick);
   _output_ticker.restore(data.output_tick);
-  if (!has_history && !earlier.isFound()) {
+  if (begins_later || (!has_history && !earlier->isFound())) {
+    earlier.reset(); // closes the files
     create(simulation);
-    return "found no results of the earlier run in " + _directory +
+    return (begins_later
+                ? "the results in " + _directory + " begin after the checkpoint and are replaced"
+                : "found no results of the earlier run in " + _directory) +
            ": history.csv and the Exodus file begin at the checkpoint";
   }
-  if (!has_history || !earlier.isFound())
+  if (!has_history || !earlier->isFound())
     throw InputError("the results in " + _directory + " are not complete: there is no " +
                      (has_history ? exodus : history));
   removeFile(_comm, path("report.json"));
   writeTextFile(_comm, path(_case_name) + ".resolved.toml", _config.resolved_deck);
   _results =
-      std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder, earlier);
+      std::make_unique<Results>(_comm, path(_case_name), _config, _scene, _recorder, *earlier);
   _history = std::make_unique<HistoryWriter>(_comm, history, columns(), data.history_rows);
   if (_config.output.balance)
     _balance = std::make_unique<HistoryWriter>(_comm, path("balance.csv"),

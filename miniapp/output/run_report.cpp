@@ -60,8 +60,8 @@ void judgeNumbers(RunReport& report) {
         std::to_string(report.contact.lost) + "; a larger contact.tolerance keeps them");
   if (report.contact.missed_pairs > 0)
     report.failures.push_back("the audit of the search found " +
-                              std::to_string(report.contact.missed_pairs) +
-                              " candidate pairs that the lists in use missed");
+                              counted(report.contact.missed_pairs, "candidate pair") +
+                              " that the lists in use missed");
 }
 
 std::int64_t peakRankBytes(MPI_Comm comm) {

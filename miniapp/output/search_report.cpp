@@ -107,8 +107,8 @@ std::string searchReportJson(const SearchOnlyReport& r) {
 
 void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
   printHeading(out, r.case_name,
-               format("%lld nodes, %lld faces%s; method %s", r.nodes, r.faces,
-                      r.shuffled ? ", shuffled" : "", r.method.c_str()),
+               counted(r.nodes, "node") + ", " + counted(r.faces, "face") +
+                   (r.shuffled ? ", shuffled" : "") + "; method " + r.method,
                r.provenance, r.peak.max);
   if (r.margin > 0)
     out << format(
@@ -122,10 +122,12 @@ void printSearchReport(std::ostream& out, const SearchOnlyReport& r) {
   out << "timers of the global search (own time)\n";
   for (const PhaseSteps& timer : r.timers)
     printSteps(out, timer.name, timer.seconds);
-  out << format("first search %.3f ms; last search: %lld ghost faces, %lld candidate pairs\n",
-                1e3 * r.first_seconds, r.ghost_faces, r.candidate_pairs);
-  out << format("sent %lld node boxes, tested %lld faces, %lld overlapping pairs in search 2\n",
-                r.node_boxes_sent, r.faces_tested, r.overlapping_pairs);
+  out << format("first search %.3f ms; last search: ", 1e3 * r.first_seconds)
+      << counted(r.ghost_faces, "ghost face") << ", "
+      << counted(r.candidate_pairs, "candidate pair") << "\n";
+  out << "sent " << counted(r.node_boxes_sent, "node box", "node boxes") << ", tested "
+      << counted(r.faces_tested, "face") << ", " << counted(r.overlapping_pairs, "overlapping pair")
+      << " in search 2\n";
   out << format(
       "memory: %.1f MB before the searches, %.1f MB more for the searches (largest rank: %.1f)\n",
       1e-6 * static_cast<double>(r.inputs.sum), 1e-6 * static_cast<double>(r.search.sum),

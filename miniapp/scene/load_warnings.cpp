@@ -107,6 +107,29 @@ Target targetOf(MPI_Comm comm, const io::MeshPart& part, const PressureConfig& l
   return target;
 }
 
+// Whether the deck has anything that moves a body. Bodies that overlap at the start do not push each
+// other: contact acts on further penetration only.
+bool setsInMotion(const Config& config) {
+  const auto is_set = [](const auto& values) {
+    return std::any_of(values.begin(), values.end(), [](double value) { return value != 0; });
+  };
+  const auto any = [](const auto& entries, const auto& acts) {
+    return std::any_of(entries.begin(), entries.end(), acts);
+  };
+  return is_set(config.gravity) ||
+         any(config.pressures, [](const PressureConfig& load) { return load.peak != 0; }) ||
+         any(config.prescribed,
+             [](const PrescribedVelocityConfig& moving) {
+               return norm(prescribedVelocity(moving)) > 0;
+             }) ||
+         any(config.initial_velocities,
+             [&](const InitialVelocityConfig& initial) {
+               return is_set(initial.velocity) || is_set(initial.angular_velocity);
+             }) ||
+         any(config.initial_deformations,
+             [&](const InitialDeformationConfig& initial) { return is_set(initial.gradient); });
+}
+
 // The reason why a load cannot act as intended; "" if there is none.
 std::string doubtOf(const PressureConfig& load, const Target& target, double end, double dt) {
   constexpr double max_force_error = 0.05, min_share_of_peak = 1e-9;
@@ -150,6 +173,9 @@ double gaussianForceError(double a, double b, double radius) {
 std::vector<std::string> loadWarnings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
                                       double dt) {
   std::vector<std::string> warnings;
+  if (!setsInMotion(config))
+    warnings.emplace_back(
+        "nothing will move: the deck has no load, gravity, velocity or initial deformation");
   for (std::size_t i = 0; i < config.pressures.size(); ++i) {
     const PressureConfig& load = config.pressures[i];
     Target target;
@@ -190,7 +216,8 @@ std::vector<std::string> interiorSideWarnings(MPI_Comm comm, const Config& confi
     if (counts[0] > 0)
       warnings.push_back("[[load.pressure]] acts inside a body: " + std::to_string(counts[0]) +
                          " of the " + std::to_string(counts[1]) + " faces of side set \"" +
-                         load.side_set + "\" are not on the surface of a body");
+                         load.side_set + "\" " + (counts[0] == 1 ? "is" : "are") +
+                         " not on the surface of a body");
   }
   return warnings;
 }

@@ -43,6 +43,14 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse) {
   return shape;
 }
 
+Vec3 prescribedVelocity(const PrescribedVelocityConfig& prescribed) {
+  Vec3 velocity = toVec3(prescribed.velocity);
+  for (int d = 0; d < 3; ++d)
+    if (!prescribed.components[d])
+      velocity[d] = 0;
+  return velocity;
+}
+
 std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
                                                            const io::MeshPart& part) {
   std::vector<mechanics::PrescribedMotion> motions;

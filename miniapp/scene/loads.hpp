@@ -14,6 +14,9 @@ inline Vec3 toVec3(const Triple& t) {
   return {t[0], t[1], t[2]};
 }
 
+// The velocity in the components that an entry prescribes, zero in the others.
+Vec3 prescribedVelocity(const PrescribedVelocityConfig& prescribed);
+
 // The variation in time of a load or a prescribed velocity, from its start on.
 mechanics::PulseShape toPulseShape(const PulseConfig& pulse);
 

@@ -150,6 +150,8 @@ void addJoints(const Config& config, const Scene& scene, double dt, Magnitudes& 
     raisePressure(result, std::fabs(load.peak), "load");
   for (const InitialVelocityConfig& initial : config.initial_velocities)
     raisePressure(result, impedance * norm(toVec3(initial.velocity)), "impact");
+  for (const PrescribedVelocityConfig& moving : config.prescribed)
+    raisePressure(result, impedance * norm(prescribedVelocity(moving)), "prescribed velocity");
   const double edge = scene.shortest_edge;
   const double softness = jointSoftness(config.mass, result.elements_through);
   result.penetration =

@@ -1,4 +1,5 @@
-// Magnitudes of a scene in which a mistake in the units of its deck shows, for `brickwall check`.
+// Magnitudes of a scene in which a mistake in the units of its deck shows: `brickwall check` prints
+// them, and a run warns of absurd ones too.
 #pragma once
 
 #include "miniapp/scene/scene.hpp"
@@ -22,8 +23,9 @@ struct Magnitudes {
   double frequency = 0;
   std::vector<double> speeds; // [pressure] of a brick, by impulse over mass per area, length/time
   int elements_through = 0; // a brick, along its shortest edge
-  // Pressure in joints: the largest of peak loads, of the weight on the base of a wall, and of
-  // impacts of equal bodies at the initial velocities v and -v, density c v.
+  // Pressure in joints: the largest of peak loads, of the weight on the base of a wall, of impacts
+  // of equal bodies at the initial velocities v and -v, density c v, and of the wave that nodes
+  // prescribed to move at v send into a body at rest, density c v too.
   double joint_pressure = 0;
   const char* pressure_source = "";
   // Of joints under it, length: contact/theory.md, equation (42), for the shortest edge of all

@@ -278,9 +278,8 @@ void refuseUnknownBodies(const Config& config, global_id num_bodies) {
   const auto refuse = [&](const char* block, const InitialSelection& entry) {
     if (entry.body && *entry.body >= num_bodies)
       throw InputError(entry.place + ": [[" + block + "]] body: found the integer " +
-                       std::to_string(*entry.body) + ", expected one of the " +
-                       std::to_string(num_bodies) + " bodies, 0 to " +
-                       std::to_string(num_bodies - 1));
+                       std::to_string(*entry.body) + ", expected at most " +
+                       std::to_string(num_bodies - 1) + ", the number of the last body");
   };
   for (const auto& entry : config.initial_velocities)
     refuse("initial.velocity", entry);

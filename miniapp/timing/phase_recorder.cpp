@@ -183,6 +183,8 @@ std::vector<PhaseTime> PhaseRecorder::phases() const {
   std::vector<PhaseTime> times;
   for (const std::string& name : agreeOnNames(_state->comm, _state->regions.names()))
     times.push_back(reduceTime(_state->comm, name, calls(name), seconds(name)));
+  std::stable_sort(times.begin(), times.end(),
+                   [](const PhaseTime& a, const PhaseTime& b) { return a.mean > b.mean; });
   return times;
 }
 

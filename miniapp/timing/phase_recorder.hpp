@@ -71,8 +71,8 @@ public:
   // not watched.
   std::vector<PhaseSteps> searchTimersPerStep() const;
 
-  // Collective. All regions in the order of first opening, by name, "contact::search" and the 13
-  // timers included.
+  // Collective. All regions by name, "contact::search" and the 13 timers included, that with the
+  // largest mean time first.
   std::vector<PhaseTime> phases() const;
   // Collective. The 13 timers of the global search in the order of the paper, by their bare names;
   // unused timers are 0; "other" is the rest of "contact::search" without the local search. Each

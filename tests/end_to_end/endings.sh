@@ -46,13 +46,14 @@ for ranks in 1 3; do
   expect "a small wall passes" 0 '^PASS' $ranks run "$inputs/brick_wall.toml" "${small[@]}" --steps 20
   expect "an inverted element is named with place, time and step" 3 'element [0-9]+ .*at \(.*step|step .*element [0-9]+ .*at \(' \
     $ranks run "$inputs/one_brick.toml" --set 'load.pressure[0].peak=1e11' --set limits.energy_error=1e9
+  [[ $(grep -c 'the computation broke down' "$work/log") -eq 1 ]] || { echo "FAILED: the reason is not printed once"; failures=$((failures + 1)); }
   [[ -s $work/out/one_brick.exo || -s $work/out/one_brick.exo.3.0 ]] || { echo "FAILED: no results left"; failures=$((failures + 1)); }
   grep -q '"pass": false' "$work/out/report.json" || { echo "FAILED: report.json does not say pass: false"; failures=$((failures + 1)); }
   expect "a load beyond all range stops the start" 3 'in step 0 .*nodal forces of .*load.pressure' $ranks run "$inputs/one_brick.toml" \
     --set 'load.pressure[0].shape="step"' --set 'load.pressure[0].peak=1e30'
   # The mesh has the place of the results: of those of a rank, or where epu would join those of several.
   output=$work/own_mesh
-  expect "a mesh is written" 0 '1 bodies' 1 mesh "$inputs/one_brick.toml"
+  expect "a mesh is written" 0 ' 1 body$' 1 mesh "$inputs/one_brick.toml"
   cp "$output/one_brick.exo" "$work/mesh.exo"
   names=(one_brick.exo)
   [[ $ranks -eq 1 ]] || names+=("one_brick.exo.$ranks.1")
@@ -67,6 +68,9 @@ for ranks in 1 3; do
     cmp "$output/$name" "$work/mesh.exo" || { echo "FAILED: the mesh was changed"; failures=$((failures + 1)); }
   done
   output=$work/out
+  expect "a run warns of units that do not fit together" 0 '^warning: material.brick has the wave speed .* suggests mm and s: ' $ranks \
+    run "$inputs/one_brick.toml" --set 'gravity.acceleration=[0,0,-9810]' --steps 2
+  [[ $(grep -c 'suggests mm and s' "$work/log") -eq 1 ]] || { echo "FAILED: the warning is not printed once"; failures=$((failures + 1)); }
   expect "the energy limit stops the run" 3 'limits.energy_error' $ranks run "$inputs/brick_wall.toml" "${small[@]}" \
     --set limits.energy_error=1e-14 --steps 200
   expect "a warning is printed and the run passes" 0 'warning: energy error .* exceeds limits.warn.energy_error' $ranks run "$inputs/brick_wall.toml" \
@@ -95,6 +99,8 @@ for ranks in 1 3; do
   expect "flush crossing bars without penetrating nodes are refused" 2 \
     'element 1 .*of body 0 .*\(1\.5, 0\.5, 0\.5\), and element 5 .*of body 1 \(brick \[1, 0, 0\]: .* overlap by 0\.5' \
     $ranks run "$here/overlapping_cubes.toml" "${crossing[@]}"
+  expect "check refuses them too" 2 'element 1 .*of body 0 .* and element 5 .*of body 1 .* overlap by 0\.5' \
+    $ranks check "$here/overlapping_cubes.toml" "${crossing[@]}"
   expect "a shallow overlap runs" 0 '^PASS' $ranks run "$here/overlapping_cubes.toml" --set contact.tolerance=0.09 --steps 20
   expect "a former name of a block is accepted with a warning" 0 '^warning: --set spare.lattices=false: \[spare\] is the former name of \[skip\]' \
     $ranks run "$inputs/one_brick.toml" --set spare.lattices=false --steps 5
@@ -121,6 +127,8 @@ for ranks in 1 3; do
 done
 expect "a check warns of more elements than a rank can number" 0 'too many for 32-bit numbers; a run needs at least 2 ranks' \
   1 check "$inputs/brick_wall.toml" --set 'wall.bricks=[1500,1,1500]'
+expect "a check of a large wall warns that it looks for no overlaps" 0 'overlaps due to initial.deformation are not looked for' \
+  1 check "$here/overlapping_cubes.toml" --set 'wall.bricks=[4000,1,1]'
 expect "an option that Kokkos does not know is named" 2 'does not know --kokkos-foo=1' 1 check "$inputs/brick_wall.toml" --kokkos-foo=1
 expect "a search warns that it audits nothing" 0 'warning: search.audit' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.audit=3
 expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1 search "$inputs/brick_wall.toml" "${small[@]}" --set search.reuse.margin=0.5
@@ -135,6 +143,14 @@ expect "a checkpoint that is not there names the nearest one" 2 'no manifest.jso
   1 run "${rotation[@]}" --restart "$work/out/checkpoints/step-5"
 expect "a folder without checkpoints names those of the run" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
   1 run "${rotation[@]}" --restart "$work"
+# A restart into another folder begins files there; the next one from the same checkpoint replaces them.
+restarted=(run "${rotation[@]}" --restart "$work/out" --extend-to 1.2e-3)
+output=$work/second_folder
+expect "a restart into another folder begins new files" 0 'found no results of the earlier run' 1 "${restarted[@]}"
+for ranks in 1 2; do
+  expect "a second restart from that checkpoint replaces them" 0 'begin after the checkpoint and are replaced' $ranks "${restarted[@]}"
+done
+output=$work/out
 # The name of the new file of rank 0 is taken when elements move.
 rm -rf "$work/out"
 mkdir -p "$work/out/brick_wall.exo.2.0.new/taken"

@@ -112,7 +112,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const miniapp::Config again = miniapp::parseConfig(resolved, "/elsewhere/fuzz.toml");
     demand(again.resolved_deck == resolved, "the resolved deck resolves to itself:\n" + resolved +
                                                 "\nresolves to:\n" + again.resolved_deck);
-    demand(again.warnings.empty(), "the resolved deck gives no warning");
+    for (const std::string& warning : again.warnings)
+      demand(warning.find("former name") == std::string::npos, "the resolved deck: " + warning);
   } catch (const InputError& error) {
     demand(false, "the resolved deck is accepted:\n" + resolved + error.what());
   }

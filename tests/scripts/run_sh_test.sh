@@ -52,9 +52,11 @@ grep -q '^run.sh: found "serach", expected run, check' log || fail "an unknown c
 # Many more ranks than cores are refused unless the user insists; a few more give a warning.
 too_many=$((8 * $(nproc) + 1))
 expect 2 check "$inputs/one_brick.toml" -n $too_many
-grep -q -- "$too_many ranks are more than 8 for each of the .* cores; --oversubscribe" log || fail "too many ranks are not refused"
+grep -q -- "$too_many ranks are more than 8 for each of the [0-9]* cores\\?; --oversubscribe" log || fail "too many ranks are not refused"
 expect 0 mesh "$inputs/one_brick.toml" -n $(($(nproc) + 1)) -o oversubscribed
-grep -q 'warning: .* ranks share .* cores' log || fail "more ranks than cores give no warning"
+grep -q 'warning: .* ranks share [0-9]* cores\?;' log || fail "more ranks than cores give no warning"
+taskset -c "$(taskset -cp $$ | sed 's/.*: *\([0-9]*\).*/\1/')" "$run_sh" mesh "$inputs/one_brick.toml" -n 2 -o oversubscribed --program "$program" >log 2>&1
+grep -q 'warning: 2 ranks share 1 core;' log || fail "one core is not in the singular"
 
 # An option without its value is an error; the next option is not taken for the value.
 for options in "-n -o x" "-o -n 2" "-t --steps 5" "--set --no-picture" "--preset -n 2" "--ranks=" "--output= -n 1"; do

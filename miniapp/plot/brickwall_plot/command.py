@@ -89,7 +89,7 @@ def chosen_steps(results, options):
         first, last, stride = (0, -1, 1) if options.steps == slice(None) else options.steps
         steps = list(range(results.step(first), results.step(last) + 1, stride))
         if not steps:
-            raise PlotError(f"--steps: the last step is before the first; the file has {len(results.times)} steps")
+            raise PlotError(f"--steps: the last step is before the first; those of the file are 0 to {len(results.times) - 1}")
         return steps
     if options.time is not None:
         low, high = results.times[[0, -1]]

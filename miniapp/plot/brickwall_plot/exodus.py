@@ -71,7 +71,7 @@ class ExodusResults:
         """The number of a step, counted from 0. Raises PlotError if there is none."""
         number = step if step >= 0 else len(self.times) + step
         if not 0 <= number < len(self.times):
-            raise PlotError(f"{self.paths[0]}: there is no step {step}; the file has {len(self.times)} steps, counted from 0")
+            raise PlotError(f"{self.paths[0]}: there is no step {step}; the steps of the file are 0 to {len(self.times) - 1}")
         return number
 
     def title(self):

@@ -75,7 +75,7 @@ class RunFiles:
         paths = [base.with_name(f"{base.name}.{count}.{rank:0{len(str(count))}d}") for rank in range(count)]
         missing = [path.name for path in paths if not path.exists()]
         if missing:
-            raise PlotError(f"{base}.{count}.*: {len(missing)} of the {count} files of ranks are missing: {missing[0]}"
+            raise PlotError(f"{base}.{count}.*: {len(missing)} of the {count} files of ranks {'is' if len(missing) == 1 else 'are'} missing: {missing[0]}"
                             + (", ..." if len(missing) > 1 else ""))
         return paths
 

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 
 from .configurations import ENOUGH_FOR_RANKS, LEAST_REPETITIONS, OF_SIZE, SURE, compare, family_of, labels_of, place_of, problems_of
 from .svg import Bars, Lines
-from .tables import WORDS, Table, change, number, percent
+from .tables import WORDS, Table, change, counted, number, percent
 
 SMALL = 1e-3  # share of a step below which a phase is left out
 ALIKE = 0.1  # runs of a weak scaling have the same size for each rank x thread within this
@@ -47,7 +47,7 @@ def build_of(runs):
         return " / ".join(dict.fromkeys(values))
 
     builds = [run.build for run in runs]
-    return (f"{len(runs)} runs; {all_of(run.cpu for run in runs)}"
+    return (f"{counted(len(runs), 'run')}; {all_of(run.cpu for run in runs)}"
             + "".join(f", {device}" for device in dict.fromkeys(run.device for run in runs) if device != "none")
             + f"; host {all_of(run.host for run in runs)}; brickwall {all_of(b['version'] for b in builds)}, commit "
             f"{all_of(b['commit'] for b in builds)}, {all_of(b['compiler'] for b in builds)}, Kokkos {all_of(b['kokkos'] for b in builds)} "

@@ -39,7 +39,7 @@ def factor_of_share(where, program, deck, settings, key, share, gpu_bytes):
 def memory_needed(where, program, deck, settings, on_device):
     """Bytes of all ranks, by `brickwall check`."""
     text, fault = check(program, deck, settings)
-    found = re.search(r"memory +([\d.]+) MB per rank on 1 rank\(s\), of which ([\d.]+) MB", text)
+    found = re.search(r"memory +([\d.]+) MB per rank on 1 rank, of which ([\d.]+) MB", text)
     if fault or not found:
         raise InputError(f"{where}: brickwall check gives no estimate of the memory: {fault or text}")
     return 1e6 * float(found[2 if on_device else 1])

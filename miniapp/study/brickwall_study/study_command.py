@@ -18,7 +18,7 @@ from .run_store import now
 from .study_file import read_study
 from .study_output import csv_text, json_text
 from .study_runs import Runner, plan
-from .tables import number
+from .tables import counted, number
 
 DESCRIPTION = """Makes the runs of a study file, repeated and in random order, and writes study.csv, study.json, report.md and report.html to its
 folder. The same command continues a study that was interrupted: finished runs of the same program, deck and settings are not made again."""
@@ -124,8 +124,8 @@ def write_report(study, folder, runs, seed, place):
         return
     document = compare_runs(measured, study.title)
     document.lead.append(
-        f"{place['physical_cores']} cores, {place['system']}; {study.repetitions} repetitions and {study.warmup} warm-up runs of {len(study.cases)} "
-        f"cases, in turns of random order with seed {seed}; {loads(runs)}. All runs: study.csv, study.json.")
+        f"{counted(place['physical_cores'], 'core')}, {place['system']}; {counted(study.repetitions, 'repetition')} and "
+        f"{counted(study.warmup, 'warm-up run')} of {counted(len(study.cases), 'case')}, in turns of random order with seed {seed}; {loads(runs)}. All runs: study.csv, study.json.")
     faults = [f"{done.case.id}, run {done.repetition}: {done.record['state']}: {done.record['message']}"
               for done in runs if done.record["state"] != "ok"]
     for heading, lines in (("Left out", study.left_out), ("Failed", faults)):

@@ -8,6 +8,7 @@ from pathlib import Path
 from .errors import InputError, read_parsed
 from .launch import spell
 from .problem_size import enlarged, factor_of_share
+from .tables import counted
 
 COMMANDS = ("run", "search")
 # Key -> (type, check, description of what is expected). Keys of a case override those of the file.
@@ -118,7 +119,7 @@ def add_cases(study, where, name, deck, merged, layout, cores):
     """Adds the cases of all programs, swept values and sizes on one layout."""
     ranks, threads = layout
     if cores and ranks * threads > cores:
-        study.left_out.append(f"{name}, {ranks} x {threads}: more than the {cores} cores; oversubscribe = true runs it")
+        study.left_out.append(f"{name}, {ranks} x {threads}: more than the {counted(cores, 'core')}; oversubscribe = true runs it")
         return
     keys = list(merged["sweep"])
     for program, path in study.programs.items():

@@ -17,6 +17,11 @@ class Table:
     note: str = ""
 
 
+def counted(count, what):
+    """"1 core", "2 cores"."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
 def number(value, digits=3):
     """A number with about this many digits; "-" for None."""
     if value is None:

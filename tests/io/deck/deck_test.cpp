@@ -294,6 +294,9 @@ TEST(Deck, NamesTheOptionOfAWrongOverride) {
                   "--set wall.gap=-1: [wall] gap: found the integer -1");
   EXPECT_CONTAINS(faultsOf(good, {"wall.gp=1"}),
                   "--set wall.gp=1: [wall]: found unknown key \"gp\"");
+  // nothing more: the block is not missing
+  EXPECT_EQ(faultsOf(good, {"limits=1"}), "--set limits=1: limits: found the integer 1, expected "
+                                          "one table [limits], whose keys are wall_time");
   EXPECT_CONTAINS(faultsOf(good, {"wal.gap=1"}), "did you mean \"[wall]\"?");
   EXPECT_CONTAINS(faultsOf(good, {"wall.gap=wide"}),
                   "found the text \"wide\", expected a finite number");

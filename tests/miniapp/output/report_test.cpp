@@ -230,6 +230,19 @@ TEST(Report, EndsWithTheFigureOfMeritAndTheVerdict) {
   EXPECT_CONTAINS(out.str(), "\nFAIL: energy error 0.2 above 0.1; momentum\n");
 }
 
+TEST(Report, CountsOneThingInTheSingular) {
+  EXPECT_EQ(counted(1, "face"), "1 face");
+  EXPECT_EQ(counted(2, "search", "searches"), "2 searches");
+  RunReport report = sampleReport();
+  report.elements = report.contact.searches = report.time_step.guarded_steps = 1;
+  report.time_step.cuts = {{StepCut::Reason::stability, 1, 0.1, 0.1, 0.05}};
+  std::ostringstream out;
+  printReport(out, report);
+  for (const char* words :
+       {": 1 element, ", ", 1 search, ", ", cut 1 time: ", "guard active in 1 step\n"})
+    EXPECT_CONTAINS(out.str(), words);
+}
+
 TEST(Report, FailsForMissedPairsAndWarnsOfLostContacts) {
   RunReport report = sampleReport();
   judgeNumbers(report);

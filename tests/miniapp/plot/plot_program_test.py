@@ -172,7 +172,7 @@ class FaultyInput(unittest.TestCase):
                 ("principal_stress has the components principal_stress_1, principal_stress_2; choose one",
                  self.file, "--field", "principal_stress", "--step", "0"),
                 ("there is no nodal vector force_contact; there are displacement", self.file, "--arrows", "--step", "0"),
-                ("there is no step 2; the file has 2 steps", self.file, "--step", "2"),
+                ("there is no step 2; the steps of the file are 0 to 1", self.file, "--step", "2"),
                 ("there is no step -3", self.file, "--step", "-3"),
                 ("there is no step at time 1.5; times are 0 to 1", self.file, "--time", "1.5"),
                 ("the displacements of step 1 are not finite", self.file),
@@ -216,8 +216,8 @@ class FaultyInput(unittest.TestCase):
     def test_of_missing_rank_files_names_them(self):
         for name in ("part.exo.3.0", "part.exo.3.2"):
             shutil.copy(self.file, work / name)
-        self.expect("1 of the 3 files of ranks are missing: part.exo.3.1", work / "part.exo.3.0")
-        self.expect("1 of the 3 files of ranks are missing", work / "part.exo")
+        self.expect("1 of the 3 files of ranks is missing: part.exo.3.1", work / "part.exo.3.0")
+        self.expect("1 of the 3 files of ranks is missing", work / "part.exo")
 
     def test_of_a_missing_ffmpeg_names_the_package(self):
         with mock.patch("shutil.which", return_value=None):

@@ -56,6 +56,29 @@ TEST(LoadWarnings, ReportPrescribedVelocitiesThatBeginTooLate) {
                 "boundary.velocity[0] only holds its nodes: it starts at 8");
 }
 
+TEST(LoadWarnings, ReportADeckInWhichNothingActs) {
+  const MeshFile mesh(oneBrick({1, 1, 1}), [](io::MeshPart&) {});
+  const auto warnsFor = [&](const std::string& blocks) {
+    const Config config = mesh.config(blocks);
+    const auto warnings =
+        loadWarnings(MPI_COMM_WORLD, config, makeMeshPart(MPI_COMM_WORLD, config), 0.1);
+    return !warnings.empty() && warnings[0].find("nothing will move") == 0;
+  };
+  const std::string moving = "[[boundary.velocity]]\nnode_set = \"base\"\nvelocity = [0, 0, 1]\n";
+  const std::string deformed = "[[initial.deformation]]\ngradient = [0, 0, 0, 0, 0, 0, 0, 0, ";
+  EXPECT_TRUE(warnsFor(""));
+  EXPECT_TRUE(warnsFor("[[boundary.fixed]]\nnode_set = \"base\"\n"));
+  EXPECT_TRUE(warnsFor(moving + "components = [\"x\"]\n"));
+  EXPECT_TRUE(warnsFor("[[initial.velocity]]\nvelocity = [0, 0, 0]\n"));
+  EXPECT_TRUE(warnsFor(deformed + "0]\n"));
+  EXPECT_TRUE(warnsFor("[[load.pressure]]\nside_set = \"top\"\nshape = \"step\"\npeak = 0.0\n"));
+  EXPECT_FALSE(warnsFor("[[load.pressure]]\nside_set = \"top\"\nshape = \"step\"\npeak = -1.0\n"));
+  EXPECT_FALSE(warnsFor("[gravity]\nacceleration = [0, 0, -1]\n"));
+  EXPECT_FALSE(warnsFor(moving));
+  EXPECT_FALSE(warnsFor("[[initial.velocity]]\nangular_velocity = [0, 1, 0]\n"));
+  EXPECT_FALSE(warnsFor(deformed + "0.1]\n"));
+}
+
 TEST(LoadWarnings, ReportGaussiansThatAreFinerThanTheFacesOrFarAway) {
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.56\n", "");
   expectWarning(gaussian + "center = [2, 0, 2]\nradius = 0.54\n", "is finer than the mesh");

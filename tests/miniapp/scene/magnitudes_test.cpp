@@ -103,6 +103,11 @@ TEST(Magnitudes, AreAbsurdWhereBodiesWouldBeCrushedOrRunsNeverEnd) {
               "load.pressure[0] gives a brick the speed 1.00"); // 0.79 x 16/pi / 4
   expectWords(warningOf(pressure("front", "peak = 0.81\nduration = 1e-3\n")),
               "the pressure 0.81 (load) exceeds a tenth of the modulus lambda + 2 mu = 8");
+  const std::string moving =
+      "[[boundary.velocity]]\nnode_set = \"base\"\nvelocity = [0, 0, 0.21]\n";
+  expectWords(warningOf(moving), // 2 x 2 x 0.21
+              "the pressure 0.84 (prescribed velocity) exceeds a tenth of the modulus");
+  EXPECT_EQ(warningOf(moving + "components = [\"x\", \"y\"]\n"), "");
   expectWords(warningOf("", 1000000001), "the run has 1000000001 steps");
 }
 

@@ -8,7 +8,7 @@ case "$*" in
   check*bad.key*) echo "brickwall: error: --set bad.key: found unknown key" >&2; exit 2 ;;
   check*wall.bricks*) # 100 MB and 50 MB for each brick along, 20 MB of these 50 on the device
     bricks=$(sed "s/.*wall.bricks=.//; s/,.*//" <<<"$*")
-    echo "  memory            $((100 + 50 * bricks)) MB per rank on 1 rank(s), of which $((20 * bricks)) MB on the device"
+    echo "  memory            $((100 + 50 * bricks)) MB per rank on 1 rank, of which $((20 * bricks)) MB on the device"
     exit 0 ;;
   check*) exit 0 ;;
 esac
