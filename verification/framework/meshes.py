@@ -1,5 +1,6 @@
 """Meshes of hexahedra: boxes, their images under maps, and unions of several."""
 import itertools
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -139,7 +140,7 @@ def together(*meshes):
 
 
 def rotation(axis, angle):
-    """The matrix of a rotation by `angle` about `axis` (Rodrigues)."""
+    """The matrix of a rotation by `angle` about `axis` (Rodrigues); the same bits on any processor, unlike with sines of NumPy."""
     n = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
     cross = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross

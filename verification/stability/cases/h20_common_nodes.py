@@ -2,6 +2,8 @@
 contacts that share nodes begin, and end, in the same step; each first and last force is corrected
 for its energy, and the corrections must not overshoot together. Coarse meshes are the hardest: all
 nodes are common. The second table has the stiffest contact that the step allows."""
+import math
+
 import numpy as np
 from _hard import energy_change
 from framework.meshes import box, together
@@ -38,10 +40,10 @@ def wedges(count, elements):
     def wedge(number):
         def image(x):
             s, t = x[:, :1], x[:, 1:2]
-            sides = [np.array([np.cos(side), np.sin(side)]) for side in (0, angle / 2, angle)]
-            kite = s * (1 - t) * sides[0] + 1.15 * max(1, 1 / (1.15 * np.cos(angle / 2))) * s * t * sides[1] + (1 - s) * t * sides[2]
+            sides = [np.array([math.cos(side), math.sin(side)]) for side in (0, angle / 2, angle)]
+            kite = s * (1 - t) * sides[0] + 1.15 * max(1, 1 / (1.15 * math.cos(angle / 2))) * s * t * sides[1] + (1 - s) * t * sides[2]
             turn = angle * number + 0.1
-            c, r = np.cos(turn), np.sin(turn)
+            c, r = math.cos(turn), math.sin(turn)
             return np.column_stack([c * kite[:, 0] - r * kite[:, 1], r * kite[:, 0] + c * kite[:, 1], x[:, 2]])
         return box((1, 1, 1), (elements,) * 3, (0, 0, -1), "low").mapped(image)
     return together(*(wedge(number) for number in range(count)))
