@@ -52,8 +52,8 @@ using range_policy =
 constexpr bool host_accessible = std::is_same<memory_space, Kokkos::HostSpace>::value;
 
 // Number of elements that one thread processes at once in SIMD lanes (contact/base/pack.hpp); on a
-// device the lanes are threads. With BRICKWALL_SIMD_WIDTH=1 threads of processors have no lanes either,
-// so that the code paths of devices can be tested there.
+// device the lanes are threads. With BRICKWALL_SIMD_WIDTH=1 threads of processors have no lanes
+// either, so that the code paths of devices can be tested there.
 constexpr int simd_width = host_accessible ? BRICKWALL_SIMD_WIDTH : 1;
 constexpr bool fills_lanes = simd_width > 1;
 

@@ -11,30 +11,13 @@
 
 namespace brickwall {
 
-// The vector types of W lanes (g++ takes no template argument in the attribute).
+// The vector types of W lanes.
 template <int W>
-struct VectorsOf;
-template <>
-struct VectorsOf<8> {
-  typedef double real __attribute__((vector_size(64)));
-  typedef std::int64_t integer __attribute__((vector_size(64)));
-  typedef std::uint64_t bits __attribute__((vector_size(64)));
-  typedef unsigned char bytes __attribute__((vector_size(8)));
-};
-
-template <>
-struct VectorsOf<2> {
-  typedef double real __attribute__((vector_size(16)));
-  typedef std::int64_t integer __attribute__((vector_size(16)));
-  typedef std::uint64_t bits __attribute__((vector_size(16)));
-  typedef unsigned char bytes __attribute__((vector_size(2)));
-};
-template <>
-struct VectorsOf<4> {
-  typedef double real __attribute__((vector_size(32)));
-  typedef std::int64_t integer __attribute__((vector_size(32)));
-  typedef std::uint64_t bits __attribute__((vector_size(32)));
-  typedef unsigned char bytes __attribute__((vector_size(4)));
+struct VectorsOf {
+  typedef double real __attribute__((vector_size(8 * W)));
+  typedef std::int64_t integer __attribute__((vector_size(8 * W)));
+  typedef std::uint64_t bits __attribute__((vector_size(8 * W)));
+  typedef unsigned char bytes __attribute__((vector_size(W)));
 };
 
 template <int W>
@@ -109,12 +92,14 @@ struct MaskPackOf {
 };
 
 // The vector {number(0), ..., number(W - 1)}.
-template <int W>
-using AllLanes = std::make_integer_sequence<int, W>;
 template <int W, class Number, int... lane>
 KOKKOS_FORCEINLINE_FUNCTION typename IntPackOf<W>::vector
 numbersOfLanes(const Number& number, std::integer_sequence<int, lane...>) {
   return typename IntPackOf<W>::vector{number(lane)...};
+}
+template <int W, class Number>
+KOKKOS_FORCEINLINE_FUNCTION typename IntPackOf<W>::vector numbersOfLanes(const Number& number) {
+  return numbersOfLanes<W>(number, std::make_integer_sequence<int, W>());
 }
 
 // Whether any lane is not zero.
@@ -152,8 +137,7 @@ inline PackOf<W> whereOrZero(const MaskPackOf<W>& mask, const PackOf<W>& a) {
 // The lanes of a moved up by one; the last lane of `before` becomes the first.
 template <int W>
 inline IntPackOf<W> shiftedIn(const IntPackOf<W>& before, const IntPackOf<W>& a) {
-  return shuffled(before.v, a.v,
-                  numbersOfLanes<W>([](int lane) { return W - 1 + lane; }, AllLanes<W>()));
+  return shuffled(before.v, a.v, numbersOfLanes<W>([](int lane) { return W - 1 + lane; }));
 }
 
 // The smaller of the two, or NaN if one is NaN.

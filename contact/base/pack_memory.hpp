@@ -27,10 +27,10 @@ KOKKOS_FORCEINLINE_FUNCTION void triplesOf(const Rows& rows, PackOf<W> (&lanes)[
   const auto part = [&](auto xyz) {
     // number(lane) is the place of the component among the 3 * W numbers
     constexpr auto number = [](int lane) { return 3 * lane + decltype(xyz)::value; };
-    const auto of_ab = numbersOfLanes<W>(
-        [&](int lane) { return number(lane) < 2 * W ? number(lane) : 0; }, AllLanes<W>());
-    const auto with_c = numbersOfLanes<W>(
-        [&](int lane) { return number(lane) < 2 * W ? lane : number(lane) - W; }, AllLanes<W>());
+    const auto of_ab =
+        numbersOfLanes<W>([&](int lane) { return number(lane) < 2 * W ? number(lane) : 0; });
+    const auto with_c =
+        numbersOfLanes<W>([&](int lane) { return number(lane) < 2 * W ? lane : number(lane) - W; });
     return shuffled(shuffled(a, b, of_ab), c, with_c);
   };
   lanes[0].v = part(std::integral_constant<int, 0>());
@@ -43,11 +43,10 @@ KOKKOS_FORCEINLINE_FUNCTION void storeTriples(const PackOf<W> (&lanes)[3], doubl
   const auto row = [&](auto k) {
     // number(lane) = 3 * node + xyz
     constexpr auto number = [](int lane) { return W * decltype(k)::value + lane; };
-    const auto of_xy = numbersOfLanes<W>(
-        [&](int lane) { return number(lane) / 3 + W * (number(lane) % 3 == 1); }, AllLanes<W>());
+    const auto of_xy =
+        numbersOfLanes<W>([&](int lane) { return number(lane) / 3 + W * (number(lane) % 3 == 1); });
     const auto with_z = numbersOfLanes<W>(
-        [&](int lane) { return number(lane) % 3 == 2 ? W + number(lane) / 3 : lane; },
-        AllLanes<W>());
+        [&](int lane) { return number(lane) % 3 == 2 ? W + number(lane) / 3 : lane; });
     const auto all = shuffled(shuffled(x, y, of_xy), z, with_z);
     memcpy(rows + W * decltype(k)::value, &all, sizeof all);
   };

@@ -18,8 +18,8 @@ void runInLanes(Sweep& sweep, const LatticeSlab& slab, Planes& planes) {
 } // namespace
 
 void runSweep(
-    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, scheduled_width>& sweep,
-    const LatticeSlab& slab, SteppedPlanes<scheduled_width>& planes) {
+    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, simd_width>& sweep,
+    const LatticeSlab& slab, SteppedPlanes<simd_width>& planes) {
   runInLanes<simd_width>(sweep, slab, planes);
 }
 

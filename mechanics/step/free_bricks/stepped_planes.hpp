@@ -91,12 +91,10 @@ struct SteppedPlanes {
   }
 };
 
-// Compiled in scheduled_sweeps.cpp with flags of its own. Where threads have no lanes it is declared
-// for packs, which exist there too, but never called.
-constexpr int scheduled_width = simd_width > 1 ? simd_width : 2;
+// Compiled in scheduled_sweeps.cpp with flags of its own.
 void runSweep(
-    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, scheduled_width>& sweep,
-    const LatticeSlab& slab, SteppedPlanes<scheduled_width>& planes);
+    LatticeSweep<MaterialModel::neo_hookean, SharedShape<OnePointBrick>, simd_width>& sweep,
+    const LatticeSlab& slab, SteppedPlanes<simd_width>& planes);
 
 extern template void sweepModel<MaterialModel::neo_hookean>(const BrickLattice&, const LatticeSlab&,
                                                             const ForceArguments&, double*,
