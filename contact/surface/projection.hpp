@@ -1,6 +1,7 @@
 // Closest point projection onto a face: Newton's method with the full Hessian on the bilinear quad,
-// exact on triangles (a repeated corner), four triangles about the centroid where Newton's method
-// fails. All arithmetic is relative to the point, so that flat faces give exactly flat normals.
+// then without the curvature term; exact on triangles (a repeated corner); four triangles about the
+// centroid where both fail. All arithmetic is relative to the point, so that flat faces give
+// exactly flat normals.
 // Equations: theory.md, section 4, eqs. (5) to (7).
 #pragma once
 
@@ -35,6 +36,9 @@ namespace projection {
 
 constexpr int max_iterations = 20;
 constexpr double far_outside = 3.0; // iterates beyond this parameter value belong to another face
+// The first Gauss-Newton step from the centre of a flat convex face errs by at most |xi eta|, where
+// |xi| and |eta| are at most 1.5 (largest tolerance): a longer one leads to no point of it.
+constexpr double far_by_lines = 4.0;
 constexpr double last_step = 1e-8; // convergence is quadratic: the next step would be below 1e-15
 // relative to A C: below it the curvature term is dropped
 constexpr double least_determinant = 0.01;
@@ -128,7 +132,24 @@ struct NewtonPoint {
   Triple<Real> normal;
   Mask found, nowhere;
 };
-// Lanes outside `wanted` are neither found nor nowhere. No quad may repeat a corner.
+namespace projection {
+
+// Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by its first two
+// vectors.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
+isFarByLines(const Triple<Real>& centre, const Triple<Real>& a, const Triple<Real>& b) {
+  const Real A = dot(a, a), B = dot(a, b), C = dot(b, b), r_a = -dot(a, centre),
+             r_b = -dot(b, centre);
+  const Real limit = Real(far_by_lines) * (A * C - B * B);
+  return (magnitude(C * r_a - B * r_b) > limit) | (magnitude(A * r_b - B * r_a) > limit);
+}
+
+} // namespace projection
+
+// Where the method leaves the face, it begins anew from the centre without the curvature term: the
+// steps of a flat face (Gauss-Newton). Lanes outside `wanted` are neither found nor nowhere. No
+// quad may repeat a corner.
 template <class Real>
 KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4],
                                                       typename MaskOf<Real>::type wanted) {
@@ -145,7 +166,7 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
                      c = quarter * (top - bottom);
   const Mask parallelogram = dot(c, c) <= Real(1e-30) * (dot(a, a) + dot(b, b));
   Real xi = 0, eta = 0;
-  Mask left_to_do = wanted, converged = false;
+  Mask left_to_do = wanted, converged = false, is_flat = false;
   point.nowhere = false;
   for (int iteration = 0; iteration < max_iterations && isAny(left_to_do); ++iteration) {
     const Triple<Real> t_xi = a + eta * c, t_eta = b + xi * c;
@@ -153,22 +174,30 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
     const Real A = dot(t_xi, t_xi), C = dot(t_eta, t_eta), plain = dot(t_xi, t_eta);
     Real B = plain - dot(d, c);
     Real determinant = A * C - B * B;
-    const Mask curved = determinant > Real(least_determinant) * A * C;
+    const Mask curved = (determinant > Real(least_determinant) * A * C) & !is_flat;
     B = where(curved, B, plain);
     determinant = A * C - B * B;
-    left_to_do = left_to_do & (determinant > Real(0.0));
+    const Mask has_step = left_to_do & (determinant > Real(0.0));
     const Real r_xi = dot(t_xi, d), r_eta = dot(t_eta, d);
     const Real step_xi = (C * r_xi - B * r_eta) / determinant;
     const Real step_eta = (A * r_eta - B * r_xi) / determinant;
-    xi = where(left_to_do, xi + step_xi, xi);
-    eta = where(left_to_do, eta + step_eta, eta);
+    xi = where(has_step, xi + step_xi, xi);
+    eta = where(has_step, eta + step_eta, eta);
     const Mask near = (magnitude(xi) <= Real(far_outside)) & (magnitude(eta) <= Real(far_outside));
-    point.nowhere = point.nowhere | (left_to_do & !near & (parallelogram | Mask(iteration < 2)));
-    left_to_do = left_to_do & near;
+    const Mask is_lost = left_to_do & !(has_step & near);
+    left_to_do = has_step & near;
     const Mask is_last = parallelogram | ((magnitude(step_xi) < Real(last_step)) &
                                           (magnitude(step_eta) < Real(last_step)));
     converged = converged | (left_to_do & is_last);
     left_to_do = left_to_do & !is_last;
+    if (isAny(is_lost)) {
+      point.nowhere = point.nowhere | (is_lost & (parallelogram | isFarByLines(centre, a, b)));
+      const Mask again = is_lost & !point.nowhere & !is_flat;
+      xi = where(again, Real(0.0), xi);
+      eta = where(again, Real(0.0), eta);
+      is_flat = is_flat | again;
+      left_to_do = left_to_do | again;
+    }
   }
   const Triple<Real> area = cross(a + eta * c, b + xi * c);
   const Real length = squareRoot(dot(area, area));

@@ -78,6 +78,34 @@ TEST(Projection, RandomWarpedQuadsGiveBackParametersAndGap) {
   }
 }
 
+// Flat convex faces far from parallelograms, with each corner as the first: on trapezoids and kites
+// plain Newton steps from the centre leave the face. Also warped, and a little beyond the edges.
+TEST(Projection, EveryPointOfATrapezoidOrKiteIsFound) {
+  const Vec3 shapes[][4] = {{{0, 0, 0}, {4, 0, 0}, {2.5, 1, 0}, {1.5, 1, 0}},
+                            {{0, 0, 0}, {12, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                            {{0, 0, 0}, {1, -0.1, 0}, {6, 0, 0}, {1, 0.1, 0}},
+                            {{0, 0, 0}, {0.5, 0, 0}, {1. / 3, 1. / 3, 0}, {0, 0.5, 0}},
+                            {{0, 0, 0}, {1, 0, 0}, {0.52, 0.52, 0}, {0, 1, 0}}};
+  for (const auto& shape : shapes)
+    for (int first = 0; first < 4; ++first)
+      for (const double warp : {0.0, 0.02}) {
+        Quad f;
+        for (int j = 0; j < 4; ++j) {
+          f.corner[j] = shape[(j + first) % 4];
+          f.corner[j].z += j % 2 == 0 ? warp : -warp;
+        }
+        for (int i = -52; i <= 52; ++i)
+          for (int k = -52; k <= 52; ++k) {
+            const double xi = 0.02 * i, eta = 0.02 * k;
+            const FacePoint p = project(f, pointOf(f, xi, eta));
+            ASSERT_TRUE(p.valid && p.has_parameters) << first << " " << xi << " " << eta;
+            EXPECT_NEAR(p.xi, xi, 1e-9);
+            EXPECT_NEAR(p.eta, eta, 1e-9);
+            EXPECT_NEAR(p.gap, 0, 1e-12);
+          }
+      }
+}
+
 TEST(Projection, TriangleWithAnyRepeatedCornerIsExact) {
   const Vec3 a = {0, 0, 1}, b = {2, 0, 1}, c = {0, 2, 1};
   const Quad faces[4] = {{{a, a, b, c}}, {{a, b, b, c}}, {{a, b, c, c}}, {{b, c, a, b}}};
