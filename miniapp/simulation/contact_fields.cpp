@@ -69,8 +69,7 @@ View<std::int64_t**> ContactStep::slipOnMesh() {
       "miniapp::ContactStep::packSlip", rangePolicy(_space, slip.extent(0)),
       KOKKOS_LAMBDA(const std::int64_t i) { words(i, 0) = toWord(slip(i)); });
   View<std::int64_t**> of_mesh("miniapp::ContactStep::slip_of_mesh", _scene.mesh.num_nodes, 1);
-  mechanics::SharedNodeSum shared(_scene.shared);
-  _coupling.sumOnMesh(_space, words, shared, of_mesh);
+  _coupling.sumOnMesh(_space, words, _slip_sum, of_mesh);
   return of_mesh;
 }
 

@@ -68,8 +68,10 @@ ContactStep::ContactStep(const exec_space& space, MPI_Comm comm, const Config& c
   // A distribution repeats this, moves faces and history, and searches: 3.5 to 4 times as long.
   _balance =
       ContactBalance(comm, 4 * time.seconds(), may_stay ? ContactBalance::usual_overhead : 1);
-  if (config.output.has(OutputField::slip_distance))
+  if (config.output.has(OutputField::slip_distance)) {
     _slip = View<double*>("miniapp::ContactStep::slip", surface().num_nodes);
+    _slip_sum = scene.shared;
+  }
 }
 
 void ContactStep::makeEnforcement() {

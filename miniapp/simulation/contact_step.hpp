@@ -190,6 +190,7 @@ private:
   bool _has_forces_of_search = false; // enforce() has followed the last search
   // [surface node] since the start, length; 0 if not owned; empty if not chosen
   View<double*> _slip;
+  mechanics::SharedNodeSum _slip_sum; // for output
   // since the start
   std::int64_t _lost = 0; // loaded contacts that exceeded the tolerance of the search, on this rank
   std::int64_t _missed_pairs = 0; // of the steps with an audit, over all ranks

@@ -15,6 +15,20 @@
 
 namespace brickwall {
 
+// A message that has come, of a size that the receiver did not know.
+struct ProbedMessage {
+  MPI_Message message;
+  int words = 0;
+
+  // Waits for it.
+  ProbedMessage(int sender, int tag, MPI_Comm comm) {
+    const Region region(waiting_region);
+    MPI_Status status;
+    checkMpi(MPI_Mprobe(sender, tag, comm, &message, &status), "MPI_Mprobe");
+    checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
+  }
+};
+
 // Messages of 64-bit words that are under way.
 class WordMessages {
 public:
@@ -31,10 +45,9 @@ public:
                        &_requests.back()),
              "MPI_Irecv");
   }
-  // A message that was probed, of known size.
-  void receive(std::int64_t* data, std::int64_t words, MPI_Message& message) {
+  void receive(std::int64_t* data, ProbedMessage& probed) {
     _requests.emplace_back();
-    checkMpi(MPI_Imrecv(data, static_cast<int>(words), MPI_INT64_T, &message, &_requests.back()),
+    checkMpi(MPI_Imrecv(data, probed.words, MPI_INT64_T, &probed.message, &_requests.back()),
              "MPI_Imrecv");
   }
   void wait() { waitAll(_requests); }
@@ -98,7 +111,7 @@ public:
     unstage(space);
     for (const MessageRange& range : _peers_received)
       _peers->announced(_comm, _tag, range.rank);
-    if (_path == MessagePath::peer)
+    if (!_peers_received.empty())
       _peers->receive(space, _comm, _tag, receive, _peers_received);
   }
 
@@ -141,8 +154,7 @@ public:
       growStaging(0, receive_offsets.back());
       space.fence(); // `receive` may be read or freed until then
       for (std::size_t i = 0; i < _received.size(); ++i)
-        _messages.receive(receiveData() + _received[i].begin, _received[i].end - _received[i].begin,
-                          _probed[i]);
+        _messages.receive(receiveData() + _received[i].begin, _probed[i]);
     }
     _messages.wait();
     unstage(space);
@@ -184,13 +196,8 @@ private:
     _messages.send(sendData() + range.begin, range.end - range.begin, range.rank, _tag, _comm);
   }
   std::int64_t probe(int sender) {
-    const Region region(waiting_region);
-    MPI_Status status;
-    int words = 0;
-    _probed.emplace_back();
-    checkMpi(MPI_Mprobe(sender, _tag, _comm, &_probed.back(), &status), "MPI_Mprobe");
-    checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
-    return words;
+    _probed.emplace_back(sender, _tag, _comm);
+    return _probed.back().words;
   }
   void copyOwn(const exec_space& space, const std::vector<int>& partners,
                const std::vector<std::int64_t>& send_offsets,
@@ -241,7 +248,7 @@ private:
   std::unique_ptr<PeerMessages> _peers; // of the path of that name
   staging_view _staged_send, _staged_receive;
   WordMessages _messages;
-  std::vector<MPI_Message> _probed;
+  std::vector<ProbedMessage> _probed;
   MPI_Comm _comm = MPI_COMM_NULL; // of the exchange under way, as are all below
   int _tag = 0;
   std::vector<int> _partners;

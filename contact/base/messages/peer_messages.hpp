@@ -2,7 +2,8 @@
 // words to a slot that others can open, and sends by MPI where they are and when they will be
 // there; the receiver lets its device wait and copy. Neither host waits for its device. A sender
 // has two slots, taken in turn; a receiver says when it has launched its copy, and the device of
-// the sender waits for that copy before the slot is filled again.
+// the sender waits for that copy before the slot is filled again. What others can open is not
+// freed, since it cannot be known when all have closed it: later PeerMessages use it again.
 #pragma once
 
 #include "contact/base/messages/message_path.hpp"
@@ -28,7 +29,7 @@ public:
   PeerMessages();
   PeerMessages(const PeerMessages&) = delete;
   PeerMessages& operator=(const PeerMessages&) = delete;
-  ~PeerMessages() { finish(); }
+  ~PeerMessages();
 
   // Collective among partners: finds out which of `ranks` and this rank reach each other, where
   // that is not known.
@@ -49,6 +50,7 @@ private:
   enum Step { greet = 1000, answer = 2000, announce = 3000, confirm = 4000 };
   struct Greeting {
     char host[MPI_MAX_PROCESSOR_NAME] = {};
+    std::int64_t capacity = 0;
     peer::Handle memory, event;
   };
   struct Announcement {
@@ -78,6 +80,30 @@ private:
     std::vector<Confirmation> confirmations; // of the receivers
     std::vector<MPI_Request> sends, receives;
   };
+  // What others can open.
+  struct Shared {
+    Slot slots[2]; // [number of the exchange modulo 2]
+    peer::Event has_taken = {};
+    Confirmation confirmation;
+  };
+  static std::vector<Shared>& unused() { // of this process
+    static std::vector<Shared> list;
+    return list;
+  }
+  // What this process has opened; it stays open.
+  template <class T>
+  static T& openedOf(const peer::Handle& handle) {
+    static std::map<std::string, T> list;
+    return list[std::string(handle.bytes, sizeof handle.bytes)];
+  }
+  static const std::int64_t* openMemory(const peer::Handle& handle, std::int64_t words) {
+    auto& memory = openedOf<const std::int64_t*>(handle);
+    return memory = memory != nullptr ? memory : peer::open(handle, words);
+  }
+  static peer::Event openEvent(const peer::Handle& handle) {
+    auto& event = openedOf<peer::Event>(handle);
+    return event = event != nullptr ? event : peer::openEvent(handle);
+  }
 
   const Peer& at(int rank) const {
     static const Peer unknown;
@@ -86,7 +112,7 @@ private:
   }
   static void grow(Slot& slot, std::int64_t words);
   void awaitReaders(const exec_space& space, Slot& slot);
-  void finish();
+  void giveUp();
   static void check(bool did, const char* what) {
     if (!did)
       throw Error(ExitCode::internal, std::string("peer messages: ") + what +
@@ -102,24 +128,26 @@ private:
   }
 
   std::map<int, Peer> _peers;
-  Slot _slots[2]; // [number of the exchange modulo 2]
+  Shared _shared;
   std::int64_t _num_sent = 0; // exchanges
-  peer::Event _has_taken = {};
-  Confirmation _confirmation;
   std::vector<MPI_Request> _confirms;
 };
 
 inline PeerMessages::PeerMessages() {
-  _has_taken = peer::makeEvent(_confirmation.event);
-  for (Slot& slot : _slots) {
+  if (!unused().empty()) {
+    _shared = std::move(unused().back());
+    unused().pop_back();
+    return;
+  }
+  _shared.has_taken = peer::makeEvent(_shared.confirmation.event);
+  for (Slot& slot : _shared.slots) {
     slot.has_words = peer::makeEvent(slot.event);
-    if (_has_taken != nullptr && slot.has_words != nullptr)
+    if (_shared.has_taken != nullptr && slot.has_words != nullptr)
       grow(slot, 1);
   }
 }
 
-// The memory before is kept by those who have opened it, and stays with this process: it cannot be
-// known when all have done with it.
+// The memory before stays with this process.
 inline void PeerMessages::grow(Slot& slot, std::int64_t words) {
   if (words <= slot.capacity)
     return;
@@ -142,9 +170,11 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
   Greeting own;
   int length = 0;
   checkMpi(MPI_Get_processor_name(own.host, &length), "MPI_Get_processor_name");
-  own.memory = _slots[0].memory;
-  own.event = _slots[0].event;
-  const bool has_memory = _slots[0].data != nullptr && _slots[1].data != nullptr;
+  const Slot(&slots)[2] = _shared.slots;
+  own.capacity = slots[0].capacity;
+  own.memory = slots[0].memory;
+  own.event = slots[0].event;
+  const bool has_memory = slots[0].data != nullptr && slots[1].data != nullptr;
   std::vector<Greeting> greetings(n);
   std::vector<int> mine(n), theirs(n);
   std::vector<MPI_Request> requests(2 * n);
@@ -155,8 +185,8 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
   waitAll(requests);
   for (std::size_t i = 0; i < n; ++i)
     mine[i] = has_memory && std::strcmp(own.host, greetings[i].host) == 0 &&
-              peer::open(greetings[i].memory, peer::least_words) != nullptr &&
-              peer::openEvent(greetings[i].event) != nullptr;
+              openMemory(greetings[i].memory, greetings[i].capacity) != nullptr &&
+              openEvent(greetings[i].event) != nullptr;
   requests.resize(2 * n);
   for (std::size_t i = 0; i < n; ++i) {
     irecv(theirs[i], unknown[i], tag + answer, comm, requests[2 * i]);
@@ -175,7 +205,7 @@ inline void PeerMessages::awaitReaders(const exec_space& space, Slot& slot) {
   for (std::size_t i = 0; i < slot.receivers.size(); ++i) {
     Peer& reader = _peers.at(slot.receivers[i]);
     if (reader.has_taken == nullptr)
-      reader.has_taken = peer::openEvent(slot.confirmations[i].event);
+      reader.has_taken = openEvent(slot.confirmations[i].event);
     check(reader.has_taken != nullptr && peer::waitFor(space, reader.has_taken),
           "waiting for a receiver");
   }
@@ -188,7 +218,7 @@ inline void PeerMessages::send(const exec_space& space, MPI_Comm comm, int tag,
   if (to.empty())
     return;
   const std::int64_t number = _num_sent++ % 2;
-  Slot& slot = _slots[number];
+  Slot& slot = _shared.slots[number];
   awaitReaders(space, slot);
   std::int64_t size = 0;
   for (const MessageRange& range : to)
@@ -237,11 +267,11 @@ inline void PeerMessages::receive(const exec_space& space, MPI_Comm comm, int ta
     const Announcement& announcement = sender.announced;
     const std::int64_t number = announcement.slot;
     if (sender.generation[number] != announcement.generation) {
-      sender.memory[number] = peer::open(announcement.memory, announcement.capacity);
+      sender.memory[number] = openMemory(announcement.memory, announcement.capacity);
       sender.generation[number] = announcement.generation;
     }
     if (sender.has_words[number] == nullptr)
-      sender.has_words[number] = peer::openEvent(announcement.event);
+      sender.has_words[number] = openEvent(announcement.event);
     check(sender.memory[number] != nullptr && sender.has_words[number] != nullptr,
           "opening the memory of a sender");
     check(announcement.words == range.end - range.begin, "agreeing on the size of a message");
@@ -252,27 +282,42 @@ inline void PeerMessages::receive(const exec_space& space, MPI_Comm comm, int ta
                      announcement.words),
           "copying");
   }
-  check(peer::record(space, _has_taken), "recording an event");
+  check(peer::record(space, _shared.has_taken), "recording an event");
   waitAll(_confirms);
   _confirms.resize(from.size());
   for (std::size_t i = 0; i < from.size(); ++i)
-    isend(_confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
+    isend(_shared.confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
 }
 
 // The communicator may be freed next: all confirmations are awaited, which their senders have sent
 // when their exchange ended. Where an exception unwinds, they may never come; the communicator then
 // stays (mpi.hpp).
-inline void PeerMessages::finish() {
+inline PeerMessages::~PeerMessages() {
   int is_finalized = 0;
   MPI_Finalized(&is_finalized);
   if (is_finalized != 0)
     return;
-  const bool waits = std::uncaught_exceptions() == 0;
+  if (std::uncaught_exceptions() > 0) {
+    giveUp();
+    return;
+  }
+  try {
+    const exec_space space;
+    for (Slot& slot : _shared.slots)
+      awaitReaders(space, slot);
+    waitAll(_confirms);
+    space.fence();
+    unused().push_back(std::move(_shared));
+  } catch (const Error&) { // then it is not used again
+  }
+}
+
+inline void PeerMessages::giveUp() {
+  Slot(&slots)[2] = _shared.slots;
   for (auto* requests :
-       {&_slots[0].receives, &_slots[1].receives, &_slots[0].sends, &_slots[1].sends, &_confirms}) {
+       {&slots[0].receives, &slots[1].receives, &slots[0].sends, &slots[1].sends, &_confirms}) {
     for (MPI_Request& request : *requests)
-      if (!waits)
-        MPI_Cancel(&request);
+      MPI_Cancel(&request);
     MPI_Waitall(static_cast<int>(requests->size()), requests->data(), MPI_STATUSES_IGNORE);
   }
 }

@@ -1,5 +1,6 @@
 #include "contact/search/exchange/rank_boxes.hpp"
 
+#include "contact/base/messages/message_buffers.hpp"
 #include "contact/base/mpi.hpp"
 #include "contact/base/region.hpp"
 #include "contact/base/tags.hpp"
@@ -62,27 +63,19 @@ std::vector<RankRecord> exchangeAlongTree(MPI_Comm comm, const RankRecord& own,
   RankTree tree(own.rank, sizeOf(comm));
   tree.begin(own, group);
   std::vector<std::int64_t> sent, received;
+  WordMessages messages;
   for (int i = 0; i < tree.numRounds(); ++i) {
     const RankTree::Round round = tree.round(i);
-    MPI_Request request = MPI_REQUEST_NULL;
     if (round.sends) {
       tree.pack(i, sent);
-      checkMpi(MPI_Isend(sent.data(), checkedInt(std::int64_t(sent.size()), "rank boxes"),
-                         MPI_INT64_T, round.peer, tags::rank_boxes, comm, &request),
-               "MPI_Isend");
+      messages.send(sent.data(), std::int64_t(sent.size()), round.peer, tags::rank_boxes, comm);
     }
     if (round.receives) {
-      const Region region(waiting_region);
-      MPI_Message message;
-      MPI_Status status;
-      int words = 0;
-      checkMpi(MPI_Mprobe(round.peer, tags::rank_boxes, comm, &message, &status), "MPI_Mprobe");
-      checkMpi(MPI_Get_count(&status, MPI_INT64_T, &words), "MPI_Get_count");
-      received.resize(static_cast<std::size_t>(words));
-      checkMpi(MPI_Mrecv(received.data(), words, MPI_INT64_T, &message, MPI_STATUS_IGNORE),
-               "MPI_Mrecv");
+      ProbedMessage message(round.peer, tags::rank_boxes, comm);
+      received.resize(static_cast<std::size_t>(message.words));
+      messages.receive(received.data(), message);
     }
-    checkMpi(MPI_Wait(&request, MPI_STATUS_IGNORE), "MPI_Wait");
+    messages.wait();
     if (round.receives)
       tree.unpack(i, received.data(), received.size());
   }

@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
 
 namespace brickwall {
 namespace {
@@ -122,15 +125,18 @@ TEST_P(MessagePathTest, ASumInTwoPartsLeavesTimeForKernels) {
 }
 
 // Each rank sends more words to the next rank in each round, and none to others: buffers grow, and
-// receivers do not know the sizes.
+// receivers do not know the sizes. The second time the path `peer` begins with memory of the first.
 TEST_P(MessagePathTest, MessagesOfAnySizeArriveWithTheirSizes) {
   const Ring ring;
   if (ring.size == 1)
     GTEST_SKIP() << "needs partners";
   const exec_space space;
   const Communicator own(comm);
-  MessageBuffers buffers;
-  for (const std::int64_t words : {3, 0, 1000, 40, 600000, 600000, 7, 2000000}) {
+  std::optional<MessageBuffers> made;
+  for (const std::int64_t words : {3, 0, 1000, 40, 600000, 600000, 7, 2000000, 3, 3, 2000000}) {
+    if (words == 3)
+      made.emplace();
+    MessageBuffers& buffers = *made;
     const auto wordOf = [](int rank, std::int64_t i) { return 10 * i + rank; };
     std::vector<std::int64_t> data;
     for (std::int64_t i = 0; i < words; ++i)
@@ -159,6 +165,14 @@ TEST_P(MessagePathTest, SentMessagesAreCounted) {
   EXPECT_EQ(messagesSent().words - before.words, partners == 0 ? 0 : 6);
 }
 
+TEST_P(MessagePathTest, AnExchangeWithoutPartnersDoesNothing) {
+  MessageBuffers buffers;
+  const MessageCounts before = messagesSent();
+  buffers.exchange(exec_space(), comm, 98, {}, {0}, {0});
+  EXPECT_EQ(messagesSent().messages, before.messages);
+  EXPECT_EQ(buffers.receive.extent(0), 0u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Paths, MessagePathTest,
                          testing::Values(MessagePath::direct, MessagePath::staged,
                                          MessagePath::peer),
@@ -169,6 +183,27 @@ TEST(ExchangePlanTest, APlanWithoutPartnersDoesNothing) {
   View<std::int64_t* [1]> values("values", 1);
   plan.reverseSum(exec_space(), values);
   EXPECT_EQ(plan.numReceiveRows(), 0);
+}
+
+// Shared memory is not freed: a run that makes exchanges again and again must not pile it up.
+TEST(PeerMessagesTest, LaterExchangesUseTheSharedMemoryAgain) {
+  if (!host_accessible)
+    GTEST_SKIP() << "the memory of a device is not listed among the mapped files";
+  setenv("BRICKWALL_MESSAGES", nameOf(MessagePath::peer), 1);
+  const Ring ring;
+  const auto mapped = [&] {
+    ring.plan().forward(exec_space(), View<double* [2]>("values", 5));
+    std::ifstream maps("/proc/self/maps");
+    int count = 0;
+    for (std::string line; std::getline(maps, line);)
+      count += line.find("memfd:brickwall") != std::string::npos;
+    return count;
+  };
+  const int before = mapped();
+  EXPECT_EQ(before > 0, ring.size > 1);
+  for (int repeat = 0; repeat < 10; ++repeat)
+    EXPECT_EQ(mapped(), before);
+  unsetenv("BRICKWALL_MESSAGES");
 }
 
 TEST(MessagePathChoiceTest, AnUnknownPathIsRefused) {
