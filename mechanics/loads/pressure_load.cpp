@@ -2,6 +2,7 @@
 
 #include "contact/base/fixed_pack.hpp"
 #include "contact/base/lane_arrays.hpp"
+#include "contact/base/mpi.hpp"
 #include "mechanics/mesh/host_mesh.hpp"
 
 #include <algorithm>
@@ -122,8 +123,8 @@ void computeFactors(const exec_space& space, const HexMesh& mesh, const Pressure
 
 } // namespace
 
-PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
-                           const std::vector<int>& face_to_nodes)
+PressureLoad::PressureLoad(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+                           const Pressure& pressure, const std::vector<int>& face_to_nodes)
     : _pressure(pressure), _face_to_nodes(toDevice<View<int* [4]>>(
                                space, "mechanics::PressureLoad::face_to_nodes", face_to_nodes)),
       _face_loads("mechanics::PressureLoad::face_loads", W * numPacks()) {
@@ -136,7 +137,9 @@ PressureLoad::PressureLoad(const exec_space& space, const HexMesh& mesh, const P
   if (pressure.shape.kind == PulseKind::constant)
     return;
   const double farthest =
-      pressure.gaussian ? farthestCorner(space, mesh, pressure.centre, _face_to_nodes) : 0;
+      pressure.gaussian
+          ? allReduce(comm, farthestCorner(space, mesh, pressure.centre, _face_to_nodes), MPI_MAX)
+          : 0;
   const double delay = farthest / pressure.speed;
   _end = pressure.start + pressure.shape.duration + delay;
   _end += 1e-12 * (std::fabs(pressure.start) + pressure.shape.duration + delay);
@@ -161,11 +164,10 @@ void PressureLoad::listNodes(const exec_space& space, const std::vector<int>& fa
 void PressureLoad::launch(const exec_space& space, const HexMesh& mesh,
                           const View<const double* [3]>& displacement, const TimeSpan& span,
                           const NodalForces& forces) const {
-  const MeanPressure mean(_pressure, span);
-  _has_launched = !(span.begin > _end || mean.isZero());
+  _has_launched = acts(span);
   if (!_has_launched)
     return;
-  const ComputeFaceLoads functor{mean,
+  const ComputeFaceLoads functor{MeanPressure(_pressure, span),
                                  _pressure.follower,
                                  _pressure.gaussian,
                                  _face_to_nodes,

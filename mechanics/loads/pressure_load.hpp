@@ -117,9 +117,9 @@ KOKKOS_INLINE_FUNCTION void quadPressureLoads(const Real (&pressure)[4], const T
 class PressureLoad {
 public:
   // `face_to_nodes` [face][4] holds local mesh nodes with outward normals; each face is on one rank
-  // only.
-  PressureLoad(const exec_space& space, const HexMesh& mesh, const Pressure& pressure,
-               const std::vector<int>& face_to_nodes);
+  // only. Collective.
+  PressureLoad(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
+               const Pressure& pressure, const std::vector<int>& face_to_nodes);
 
   // Adds the loads at X + u of the mean pressure over `span` to the external_force columns. The
   // span is that of the kick, from the middle of the last step to the middle of the next, so that
@@ -138,12 +138,14 @@ public:
               const NodalForces& forces) const;
   std::int64_t misfits(const exec_space& space) const;
   // False if the mean over a span is zero everywhere; the same on all ranks.
-  bool acts(const TimeSpan& span) const { return !MeanPressure(_pressure, span).isZero(); }
+  bool acts(const TimeSpan& span) const {
+    return !(span.begin > _end) && !MeanPressure(_pressure, span).isZero();
+  }
 
   const Pressure& pressure() const { return _pressure; }
   const View<int* [4]>& faceToNodes() const { return _face_to_nodes; }
-  // Time at which the pulse has passed the last of this rank's faces; add() does nothing
-  // afterwards. Infinite for a constant load.
+  // Time at which the pulse has passed the last face; the load does not act afterwards. Infinite
+  // for a constant load.
   double end() const {
     return _end;
   }

@@ -74,8 +74,8 @@ std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
   return motions;
 }
 
-std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, const Config& config,
-                                                   const Scene& scene) {
+std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, MPI_Comm comm,
+                                                   const Config& config, const Scene& scene) {
   std::vector<mechanics::PressureLoad> loads;
   for (const auto& entry : config.pressures) {
     mechanics::Pressure pressure;
@@ -91,7 +91,7 @@ std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, cons
         pressure.speed = entry.wave_speed;
     }
     const auto& sides = sideSetOf(scene.part, entry.side_set);
-    loads.emplace_back(space, scene.mesh, pressure,
+    loads.emplace_back(space, comm, scene.mesh, pressure,
                        mechanics::sideNodes(scene.mesh, sides.elems, sides.sides));
   }
   return loads;

@@ -24,9 +24,9 @@ mechanics::PulseShape toPulseShape(const PulseConfig& pulse);
 std::vector<mechanics::PrescribedMotion> prescribedMotions(const Config& config,
                                                            const io::MeshPart& part);
 
-// [[load.pressure]]. Throws InputError for an unknown side set.
-std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, const Config& config,
-                                                   const Scene& scene);
+// [[load.pressure]]. Throws InputError for an unknown side set. Collective.
+std::vector<mechanics::PressureLoad> pressureLoads(const exec_space& space, MPI_Comm comm,
+                                                   const Config& config, const Scene& scene);
 
 // [[initial.velocity]]; later entries override earlier ones, prescribed motions override both.
 // Throws InputError for an unknown block, brick or body. Collective.

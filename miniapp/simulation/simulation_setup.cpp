@@ -48,7 +48,7 @@ Simulation::Simulation(MPI_Comm comm, const Config& config, const Scene& scene)
   _internal_force = std::make_unique<mechanics::InternalForce>(
       _space, comm, mesh, kind, _forces.quantum, _scales.energy, 0,
       config.skip.lattices ? mechanics::fastest_lattice_method : mechanics::LatticeMethod::none);
-  _loads = pressureLoads(_space, config, scene);
+  _loads = pressureLoads(_space, comm, config, scene);
   findFreeBricks();
   setInitialDeformations(_space, config, scene, _shared, _state);
   if (!config.initial_deformations.empty())

@@ -104,8 +104,9 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   Pressure pressure;
   pressure.peak = 1e-3;
   const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
-  EXPECT_EQ(
-      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, {}, forces), 0);
+  EXPECT_EQ(PressureLoad(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes)
+                .add(space, blocks.mesh, u, {}, forces),
+            0);
   blocks.sum.sum(space, forces.values);
   const auto all = testing::globalWords(MPI_COMM_WORLD, blocks, forces.values);
   for (int i = 0; i < 3; ++i) {
@@ -119,8 +120,8 @@ TEST(Pressure, OnAClosedSurfaceBalances) {
   }
   pressure.follower = false;
   pressure.peak = HUGE_VAL;
-  const std::int64_t misfits =
-      PressureLoad(space, blocks.mesh, pressure, nodes).add(space, blocks.mesh, u, {}, forces);
+  const std::int64_t misfits = PressureLoad(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes)
+                                   .add(space, blocks.mesh, u, {}, forces);
   EXPECT_EQ(misfits, 4 * skin.num_faces); // infinite loads are counted, not added
 }
 
@@ -149,7 +150,7 @@ TEST(Pressure, InPacksIsThatOfEachFace) {
       pressure.speed = speed;
       const TimeSpan span = {0.4, 0.5};
       const NodalForces forces = testing::zeroedForces(blocks.mesh, Quantum::powerOfTwo(-54));
-      const PressureLoad load(space, blocks.mesh, pressure, nodes);
+      const PressureLoad load(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes);
       EXPECT_TRUE(load.acts(span));
       EXPECT_EQ(load.add(space, blocks.mesh, u, span, forces), 0);
       std::vector<std::int64_t> expected(3 * blocks.mesh.num_nodes, 0);
@@ -195,7 +196,7 @@ TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
       nodes.push_back(faces(f, c));
       farthest = std::max(farthest, norm(rowOf(X, faces(f, c)) - pressure.centre));
     }
-  const PressureLoad load(space, blocks.mesh, pressure, nodes);
+  const PressureLoad load(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes);
   EXPECT_NEAR(load.end(), 2.5 + 4 * farthest, 1e-10);
   const auto sizeAt = [&](double time) {
     double size = 0;
@@ -210,9 +211,11 @@ TEST(Pressure, EndsAfterThePulseHasPassedTheFarthestFace) {
     return size;
   };
   EXPECT_EQ(sizeAt(load.end()), 0);
+  EXPECT_TRUE(load.acts({0.9 * load.end(), load.end() + 1}));
+  EXPECT_FALSE(load.acts({1.001 * load.end(), load.end() + 1}));
   EXPECT_GT(sizeAt(2.5 + 0.7 * 4 * farthest), 0);
   pressure.shape.kind = PulseKind::constant;
-  EXPECT_EQ(PressureLoad(space, blocks.mesh, pressure, nodes).end(), HUGE_VAL);
+  EXPECT_EQ(PressureLoad(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes).end(), HUGE_VAL);
 }
 
 } // namespace

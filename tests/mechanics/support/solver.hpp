@@ -76,7 +76,7 @@ struct Solver {
       for (int c = 0; all && c < 4; ++c)
         nodes.push_back(faces(f, c));
     }
-    loads.emplace_back(space, blocks.mesh, pressure, nodes);
+    loads.emplace_back(space, MPI_COMM_WORLD, blocks.mesh, pressure, nodes);
   }
   void evaluateAndKick(double kick_dt, double dt) {
     zeroForces(space, forces);
