@@ -74,11 +74,19 @@ std::int64_t largestId(const MeshPart& part) {
   return largest;
 }
 
-int createFlags(std::int64_t largest, FileFormat format) {
+// Bound of the bytes of a variable in the file of this rank's part: a field of the nodes, or the
+// eight nodes of each element.
+std::int64_t largestVariable(const MeshPart& part) {
+  return std::max(8 * std::int64_t(part.numNodes()), 32 * std::int64_t(part.numElems()));
+}
+
+int createFlags(std::int64_t largest_id, std::int64_t largest_variable, FileFormat format) {
+  constexpr std::int64_t classic_limit = (std::int64_t(1) << 32) - 4; // bytes of a variable
   const int flags = EX_CLOBBER | EX_MAPS_INT64_API | EX_IDS_INT64_API; // local numbers are ints
-  if (largest > std::numeric_limits<int>::max())
+  if (largest_id > std::numeric_limits<int>::max())
     return flags | EX_NETCDF4 | EX_ALL_INT64_DB;
-  return flags | (format == FileFormat::netcdf4 ? EX_NETCDF4 : EX_64BIT_OFFSET);
+  const bool is_classic = format != FileFormat::netcdf4 && largest_variable <= classic_limit;
+  return flags | (is_classic ? EX_64BIT_OFFSET : EX_NETCDF4);
 }
 
 } // namespace
@@ -298,7 +306,8 @@ ResultsWriter::ResultsWriter(MPI_Comm comm, const std::string& base, const MeshP
   s.num_nodes = part.numNodes();
   const int rank = rankOf(comm);
   s.path = rankFileName(base, sizeOf(comm), rank);
-  const int flags = createFlags(allReduce(comm, largestId(part), MPI_MAX), config.format);
+  const int flags = createFlags(allReduce(comm, largestId(part), MPI_MAX),
+                                allReduce(comm, largestVariable(part), MPI_MAX), config.format);
   rethrowOnAllRanks(comm, [&] {
     s.file = ExodusFile::create(s.path + config.temporary_suffix, flags,
                                 config.single_precision ? 4 : 8);

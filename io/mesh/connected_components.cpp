@@ -25,7 +25,7 @@ DisjointSets joinElementNodes(const MeshPart& part) {
 
 // Lowers the labels of roots to those of the other sharers of their nodes. True if any label here
 // changed.
-bool lowerLabels(MPI_Comm comm, const MeshPart& part, DisjointSets& sets,
+bool lowerLabels(const Communicator& comm, const MeshPart& part, DisjointSets& sets,
                  std::vector<global_id>& label_of_root) {
   std::vector<std::vector<global_id>> to_sharers(sizeOf(comm));
   for (const SharedNodes& shared : part.shared_nodes)
@@ -46,7 +46,8 @@ bool lowerLabels(MPI_Comm comm, const MeshPart& part, DisjointSets& sets,
 
 // Numbers the distinct labels of all ranks 0, 1, ... in their order, by rendezvous; replaces labels
 // by their numbers.
-global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_id>& labels) {
+global_id numberLabels(const Communicator& comm, const MeshPart& part,
+                       std::vector<global_id>& labels) {
   const int size = sizeOf(comm);
   const IdSlices homes{part.num_global_elems, size};
   std::vector<std::vector<global_id>> questions(size);
@@ -70,7 +71,8 @@ global_id numberLabels(MPI_Comm comm, const MeshPart& part, std::vector<global_i
 
 } // namespace
 
-void findBodies(MPI_Comm comm, MeshPart& part) {
+void findBodies(MPI_Comm of_host, MeshPart& part) {
+  const Communicator comm(of_host);
   DisjointSets sets = joinElementNodes(part);
   std::vector<global_id> label_of_root(part.node_ids.size(), part.num_global_elems);
   for (int elem = 0; elem < part.numElems(); ++elem) {

@@ -34,7 +34,8 @@ Directory sortedDirectory(const std::vector<std::vector<global_id>>& ids,
 
 } // namespace
 
-RowsById fetchRows(MPI_Comm comm, const RowsById& held, const std::vector<global_id>& wanted) {
+RowsById fetchRows(MPI_Comm of_host, const RowsById& held, const std::vector<global_id>& wanted) {
+  const Communicator comm(of_host);
   const int size = sizeOf(comm);
   const auto rankFor = [&](global_id id) {
     return static_cast<std::size_t>(hashOfWord(static_cast<std::uint64_t>(id)) %

@@ -31,11 +31,11 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
   keys.add("lateral_tolerance", contact.lateral_tolerance,
            "a node up to this far beyond the edge of a face touches it; in half lengths of the "
            "face; above 0.1 contacts that slide over curved surfaces do not keep their energy")
-      .above(0)
+      .atLeast(1e-3)
       .atMost(0.5);
   keys.add("edge_tolerance", contact.edge_tolerance,
            "the same beyond the edges of a body; over this distance the force fades out")
-      .above(0)
+      .atLeast(1e-3)
       .atMost(0.5);
   keys.add("friction", contact.friction, "Coulomb's coefficient of friction")
       .atLeast(0)
@@ -48,7 +48,7 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
            "damping of a contact over its critical damping; 0: elastic contact; above 1 contact "
            "only becomes softer, and more steps are cut")
       .atLeast(0)
-      .atMost(1e6); // with more, the default penalty would be rounded to 0
+      .atMost(10); // with more, contact is so soft that the guard leaves no step of use
   keys.add("edges", contact.edges, "whether edges touch edges too, beside nodes and faces");
   keys.add("self", contact.self,
            "contact of a body with itself; auto: never for walls, always for Exodus meshes");
@@ -102,9 +102,11 @@ void reuseKeys(BlockKeys& keys, SearchConfig& search) {
 }
 
 void partitionKeys(BlockKeys& keys, PartitionConfig& partition) {
-  keys.add("rebalance", partition.rebalance,
-           "whether elements move to ranks of equal work during the run (Zoltan): never; auto: as "
-           "soon as that pays; always: at every interval");
+  keys.add(
+      "rebalance", partition.rebalance,
+      "whether elements move to ranks of equal work during the run (Zoltan): never; auto: if "
+      "the estimate, which knows the work of elements only, says that it pays; always: at every "
+      "interval");
   keys.add("interval", partition.interval, "steps between checks of the balance")
       .atLeast(1)
       .atMost(1e15);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace brickwall::miniapp {
 namespace {
@@ -81,7 +82,7 @@ std::string HistoryWriter::whyNotContinued(MPI_Comm comm, const std::string& pat
 }
 
 std::int64_t HistoryWriter::firstStep(MPI_Comm comm, const std::string& path) {
-  std::int64_t step = -1;
+  std::int64_t step = std::numeric_limits<std::int64_t>::max();
   if (rankOf(comm) == 0) {
     std::ifstream file(path);
     std::string header;

@@ -23,7 +23,8 @@ public:
   // Why the file cannot be continued after `rows` rows; "" if it can. Collective.
   static std::string whyNotContinued(MPI_Comm comm, const std::string& path,
                                      const std::vector<std::string>& columns, std::int64_t rows);
-  // The step of the first row of a file, its first column; -1 without rows. Collective.
+  // The step of the first row of a file, its first column; without rows the largest number.
+  // Collective.
   static std::int64_t firstStep(MPI_Comm comm, const std::string& path);
   ~HistoryWriter();
   HistoryWriter(const HistoryWriter&) = delete;

@@ -214,10 +214,11 @@ void Checkpoints::removeOutdated(const std::string& latest) const {
 std::vector<std::string> Checkpoints::all(const std::string& folder) const {
   std::vector<std::string> paths;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
-    const std::string name = entry.path().filename().string();
+  for (auto at = fs::directory_iterator(folder, none); at != fs::directory_iterator();
+       at.increment(none)) {
+    const std::string name = at->path().filename().string();
     if (name.compare(0, 5, "step-") == 0 && name.find('.') == std::string::npos)
-      paths.push_back(entry.path().string());
+      paths.push_back(at->path().string());
   }
   std::sort(paths.begin(), paths.end());
   return paths;
