@@ -1,6 +1,7 @@
 #include "contact/enforcement/dormancy/surface_motion.hpp"
 
 #include "contact/base/lanes.hpp"
+#include "contact/base/mpi.hpp"
 #include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 
@@ -25,9 +26,8 @@ KOKKOS_INLINE_FUNCTION double addBound(double sum, double step, int side) {
 }
 
 // Flags the nodes that have not moved since `last` nor in this step, updates `last` for the others,
-// and includes their motions in the boxes `step` [body][low xyz, high xyz]; the first number of its
-// last row counts the nodes that move, and `is_moving` [body] flags their bodies. On a device a
-// thread takes a piece of a body with its lanes.
+// includes their motions in the boxes `step` [body][low xyz, high xyz] and counts them in `moving`
+// [body]. On a device a thread takes a piece of a body with its lanes.
 struct MeasureMotion {
   static constexpr int team_size = host_accessible ? 1 : 8;
   using Policy = Kokkos::TeamPolicy<exec_space, Kokkos::LaunchBounds<team_size * vector_lanes, 4>,
@@ -39,7 +39,7 @@ struct MeasureMotion {
   View<double* [3]> last;
   View<unsigned char*> stationary;
   View<double* [6]> step;
-  View<int*> is_moving;
+  View<int*> moving;
 
   struct Motion {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -102,10 +102,8 @@ private:
       Kokkos::atomic_fetch_min(&step(body, d), motion.low[d]);
       Kokkos::atomic_fetch_max(&step(body, 3 + d), -motion.minus_high[d]);
     }
-    if (motion.num_moving == 0)
-      return;
-    Kokkos::atomic_add(&step(step.extent(0) - 1, 0), static_cast<double>(motion.num_moving));
-    Kokkos::atomic_exchange(&is_moving(body), 1);
+    if (motion.num_moving > 0)
+      Kokkos::atomic_add(&moving(body), motion.num_moving);
   }
 };
 
@@ -142,23 +140,18 @@ double measureExtent(const exec_space& space, const Surface& surface) {
 
 } // namespace
 
-// Adds the boxes `step` to `sums` if `is_added`, and empties `step` and `is_moving`.
+// Adds the boxes `step` to `sums` if `is_added`, and empties `step` and `moving`.
 struct AddMotions {
   View<double*[6]> step, sums;
-  View<int*> is_moving;
+  View<int*> moving;
   View<unsigned char*> is_at_rest;
-  std::int64_t num_bodies;
   bool is_added;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t body,
                                          SurfaceMotion::AddedMotions& all) const {
-    if (body == num_bodies) {
-      all.num_moving += static_cast<std::int64_t>(step(body, 0));
-      step(body, 0) = 0;
-      return;
-    }
-    is_at_rest(body) = is_moving(body) == 0;
-    is_moving(body) = 0;
+    all.num_moving += moving(body);
+    is_at_rest(body) = moving(body) == 0;
+    moving(body) = 0;
     for (int d = 0; d < 3; ++d) {
       if (is_added) {
         sums(body, d) = addBound(sums(body, d), step(body, d), -1);
@@ -183,8 +176,7 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
   for (int node = 0; node < surface.num_nodes; ++node)
     if (node == 0 || body(node) != body(node - 1))
       bodies.push_back(body(node));
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  bodies = sortedDistinct(std::move(bodies));
   std::vector<int> begin, of_body;
   for (int node = 0; node < surface.num_nodes; ++node)
     if (node == 0 || body(node) != body(node - 1) || node - begin.back() == piece_length) {
@@ -195,9 +187,9 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
   begin.push_back(surface.num_nodes);
   _piece_begin = toDevice(space, label + "::piece_begin", begin);
   _piece_body = toDevice(space, label + "::piece_body", of_body);
-  _step = View<double* [6]>(label + "::motion_of_step", bodies.size() + 1);
+  _step = View<double* [6]>(label + "::motion_of_step", bodies.size());
   _sums = View<double* [6]>(label + "::motion_of_bodies", bodies.size());
-  _is_moving = View<int*>(label + "::is_moving", bodies.size());
+  _moving = View<int*>(label + "::moving_nodes", bodies.size());
   _is_at_rest = View<unsigned char*>(label + "::is_at_rest", bodies.size());
   _bodies = {toDevice(space, label + "::bodies", bodies), _sums, _is_at_rest};
   Kokkos::deep_copy(space, _last, static_cast<double>(NAN));
@@ -209,7 +201,7 @@ SurfaceMotion::SurfaceMotion(const exec_space& space, const std::string& label,
 void SurfaceMotion::start(const exec_space& space, const Surface& surface) {
   measureMotion<!fills_lanes>(space, MeasureMotion{surface.coordinates_old, surface.coordinates_new,
                                                    _piece_begin, _piece_body, _last,
-                                                   _stationary_flags, _step, _is_moving});
+                                                   _stationary_flags, _step, _moving});
   launchSums(space);
   _has_started = true;
 }
@@ -227,9 +219,9 @@ void SurfaceMotion::update(const exec_space& space, const Surface& surface) {
 }
 
 void SurfaceMotion::launchSums(const exec_space& space) {
-  const auto num_bodies = static_cast<std::int64_t>(_sums.extent(0));
-  Kokkos::parallel_reduce("contact::SurfaceMotion::addMotions", rangePolicy(space, num_bodies + 1),
-                          AddMotions{_step, _sums, _is_moving, _is_at_rest, num_bodies, _has_last},
+  Kokkos::parallel_reduce("contact::SurfaceMotion::addMotions",
+                          rangePolicy(space, static_cast<std::int64_t>(_sums.extent(0))),
+                          AddMotions{_step, _sums, _moving, _is_at_rest, _has_last},
                           _added.next(space));
 }
 

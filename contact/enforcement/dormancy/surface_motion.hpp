@@ -97,7 +97,7 @@ private:
   View<int*> _piece_body; // [piece] place of its body
   View<double* [6]> _step; // [body] box of the motions since the last call; empty between calls
   View<double* [6]> _sums;
-  View<int*> _is_moving; // [body] in this step; 0 between calls
+  View<int*> _moving; // [body] its nodes that move in this step; 0 between calls
   View<unsigned char*> _is_at_rest;
   BodyMotions _bodies;
 };
