@@ -1,6 +1,6 @@
 // The back-end adapter: names of spaces and Views, and all that differs between Kokkos 3.4.1 and
-// 4.x/5.x or between OpenMP and CUDA. No other file depends on the back end or on the version of
-// Kokkos.
+// 4.x/5.x or between OpenMP and CUDA. Beside it only lanes.hpp, messages/peer_memory.hpp and
+// miniapp/timing/device.cpp depend on the back end.
 #pragma once
 
 #include <Kokkos_Core.hpp>

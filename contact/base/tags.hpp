@@ -13,8 +13,8 @@ constexpr int node_box_counts = 24; // contact: sizes of phase 4's messages
 constexpr int face_counts = 25; // contact: sizes of phase 6's messages
 constexpr int corner_values = 26; // contact: forward of nodal values to the corners of ghost faces
 constexpr int ghost_coordinates = 27; // contact: forward of x^n and x^{n+1} to ghosts that are kept
-constexpr int ghost_selection = 29; // contact: which ghosts are in use
 constexpr int secondary_surface = 28; // contact: nodal values to and from a SecondarySurface
+constexpr int ghost_selection = 29; // contact: which ghosts are in use
 constexpr int by_rank = 71; // base: exchangeByRank
 
 } // namespace brickwall::tags

@@ -279,12 +279,13 @@ std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& s
   select.sleep = _sleeping.state();
   select.has_asleep = _sleeping.mayHaveAsleep();
   select.step.kinematics = kinematicsOf(faces);
-  return [this, space, faces, pairs, select, finish = _set.select(space, pairs, select)] {
+  return [this, space, faces, pairs, kinematics = select.step.kinematics,
+          finish = _set.select(space, pairs, select)] {
     const ContactSums sums = finish();
     _has_status = sums.penetrating > 0;
     if (_config.skip_stationary)
-      _sleeping.putToSleep(space, select.step.kinematics, faces, pairs, _motion,
-                           _set.next().row_count, _stationary.flags().known_apart);
+      _sleeping.putToSleep(space, kinematics, faces, pairs, _motion, _set.next().row_count,
+                           _stationary.flags().known_apart);
     return sums;
   };
 }

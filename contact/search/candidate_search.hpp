@@ -1,6 +1,6 @@
 // The interface for host codes: global and local search together. With a margin, lists are kept
-// over several steps without missing a pair of any step (proof in candidate_search.cpp).
-// Equations: theory.md, section 2, eq. (3).
+// over several steps without missing a pair of any step (theory.md, section 2, eq. (3), and its
+// proof there).
 #pragma once
 
 #include "contact/search/audit/pair_audit.hpp"

@@ -13,7 +13,7 @@ struct NodeRecord {
   global_id id, body;
   std::int64_t may_be_shared; // 0: no other rank is to have it
 };
-struct FaceRecord {
+struct FaceMessage {
   global_id id, body;
   int corners[4]; // places among the nodes that go to the same rank
 };
@@ -22,7 +22,7 @@ struct FaceRecord {
 struct Outgoing {
   std::vector<std::vector<NodeRecord>> nodes;
   std::vector<std::vector<int>> node_rows; // the same nodes as rows of the primary surface
-  std::vector<std::vector<FaceRecord>> faces;
+  std::vector<std::vector<FaceMessage>> faces;
   std::vector<std::vector<int>> face_rows; // likewise
   std::vector<std::vector<AttributeWord>> attributes; // words of the faces, one after another
 };
@@ -101,7 +101,7 @@ void addFaces(const SweptBoxes& primary, const Corners& corners, const NodePlace
     out.faces[q].reserve(out.face_rows[q].size());
     out.attributes[q].reserve(num_words * out.face_rows[q].size());
     for (const int face : out.face_rows[q]) {
-      FaceRecord record{ids(face), body(face), {}};
+      FaceMessage record{ids(face), body(face), {}};
       for (int j = 0; j < 4; ++j)
         record.corners[j] = places.of(corners(face, j), static_cast<int>(q));
       out.faces[q].push_back(record);
@@ -292,12 +292,12 @@ struct MergedFaces {
   std::vector<AttributeWord> attributes; // [face][word]
   std::vector<std::vector<int>> face_of; // [rank][record that it has sent]
 };
-MergedFaces mergeFaces(const std::vector<std::vector<FaceRecord>>& records,
+MergedFaces mergeFaces(const std::vector<std::vector<FaceMessage>>& records,
                        const std::vector<std::vector<AttributeWord>>& attributes,
                        std::size_t num_words, const std::vector<std::vector<int>>& node_of) {
   using BodyAndId = std::pair<global_id, global_id>;
   const auto entries = mergeReceived<BodyAndId>(
-      records, [](const FaceRecord& face) { return BodyAndId(face.body, face.id); });
+      records, [](const FaceMessage& face) { return BodyAndId(face.body, face.id); });
   MergedFaces faces;
   faces.ids.reserve(entries.size());
   faces.bodies.reserve(entries.size());
@@ -306,7 +306,7 @@ MergedFaces mergeFaces(const std::vector<std::vector<FaceRecord>>& records,
   for (const auto& some : records)
     faces.face_of.emplace_back(some.size());
   for (const auto& entry : entries) {
-    const FaceRecord& record = records[entry.rank][entry.index];
+    const FaceMessage& record = records[entry.rank][entry.index];
     faces.face_of[entry.rank][entry.index] = static_cast<int>(faces.ids.size());
     faces.ids.push_back(record.id);
     faces.bodies.push_back(record.body);

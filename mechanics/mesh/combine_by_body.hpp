@@ -13,7 +13,8 @@ namespace brickwall::mechanics {
 // combines them; the combined values come back in the order sent. T has a member `body` >= 0.
 // `combine(T& to, const T& from)` must not depend on the order. Collective.
 template <class T, class CombineTwo>
-std::vector<T> combineByBody(MPI_Comm comm, const std::vector<T>& values, CombineTwo combine) {
+std::vector<T> combineByBody(MPI_Comm of_host, const std::vector<T>& values, CombineTwo combine) {
+  const Communicator comm(of_host);
   const int size = sizeOf(comm);
   std::vector<std::vector<T>> questions(size);
   for (const T& value : values)

@@ -23,12 +23,10 @@ namespace {
 
 // Whether some bodies of a wall are deformed at the start, and may then overlap others.
 bool mayOverlap(const Config& config) {
-  const auto is_of_some = [](const InitialSelection& initial) {
-    return initial.block || initial.brick || initial.body;
-  };
+  const auto& deformations = config.initial_deformations;
   return config.wall && config.contact.enabled &&
-         std::any_of(config.initial_deformations.begin(), config.initial_deformations.end(),
-                     is_of_some);
+         std::any_of(deformations.begin(), deformations.end(),
+                     [](const auto& entry) { return !entry.isOfAll(); });
 }
 
 // The whole wall is made only to look for such overlaps, and only if that takes no longer than a
@@ -47,7 +45,7 @@ Config smallestLikeScene(const Config& config) {
     // Not those of single bricks and bodies of the large wall.
     const auto keepOfAll = [](auto& entries) {
       entries.erase(std::remove_if(entries.begin(), entries.end(),
-                                   [](const auto& entry) { return entry.brick || entry.body; }),
+                                   [](const auto& entry) { return entry.isOfOneBody(); }),
                     entries.end());
     };
     keepOfAll(small.initial_velocities);
@@ -59,14 +57,12 @@ Config smallestLikeScene(const Config& config) {
 // Whether some bodies of a wall have initial conditions of their own, which the smallest like scene
 // omits.
 bool startsUnlike(const Config& config) {
-  const auto is_of_one = [](const InitialSelection& initial) {
-    return initial.brick.has_value() || initial.body.has_value();
+  const auto any_of_one = [](const auto& entries) {
+    return std::any_of(entries.begin(), entries.end(),
+                       [](const auto& entry) { return entry.isOfOneBody(); });
   };
   return config.wall && !needsWholeWall(config) &&
-         (std::any_of(config.initial_velocities.begin(), config.initial_velocities.end(),
-                      is_of_one) ||
-          std::any_of(config.initial_deformations.begin(), config.initial_deformations.end(),
-                      is_of_one));
+         (any_of_one(config.initial_velocities) || any_of_one(config.initial_deformations));
 }
 
 void printMagnitudes(const Config& config, const Magnitudes& found) {
@@ -198,6 +194,26 @@ void printSkipped(const Config& config, const std::vector<SkippedPart>& skipped)
                   part.of.c_str());
 }
 
+std::vector<std::string> sizeWarnings(const Config& config, std::int64_t elements, int ranks,
+                                      const MemoryEstimate& memory) {
+  std::vector<std::string> warnings;
+  if (elements / ranks > io::most_elems_of_rank)
+    warnings.push_back(format("the elements of a rank are too many for 32-bit numbers; a run needs "
+                              "at least %lld ranks",
+                              elements / io::most_elems_of_rank + 1));
+  if (mayOverlap(config) && !needsWholeWall(config))
+    warnings.push_back(format(
+        "a wall of more than %lld elements is not made, so overlaps due to initial.deformation are "
+        "not looked for; a run refuses those that contact cannot resolve",
+        most_elements_made));
+  const double of_host = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  if (memory.of_rank - (host_accessible ? 0 : memory.of_device) > of_host)
+    warnings.push_back(format("a rank needs more memory than this machine has, %.0f MB: use more "
+                              "ranks on more machines",
+                              1e-6 * of_host));
+  return warnings;
+}
+
 } // namespace
 
 int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
@@ -214,9 +230,6 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
   const bool all_congruent = specialElements(simulation).congruent == num_small_elems;
   const auto skipped = skippedWork(small, simulation, contactCounts(simulation), num_small_elems);
   const Magnitudes magnitudes = magnitudesOf(comm, config, scene, dt);
-  for (const auto& warnings : {loadWarnings(comm, config, scene.part, dt),
-                               absurdMagnitudes(planned, magnitudes, num_steps)})
-    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   const int ranks = sizeOf(comm);
   const SceneCounts counts = countsOf(config, scene);
   const SceneSize size{
@@ -224,20 +237,10 @@ int checkScene(MPI_Comm comm, const Config& config, const Options& options) {
       counts.faces,    numEdges(comm, simulation) * counts.bodies / scene.part.num_global_bodies,
       !all_congruent,  config.contact.enabled};
   const MemoryEstimate memory = estimateMemory(size, ranks, !host_accessible);
-  if (counts.elements / ranks > io::most_elems_of_rank)
-    scene.warnings.push_back(format("the elements of a rank are too many for 32-bit numbers; a run "
-                                    "needs at least %lld ranks",
-                                    counts.elements / io::most_elems_of_rank + 1));
-  if (mayOverlap(config) && !needsWholeWall(config))
-    scene.warnings.push_back(format(
-        "a wall of more than %lld elements is not made, so overlaps due to initial.deformation are "
-        "not looked for; a run refuses those that contact cannot resolve",
-        most_elements_made));
-  const double of_host = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
-  if (memory.of_rank - (host_accessible ? 0 : memory.of_device) > of_host)
-    scene.warnings.push_back(format("a rank needs more memory than this machine has, %.0f MB: use "
-                                    "more ranks on more machines",
-                                    1e-6 * of_host));
+  for (const auto& warnings : {loadWarnings(comm, config, scene.part, dt),
+                               absurdMagnitudes(planned, magnitudes, num_steps),
+                               sizeWarnings(config, counts.elements, ranks, memory)})
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   if (rankOf(comm) != 0)
     return 0;
 

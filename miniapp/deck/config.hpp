@@ -98,6 +98,9 @@ struct InitialSelection {
   std::optional<std::array<std::int64_t, 3>> brick; // 0-based: along, across, course
   std::optional<std::int64_t> body; // 0-based
   std::string place; // in the deck, such as "wall.toml:9"
+
+  bool isOfOneBody() const { return brick.has_value() || body.has_value(); }
+  bool isOfAll() const { return !block.has_value() && !isOfOneBody(); }
 };
 // [[initial.velocity]]: velocity + angular_velocity x (X - center)
 struct InitialVelocityConfig : InitialSelection {

@@ -7,7 +7,7 @@ namespace {
 template <class Entries>
 void warnOfReplaced(const Entries& entries, const std::string& block, io::Deck& deck) {
   for (std::size_t later = 1; later < entries.size(); ++later)
-    if (const auto& all = entries[later]; !all.block && !all.brick && !all.body) {
+    if (entries[later].isOfAll()) {
       for (std::size_t i = 0; i < later; ++i)
         deck.warn(block + "[" + std::to_string(i) + "]", "",
                   "has no effect: " + deck.placeOf(block + "[" + std::to_string(later) + "]") +

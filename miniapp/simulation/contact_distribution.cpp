@@ -79,9 +79,7 @@ std::vector<int> SurfaceCoupling::distribute(const exec_space& space, const Comm
   _is_listed =
       View<unsigned char*>("miniapp::SurfaceCoupling::is_listed", this->surface().num_nodes);
   const auto of_primary = sumOnPrimary(space, ranksOfOwners(space, comm, surface()));
-  std::swap(former, _secondary);
-  const auto owners = toHost(fromPrimary(space, of_primary));
-  std::swap(former, _secondary);
+  const auto owners = toHost(fromPrimary(space, of_primary, former.get()));
   std::vector<int> rank_of_node(owners.extent(0));
   for (std::size_t node = 0; node < rank_of_node.size(); ++node)
     rank_of_node[node] = static_cast<int>(owners(node, 0));
@@ -117,9 +115,10 @@ void ContactStep::balance(std::int64_t step, const View<const double* [3]>& disp
   const Region region("miniapp::balanceContact");
   const View<std::int64_t**> work_of_nodes = workOfNodes();
   const double work = workOfRank(work_of_nodes);
+  std::vector<float> of_faces;
   double work_at_home = work;
   if (!_balance.areHome()) {
-    const std::vector<float> of_faces = workOfFaces(work_of_nodes);
+    of_faces = workOfFaces(work_of_nodes);
     work_at_home = std::accumulate(of_faces.begin(), of_faces.end(), 0.0);
   }
   if (!_balance.isDue(work, work_at_home))
@@ -131,7 +130,8 @@ void ContactStep::balance(std::int64_t step, const View<const double* [3]>& disp
     _balance.haveReturned(time.seconds());
     return;
   }
-  const std::vector<float> of_faces = workOfFaces(work_of_nodes);
+  if (_balance.areHome())
+    of_faces = workOfFaces(work_of_nodes);
   const std::vector<int> ranks = ranksOfFaces(of_faces);
   distribute(ranks, displacement);
   _balance.haveDistributed(time.seconds(), imbalanceOf(_comm, of_faces, ranks), !may_return);

@@ -8,8 +8,8 @@
 
 namespace brickwall::miniapp {
 
-// The start is a step without a drift: verbs that follow from motion do nothing then.
-void Simulation::runVerbs(bool moves) {
+// The start is a step without a drift: stages that follow from motion do nothing then.
+void Simulation::runStages(bool moves) {
   if (moves) {
     balanceContact();
     moveNodes();

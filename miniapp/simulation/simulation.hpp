@@ -20,7 +20,7 @@
 
 namespace brickwall::miniapp {
 
-// Results of a step's verbs that later verbs, reports and the next step read. Sums and counts are
+// Results of a step's stages that later stages, reports and the next step read. Sums and counts are
 // those of this rank.
 struct StepState {
   bool is_guarded = false; // some nodes are fast, so the state before the drift is kept
@@ -67,10 +67,10 @@ public:
   Simulation(MPI_Comm comm, const Config& config, const Scene& scene);
 
   // Forces of the initial state and the half step v^{1/2} = v^0 + dt/2 a^0. Collective.
-  void start() { runVerbs(false); }
+  void start() { runStages(false); }
   // One step t^n -> t^{n+1}. Throws PhysicsError on all ranks; the state is then that of the
   // previous step. Collective.
-  void step() { runVerbs(true); }
+  void step() { runStages(true); }
   bool isDone() const { return _steps.isDone(); }
   // To be called after each part of a step.
   void observe(const StepObserver& observer) { _observer = observer; }
@@ -119,8 +119,8 @@ public:
   std::int64_t skippedElementSteps() const { return _skipped_element_steps; } // this rank's
 
 private:
-  // The verbs of a step. Those that involve MPI are collective.
-  void runVerbs(bool moves);
+  // The stages of a step. Those that involve MPI are collective.
+  void runStages(bool moves);
   void balanceContact();
   void moveNodes();
   void findContactCandidates();
@@ -136,7 +136,7 @@ private:
   void kickVelocities(double dt_kick);
   void bookEnergies();
 
-  // Parts of verbs.
+  // Parts of stages.
   void finish(StepPart part) const;
   void saveStateForGuard();
   void shortenDrift(double longest);

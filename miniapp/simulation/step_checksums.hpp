@@ -11,7 +11,7 @@ namespace brickwall::miniapp {
 
 class Simulation;
 
-// The parts of a step (Simulation::runVerbs), named for what they leave.
+// The parts of a step (Simulation::runStages), named for what they leave.
 enum class StepPart {
   displacement, // u^{n+1} of all nodes
   pairs, // candidate pairs of nodes and faces

@@ -63,12 +63,7 @@ public:
   }
   template <class ViewType>
   ViewType fromPrimary(const exec_space& space, const ViewType& of_primary) {
-    if (!_secondary)
-      return of_primary;
-    const auto values = rowsLike(of_primary, "miniapp::SurfaceCoupling::of_secondary",
-                                 _secondary->surface.surface().num_nodes);
-    _secondary->surface.forward(space, of_primary, values);
-    return values;
+    return fromPrimary(space, of_primary, _secondary.get());
   }
   // Adds up `values` [surface node][W] over the ranks that share a node: the totals [mesh node][W].
   // `values` are overwritten. Collective.
@@ -131,6 +126,17 @@ private:
     View<std::int64_t* [3]> forces; // [primary surface node][xyz], quanta
     View<unsigned char*> is_listed; // [primary surface node]
   };
+  // Of a given decomposition, or (null) of the primary one.
+  template <class ViewType>
+  static ViewType fromPrimary(const exec_space& space, const ViewType& of_primary,
+                              Secondary* secondary) {
+    if (secondary == nullptr)
+      return of_primary;
+    const auto values = rowsLike(of_primary, "miniapp::SurfaceCoupling::of_secondary",
+                                 secondary->surface.surface().num_nodes);
+    secondary->surface.forward(space, of_primary, values);
+    return values;
+  }
 
   contact::Surface _primary; // all but the coordinates
   bool _has_stored_all = false; // see storesAllNext()

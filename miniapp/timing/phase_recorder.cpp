@@ -1,5 +1,5 @@
 // The callbacks of Kokkos are plain functions, so that a pointer in this file holds the installed
-// recorder: the only global variable of the program.
+// recorder.
 #include "miniapp/timing/phase_recorder.hpp"
 
 #include "contact/base/backend.hpp"

@@ -1,5 +1,5 @@
 // Phase times from profiling regions: the recorder uses the region callbacks of Kokkos, so that the
-// solver contains no timer calls. The verbs of a step open regions "miniapp::<function>", a search
+// solver contains no timer calls. The stages of a step open regions "miniapp::<function>", a search
 // opens "contact::search", and in it the 13 timers of Fig. 11 of the paper (searchTimerRegion).
 #pragma once
 

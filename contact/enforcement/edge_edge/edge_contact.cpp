@@ -224,12 +224,13 @@ std::function<ContactSums()> EdgeContact::select(const exec_space& space, double
   select.step.kinematics.node_mass = _corner_mass;
   select.step.kinematics.records = {_records, _ghost_records};
   select.step.kinematics.previous = _set.history().interactions;
-  return [this, space, select, &pairs, &motion, finish = _set.select(_beside, pairs, select)] {
+  return [this, space, kinematics = select.step.kinematics, faces = select.step.faces, &pairs,
+          &motion, finish = _set.select(_beside, pairs, select)] {
     const ContactSums sums = finish();
     _has_touched = sums.penetrating > 0;
     if (_config.skip_stationary)
-      _sleeping.putToSleep(space, select.step.kinematics, select.step.faces, pairs, motion,
-                           _set.next().row_count, _stationary.flags().known_apart);
+      _sleeping.putToSleep(space, kinematics, faces, pairs, motion, _set.next().row_count,
+                           _stationary.flags().known_apart);
     findTouched(space);
     return sums;
   };

@@ -7,10 +7,10 @@
 
 namespace brickwall::contact {
 
-// Sum modulo 2^64 of a hash of each interaction, independent of the order: all values that the next
-// step reads, friction springs included, with global ids. This is the part of this rank; the sum
-// over ranks does not depend on the partition. `node_ids` are those of the surface whose nodes the
-// interactions name.
+// Sum modulo 2^64 of a hash of each interaction, independent of the order: all its values that the
+// next step reads, friction springs included, with global ids, but not LastContacts. This is the
+// part of this rank; the sum over ranks does not depend on the partition. `node_ids` are those of
+// the surface whose nodes the interactions name.
 std::uint64_t historyChecksum(const exec_space& space, const View<const global_id*>& node_ids,
                               const ContactHistory& history);
 
