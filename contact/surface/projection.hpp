@@ -220,8 +220,8 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
 // Projects `point` onto the face. `valid` says whether the projection lies near the face.
 KOKKOS_INLINE_FUNCTION FacePoint project(const Quad& face, const Vec3& point) {
   using namespace projection;
-  // As a struct: compilers for devices put arrays of one type in the same local memory, and this one
-  // is read with a variable index.
+  // As a struct: compilers for devices put arrays of one type in the same local memory, and this
+  // one is read with a variable index.
   const Quad relative = {{face.corner[0] - point, face.corner[1] - point, face.corner[2] - point,
                           face.corner[3] - point}};
   const Vec3(&q)[4] = relative.corner;

@@ -194,7 +194,7 @@ struct NodeFaceKinematics : NodeSurface {
         continue;
       const double length = norm(along[d]);
       const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along[d];
-      if (isOpposed(node, outward, opposed_cosine))
+      if (liesBeyond(node, outward))
         return true;
     }
     return false;

@@ -39,6 +39,19 @@ struct NodeSurface {
     const double along = dot(outward, normal);
     return along < 0 && along * along > sharp_cosine * sharp_cosine * dot(outward, outward);
   }
+  // Whether the body lies beyond the node in a direction: it opposes the direction, and no face is
+  // as much along it. At an acute corner a face opposes the direction that the other face looks to.
+  KOKKOS_INLINE_FUNCTION bool liesBeyond(int node, const Vec3& direction) const {
+    if (!isOpposed(node, direction, opposed_cosine))
+      return false;
+    double least = 0, largest = 0;
+    for (int k = adjacent_faces.offsets(node); k < adjacent_faces.offsets(node + 1); ++k) {
+      const double along = dot(records(adjacent_faces.rows(k)).plane.normal, direction);
+      least = minOf(least, along);
+      largest = maxOf(largest, along);
+    }
+    return largest < -least;
+  }
   KOKKOS_INLINE_FUNCTION Tributary tributary(int node, const Vec3& normal) const {
     const Tributary part = tributary(node, normal, opposed_cosine);
     return part.area > 0 ? part : tributary(node, normal, 0);
