@@ -200,7 +200,7 @@ TEST(PeerMessagesTest, LaterExchangesUseTheSharedMemoryAgain) {
     return count;
   };
   const int before = mapped();
-  EXPECT_EQ(before > 0, ring.size > 1);
+  EXPECT_GT(before, 0);
   for (int repeat = 0; repeat < 10; ++repeat)
     EXPECT_EQ(mapped(), before);
   unsetenv("BRICKWALL_MESSAGES");
