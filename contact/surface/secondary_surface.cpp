@@ -320,8 +320,8 @@ MergedFaces mergeFaces(const std::vector<std::vector<FaceMessage>>& records,
 
 AttributeWords attributesOf(const exec_space& space, const MergedFaces& faces,
                             std::size_t num_words) {
-  const auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
-                                              faces.ids.size(), num_words);
+  auto words = allocate<AttributeWords>(space, "contact::SecondarySurface::attributes",
+                                        faces.ids.size(), num_words);
   const auto host = Kokkos::create_mirror_view(words);
   std::copy(faces.attributes.begin(), faces.attributes.end(), host.data());
   Kokkos::deep_copy(space, words, host);

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -86,8 +87,8 @@ private:
     peer::Event has_taken = {};
     Confirmation confirmation;
   };
-  static std::vector<Shared>& unused() { // of this process
-    static std::vector<Shared> list;
+  static std::vector<std::unique_ptr<Shared>>& unused() { // of this process
+    static std::vector<std::unique_ptr<Shared>> list;
     return list;
   }
   // What this process has opened; it stays open.
@@ -128,7 +129,7 @@ private:
   }
 
   std::map<int, Peer> _peers;
-  Shared _shared;
+  std::unique_ptr<Shared> _shared;
   std::int64_t _num_sent = 0; // exchanges
   std::vector<MPI_Request> _confirms;
 };
@@ -139,10 +140,11 @@ inline PeerMessages::PeerMessages() {
     unused().pop_back();
     return;
   }
-  _shared.has_taken = peer::makeEvent(_shared.confirmation.event);
-  for (Slot& slot : _shared.slots) {
+  _shared = std::make_unique<Shared>();
+  _shared->has_taken = peer::makeEvent(_shared->confirmation.event);
+  for (Slot& slot : _shared->slots) {
     slot.has_words = peer::makeEvent(slot.event);
-    if (_shared.has_taken != nullptr && slot.has_words != nullptr)
+    if (_shared->has_taken != nullptr && slot.has_words != nullptr)
       grow(slot, 1);
   }
 }
@@ -170,7 +172,7 @@ inline void PeerMessages::connect(MPI_Comm comm, int tag, const std::vector<int>
   Greeting own;
   int length = 0;
   checkMpi(MPI_Get_processor_name(own.host, &length), "MPI_Get_processor_name");
-  const Slot(&slots)[2] = _shared.slots;
+  const Slot(&slots)[2] = _shared->slots;
   own.capacity = slots[0].capacity;
   own.memory = slots[0].memory;
   own.event = slots[0].event;
@@ -218,7 +220,7 @@ inline void PeerMessages::send(const exec_space& space, MPI_Comm comm, int tag,
   if (to.empty())
     return;
   const std::int64_t number = _num_sent++ % 2;
-  Slot& slot = _shared.slots[number];
+  Slot& slot = _shared->slots[number];
   awaitReaders(space, slot);
   std::int64_t size = 0;
   for (const MessageRange& range : to)
@@ -282,11 +284,11 @@ inline void PeerMessages::receive(const exec_space& space, MPI_Comm comm, int ta
                      announcement.words),
           "copying");
   }
-  check(peer::record(space, _shared.has_taken), "recording an event");
+  check(peer::record(space, _shared->has_taken), "recording an event");
   waitAll(_confirms);
   _confirms.resize(from.size());
   for (std::size_t i = 0; i < from.size(); ++i)
-    isend(_shared.confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
+    isend(_shared->confirmation, from[i].rank, tag + confirm, comm, _confirms[i]);
 }
 
 // The communicator may be freed next: all confirmations are awaited, which their senders have sent
@@ -303,7 +305,7 @@ inline PeerMessages::~PeerMessages() {
   }
   try {
     const exec_space space;
-    for (Slot& slot : _shared.slots)
+    for (Slot& slot : _shared->slots)
       awaitReaders(space, slot);
     waitAll(_confirms);
     space.fence();
@@ -313,7 +315,7 @@ inline PeerMessages::~PeerMessages() {
 }
 
 inline void PeerMessages::giveUp() {
-  Slot(&slots)[2] = _shared.slots;
+  Slot(&slots)[2] = _shared->slots;
   for (auto* requests :
        {&slots[0].receives, &slots[1].receives, &slots[0].sends, &slots[1].sends, &_confirms}) {
     for (MPI_Request& request : *requests)
