@@ -90,6 +90,17 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoTriangle(const Vec3 (&q)[4], int repeated) 
   return found;
 }
 
+// Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by its first two
+// vectors.
+template <class Real>
+KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
+isFarByLines(const Triple<Real>& centre, const Triple<Real>& a, const Triple<Real>& b) {
+  const Real A = dot(a, a), B = dot(a, b), C = dot(b, b), r_a = -dot(a, centre),
+             r_b = -dot(b, centre);
+  const Real limit = Real(far_by_lines) * (A * C - B * B);
+  return (magnitude(C * r_a - B * r_b) > limit) | (magnitude(A * r_b - B * r_a) > limit);
+}
+
 // Divides the quad into four triangles about its centroid and takes the one that the origin
 // projects into best.
 KOKKOS_INLINE_FUNCTION FacePoint ontoFourTriangles(const Vec3 (&q)[4]) {
@@ -132,21 +143,6 @@ struct NewtonPoint {
   Triple<Real> normal;
   Mask found, nowhere;
 };
-namespace projection {
-
-// Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by its first two
-// vectors.
-template <class Real>
-KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
-isFarByLines(const Triple<Real>& centre, const Triple<Real>& a, const Triple<Real>& b) {
-  const Real A = dot(a, a), B = dot(a, b), C = dot(b, b), r_a = -dot(a, centre),
-             r_b = -dot(b, centre);
-  const Real limit = Real(far_by_lines) * (A * C - B * B);
-  return (magnitude(C * r_a - B * r_b) > limit) | (magnitude(A * r_b - B * r_a) > limit);
-}
-
-} // namespace projection
-
 // Where the method leaves the face, it begins anew from the centre without the curvature term: the
 // steps of a flat face (Gauss-Newton). Lanes outside `wanted` are neither found nor nowhere. No
 // quad may repeat a corner.

@@ -1,7 +1,7 @@
 """H24: Under gravity small blocks stand all over a floor whose top is one face: a trapezoid, or a kite
 as in meshes made from tetrahedra. Thin curved bricks of one element, whose upper and lower faces are
-slender trapezoids, stand on each other. Every point of a face must be in contact. The energy of such
-stacks of straight bricks errs by up to 0.24 %."""
+slender trapezoids, stand on each other. Every point of a face must be in contact. The energy of stacks
+of straight bricks of one element that fall likewise errs by 0.12 (cubes) to 0.24 % (19af0d97, Zen 3)."""
 import math
 
 import numpy as np
