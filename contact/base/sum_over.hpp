@@ -154,7 +154,7 @@ private:
     std::int64_t sum = 0;
     for (int t = part; t < num_threads; t += num_parts) {
       std::int64_t value;
-      memcpy(&value, word + t * row, sizeof value);
+      memcpy(&value, __builtin_assume_aligned(word + t * row, sizeof value), sizeof value);
       sum = is_maximum ? maxOf(sum, value) : sum + value;
     }
     if (sum != 0 && is_maximum)

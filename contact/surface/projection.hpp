@@ -36,9 +36,6 @@ namespace projection {
 
 constexpr int max_iterations = 20;
 constexpr double far_outside = 3.0; // iterates beyond this parameter value belong to another face
-// The first Gauss-Newton step from the centre of a flat convex face errs by at most |xi eta|, where
-// |xi| and |eta| are at most 1.5 (largest tolerance): a longer one leads to no point of it.
-constexpr double far_by_lines = 4.0;
 constexpr double last_step = 1e-8; // convergence is quadratic: the next step would be below 1e-15
 // relative to A C: below it the curvature term is dropped
 constexpr double least_determinant = 0.01;
@@ -90,15 +87,19 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoTriangle(const Vec3 (&q)[4], int repeated) 
   return found;
 }
 
-// Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by its first two
-// vectors.
+// Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by the first
+// Gauss-Newton step from its centre. On a flat face, with c = alpha a + beta b, this step errs by
+// (alpha, beta) xi eta. |alpha| and |beta| are at most 1 on a convex one, and |xi| and |eta| at most
+// 1.5 (largest tolerance) on a face in contact: its step is shorter than far_outside + |alpha|.
 template <class Real>
 KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
-isFarByLines(const Triple<Real>& centre, const Triple<Real>& a, const Triple<Real>& b) {
-  const Real A = dot(a, a), B = dot(a, b), C = dot(b, b), r_a = -dot(a, centre),
-             r_b = -dot(b, centre);
-  const Real limit = Real(far_by_lines) * (A * C - B * B);
-  return (magnitude(C * r_a - B * r_b) > limit) | (magnitude(A * r_b - B * r_a) > limit);
+isFarByLines(const Triple<Real>& centre, const Triple<Real>& a, const Triple<Real>& b,
+             const Triple<Real>& c) {
+  const Real A = dot(a, a), B = dot(a, b), C = dot(b, b);
+  const Real to_a = dot(a, centre), to_b = dot(b, centre), c_a = dot(a, c), c_b = dot(b, c);
+  const Real limit = Real(far_outside) * (A * C - B * B);
+  return (magnitude(C * to_a - B * to_b) > limit + magnitude(C * c_a - B * c_b)) |
+         (magnitude(A * to_b - B * to_a) > limit + magnitude(A * c_b - B * c_a));
 }
 
 // Divides the quad into four triangles about its centroid and takes the one that the origin
@@ -187,7 +188,7 @@ KOKKOS_INLINE_FUNCTION NewtonPoint<Real> ontoBilinear(const Triple<Real> (&q)[4]
     converged = converged | (left_to_do & is_last);
     left_to_do = left_to_do & !is_last;
     if (isAny(is_lost)) {
-      point.nowhere = point.nowhere | (is_lost & (parallelogram | isFarByLines(centre, a, b)));
+      point.nowhere = point.nowhere | (is_lost & (parallelogram | isFarByLines(centre, a, b, c)));
       const Mask again = is_lost & !point.nowhere & !is_flat;
       xi = where(again, Real(0.0), xi);
       eta = where(again, Real(0.0), eta);

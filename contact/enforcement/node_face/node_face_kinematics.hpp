@@ -187,13 +187,14 @@ struct NodeFaceKinematics : NodeSurface {
       return false;
     const Quad quad = faces.quad(face);
     const Vec3* q = quad.corner;
-    const Vec3 along[2] = {(q[1] - q[0]) + (q[2] - q[3]), (q[3] - q[0]) + (q[2] - q[1])};
     for (int d = 0; d < 2; ++d) {
-      const double place = contact.place[d];
+      // no arrays with the index d: these would be in memory on devices
+      const double place = d == 0 ? contact.place[0] : contact.place[1];
       if (std::fabs(place) < 1 - edge_overlap_tolerance || !region.isTrue(d, place))
         continue;
-      const double length = norm(along[d]);
-      const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along[d];
+      const Vec3 along = d == 0 ? (q[1] - q[0]) + (q[2] - q[3]) : (q[3] - q[0]) + (q[2] - q[1]);
+      const double length = norm(along);
+      const Vec3 outward = (place > 0 ? 1 / length : -1 / length) * along;
       if (liesBeyond(node, outward))
         return true;
     }
