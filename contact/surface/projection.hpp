@@ -89,7 +89,7 @@ KOKKOS_INLINE_FUNCTION FacePoint ontoTriangle(const Vec3 (&q)[4], int repeated) 
 
 // Whether the origin is far outside the quad centre + xi a + eta b + xi eta c, by the first
 // Gauss-Newton step from its centre. On a flat face, with c = alpha a + beta b, this step errs by
-// (alpha, beta) xi eta. |alpha| and |beta| are at most 1 on a convex one, and |xi| and |eta| at most
+// (alpha, beta) xi eta. |alpha| and |beta| are at most 1 on a convex one, |xi| and |eta| at most
 // 1.5 (largest tolerance) on a face in contact: its step is shorter than far_outside + |alpha|.
 template <class Real>
 KOKKOS_INLINE_FUNCTION typename MaskOf<Real>::type
