@@ -144,6 +144,7 @@ struct NewtonPoint {
   Triple<Real> normal;
   Mask found, nowhere;
 };
+
 // Where the method leaves the face, it begins anew from the centre without the curvature term: the
 // steps of a flat face (Gauss-Newton). Lanes outside `wanted` are neither found nor nowhere. No
 // quad may repeat a corner.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs decks and compares the checksums of nodes and contacts with those of other machines: all processors, numbers of SIMD lanes and
-GPUs give the same.
+GPUs must give the same. Those below are of a Zen 3 with 4 SIMD lanes and with 8 (061e57c0).
 
 usage: known_bits.py BRICKWALL SOURCE
 
