@@ -111,8 +111,8 @@ struct EdgeEdgeKinematics {
   }
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
                                              const PersistentContact& persistent,
-                                             FaceContact& contact) const {
-    return test(faces, persistent.node, persistent.face, ContactTest::persist, contact);
+                                             ContactTest test_kind, FaceContact& contact) const {
+    return test(faces, persistent.node, persistent.face, test_kind, contact);
   }
 
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int other,

@@ -23,12 +23,13 @@
 //
 // Contact tests at x^{n+1}
 //   test(faces, node, face, kind, contact)
-//       whether the pair is in contact by ContactTest `kind`; if so, fills weight, normal (unit),
-//       place, depth (length, > 0), face and is_retained of `contact`
+//       whether the pair is in contact by ContactTest `kind`, activate or transfer; if so, fills
+//       weight, normal (unit), place, depth (length, > 0), face and is_retained of `contact`
 //   projectPersistent(faces, history, count, contacts)
 //       fills the data of contacts whose face is still a candidate
-//   testPersistent(faces, persistent, contact)
-//       test() at ContactTest::persist, from these data; where projects_persistent_contacts, it is
+//   testPersistent(faces, persistent, kind, contact)
+//       the same at persist, retain or release (depth of any sign), from these data; where
+//       projects_persistent_contacts, it is at persist
 //       acceptPersistent(faces, persistent, contact) && isOpposing(node, face, persist)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues
@@ -110,7 +111,7 @@ struct KinematicsContract {
   static_assert(is<decltype(k().pointOf(faces(), 0, contact())), ContactPoint>);
   static_assert(is<decltype(k().test(faces(), 0, 0, activate, contact())), bool>);
   static_assert(is<decltype(k().projectPersistent(faces(), history(), 0, persistents())), void>);
-  static_assert(is<decltype(k().testPersistent(faces(), persistent(), contact())), bool>);
+  static_assert(is<decltype(k().testPersistent(faces(), persistent(), activate, contact())), bool>);
   static_assert(is<decltype(k().isBeyondInnerEdge(faces(), contact())), bool>);
   static_assert(is<decltype(k().hasLeftThrough(faces(), 0, 0, contact())), bool>);
   static_assert(is<decltype(k().isInFront(faces(), 0, FacePoint())), bool>);

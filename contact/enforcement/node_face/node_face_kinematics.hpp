@@ -105,7 +105,7 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool test(const FaceAccess& faces, int node, int face,
                                    ContactTest test_kind, FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    return (test_kind == ContactTest::release || isFacing(faces, node, face, test_kind)) &&
+    return isFacing(faces, node, face, test_kind) &&
            testPoint(faces, node, face, test_kind, project(faces.quad(face), x), contact);
   }
   // test() from the closest point of a face that is facing the node.
@@ -122,12 +122,12 @@ struct NodeFaceKinematics : NodeSurface {
     projectAtOnce<width>([&](int k) { return faces.quad(candidates[k]); }, count,
                          rowOf(faces.surface.coordinates_new, node), points);
   }
-  // test() at ContactTest::persist.
   KOKKOS_INLINE_FUNCTION bool testPersistent(const FaceAccess& faces,
                                              const PersistentContact& persistent,
-                                             FaceContact& contact) const {
-    return acceptPersistent(faces, persistent, contact) &&
-           isOpposing(persistent.node, persistent.face, ContactTest::persist);
+                                             ContactTest test_kind, FaceContact& contact) const {
+    return accept(faces, persistent.face, test_kind, persistent.point, contact) &&
+           (test_kind == ContactTest::release ||
+            isOpposing(persistent.node, persistent.face, test_kind));
   }
   KOKKOS_INLINE_FUNCTION bool acceptPersistent(const FaceAccess& faces,
                                                const PersistentContact& persistent,

@@ -44,10 +44,10 @@ struct SelectActiveFaces {
         pair = end;
       while (pair < end && step.kinematics.sideOf(step.faces, step.pairs.faces(pair)) == side)
         ++pair;
-      FaceContact& contact = contacts[num_contacts];
+      FaceContact contact;
       recallContact(side, history, contact, sums);
       if (isTested(own_body, side) && selectFaceOfSide(node, begin, pair, contact))
-        ++num_contacts;
+        contacts[num_contacts++] = contact;
     }
     return num_contacts;
   }
@@ -141,21 +141,18 @@ struct SelectActiveFaces {
     const bool is_loaded = !is_released && contact.previous >= 0 &&
                            step.previous.interactions(contact.previous).depth > 0;
     const bool has_face = is_loaded && contact.previous_face >= 0;
-    const bool persists =
-        has_face && step.kinematics.testPersistent(step.faces, *contact.persistent, contact);
+    const bool persists = has_face && isStillTouching(ContactTest::persist, contact);
     if (persists && !step.kinematics.isBeyondInnerEdge(step.faces, contact))
       return true;
     // Where faces meet, the position of the node decides between them, not the order of contact:
     // the face that covers it better takes over.
     const double covered = persists ? leastWeight(contact) : -HUGE_VAL;
-    if (!persists) {
-      // A node that has left through the face has ended its contact. Another contact with the side
-      // then starts anew.
+    // A node that has left through the face has ended its contact. Another contact with the side
+    // then starts anew.
+    if (!persists)
       contact.has_ended =
           is_released || (has_face && step.kinematics.isInFront(step.faces, contact.previous_face,
                                                                 contact.persistent->point));
-      contact.persistent = nullptr;
-    }
     for (ContactTest kind = ContactTest::activate;; kind = ContactTest::transfer) {
       if (findNearest(node, begin, end, kind, is_loaded, contact, covered))
         return is_loaded || !isOutside(node, begin, end, contact);
@@ -168,17 +165,18 @@ struct SelectActiveFaces {
   // The same for a loaded contact that no other face takes over.
   KOKKOS_INLINE_FUNCTION bool continuesOrReleases(int node, std::int64_t begin, std::int64_t end,
                                                   bool persists, FaceContact& contact) const {
-    const int face = contact.previous_face;
     const bool may_be_retained = !step.previous.interactions(contact.previous).releases();
-    if ((persists || (may_be_retained && isTouching(node, face, ContactTest::retain, contact))) &&
+    if ((persists || (may_be_retained && isStillTouching(ContactTest::retain, contact))) &&
         !isOutside(node, begin, end, contact))
       return true;
-    contact.releases =
-        holdsEnergy(contact) &&
-        step.kinematics.test(step.faces, node, face, ContactTest::release, contact) &&
-        mayRelease(node, contact);
+    contact.releases = holdsEnergy(contact) && isStillTouching(ContactTest::release, contact) &&
+                       mayRelease(node, contact);
     contact.has_ended = false;
     return contact.releases;
+  }
+  // Whether the node is in contact with its previous face.
+  KOKKOS_INLINE_FUNCTION bool isStillTouching(ContactTest test_kind, FaceContact& contact) const {
+    return step.kinematics.testPersistent(step.faces, *contact.persistent, test_kind, contact);
   }
   // Beyond the reach of the spring only forces that are corrected return what is stored, and a node
   // that has faded must not catch on the edge.
@@ -338,14 +336,6 @@ struct SelectActiveFaces {
     const Vec3 motion = step.faces.relativeMotion(
         step.kinematics.pointOf(step.faces, node, contact), contact.face, contact.weight);
     return contact.depth <= limit - dot(contact.unitNormal(), motion);
-  }
-
-  // The cheap test is first. The test of the step's own boxes is last, since few pairs reach it; it
-  // makes contacts independent of the search margin.
-  KOKKOS_INLINE_FUNCTION bool isTouching(int node, int face, ContactTest test_kind,
-                                         FaceContact& contact) const {
-    return step.kinematics.test(step.faces, node, face, test_kind, contact) &&
-           step.faces.isOfThisStep(step.pairs.step_test, node, face);
   }
 
   // A loaded contact stays among the candidates (boxes hold x^n and x^{n+1}) unless it is deeper
