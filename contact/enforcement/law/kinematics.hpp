@@ -28,8 +28,8 @@
 //   projectPersistent(faces, history, count, contacts)
 //       fills the data of contacts whose face is still a candidate
 //   testPersistent(faces, persistent, kind, contact)
-//       the same at persist, retain or release (depth of any sign), from these data; where
-//       projects_persistent_contacts, it is at persist
+//       the same with the contact's own face, from these data, by kind persist, retain or release;
+//       at release the depth may be <= 0. Where projects_persistent_contacts, it is at persist
 //       acceptPersistent(faces, persistent, contact) && isOpposing(node, face, persist)
 //   isBeyondInnerEdge(faces, contact)
 //       whether the node is beyond an edge where the body's surface continues

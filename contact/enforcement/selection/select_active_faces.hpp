@@ -174,7 +174,8 @@ struct SelectActiveFaces {
     contact.has_ended = false;
     return contact.releases;
   }
-  // Whether the node is in contact with its previous face.
+  // Whether the node is in contact with its previous face. Their boxes of the step itself overlap,
+  // since the contact is persistent: contacts do not depend on the search margin.
   KOKKOS_INLINE_FUNCTION bool isStillTouching(ContactTest test_kind, FaceContact& contact) const {
     return step.kinematics.testPersistent(step.faces, *contact.persistent, test_kind, contact);
   }
