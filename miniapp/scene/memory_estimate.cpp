@@ -14,9 +14,10 @@ MemoryEstimate estimateMemory(const SceneSize& size, int ranks, bool on_gpu) {
   const double of_elements =
       (32 + 8 + 4 + 40 + 8 + 1.25 * 9 * 8 + (size.stores_geometry ? 370 : 0)) * elements;
   // Skin and load. With contact: coordinates, records, boxes, tree, lists of candidates and their
-  // rows (650), the contacts of two steps with a reserve (0.8 of 604), and the forces that threads
-  // of a host add to the nodes of others (24).
-  const double of_contact = 650 + 0.8 * 604 + (on_gpu ? 0 : 24);
+  // rows (650), the contacts of two steps with a reserve (0.8 of 604), and on a GPU the pairs that
+  // the first step of pressed bricks tests (290), on a host the forces that threads add to the nodes
+  // of others (24).
+  const double of_contact = 650 + 0.8 * 604 + (on_gpu ? 290 : 24);
   const double of_faces =
       (82 + (size.has_contact ? of_contact : 0)) * static_cast<double>(size.faces);
   // Coordinates, records, boxes, lists and the bounds of sleeping rows, of which a GPU has more.

@@ -35,6 +35,7 @@ struct ContactSums {
   // reaches, or retained (ContactTest::retain) farther beyond a bent edge than it reaches.
   std::int64_t lost = 0;
   std::int64_t workspace = 0; // places that this rank's crowded rows take in the RowWorkspace
+  std::int64_t tested = 0; // places that this rank's pairs take in the TestedPairs
   std::int64_t invalid = 0; // forces that are not finite or exceed the fixed-point range
   double max_penetration = 0; // largest penetration of a loaded contact over the size of its face
   double deepest = 0; // largest penetration of a loaded contact, length
@@ -46,6 +47,7 @@ struct ContactSums {
     active += b.active;
     lost += b.lost;
     workspace += b.workspace;
+    tested += b.tested;
     invalid += b.invalid;
     max_penetration = maxOf(max_penetration, b.max_penetration);
     deepest = maxOf(deepest, b.deepest);

@@ -6,13 +6,18 @@
 
 namespace brickwall::contact {
 
-// No default values: arrays of it are not initialised.
-struct FaceContact {
-  // Found by the tests of Kinematics
+// No default values: arrays of these are not initialised.
+
+// The point of a face that is penetrated.
+struct PenetratedPoint {
   double weight[4];
   double normal[3];
   double place[2]; // of a node: xi, eta on the face; of an edge: weight of its second node
   double depth; // P, length
+};
+
+struct FaceContact : PenetratedPoint {
+  // Found by the tests of Kinematics, with the point
   int face; // candidate index
   bool is_retained; // see Interaction
 
@@ -59,5 +64,8 @@ struct FaceContact {
 //             neither
 //   release   to return the energy of a loaded contact that ends otherwise than through its face
 enum class ContactTest { persist, activate, transfer, retain, release };
+KOKKOS_INLINE_FUNCTION constexpr unsigned bitOf(ContactTest kind) {
+  return 1u << static_cast<int>(kind);
+}
 
 } // namespace brickwall::contact

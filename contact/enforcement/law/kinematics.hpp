@@ -13,7 +13,8 @@
 //   projects_candidates_at_once   test() in two parts, isFacing() and testPoint(), with up to
 //                                 candidates_at_once points of projectCandidates() between them
 //   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
-//                                 mayPenetrate(), mayActivate() and mayTouch()
+//                                 mayPenetrate() and mayActivate(), and test() is not replaced by
+//                                 passedTests() on devices
 //
 // Identity
 //   sideOf(faces, face)           side of a body of a candidate (surface.hpp), or line of edges
@@ -25,6 +26,8 @@
 //   test(faces, node, face, kind, contact)
 //       whether the pair is in contact by ContactTest `kind`, activate or transfer; if so, fills
 //       weight, normal (unit), place, depth (length, > 0), face and is_retained of `contact`
+//   passedTests(faces, node, face, contact)
+//       the kinds of test(), as bits (bitOf()), that the pair passes; fills `contact` as test() does
 //   projectPersistent(faces, history, count, contacts)
 //       fills the data of contacts whose face is still a candidate
 //   testPersistent(faces, persistent, kind, contact)
@@ -44,7 +47,6 @@
 //   mayActivate(node, face)           by orientation
 //   rowsThatMayActivate(faces, pairs, rows, count, requested)
 //                                     a bit for each row, for the requested ones
-//   mayTouch(faces, node, face)       by all of test(); also at ContactTest::transfer
 //
 // Mechanics
 //   inverseMass(point)            1/m_s of the pushing point, 1/mass

@@ -71,15 +71,25 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
     return isOpposing(node, face, ContactTest::activate);
   }
-  // False only if test() is false at ContactTest::activate and at transfer, which differ in limits.
-  KOKKOS_INLINE_FUNCTION bool mayTouch(const FaceAccess& faces, int node, int face) const {
+  // Both limits of place are tighter at ContactTest::activate than at transfer, not always that of
+  // orientation.
+  KOKKOS_INLINE_FUNCTION unsigned passedTests(const FaceAccess& faces, int node, int face,
+                                              FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);
-    FaceContact contact;
-    return !isSurelyOutside(x, face, ContactTest::transfer) &&
-           isOpposed(
-               node, records(recordOf(face)).plane.normal,
-               minOf(opposedCosine(ContactTest::activate), opposedCosine(ContactTest::transfer))) &&
-           accept(faces, face, ContactTest::transfer, project(faces.quad(face), x), contact);
+    if (isSurelyOutside(x, face, ContactTest::transfer))
+      return 0;
+    const bool activates = isFacing(faces, node, face, ContactTest::activate);
+    const bool transfers = isOpposing(node, face, ContactTest::transfer);
+    if (!activates && !transfers)
+      return 0;
+    const FacePoint point = project(faces.quad(face), x);
+    if (!accept(faces, face, ContactTest::transfer, point, contact))
+      return 0;
+    unsigned passed = transfers ? bitOf(ContactTest::transfer) : 0;
+    if (activates && point.activeWithin(lateral_tolerance) &&
+        !overlapsOnlyAtEdge(faces, node, face, contact))
+      passed |= bitOf(ContactTest::activate);
+    return passed;
   }
   // Contacts become active only within lateral_tolerance, where a warped face reaches less far out
   // of its mean plane. Half of least_depth there is for rounding.

@@ -27,6 +27,17 @@ struct RowWorkspace {
   }
 };
 
+// The pairs of listed rows (row_lists.hpp) that are in contact at ContactTest::activate or transfer.
+struct TestedPair {
+  PenetratedPoint point;
+  std::int64_t passed; // tests, as bitOf(); as long as the others, so that compilers copy words
+};
+struct TestedPairs {
+  View<int*> place; // [pair], or -1
+  View<TestedPair*> pairs; // [place]
+  View<std::int64_t> count; // beyond the extent if there are too few places
+};
+
 template <class Kinematics>
 struct EnforcementStep {
   ContactLaw law;
@@ -35,9 +46,7 @@ struct EnforcementStep {
   FaceAccess faces = {{}, GhostFaces::none()};
   CandidatePairs pairs = CandidatePairs::none();
   SteadyFlags steady;
-  // [pair] 0: no contact at ContactTest::activate or transfer; set for rows in lists only
-  // (row_lists.hpp)
-  View<unsigned char*> may_touch;
+  TestedPairs tested;
   ContactHistory previous;
   ContactHistory next; // interactions beyond its extent are counted, not written
   View<std::int64_t> next_count;

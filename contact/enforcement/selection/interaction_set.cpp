@@ -265,7 +265,7 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
       _corrected(label + "::corrected", 0), _num_corrected(label + "::num_corrected"),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),
-      _counts(label + "::counts", 4), _next_count(_counts.data()), _sums(label + "::sums"),
+      _counts(label + "::counts", 5), _next_count(_counts.data()), _sums(label + "::sums"),
       _notes(label + "::notes"),
       _sent_notes(label + "::sent_notes"), _last{View<int*>(label + "::last_contact",
                                                             config.friction > 0 ? surface.num_nodes
@@ -277,7 +277,8 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
                        View<std::int64_t[2]>(_counts.data() + 1)},
       _persistent_face(label + "::persistent_face", 0),
       _other_rows{View<int*>(label + "::other_rows", 0), View<std::int64_t>(_counts.data() + 3)},
-      _may_touch(label + "::may_touch", 0) {
+      _tested{View<int*>(label + "::tested_place", 0), View<TestedPair*>(label + "::tested", 0),
+              View<std::int64_t>(_counts.data() + 4)} {
   _forces.nodes = View<std::int64_t* [3]>(label + "::node_forces", num_nodes);
   _forces.ghost_corners = View<std::int64_t* [12]>(label + "::ghost_corners", 0);
   if (face_corners == 4)
@@ -291,14 +292,15 @@ InteractionSet::InteractionSet(const exec_space& space, const std::string& label
 
 bool InteractionSet::hasRoomFor(const ContactSums& sums) const {
   return sums.interactions <= _next.interactions.size() &&
-         sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0));
+         sums.workspace <= static_cast<std::int64_t>(_workspace.contacts.extent(0)) &&
+         sums.tested <= static_cast<std::int64_t>(_tested.pairs.extent(0));
 }
 
-void InteractionSet::makeRoom(const exec_space& space, std::int64_t interactions,
-                              std::int64_t crowded) {
-  growTo(space, _workspace.persistent, crowded);
-  growTo(space, _workspace.contacts, crowded);
-  growTo(space, _next.interactions, interactions);
+void InteractionSet::makeRoomFor(const exec_space& space, const ContactSums& sums) {
+  growTo(space, _workspace.persistent, sums.workspace);
+  growTo(space, _workspace.contacts, sums.workspace);
+  growTo(space, _tested.pairs, sums.tested);
+  growTo(space, _next.interactions, sums.interactions);
   const auto room = _next.interactions.size();
   if (_config.friction > 0)
     growTo(space, _next.friction, room);

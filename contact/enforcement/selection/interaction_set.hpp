@@ -112,9 +112,9 @@ private:
   void clearStep(const exec_space& space, const FaceAccess& faces);
   PairForces pairForces(const exec_space& space, const FaceAccess& faces) const;
   int turn() const { return static_cast<int>(_num_proposing % num_turns); } // of _num_corrected
-  // Memory for the interactions of a step, and for the contacts of its crowded rows.
+  // Memory for the interactions of a step, the contacts of its crowded rows and its tested pairs.
   bool hasRoomFor(const ContactSums& sums) const;
-  void makeRoom(const exec_space& space, std::int64_t interactions, std::int64_t crowded);
+  void makeRoomFor(const exec_space& space, const ContactSums& sums);
 
   EnforcementConfig _config;
   Quantum _quantum;
@@ -139,7 +139,7 @@ private:
   HistoryRows _persistent_rows;
   View<int*> _persistent_face;
   RowList _other_rows;
-  View<unsigned char*> _may_touch; // [pair], see EnforcementStep; likewise
+  TestedPairs _tested; // likewise
   ContactForces _forces;
   NodeOwners _owners; // of _forces, if several threads select node-to-face contacts
   ContactForces _proposals; // magnitudes
@@ -160,7 +160,9 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
   // Memory that is not used costs less than a repeated step. At first a guess: in flush joints of
   // matching meshes each contact has four candidates.
   const bool guesses = _next.interactions.size() == 0 && _face_corners == 4;
-  makeRoom(space, maxOf(_history.count, guesses ? pairs.count / 4 : 0), 0);
+  ContactSums likely;
+  likely.interactions = maxOf(_history.count, guesses ? pairs.count / 4 : 0);
+  makeRoomFor(space, likely);
   launch(space, functor);
   return [this, space, functor]() mutable {
     while (true) {
@@ -170,7 +172,7 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
       if (hasRoomFor(sums))
         return sums;
       // the contact history is unchanged, so the step can be repeated
-      makeRoom(space, sums.interactions, sums.workspace);
+      makeRoomFor(space, sums);
       launch(space, functor);
     }
   };
@@ -185,8 +187,8 @@ void InteractionSet::launch(const exec_space& space, Select& functor) {
   step.next = _next;
   step.workspace = _workspace;
   if (!fills_lanes) {
-    growTo(space, _may_touch, static_cast<std::int64_t>(step.pairs.faces.extent(0)));
-    step.may_touch = _may_touch;
+    growTo(space, _tested.place, static_cast<std::int64_t>(step.pairs.faces.extent(0)));
+    step.tested = _tested;
   }
   step.add = pairForces(space, step.faces);
   step.add.owners = _owners;

@@ -75,8 +75,8 @@ struct ListRows {
   }
 };
 
-// Tests the candidates of the listed rows for SelectActiveFaces::findNearest(), several of a row at
-// once. Kernel functor, for one of `num_threads`.
+// Tests the pairs of the listed rows for SelectActiveFaces::findNearest(), several of a row at once.
+// Kernel functor, for one of `num_threads`.
 template <class Kinematics>
 struct TestListedPairs {
   static constexpr int threads_of_row = 8;
@@ -92,8 +92,25 @@ struct TestListedPairs {
       const int node = step.pairs.node(row);
       for (std::int64_t p = step.pairs.begin(row) + i % threads_of_row; p < row_end;
            p += threads_of_row)
-        step.may_touch(p) = step.kinematics.mayTouch(step.faces, node, step.pairs.faces(p));
+        test(p, node);
     }
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION void test(std::int64_t p, int node) const {
+    const TestedPairs& tested = step.tested;
+    FaceContact contact;
+    const unsigned passed =
+        step.kinematics.passedTests(step.faces, node, step.pairs.faces(p), contact);
+    std::int64_t place = -1;
+    if (passed != 0) {
+      place = reservePlaces(tested.count.data(), 1);
+      if (place < static_cast<std::int64_t>(tested.pairs.extent(0)))
+        tested.pairs(place) = {contact, passed};
+      else // the step is repeated with more memory
+        place = -1;
+    }
+    tested.place(p) = static_cast<int>(place);
   }
 };
 
@@ -184,6 +201,9 @@ struct SelectListedRows {
   RowList list;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
+    if constexpr (!Kinematics::tests_rows_at_once)
+      if (place == 0)
+        sums.tested = select.step.tested.count();
     if (place < list.count())
       select.selectRow(list.rows(place), sums);
   }

@@ -265,11 +265,21 @@ struct SelectActiveFaces {
           if (step.kinematics.testPoint(step.faces, node, faces[k], test_kind, points[k], other))
             takeIfNearest(faces[k]);
       }
+    } else if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once) {
+      for (std::int64_t p = begin; p < end; ++p) {
+        const int place = step.tested.place(p), face = step.pairs.faces(p);
+        if (place < 0 || isExcluded(face))
+          continue;
+        const TestedPair& pair = step.tested.pairs(place);
+        if ((pair.passed & bitOf(test_kind)) == 0)
+          continue;
+        static_cast<PenetratedPoint&>(other) = pair.point;
+        other.face = face;
+        other.is_retained = false;
+        takeIfNearest(face);
+      }
     } else {
       for (std::int64_t p = begin; p < end; ++p) {
-        if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once)
-          if (!step.may_touch(p))
-            continue;
         const int face = step.pairs.faces(p);
         // read by the tests of edges
         other.previous = excludes_previous || face == contact.previous_face ? contact.previous : -1;

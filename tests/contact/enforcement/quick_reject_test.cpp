@@ -1,5 +1,5 @@
 // Quick tests never reject a pair that the exact tests accept, and reject most distant pairs; data
-// of many persistent contacts equal those of each alone bit for bit.
+// of many persistent contacts, and of tested pairs, equal those of each alone bit for bit.
 #include "contact/enforcement/edge_edge/edge_edge_kinematics.hpp"
 #include "contact/enforcement/node_face/node_face_kinematics.hpp"
 #include "tests/contact/enforcement/support/brick_scene.hpp"
@@ -218,6 +218,74 @@ TEST(PersistentContacts, ProjectedTogetherEqualThoseProjectedAlone) {
   }
   EXPECT_GT(on_quads, n / 3);
   EXPECT_GT(on_others, n / 10);
+}
+
+TEST(PassedTests, AreThoseThatThePairPassesAlone) {
+  if (!host_accessible)
+    GTEST_SKIP() << "on a host";
+  Random random;
+  constexpr int n = 20000; // faces, each with a node; face n + f is the only one of node 8n + f
+  LoneFaces quads(2 * n, n, words_of<FaceAttributes>);
+  NodeFaceLists around;
+  around.offsets = View<int*>("offsets", 9 * n + 1);
+  around.rows = View<int*>("rows", n);
+  around.corner_share = View<double*>("corner_share", 2 * n);
+  View<FaceRecord*> records("records", 2 * n);
+  const FaceAccess faces{quads.surface, GhostFaces()};
+  const std::int64_t feature_edges[4] = {0xff, 0x0f, 0, 0}; // concave, convex, none
+  for (int f = 0; f < n; ++f) {
+    const int node = 8 * n + f;
+    const Vec3 turn = random.vector(f % 3 ? 0.2 : 3);
+    for (int j = 0; j < 4; ++j) {
+      const Vec3 corner = cornerOf(f % 5, j, random), below = {corner.y, corner.x, 0};
+      quads.set(4 * f + j, corner, corner);
+      quads.set(4 * (n + f) + j, turned(below, turn), below);
+    }
+    for (int g = f; g < 2 * n; g += n) {
+      attributesAt<FaceAttributes>(quads.attributes, g).feature_edges = feature_edges[f % 4];
+      records(g) = {meanPlane(faces.quad(g)), g, g};
+      around.corner_share(g) = 0.25;
+    }
+    const Vec3 x = {random(-0.3, 1.3), random(-0.3, 1.3), random(-0.2, 0.05)};
+    quads.set(node, x, x);
+    around.rows(f) = n + f;
+    around.offsets(node + 1) = f + 1;
+  }
+  NodeFaceKinematics kinematics;
+  kinematics.adjacent_faces = around;
+  kinematics.records = records;
+  kinematics.num_faces = 2 * n;
+  kinematics.num_remote = 0;
+  kinematics.lateral_tolerance = 0.05;
+  kinematics.edge_tolerance = 0.2;
+  kinematics.opposed_cosine = 0.5;
+  kinematics.least_depth = 1e-12;
+  int num_passed[2] = {0, 0}, only_transfer = 0;
+  for (int f = 0; f < n; ++f) {
+    const int node = 8 * n + f;
+    FaceContact stored;
+    const unsigned passed = kinematics.passedTests(faces, node, f, stored);
+    for (const ContactTest kind : {ContactTest::activate, ContactTest::transfer}) {
+      FaceContact contact;
+      const bool passes = kinematics.test(faces, node, f, kind, contact);
+      ASSERT_EQ((passed & bitOf(kind)) != 0, passes) << f;
+      if (!passes)
+        continue;
+      ++num_passed[kind == ContactTest::transfer];
+      for (int j = 0; j < 4; ++j)
+        EXPECT_EQ(stored.weight[j], contact.weight[j]) << f;
+      for (int d = 0; d < 3; ++d)
+        EXPECT_EQ(stored.normal[d], contact.normal[d]) << f;
+      EXPECT_EQ(stored.place[0], contact.place[0]) << f;
+      EXPECT_EQ(stored.place[1], contact.place[1]) << f;
+      EXPECT_EQ(stored.depth, contact.depth) << f;
+    }
+    only_transfer += passed == bitOf(ContactTest::transfer);
+  }
+  EXPECT_GT(num_passed[0], n / 20);
+  EXPECT_GT(num_passed[1], n / 20);
+  EXPECT_GT(only_transfer, n / 100);
+  EXPECT_LT(num_passed[0], n / 2);
 }
 
 template <int width>
