@@ -13,8 +13,7 @@
 //   projects_candidates_at_once   test() in two parts, isFacing() and testPoint(), with up to
 //                                 candidates_at_once points of projectCandidates() between them
 //   tests_rows_at_once            rows are rejected by rowsThatMayActivate() instead of
-//                                 mayPenetrate() and mayActivate(), and test() is not replaced by
-//                                 passedTests() on devices
+//                                 mayPenetrate() and mayActivate(); passedTests() is not needed
 //
 // Identity
 //   sideOf(faces, face)           side of a body of a candidate (surface.hpp), or line of edges
@@ -27,7 +26,8 @@
 //       whether the pair is in contact by ContactTest `kind`, activate or transfer; if so, fills
 //       weight, normal (unit), place, depth (length, > 0), face and is_retained of `contact`
 //   passedTests(faces, node, face, contact)
-//       the kinds of test(), as bits (bitOf()), that the pair passes; fills `contact` as test() does
+//       the kinds of test(), as bits (bitOf()), that the pair passes; fills `contact` as test()
+//       does, in whose place devices use it
 //   projectPersistent(faces, history, count, contacts)
 //       fills the data of contacts whose face is still a candidate
 //   testPersistent(faces, persistent, kind, contact)

@@ -71,8 +71,8 @@ struct NodeFaceKinematics : NodeSurface {
   KOKKOS_INLINE_FUNCTION bool mayActivate(int node, int face) const {
     return isOpposing(node, face, ContactTest::activate);
   }
-  // Both limits of place are tighter at ContactTest::activate than at transfer, not always that of
-  // orientation.
+  // By place, a pair that passes ContactTest::activate also passes transfer. By orientation it may
+  // not, since opposed_cosine may be less than that of transfer.
   KOKKOS_INLINE_FUNCTION unsigned passedTests(const FaceAccess& faces, int node, int face,
                                               FaceContact& contact) const {
     const Vec3 x = rowOf(faces.surface.coordinates_new, node);

@@ -27,19 +27,24 @@ struct RowWorkspace {
   }
 };
 
-// The pairs of listed rows (row_lists.hpp) that are in contact at ContactTest::activate or transfer.
+// A pair that passes ContactTest::activate or transfer.
 struct TestedPair {
   PenetratedPoint point;
-  std::int64_t passed; // tests, as bitOf(); as long as the others, so that compilers copy words
+  std::int64_t passed; // tests, as bitOf(); as wide as the others: compilers then copy whole words
 };
+// Those of the rows in lists (row_lists.hpp).
 struct TestedPairs {
-  View<int*> place; // [pair], or -1
+  // [pair] place in `pairs`, or -1 if it passes neither or there is no room; set in these rows only
+  View<int*> place;
   View<TestedPair*> pairs; // [place]
   View<std::int64_t> count; // beyond the extent if there are too few places
 };
 
 template <class Kinematics>
 struct EnforcementStep {
+  // Whether `tested` is filled before faces are selected.
+  static constexpr bool has_tested_pairs = !fills_lanes && !Kinematics::tests_rows_at_once;
+
   ContactLaw law;
   LimbScale energy_scale;
   Kinematics kinematics;

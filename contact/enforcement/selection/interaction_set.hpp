@@ -158,7 +158,8 @@ std::function<ContactSums()> InteractionSet::select(const exec_space& space,
   step.previous = _history;
   step.next_count = _next_count;
   // Memory that is not used costs less than a repeated step. At first a guess: in flush joints of
-  // matching meshes each contact has four candidates.
+  // matching meshes each contact has four candidates. Tested pairs are not guessed: later steps
+  // have few.
   const bool guesses = _next.interactions.size() == 0 && _face_corners == 4;
   ContactSums likely;
   likely.interactions = maxOf(_history.count, guesses ? pairs.count / 4 : 0);
@@ -186,7 +187,7 @@ void InteractionSet::launch(const exec_space& space, Select& functor) {
   clearStep(space, step.faces);
   step.next = _next;
   step.workspace = _workspace;
-  if (!fills_lanes) {
+  if constexpr (std::decay_t<decltype(step)>::has_tested_pairs) {
     growTo(space, _tested.place, static_cast<std::int64_t>(step.pairs.faces.extent(0)));
     step.tested = _tested;
   }
@@ -237,7 +238,7 @@ void InteractionSet::selectListedRows(const exec_space& space,
       else
         persist(std::false_type());
     }
-  if constexpr (!Kinematics::tests_rows_at_once) {
+  if constexpr (EnforcementStep<Kinematics>::has_tested_pairs) {
     const std::int64_t num_threads = concurrency(space);
     Kokkos::parallel_for("contact::selectInteractions::testPairs", rangePolicy(space, num_threads),
                          TestListedPairs<Kinematics>{functor.step, _other_rows, num_threads});

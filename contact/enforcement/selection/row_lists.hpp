@@ -201,9 +201,9 @@ struct SelectListedRows {
   RowList list;
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t place, ContactSums& sums) const {
-    if constexpr (!Kinematics::tests_rows_at_once)
-      if (place == 0)
-        sums.tested = select.step.tested.count();
+    if constexpr (EnforcementStep<Kinematics>::has_tested_pairs)
+      if (place == 0) // one thread reports the count
+        sums.tested += select.step.tested.count();
     if (place < list.count())
       select.selectRow(list.rows(place), sums);
   }

@@ -265,7 +265,7 @@ struct SelectActiveFaces {
           if (step.kinematics.testPoint(step.faces, node, faces[k], test_kind, points[k], other))
             takeIfNearest(faces[k]);
       }
-    } else if constexpr (!fills_lanes && !Kinematics::tests_rows_at_once) {
+    } else if constexpr (EnforcementStep<Kinematics>::has_tested_pairs) {
       for (std::int64_t p = begin; p < end; ++p) {
         const int place = step.tested.place(p), face = step.pairs.faces(p);
         if (place < 0 || isExcluded(face))
