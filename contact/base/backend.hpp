@@ -104,6 +104,12 @@ KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
   return a < b ? b : a;
 }
 
+// count / by, rounded up; both > 0, or count 0.
+template <class T>
+KOKKOS_INLINE_FUNCTION constexpr T dividedUp(T count, T by) {
+  return count / by + (count % by != 0);
+}
+
 // Reducer for any value type with operator+= whose default value is the neutral element:
 // parallel_reduce(..., PlusReducer<T>(result)). Kokkos::Sum<T> in 3.4.1 needs volatile operators;
 // this does not. A device writes a result in staging_space without a wait of the host.

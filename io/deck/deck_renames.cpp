@@ -11,7 +11,7 @@ std::string renamed(const std::string& former, const std::string& present) {
   return former + " is the former name of " + present + " and will be refused by the next release";
 }
 
-std::string headerOf(const BlockRule& block, const std::string& name) {
+std::string headerNamed(const BlockRule& block, const std::string& name) {
   return block.kind == BlockKind::named ? "[" + name + ".<name>]" : "[" + name + "]";
 }
 
@@ -19,7 +19,7 @@ std::string headerOf(const BlockRule& block, const std::string& name) {
 std::string formerHeaderOf(const BlockRule& block) {
   const std::size_t last = block.name.rfind('.');
   const std::string group = last == std::string::npos ? "" : block.name.substr(0, last + 1);
-  return headerOf(block, group + block.former_name);
+  return headerNamed(block, group + block.former_name);
 }
 
 void renameMember(TomlNode& table, const std::string& former, const std::string& present,
@@ -58,7 +58,7 @@ void renameWord(const KeyRule& key, const std::string& subject, TomlNode& node,
 void renameKeys(const BlockRule& block, TomlNode& table, DeckFaults& faults) {
   if (table.kind != Kind::table)
     return;
-  const std::string header = block.name.empty() ? "" : headerOf(block, block.name);
+  const std::string header = block.name.empty() ? "" : headerNamed(block, block.name);
   const std::string subject = header.empty() ? "" : header + " ";
   for (const KeyRule& key : block.keys) {
     renameMember(table, key.former_name, key.name, header,
@@ -95,7 +95,7 @@ void renameInTree(const Schema& schema, TomlNode& root, DeckFaults& faults) {
     if (!group || group->kind != Kind::table)
       continue;
     renameMember(*group, block.former_name, last, "",
-                 renamed(formerHeaderOf(block), headerOf(block, block.name)), faults);
+                 renamed(formerHeaderOf(block), headerNamed(block, block.name)), faults);
     TomlNode* node = group->member(last);
     if (!node)
       continue;
@@ -119,7 +119,7 @@ void renameInPath(const Schema& schema, const Position& here, std::vector<std::s
     if (!block.former_name.empty() && path[names.size() - 1] == block.former_name &&
         std::equal(names.begin(), names.end() - 1, path.begin())) {
       path[names.size() - 1] = names.back();
-      faults.warn(here, renamed(formerHeaderOf(block), headerOf(block, block.name)));
+      faults.warn(here, renamed(formerHeaderOf(block), headerNamed(block, block.name)));
     }
     const bool has_instance = block.kind == BlockKind::named || block.kind == BlockKind::repeated;
     const std::size_t at = names.size() + (has_instance ? 1 : 0);
@@ -128,7 +128,8 @@ void renameInPath(const Schema& schema, const Position& here, std::vector<std::s
     for (const KeyRule& key : block.keys)
       if (!key.former_name.empty() && path[at] == key.former_name) {
         path[at] = key.name;
-        faults.warn(here, headerOf(block, block.name) + " " + renamed(key.former_name, key.name));
+        faults.warn(here,
+                    headerNamed(block, block.name) + " " + renamed(key.former_name, key.name));
       }
   }
 }

@@ -245,7 +245,7 @@ private:
 
 void correctAll(const exec_space& space, CorrectAll functor) {
   const bool is_first = functor.correct.isProposal();
-  std::int64_t num_parts = (functor.pairs.count + pairs_at_once - 1) / pairs_at_once;
+  std::int64_t num_parts = dividedUp<std::int64_t>(functor.pairs.count, pairs_at_once);
   if (pairs_at_once == 1 && is_first) {
     num_parts = maxOf<std::int64_t>(num_parts, 1); // one empties the next list
   } else if (pairs_at_once == 1 && functor.pairs.count >= CorrectedList::least_pairs) {

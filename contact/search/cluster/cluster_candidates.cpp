@@ -17,7 +17,7 @@ constexpr int testing_threads = fills_lanes ? 1 : items_per_group; // of a group
 constexpr int listing_threads = fills_lanes ? 1 : 4;
 
 constexpr int numGroups(std::int64_t items) {
-  return static_cast<int>((items + items_per_group - 1) / items_per_group);
+  return static_cast<int>(dividedUp<std::int64_t>(items, items_per_group));
 }
 
 // The owned nodes, by position.

@@ -241,11 +241,11 @@ void orderNodes(const exec_space& space, const SweptBoxes& surface, const Curve&
                 ClusterOrder& order) {
   const int num_nodes = surface.num_nodes, num_faces = surface.num_faces;
   const View<int*> places = placeNodes(space, surface, curve, order);
-  order.num_clusters = (num_nodes + cluster_size - 1) / cluster_size;
+  order.num_clusters = dividedUp(num_nodes, cluster_size);
   order.node_order = allocate<View<int*>>(space, "contact::ClusterOrder::node_order", num_nodes);
   order.owned =
       View<unsigned*>("contact::ClusterOrder::owned", static_cast<std::size_t>(order.num_clusters));
-  const std::int64_t num_blocks = (std::int64_t(num_faces) + block_size - 1) / block_size;
+  const std::int64_t num_blocks = dividedUp<std::int64_t>(num_faces, block_size);
   order.corners =
       allocate<View<int*>>(space, "contact::ClusterOrder::corners", num_blocks * 4 * block_size);
   const auto node_order = order.node_order, face_order = order.face_order, corners = order.corners;

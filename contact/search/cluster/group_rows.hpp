@@ -59,9 +59,7 @@ struct FindRowsOfGroups {
     int pairs = 0, overflowed = 0, skipped = 0;
   };
 
-  KOKKOS_INLINE_FUNCTION int numGroups() const {
-    return (num_nodes + vector_lanes - 1) / vector_lanes;
-  }
+  KOKKOS_INLINE_FUNCTION int numGroups() const { return dividedUp(num_nodes, vector_lanes); }
 
   KOKKOS_INLINE_FUNCTION void operator()(const Member& team, PairCounts& sums) const {
     Scratch& scratch = *static_cast<Scratch*>(

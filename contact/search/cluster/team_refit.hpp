@@ -134,7 +134,7 @@ struct RefitTile {
     team.team_barrier();
     if (tree.num_levels > 1)
       copyBlocks(team, scratch.parents, tree.block(1, std::int64_t(tile) * block_size),
-                 (num_blocks + block_size - 1) / block_size);
+                 dividedUp<std::int64_t>(num_blocks, block_size));
     Kokkos::parallel_for(Kokkos::TeamThreadRange(team, block_floats), [&](const int i) {
       scratch.top[i] = leastOfSide(scratch.parents + i % block_size * block_floats, i / block_size);
     });
@@ -243,11 +243,11 @@ struct TeamRefit {
   template <class Input>
   static void refitNodes(const exec_space& space, const Input& input, RefitScratch& scratch,
                          RefitSums&) {
-    const std::int64_t groups = (std::int64_t(input.num_nodes) + vector_lanes - 1) / vector_lanes;
+    const std::int64_t groups = dividedUp<std::int64_t>(input.num_nodes, vector_lanes);
     const std::int64_t fitting =
         host_accessible ? concurrency(space) : concurrency(space) / vector_lanes;
-    const auto teams = static_cast<int>((minOf(groups, fitting) + RefitNodes::team_size - 1) /
-                                        RefitNodes::team_size);
+    const auto teams =
+        static_cast<int>(dividedUp<std::int64_t>(minOf(groups, fitting), RefitNodes::team_size));
     scratch.num_node_sums = teams;
     growTo(space, scratch.node_sums, scratch.num_node_sums);
     launch(space, "contact::SurfaceClusters::nodes", teams, vector_lanes, RefitNodes::team_scratch,

@@ -14,7 +14,7 @@ BoxTree shapeOf(std::int64_t n) {
   tree.num_items = checkedInt(n, "boxes of a tree");
   std::int64_t blocks = 0;
   for (std::int64_t items = n; items > 0; ++tree.num_levels) {
-    const std::int64_t of_level = (items + block_size - 1) / block_size;
+    const std::int64_t of_level = dividedUp<std::int64_t>(items, block_size);
     tree.level_begin[tree.num_levels] = blocks;
     blocks += of_level;
     items = of_level > 1 ? of_level : 0;

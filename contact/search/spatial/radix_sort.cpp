@@ -29,8 +29,8 @@ Chunks cut(const exec_space& space, std::int64_t n, int num_bits) {
   chunks.num_rows = n;
   chunks.num_chunks = std::max<std::int64_t>(1, std::min(threads, n / shortest));
   const int widest = threads > 256 ? 4 : (n < 4096 ? 8 : 11);
-  const int passes = (num_bits + widest - 1) / widest;
-  chunks.digit_bits = (num_bits + passes - 1) / passes;
+  const int passes = dividedUp(num_bits, widest);
+  chunks.digit_bits = dividedUp(num_bits, passes);
   return chunks;
 }
 

@@ -11,10 +11,6 @@ namespace brickwall::mechanics {
 
 namespace {
 
-int dividedUp(int count, int by) {
-  return (count + by - 1) / by;
-}
-
 // Numbers of tiles along i and j: as few as possible, of the fewest nodes.
 struct Division {
   int along_i = 1, along_j = 1;

@@ -20,10 +20,6 @@ int largestChunk(int num_elems, int threads) {
   return (share + simd_width - 1) / simd_width * simd_width;
 }
 
-int dividedUp(int count, int by) {
-  return count / by + (count % by != 0);
-}
-
 // Consecutive elements of one body and one block, cut into chunks.
 struct Run {
   int first = 0, count = 0, block = 0, body = 0;

@@ -88,12 +88,13 @@ KOKKOS_INLINE_FUNCTION void makeGeometry(const CornerCoordinates& X, FullGeometr
 }
 
 template <class GeometryView>
-KOKKOS_INLINE_FUNCTION void loadLanes(const GeometryView& stored, int row, int component, int lane,
-                                      double& value) {
+KOKKOS_INLINE_FUNCTION void loadComponent(const GeometryView& stored, int row, int component,
+                                          int lane, double& value) {
   value = stored(row, component, lane);
 }
 template <class GeometryView, int W>
-inline void loadLanes(const GeometryView& stored, int row, int component, int, PackOf<W>& value) {
+inline void loadComponent(const GeometryView& stored, int row, int component, int,
+                          PackOf<W>& value) {
   memcpy(&value.v, &stored(row, component, 0), sizeof value.v);
 }
 
@@ -102,7 +103,7 @@ template <class Geometry>
 KOKKOS_INLINE_FUNCTION void loadGeometry(const ElementTables& tables, int row, int lane,
                                          Geometry& g) {
   visitGeometry(g, [&](int component, auto& value) {
-    loadLanes(tables.geometry, row, component, lane, value);
+    loadComponent(tables.geometry, row, component, lane, value);
   });
 }
 

@@ -9,18 +9,17 @@
 #include "contact/base/scan.hpp"
 #include "contact/base/sum_over.hpp"
 #include "contact/base/to_device.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
 namespace brickwall {
 namespace {
-
-const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FixedPointTest, QuantumIsTheStatedPowerOfTwo) {
   EXPECT_EQ(Quantum::forForceScale(1.0).value, 0x1p-54);
@@ -40,7 +39,7 @@ TEST(FixedPointTest, RoundsToNearestWithTiesToEven) {
 TEST(FixedPointTest, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(fitsFixedPoint(std::nextafter(fixed_point_limit, 0.0)));
   for (const double value :
-       {fixed_point_limit, -fixed_point_limit, HUGE_VAL, -HUGE_VAL, nan_value}) {
+       {fixed_point_limit, -fixed_point_limit, HUGE_VAL, -HUGE_VAL, std::nan("")}) {
     EXPECT_FALSE(fitsFixedPoint(value));
     EXPECT_EQ(roundToFixed(value), 0); // defined, and counted by the caller
   }
@@ -94,7 +93,7 @@ TEST(LimbSumTest, CountsTermsBeyondTheScaleAndNotANumber) {
   LimbSums<2> sums;
   sums.add(0, 0.5, scale);
   sums.add(0, 1e3, scale);
-  sums.add(1, nan_value, scale);
+  sums.add(1, std::nan(""), scale);
   sums.add(1, -HUGE_VAL, scale);
   EXPECT_EQ(sums.invalid, 3);
   EXPECT_EQ(sums.sum[0].value(scale), 0.5);

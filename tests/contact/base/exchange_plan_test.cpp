@@ -2,6 +2,7 @@
 // device, or without ranks that reach each other, the tests of the other paths say so.
 #include "contact/base/messages/exchange_plan.hpp"
 #include "contact/base/to_device.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +13,6 @@
 
 namespace brickwall {
 namespace {
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 // A ring: rows 0 and 1 are owned; rows 2 and 3 are copies of rows 1 and 0 of the previous rank, row
 // 4 of row 0 of the next rank.

@@ -2,6 +2,7 @@
 // and configurations that differ between ranks. Every error is thrown on all ranks; no rank hangs.
 #include "tests/contact/enforcement/support/edge_run.hpp"
 #include "tests/contact/support/host_traffic.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +13,6 @@ namespace brickwall::contact::testing {
 namespace {
 
 using test::HostTraffic;
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 class EnforcementInHost : public ::testing::Test {
 protected:

@@ -3,13 +3,12 @@
 #include "contact/search/candidate_search.hpp"
 #include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
 namespace brickwall::contact::testing {
 namespace {
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 // Faces with the corners of each face in the order of `corners`, with new ids.
 void addFaces(Scene& scene, const std::array<int, 4>& corners) {

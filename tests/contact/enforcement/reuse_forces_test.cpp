@@ -2,13 +2,13 @@
 // where contacts are lost because they are deeper than the search reaches.
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/enforcement/support/scene_run.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
 namespace brickwall::contact::testing {
 namespace {
 
-const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double margin = 0.1;
 
 // Two stacks of three bricks, each rotated a little.

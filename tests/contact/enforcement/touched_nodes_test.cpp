@@ -18,10 +18,10 @@ Scene smallOnLarge() {
   return scene;
 }
 // Moves down, rests, slides, and leaves.
-Vec3 motionAt(int step) {
+Vec3 slideAt(int step) {
   return {step >= 6 && step < 9 ? 0.03 : 0.0, 0, step < 3 ? -0.02 : step >= 9 ? 0.02 : 0.001};
 }
-constexpr int num_steps = 16;
+constexpr int slide_steps = 16;
 
 std::set<int> asSet(const NodeList& list) {
   const auto host = toHost(list.nodes);
@@ -39,10 +39,10 @@ TEST(TouchedNodes, OnlyTheirAccelerationsAreReadAndOnlyTheyHaveForces) {
   SceneRun all(smallOnLarge(), MPI_COMM_SELF, onOneRank, neutral_config);
   const Vec3 by_others = {0.1, -0.2, -0.3};
   int with_forces = 0, without = 0;
-  for (int step = 0; step < num_steps; ++step) {
+  for (int step = 0; step < slide_steps; ++step) {
     for (SceneRun* r : {&run, &all}) {
       r->scene.step();
-      r->scene.move(1, motionAt(step));
+      r->scene.move(1, slideAt(step));
       r->part.update(r->scene);
     }
     const std::vector<Vec3> acceleration(run.scene.x_new.size(), by_others);
@@ -86,7 +86,7 @@ TEST(TouchedNodes, ManyAreListedAsAllAndNoneAsNone) {
   const exec_space space;
   SceneRun run(smallOnLarge(), MPI_COMM_SELF, onOneRank);
   for (int step = 0; step < 5; ++step) {
-    run.moveAndStep(1, motionAt(step));
+    run.moveAndStep(1, slideAt(step));
   }
   const ContactHistory& pairs = run.enforcement.history();
   ASSERT_GT(pairs.count, 0);

@@ -5,6 +5,7 @@
 #include "contact/surface/face_access.hpp"
 #include "tests/contact/search/search_checks.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,6 @@ namespace {
 
 using brickwall::testing::allocationsOf;
 using brickwall::testing::no_allocations;
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 // x^n := x^{n+1}, then every body moves by up to `speed` along each axis, and every node by a small
 // random amount.

@@ -2,13 +2,12 @@
 // exports, reverse sums, errors thrown on all ranks. search_test.cpp compares its ghosts with brute
 // force.
 #include "tests/contact/search/search_checks.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
 namespace brickwall::contact::test {
 namespace {
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 // One step; false when any rank found a difference.
 bool checkGhosts(const SurfaceCase& c, GlobalSearch& search, const LocalSurface& local) {

@@ -7,6 +7,7 @@
 #include "contact/surface/features/feature_edges.hpp"
 #include "tests/contact/search/search_checks.hpp"
 #include "tests/contact/support/host_traffic.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <cmath>
 #include <functional>
@@ -14,7 +15,6 @@
 namespace brickwall::contact::test {
 namespace {
 
-const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double margin = 0.05;
 
 // A row of bricks that touch: each rank has one of them at least, and neighbours beyond.

@@ -4,6 +4,7 @@
 #include "contact/search/local_search.hpp"
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_checks.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,6 @@
 
 namespace brickwall::contact::test {
 namespace {
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 SurfaceCase makeWall(std::uint64_t seed) {
   SurfaceCase c;

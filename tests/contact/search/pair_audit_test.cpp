@@ -2,6 +2,7 @@
 // and the pairs that stale or narrow lists miss are counted exactly.
 #include "contact/search/candidate_search.hpp"
 #include "tests/contact/search/search_checks.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,6 @@
 namespace brickwall::contact::test {
 namespace {
 
-const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr int num_kinds = 10;
 
 void move(SurfaceCase& c, Random& random, double speed) {

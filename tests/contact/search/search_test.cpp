@@ -4,6 +4,7 @@
 #include "tests/contact/search/host_rows.hpp"
 #include "tests/contact/search/search_checks.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,6 @@ namespace {
 
 using brickwall::testing::allocationsOf;
 using brickwall::testing::no_allocations;
-
-const MPI_Comm comm = MPI_COMM_WORLD;
 
 // Corners near a lattice, each coordinate off by at most two units in the last place: boxes barely
 // touch, or barely do not.

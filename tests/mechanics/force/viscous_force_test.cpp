@@ -12,7 +12,7 @@ using namespace testing;
 const ElementKind kinds[] = {ElementKind::one_point, ElementKind::full};
 constexpr BulkViscosity both = {0.06, 1.2};
 
-Vec3 distorted(const Vec3& x) {
+Vec3 shaken(const Vec3& x) {
   const auto seed = static_cast<std::uint64_t>(1000 * x.x + 100000 * x.y + 10000000 * x.z);
   return x + 0.05 * randomVector(3 * seed);
 }
@@ -91,7 +91,7 @@ TEST(BulkViscosity, OfAffineFieldsHasThePowerInClosedForm) {
   };
   for (const ElementKind kind : kinds) {
     const Material material = steelLike();
-    BlockMesh blocks = makeBlocks(exec_space(), world, {Block()}, {material}, distorted);
+    BlockMesh blocks = makeBlocks(exec_space(), world, {Block()}, {material}, shaken);
     const auto words = globalWords(world, blocks, blocks.mesh.reference_coordinates);
     CornerCoordinates X;
     const int corner_of_grid[8] = {0, 1, 3, 2, 4, 5, 7, 6};
@@ -129,7 +129,7 @@ TEST(BulkViscosity, IsZeroInRigidMotion) {
     for (const bool is_distorted : {false, true}) {
       BlockMesh blocks = makeBlocks(
           exec_space(), world, {cube(3)}, {steelLike()},
-          [&](const Vec3& x) { return is_distorted ? distorted(x) : x; }, scattered);
+          [&](const Vec3& x) { return is_distorted ? shaken(x) : x; }, scattered);
       const auto result = evaluate(world, blocks, turned, velocity, both, kind);
       for (global_id node = 0; node < blocks.num_global_nodes; ++node)
         for (int i = 0; i < 3; ++i)
@@ -145,8 +145,7 @@ TEST(BulkViscosity, NeverHasPositivePower) {
     for (const ElementKind kind : kinds)
       for (const BulkViscosity& b : {BulkViscosity{0.06, 0}, BulkViscosity{0, 1.2}, both})
         for (int seed = 0; seed < 10; ++seed) {
-          BlockMesh blocks =
-              makeBlocks(exec_space(), world, {Block()}, {steelLike(model)}, distorted);
+          BlockMesh blocks = makeBlocks(exec_space(), world, {Block()}, {steelLike(model)}, shaken);
           const auto random = [&](double size, int salt) {
             return [=](const Vec3& x) {
               const auto at =
@@ -174,7 +173,7 @@ TEST(BulkViscosity, HasTheSameBitsForAnyPartitionAndChangesNoOtherForce) {
       const auto meshOn = [&](MPI_Comm comm, const Partition& partition) {
         return makeBlocks(
             exec_space(), comm, {small, large}, {steelLike()},
-            [&](const Vec3& x) { return is_distorted ? distorted(0.1 * x) : x; }, partition);
+            [&](const Vec3& x) { return is_distorted ? shaken(0.1 * x) : x; }, partition);
       };
       BlockMesh whole_mesh = meshOn(MPI_COMM_SELF, onOneRank);
       BlockMesh cut_mesh = meshOn(world, scattered);

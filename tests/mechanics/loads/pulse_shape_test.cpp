@@ -9,7 +9,7 @@
 namespace brickwall::mechanics {
 namespace {
 
-constexpr double pi = 3.14159265358979323846, rounding = 1.1102230246251565e-16;
+constexpr double unit_roundoff = 1.1102230246251565e-16;
 
 // Pulses of unit duration and peak.
 struct Case {
@@ -21,7 +21,7 @@ std::vector<Case> allPulses() {
     return Case{{PulseKind::friedlander, 1, 0.5, b}, 1 / b - (1 - std::exp(-b)) / (b * b)};
   };
   return {{{PulseKind::step, 1}, 1},
-          {{PulseKind::half_sine, 1}, 2 / pi},
+          {{PulseKind::half_sine, 1}, 2 / M_PI},
           {{PulseKind::sin_squared, 1}, 0.5},
           {{PulseKind::triangle, 1, 0.25}, 0.5},
           {{PulseKind::triangle, 1, 0.0}, 0.5},
@@ -91,7 +91,8 @@ TEST(PulseShape, MeansAreThoseOfQuadrature) {
 TEST(PulseShape, InstantsHaveTheValueOfTheShape) {
   for (const Case& c : allPulses())
     for (const double s : {0.0, 0.1, 0.24, 0.26, 0.5, 0.9})
-      EXPECT_NEAR(valueOf(c.shape, s), static_cast<double>(exactValue(c.shape, s)), 8 * rounding);
+      EXPECT_NEAR(valueOf(c.shape, s), static_cast<double>(exactValue(c.shape, s)),
+                  8 * unit_roundoff);
   for (const Case& c : allPulses()) {
     EXPECT_EQ(valueOf(c.shape, -1e-9), 0);
     EXPECT_EQ(valueOf(c.shape, 1 + 1e-9), 0);
@@ -123,7 +124,7 @@ TEST(PulseShape, ImpulsesOfKicksSumToTheClosedForm) {
       }
       const double exact = shape.duration * c.impulse;
       EXPECT_NEAR(static_cast<double>(impulse), exact,
-                  shape.duration * rounding * (32 + 2 * until / dt))
+                  shape.duration * unit_roundoff * (32 + 2 * until / dt))
           << static_cast<int>(shape.kind) << " of " << shape.duration / dt << " steps from "
           << start / dt;
     }
@@ -137,7 +138,7 @@ TEST(PulseShape, MeansOfResolvedPulsesAreTheValueToSecondOrder) {
     };
     if (c.shape.kind == PulseKind::step || c.shape.kind == PulseKind::triangle ||
         c.shape.decay == 0) // linear there
-      EXPECT_LE(error(0.02), 8 * rounding);
+      EXPECT_LE(error(0.02), 8 * unit_roundoff);
     else
       EXPECT_NEAR(std::log2(error(0.02) / error(0.01)), 2, 0.01); // next term: (30 h)^2/80 of it
   }
@@ -164,7 +165,7 @@ TEST(PrescribedMotion, HasTheDisplacementOfItsPulse) {
       const double far = steps * dt * c.impulse;
       const auto u = toHost(solver.state.displacement);
       for (const int node : motion.nodes) {
-        const double rounded = steps * dt * rounding * (32 + 4 * needed);
+        const double rounded = steps * dt * unit_roundoff * (32 + 4 * needed);
         EXPECT_NEAR(u(node, 0), 1e-3 * far, 1e-3 * rounded) << steps;
         EXPECT_NEAR(u(node, 1), 2e-3 * far, 2e-3 * rounded) << steps;
         EXPECT_EQ(u(node, 2), 0);
@@ -196,7 +197,7 @@ TEST(Pressure, HasTheImpulseOfItsPulse) {
         const double exact = 1e-3 * steps * dt * c.impulse;
         // Each of 16 corner loads of a step is rounded to a quantum.
         const double tolerance =
-            1e-3 * steps * dt * rounding * 128 + 41 * 16 * dt * solver.forces.quantum.value;
+            1e-3 * steps * dt * unit_roundoff * 128 + 41 * 16 * dt * solver.forces.quantum.value;
         const Vec3 impulse = solver.ledger.balance().impulse_external;
         EXPECT_NEAR(impulse.x, exact, tolerance) << static_cast<int>(c.shape.kind) << " " << steps;
         EXPECT_NEAR(impulse.y, 0, tolerance);

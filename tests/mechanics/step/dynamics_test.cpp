@@ -11,8 +11,6 @@ namespace {
 
 using namespace testing;
 
-constexpr double pi = 3.14159265358979323846;
-
 const Material wave_material{MaterialModel::linear, 1, 1, 0}; // c = 1
 
 // Relative L1 error of the stress -p H(c t - x) at time t; chi = dt/dt_stable.
@@ -57,11 +55,11 @@ double smoothWaveError(int n) {
   constexpr double t_end = 0.4, start = 0.1, width = 0.3;
   const auto f = [=](double s) {
     const double a = (s - start) / width;
-    return a > 0 && a < 1 ? 1e-3 * std::pow(std::sin(pi * a), 2) : 0.0;
+    return a > 0 && a < 1 ? 1e-3 * std::pow(std::sin(M_PI * a), 2) : 0.0;
   };
   const auto integral = [=](double s) { // of f from minus infinity
     const double a = std::min(1.0, std::max(0.0, (s - start) / width));
-    return 1e-3 * width * (a / 2 - std::sin(2 * pi * a) / (4 * pi));
+    return 1e-3 * width * (a / 2 - std::sin(2 * M_PI * a) / (4 * M_PI));
   };
   // u = -F(x - t): v = f, stress = u_x = -f.
   solver.state.velocity = solver.field([&](const Vec3& x) { return Vec3{f(x.x), 0, 0}; });
@@ -132,7 +130,7 @@ double cantileverFrequency(int along, int across) {
       crossings.push_back(dt * (s - now / (now - before)));
     before = now;
   }
-  return pi * 6 / (crossings[6] - crossings[0]);
+  return M_PI * 6 / (crossings[6] - crossings[0]);
 }
 
 // Higher modes shift single crossings by their share (below 1 % of the first mode); over 3 periods

@@ -20,7 +20,7 @@ using miniapp::Rebalance;
 using miniapp::StepPart;
 
 // Bricks that slide under a load; one of the top course is pushed against its neighbour.
-const char* const sliding_bricks =
+const char* const pushed_bricks =
     "[wall]\nbricks = [2, 1, 3]\nbrick = [0.2, 0.1, 0.1]\nelements = [4, 2, 2]\n"
     "[material.brick]\ndensity = 2000\nyoungs_modulus = 20e9\npoissons_ratio = 0.2\n"
     "[[load.pressure]]\nside_set = \"front\"\npeak = 1e7\nshape = \"step\"\n"
@@ -53,8 +53,8 @@ struct MovingRun {
 
 // Of all parts of 40 steps; before every fifth step elements move to random ranks, or all to the
 // last.
-std::vector<std::uint64_t> checksumsOf(const std::string& more, bool moves) {
-  MovingRun run(sliding_bricks + more);
+std::vector<std::uint64_t> checksumsOfMoved(const std::string& more, bool moves) {
+  MovingRun run(pushed_bricks + more);
   std::vector<std::uint64_t> sums;
   const auto observe = [&] {
     run.simulation->observe(
@@ -82,7 +82,7 @@ TEST(ElementMove, ChangesNoBitWhereverElementsAreAndWheneverTheyMove) {
         "[contact]\nfriction = 0.3\n[search]\nreuse = { margin = 0.0 }\ndecomposition = "
         "\"surface\"\n",
         "[contact]\nenabled = false\n", "[viscosity]\nlinear = 0.06\nquadratic = 1.2\n"})
-    EXPECT_EQ(checksumsOf(more, true), checksumsOf(more, false)) << more;
+    EXPECT_EQ(checksumsOfMoved(more, true), checksumsOfMoved(more, false)) << more;
 }
 
 // Of all ranks: contacts of nodes, of edges, and areas in flush joints.
@@ -96,7 +96,7 @@ std::array<std::int64_t, 3> numRecords(const miniapp::Simulation& simulation) {
 }
 
 TEST(ElementMove, KeepsEachContactAndJointOnce) {
-  MovingRun run(sliding_bricks);
+  MovingRun run(pushed_bricks);
   run.simulation->start();
   run.simulation->step();
   miniapp::SimulationRestart data = run.simulation->restartData();
@@ -115,7 +115,7 @@ TEST(ElementBalance, MovesElementsToRanksOfEqualWorkAsSoonAsThatPays) {
   const int size = sizeOf(MPI_COMM_WORLD);
   if (size == 1)
     GTEST_SKIP() << "there is no other rank";
-  MovingRun run(std::string(sliding_bricks) + "[contact]\nenabled = false\n");
+  MovingRun run(std::string(pushed_bricks) + "[contact]\nenabled = false\n");
   run.simulation->start();
   run.move(std::vector<int>(run.scene.part.elem_ids.size(), 0));
   const double works = rankOf(MPI_COMM_WORLD) == 0 ? 1 : 0;

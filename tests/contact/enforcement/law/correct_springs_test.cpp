@@ -103,18 +103,18 @@ private:
   View<double*[12]> _ghost_accelerations, _ghost_responses;
 };
 
-struct Outcome {
+struct PassOutcome {
   ContactHistory pairs;
   ContactForces forces;
   View<unsigned char*> is_changed{"is_changed", num_pairs};
   View<std::int64_t> num_changed{"num_changed"};
   int num_left = 0;
 
-  explicit Outcome(const RandomContacts& contacts) : pairs(contacts.pairs()) {}
+  explicit PassOutcome(const RandomContacts& contacts) : pairs(contacts.pairs()) {}
 };
 
-Outcome inLanes(const RandomContacts& contacts, bool proposes) {
-  Outcome outcome(contacts);
+PassOutcome inLanes(const RandomContacts& contacts, bool proposes) {
+  PassOutcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
   const CorrectPair correct = proposes ? contacts.propose() : contacts.correct();
@@ -134,8 +134,8 @@ Outcome inLanes(const RandomContacts& contacts, bool proposes) {
   return outcome;
 }
 
-Outcome oneByOne(const RandomContacts& contacts, bool proposes) {
-  Outcome outcome(contacts);
+PassOutcome oneByOne(const RandomContacts& contacts, bool proposes) {
+  PassOutcome outcome(contacts);
   const PairForces add = contacts.add();
   outcome.forces = add.target;
   const CorrectPair correct = proposes ? contacts.propose() : contacts.correct();
@@ -201,8 +201,8 @@ TEST(NodeOwners, SumsEqualThoseOfAtomicAdditions) {
 TEST(CorrectSprings, EqualScalarCorrections) {
   for (const unsigned seed : {1u, 2u, 3u})
     for (const bool proposes : {true, false}) {
-      const Outcome lanes = inLanes(RandomContacts(seed), proposes);
-      const Outcome one = oneByOne(RandomContacts(seed), proposes);
+      const PassOutcome lanes = inLanes(RandomContacts(seed), proposes);
+      const PassOutcome one = oneByOne(RandomContacts(seed), proposes);
       EXPECT_EQ(lanes.num_left, 0);
       const auto pairs = toHost(lanes.pairs.interactions), of_one = toHost(one.pairs.interactions);
       const auto changed = toHost(lanes.is_changed), of_one_changed = toHost(one.is_changed);
@@ -224,7 +224,7 @@ TEST(CorrectSprings, EqualScalarCorrections) {
 }
 
 // What each pair proposes, and its response to what all propose.
-void respond(const Outcome& proposed, const CorrectPair& propose, const CorrectPair& correct,
+void respond(const PassOutcome& proposed, const CorrectPair& propose, const CorrectPair& correct,
              const View<double*>& changes, const View<double*>& responses) {
   const auto all = proposed.pairs;
   Kokkos::parallel_for(
@@ -237,7 +237,7 @@ void respond(const Outcome& proposed, const CorrectPair& propose, const CorrectP
 // Eq. (36) of theory.md, with unit masses.
 TEST(CorrectSprings, ResponsesBoundWhatAllProposalsDoTogether) {
   const RandomContacts contacts(5);
-  const Outcome proposed = inLanes(contacts, true);
+  const PassOutcome proposed = inLanes(contacts, true);
   const auto pairs = toHost(proposed.pairs.interactions);
   const auto quanta = toHost(proposed.forces.nodes);
   const auto of_ghosts = toHost(proposed.forces.ghost_corners);
@@ -319,7 +319,7 @@ TEST(CorrectPair, MakesNoChangeBelowItsLeastShareOfTheUncorrectedForce) {
 TEST(CorrectSprings, LeavesForcesUnchangedThatDoNotFit) {
   const RandomContacts contacts(4, 500);
   const auto before = toHost(RandomContacts(4, 500).pairs().interactions);
-  const Outcome lanes = inLanes(contacts, false);
+  const PassOutcome lanes = inLanes(contacts, false);
   EXPECT_GT(lanes.num_left, num_pairs / 2);
   EXPECT_LT(lanes.num_left, num_pairs); // some forces are almost zero
   const auto pairs = toHost(lanes.pairs.interactions);
