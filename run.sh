@@ -210,23 +210,27 @@ elif [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $cores ]]; then
 fi
 export OMP_NUM_THREADS=$threads
 
+# usual NAME=VALUE...: exports variables; those that the user has set stay.
+usual() {
+  local assignment
+  for assignment in "$@"; do
+    [[ -v ${assignment%%=*} ]] || export "${assignment?}"
+  done
+}
 # Open MPI may run as root and with more ranks than cores, and prints nothing if the program ends
 # with an exit code.
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
-export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
-export OMPI_MCA_orte_execute_quiet=1
-export OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_hwloc_default_binding_policy=none
-if [[ $ranks -eq 1 && $threads -le $cores ]]; then
-  export OMP_PROC_BIND=${OMP_PROC_BIND:-close} OMP_PLACES=${OMP_PLACES:-cores}
-else
-  # Ranks that bind their threads themselves would all take the same first cores.
-  export OMP_PROC_BIND=${OMP_PROC_BIND:-false} OMP_PLACES=${OMP_PLACES:-cores}
-fi
+usual OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
+usual OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
+usual OMPI_MCA_orte_execute_quiet=1
+usual OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_hwloc_default_binding_policy=none
+# Ranks that bind their threads themselves would all take the same first cores.
+if [[ $ranks -eq 1 && $threads -le $cores ]]; then bind=close; else bind=false; fi
+usual OMP_PROC_BIND=$bind OMP_PLACES=cores
 if [[ $((ranks * threads)) -gt $cores ]]; then
-  export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive} OMPI_MCA_mpi_yield_when_idle=1 KOKKOS_DISABLE_WARNINGS=1
+  usual OMP_WAIT_POLICY=passive OMPI_MCA_mpi_yield_when_idle=1 KOKKOS_DISABLE_WARNINGS=1
 fi
 if [[ -n ${BRICKWALL_MPIEXEC:-} ]]; then
-  read -r -a launcher <<<"$BRICKWALL_MPIEXEC"
+  mapfile -t launcher < <(xargs -n 1 printf '%s\n' <<<"$BRICKWALL_MPIEXEC") # quotes as in a shell
 else
   launcher=("$(cached MPIEXEC_EXECUTABLE)")
   [[ -n ${launcher[0]} ]] || launcher=(mpiexec)
@@ -298,11 +302,14 @@ if [[ $code -ge 128 ]]; then
   fi
 fi
 
-# Removes rank files of earlier runs with another number of ranks, and joins those of this run.
+# Removes rank files of earlier runs with another number of ranks (NAME.4.0 to NAME.4.3, NAME.12.00
+# to NAME.12.11), and joins those of this run.
 join_rank_files() {
-  local epu other
-  for other in "$joined".[0-9]*.0*; do
-    [[ -e $other && ${other%.*} != "$joined.$ranks" ]] && rm -f "${other%.*}".[0-9]*
+  local epu other numbers
+  for other in "$joined".*; do
+    numbers=${other#"$joined".}
+    [[ $numbers =~ ^([1-9][0-9]*)\.([0-9]+)$ && ${BASH_REMATCH[1]} -ne $ranks ]] || continue
+    [[ ${#BASH_REMATCH[2]} -eq ${#BASH_REMATCH[1]} && 10#${BASH_REMATCH[2]} -lt ${BASH_REMATCH[1]} ]] && rm -f "$other"
   done
   [[ $ranks -gt 1 ]] || return 0
   epu=$(find_epu)

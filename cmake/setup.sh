@@ -38,7 +38,7 @@ fail() {
 cached() { # the value of a variable in the CMake cache of the build folder
   sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true
 }
-cache_folder=${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}
+cache_folder=$(realpath -m "${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}")
 
 # users PACKAGE: prints the location of a package that the user provides; fails if there is none.
 users() {

@@ -3,8 +3,8 @@
 # sourced by build_trilinos.sh and build_stk.sh.
 #
 # The cache is ${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}. The name of a prefix
-# contains a hash of the options, the patch and the compiler's version: a change of these builds
-# anew. JOBS (default: all cores) limits the number of compilers that run at once.
+# contains a hash of the options, the patch and the versions of compiler and MPI: a change of these
+# builds anew. JOBS (default: all cores) limits the number of compilers that run at once.
 
 # Options that all parts share.
 # shellcheck disable=SC2034
@@ -59,8 +59,15 @@ fetch_source() {
 install_from_source() {
   local name=$1 parts=$2 cache key prefix source_dir log work # fail and fetch_source read the last two
   shift 2
-  cache=${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}
-  key=$({ printf '%s\n' "$@"; declare -f patch_source; g++ -dumpfullversion; uname -m; } | sha256sum | cut -c1-12)
+  cache=$(realpath -m "${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}")
+  key=$({
+    printf '%s\n' "$@"
+    declare -f patch_source
+    g++ -dumpfullversion
+    uname -m
+    mpicxx -show
+    mpicxx -E -dM -x c++ -include mpi.h /dev/null | grep 'MPI.*_VERSION'
+  } | sha256sum | cut -c1-12)
   prefix=$cache/$name-$key
   log=$prefix.log
   work=$cache/work-$name-$key

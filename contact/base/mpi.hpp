@@ -114,6 +114,7 @@ T allReduce(MPI_Comm comm, T value, MPI_Op op) {
 // Collective. Adds the limbs of all ranks exactly.
 template <int N>
 void allReduce(MPI_Comm comm, LimbSums<N>& sums) {
+  sums.carry();
   allReduce(comm, sums.data(), LimbSums<N>::size(), MPI_SUM);
 }
 
@@ -268,6 +269,28 @@ std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
   return all;
 }
 
+// Collective. The values of all ranks, by rank.
+template <class T>
+std::vector<T> gatherFromAll(MPI_Comm comm, const std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const int size = sizeOf(comm);
+  int count = checkedInt(static_cast<std::int64_t>(values.size()), "values to gather");
+  std::vector<int> counts(size), places(size, 0);
+  MPI_Datatype type = MPI_DATATYPE_NULL;
+  checkMpi(MPI_Type_contiguous(sizeof(T), MPI_BYTE, &type), "MPI_Type_contiguous");
+  checkMpi(MPI_Type_commit(&type), "MPI_Type_commit");
+  const Region region(waiting_region);
+  checkMpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm), "MPI_Allgather");
+  for (int q = 1; q < size; ++q)
+    places[q] = checkedInt(std::int64_t(places[q - 1]) + counts[q - 1], "gathered values");
+  std::vector<T> all(static_cast<std::size_t>(places.back()) + counts.back());
+  checkMpi(MPI_Allgatherv(values.data(), count, type, all.data(), counts.data(), places.data(),
+                          type, comm),
+           "MPI_Allgatherv");
+  MPI_Type_free(&type);
+  return all;
+}
+
 template <class T>
 std::vector<T> sortedDistinct(std::vector<T> values) {
   std::sort(values.begin(), values.end());
@@ -275,33 +298,43 @@ std::vector<T> sortedDistinct(std::vector<T> values) {
   return values;
 }
 
-// For each of this rank's keys, in their order, how often the ranks together list it. Equal keys
-// meet on the rank number_of(key) modulo ranks. Keys are plain values with an order. Collective;
-// for set-up.
-template <class Key, class NumberOf>
-std::vector<std::int64_t> countOnAllRanks(MPI_Comm comm, const std::vector<Key>& keys,
-                                          const NumberOf& number_of) {
+// For each of this rank's keys, in their order, the answer of the rank number_of(key) modulo ranks,
+// on which equal keys meet. answer(asked) gives there, for the keys `asked` of each rank, as many
+// answers. Keys and answers are plain values. Collective; for set-up.
+template <class Key, class NumberOf, class Answer>
+auto answersByKey(const Communicator& comm, const std::vector<Key>& keys, const NumberOf& number_of,
+                  const Answer& answer) {
   const int size = sizeOf(comm);
   std::vector<std::vector<Key>> questions(size);
   for (const Key& key : keys)
     questions[number_of(key) % size].push_back(key);
-  const auto received = exchangeByRank(comm, questions);
-  std::vector<Key> sorted = joined(received);
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<std::vector<std::int64_t>> replies(size);
-  for (int q = 0; q < size; ++q)
-    for (const Key& key : received[q]) {
-      const auto equal = std::equal_range(sorted.begin(), sorted.end(), key);
-      replies[q].push_back(equal.second - equal.first);
-    }
-  const auto answers = exchangeByRank(comm, replies); // in the order of the questions
+  const auto answers = exchangeByRank(comm, answer(exchangeByRank(comm, std::move(questions))));
   std::vector<std::size_t> next(size, 0);
-  std::vector<std::int64_t> counts;
+  typename std::decay_t<decltype(answers)>::value_type in_order;
   for (const Key& key : keys) {
     const auto rank = static_cast<std::size_t>(number_of(key) % size);
-    counts.push_back(answers[rank][next[rank]++]);
+    in_order.push_back(answers[rank][next[rank]++]);
   }
-  return counts;
+  return in_order;
+}
+
+// For each of this rank's keys, in their order, how often the ranks together list it. Keys are plain
+// values with an order; number_of(key) >= 0. Collective; for set-up.
+template <class Key, class NumberOf>
+std::vector<std::int64_t> countOnAllRanks(MPI_Comm of_host, const std::vector<Key>& keys,
+                                          const NumberOf& number_of) {
+  const auto countEach = [](const std::vector<std::vector<Key>>& asked) {
+    std::vector<Key> sorted = joined(asked);
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::vector<std::int64_t>> counts(asked.size());
+    for (std::size_t q = 0; q < asked.size(); ++q)
+      for (const Key& key : asked[q]) {
+        const auto equal = std::equal_range(sorted.begin(), sorted.end(), key);
+        counts[q].push_back(equal.second - equal.first);
+      }
+    return counts;
+  };
+  return answersByKey(Communicator(of_host), keys, number_of, countEach);
 }
 
 } // namespace brickwall

@@ -2,6 +2,7 @@
 
 #include "contact/base/region.hpp"
 #include "contact/base/to_device.hpp"
+#include "contact/surface/merge_runs.hpp"
 
 #include <algorithm>
 #include <unordered_map>
@@ -347,7 +348,9 @@ SecondarySurface::SecondarySurface(const exec_space& space, MPI_Comm of_host,
   std::vector<unsigned char> is_owned;
   const auto shared_rows = findSharedRows(comm, nodes, is_owned);
   _shared = SurfaceTransfer(space, comm, shared_rows, shared_rows);
-  const std::size_t num_words = primary.face_attributes.extent(1);
+  // Ranks without faces may have no attributes.
+  const auto num_words = static_cast<std::size_t>(
+      allReduce(comm, static_cast<std::int64_t>(primary.face_attributes.extent(1)), MPI_MAX));
   const auto face_records = exchangeByRank(comm, std::move(out.faces));
   const auto attributes = exchangeByRank(comm, std::move(out.attributes));
   MergedFaces faces = mergeFaces(face_records, attributes, num_words, nodes.node_of);

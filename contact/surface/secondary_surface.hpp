@@ -4,7 +4,7 @@
 // in Applied Mechanics and Engineering 184, 2000).
 #pragma once
 
-#include "contact/surface/merge_runs.hpp"
+#include "contact/surface/id_holders.hpp"
 #include "contact/surface/surface.hpp"
 #include "contact/surface/surface_transfer.hpp"
 
@@ -119,33 +119,15 @@ std::vector<Record> sendToHolders(const Communicator& comm, const std::vector<Re
   if (allReduce(comm, num_here, MPI_SUM) == 0)
     return {};
   const int num_ranks = sizeOf(comm);
-  // The rank chosen by an id knows its holder.
-  std::vector<std::vector<global_id>> listed(num_ranks);
-  for (const global_id id : held)
-    listed[id % num_ranks].push_back(id);
-  std::vector<std::pair<global_id, int>> holders;
-  std::vector<std::size_t> ends;
-  const auto lists = exchangeByRank(comm, listed);
-  for (int q = 0; q < num_ranks; ++q) {
-    for (const global_id id : lists[q])
-      holders.emplace_back(id, q);
-    ends.push_back(holders.size());
-  }
-  sortRuns(holders, std::move(ends), std::less<>());
+  const IdHolders holder_of(comm, held);
   std::vector<std::vector<Record>> asked(num_ranks), forwarded(num_ranks);
   for (const Record& record : records)
     asked[idOf(record) % num_ranks].push_back(record);
-  for (const auto& some : exchangeByRank(comm, asked))
-    for (const Record& record : some) {
-      const global_id id = idOf(record);
-      const auto holder = std::lower_bound(holders.begin(), holders.end(), std::make_pair(id, 0));
-      if (holder != holders.end() && holder->first == id)
-        forwarded[holder->second].push_back(record);
-    }
-  std::vector<Record> received;
-  for (const auto& some : exchangeByRank(comm, forwarded))
-    received.insert(received.end(), some.begin(), some.end());
-  return received;
+  for (const auto& some : exchangeByRank(comm, std::move(asked)))
+    for (const Record& record : some)
+      if (const int holder = holder_of(idOf(record)); holder != IdHolders::none)
+        forwarded[holder].push_back(record);
+  return joined(exchangeByRank(comm, std::move(forwarded)));
 }
 
 } // namespace brickwall::contact

@@ -82,6 +82,20 @@ void setPosition(TomlNode& node, int option) {
     setPosition(member.second, option);
 }
 
+// Whether the bytes are sequences of UTF-8, by their lengths.
+bool isUtf8(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    if (lead >= 0x80 && (lead < 0xc2 || lead > 0xf4))
+      return false;
+    const int following = (lead >= 0xc2) + (lead >= 0xe0) + (lead >= 0xf0);
+    for (int k = 0; k < following; ++k)
+      if (++i == text.size() || (static_cast<unsigned char>(text[i]) & 0xc0) != 0x80)
+        return false;
+  }
+  return true;
+}
+
 TomlNode emptyNode(TomlNode::Kind kind, int option) {
   TomlNode node;
   node.kind = kind;
@@ -116,6 +130,10 @@ TomlNode parseLooseValue(const std::string& spelling, const KeyRule* rule) {
 void applyOverride(const std::string& text, int index, const Schema& schema, TomlNode& root,
                    DeckFaults& faults) {
   const Position here{1, 1, 1, index};
+  if (!isUtf8(text)) {
+    faults.add(here, "", "bytes that are not UTF-8", "UTF-8, as in a deck");
+    return;
+  }
   const std::size_t equals = text.find('=');
   auto path = equals == std::string::npos ? std::nullopt
                                           : splitPath(withoutOuterBlanks(text.substr(0, equals)));

@@ -127,6 +127,7 @@ void moveSets(MPI_Comm comm, const MeshPart& part, const std::vector<int>& rank_
 MeshPart redistribute(MPI_Comm comm, const MeshPart& part, const std::vector<int>& rank_of_elem) {
   MeshPart moved;
   moved.blocks = part.blocks;
+  moved.empty_blocks = part.empty_blocks;
   moved.num_global_nodes = part.num_global_nodes;
   moved.num_global_elems = part.num_global_elems;
   moved.num_global_bodies = part.num_global_bodies;

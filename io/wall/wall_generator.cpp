@@ -42,22 +42,28 @@ struct BrickPart {
   const WallLayout& wall;
   const MeshPart& part;
   int first, end;
+};
 
-  global_id brick() const { return part.elem_body[first]; }
-  global_id firstNode() const { return wall.firstNode(brick()); }
-  // Sets local[i] to the number, from 0 on, of node i of the brick if it is used, otherwise to -1.
-  // Returns how many are.
-  int numberNodes(std::vector<int>& local) const {
-    local.assign(wall.firstNode(brick() + 1) - firstNode(), -1);
-    for (int elem = first; elem < end; ++elem)
-      for (const global_id node : wall.elemNodes(part.elem_ids[elem]))
-        local[node - firstNode()] = 0;
-    int count = 0;
+// The nodes of a brick that this rank uses, numbered from 0 on. Other ranks may have most of a large
+// brick.
+struct BrickNumbers {
+  explicit BrickNumbers(const BrickPart& brick) {
+    const auto nodesOf = [&](int elem) { return brick.wall.elemNodes(brick.part.elem_ids[elem]); };
+    // Corners 0 and 6 have the lowest and highest number, and these ascend with the element.
+    first = nodesOf(brick.first)[0];
+    const global_id last = nodesOf(brick.end - 1)[6];
+    local.assign(static_cast<std::size_t>(last + 1 - first), -1);
+    for (int elem = brick.first; elem < brick.end; ++elem)
+      for (const global_id node : nodesOf(elem))
+        local[node - first] = 0;
     for (int& number : local)
       if (number == 0)
         number = count++;
-    return count;
   }
+
+  global_id first;
+  std::vector<int> local; // [node - first]; -1 for those of other ranks
+  int count = 0;
 };
 
 // Elements in ascending order, and so brick by brick; the nodes of each brick follow those of the
@@ -79,24 +85,21 @@ void generateElems(const WallLayout& wall, MeshPart& part) {
   }
   const auto num_bricks = static_cast<std::int64_t>(bricks.size());
   std::vector<int> first_node(bricks.size() + 1, 0);
-  parallelOnHost("io::generateWall::count", num_bricks, [&](std::int64_t b) {
-    std::vector<int> local;
-    first_node[b + 1] = bricks[b].numberNodes(local);
-  });
+  parallelOnHost("io::generateWall::count", num_bricks,
+                 [&](std::int64_t b) { first_node[b + 1] = BrickNumbers(bricks[b]).count; });
   std::partial_sum(first_node.begin(), first_node.end(), first_node.begin());
   part.node_ids = hostArray<global_id>(first_node.back());
   part.elem_nodes = hostArray<int>(8 * std::int64_t(num_elems));
   parallelOnHost("io::generateWall::number", num_bricks, [&](std::int64_t b) {
     const BrickPart& brick = bricks[b];
-    std::vector<int> local;
-    brick.numberNodes(local);
-    for (std::size_t i = 0; i < local.size(); ++i)
-      if (local[i] >= 0)
-        part.node_ids[first_node[b] + local[i]] = brick.firstNode() + static_cast<global_id>(i);
+    const BrickNumbers numbers(brick);
+    for (std::size_t i = 0; i < numbers.local.size(); ++i)
+      if (numbers.local[i] >= 0)
+        part.node_ids[first_node[b] + numbers.local[i]] = numbers.first + static_cast<global_id>(i);
     for (int elem = brick.first; elem < brick.end; ++elem) {
       int* corner = &part.elem_nodes[8 * std::size_t(elem)];
       for (const global_id node : wall.elemNodes(part.elem_ids[elem]))
-        *corner++ = first_node[b] + local[node - brick.firstNode()];
+        *corner++ = first_node[b] + numbers.local[node - numbers.first];
     }
   });
   part.coordinates = hostArray<double>(3 * std::int64_t(part.numNodes()));

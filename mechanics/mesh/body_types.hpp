@@ -1,5 +1,5 @@
-// Bodies that are translated copies of each other: the same elements of the same materials.
-// Quantities that depend on shape and stiffness alone are computed once per type, for the body of
+// Bodies that are translated copies of each other: the same elements of the same elastic constants
+// and density. Quantities that depend on these alone are computed once per type, for the body of
 // lowest number.
 #pragma once
 

@@ -14,30 +14,21 @@ namespace brickwall::mechanics {
 // `combine(T& to, const T& from)` must not depend on the order. Collective.
 template <class T, class CombineTwo>
 std::vector<T> combineByBody(MPI_Comm of_host, const std::vector<T>& values, CombineTwo combine) {
-  const Communicator comm(of_host);
-  const int size = sizeOf(comm);
-  std::vector<std::vector<T>> questions(size);
-  for (const T& value : values)
-    questions[value.body % size].push_back(value);
-  auto received = exchangeByRank(comm, questions);
-  std::unordered_map<global_id, T> combined;
-  for (const auto& list : received)
-    for (const T& value : list) {
-      const auto [entry, is_new] = combined.emplace(value.body, value);
-      if (!is_new)
-        combine(entry->second, value);
-    }
-  for (auto& list : received)
-    for (T& value : list)
-      value = combined.at(value.body);
-  const auto answers = exchangeByRank(comm, received);
-  std::vector<std::size_t> next(size, 0);
-  std::vector<T> result;
-  for (const T& value : values) {
-    const auto rank = static_cast<std::size_t>(value.body % size);
-    result.push_back(answers[rank][next[rank]++]);
-  }
-  return result;
+  const auto combineAll = [&](std::vector<std::vector<T>> values_of_ranks) {
+    std::unordered_map<global_id, T> combined;
+    for (const auto& list : values_of_ranks)
+      for (const T& value : list) {
+        const auto [entry, is_new] = combined.emplace(value.body, value);
+        if (!is_new)
+          combine(entry->second, value);
+      }
+    for (auto& list : values_of_ranks)
+      for (T& value : list)
+        value = combined.at(value.body);
+    return values_of_ranks;
+  };
+  return answersByKey(
+      Communicator(of_host), values, [](const T& value) { return value.body; }, combineAll);
 }
 
 } // namespace brickwall::mechanics

@@ -99,7 +99,8 @@ double totalMass(const exec_space& space, MPI_Comm comm, const HexMesh& mesh,
       "mechanics::totalMass::largest", rangePolicy(space, mesh.num_nodes),
       KOKKOS_LAMBDA(const std::int64_t node, double& m) { m = maxOf(m, mass(node)); },
       Kokkos::Max<double>(largest));
-  const LimbScale scale = LimbScale::forLargest(2 * allReduce(comm, largest, MPI_MAX));
+  // With room for 2^38 nodes.
+  const LimbScale scale = LimbScale::forLargest(0x1p10 * allReduce(comm, largest, MPI_MAX));
   const auto is_owned = mesh.node_is_owned;
   LimbSums<1> sum;
   Kokkos::parallel_reduce(

@@ -31,7 +31,8 @@ struct NodalMotion {
     for (int kind = 0; kind < num_force_kinds; ++kind) // a constant: see NodalForces::acts
       if (3 * kind < static_cast<int>(values.extent(1)) && acts[kind])
         force += values(node, 3 * kind + d);
-    return static_cast<double>(force) * quantum / mass(node) + gravity[d];
+    const double m = mass(node); // 0 without elements
+    return (m > 0 ? static_cast<double>(force) * quantum / m : 0.0) + gravity[d];
   }
   // Asks for the operands of acceleration().
   KOKKOS_FORCEINLINE_FUNCTION void prefetchOperands(std::int64_t node) const {

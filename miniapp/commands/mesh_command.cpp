@@ -27,6 +27,7 @@ int writeMeshOnly(MPI_Comm comm, const Config& config, const Options& options) {
   makeDirectory(comm, options.output_directory);
   if (config.mesh)
     refuseToReplace(comm, config.mesh->file, path);
+  const FolderLock lock(comm, options.output_directory);
   io::writeMesh(comm, path, part, results);
   return 0;
 }

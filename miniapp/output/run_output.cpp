@@ -16,6 +16,8 @@ bool Ticker::due(double time) {
     return _always;
   // A step may end a rounding error before the multiple.
   const double tick = std::floor(time / _interval * (1 + 1e-12) + 1e-9);
+  if (!(tick < 0x1p53)) // not counted: shorter than any step
+    return true;
   if (tick <= _last)
     return false;
   _last = tick;

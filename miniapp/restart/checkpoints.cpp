@@ -37,8 +37,19 @@ std::string stepName(std::int64_t step) {
   return format("step-%012lld", step);
 }
 
+// Whether the name is that of a checkpoint, of any number of digits.
+bool isStepName(const std::string& name) {
+  return name.size() > 5 && name.compare(0, 5, "step-") == 0 &&
+         name.find_first_not_of("0123456789", 5) == std::string::npos;
+}
+
+// On one line; bytes that are not UTF-8, as a path may have, are replaced as in the file.
+std::string checksumOf(const Json& manifest) {
+  return hex(textChecksum(manifest.dump(-1, ' ', false, Json::error_handler_t::replace)));
+}
+
 std::string withChecksum(Json manifest) {
-  manifest["checksum"] = hex(textChecksum(manifest.dump()));
+  manifest["checksum"] = checksumOf(manifest);
   return jsonText(manifest);
 }
 
@@ -67,7 +78,7 @@ Json parseManifest(const std::string& text) {
     throw InputError(std::string(manifest_name) + " is damaged");
   const std::string checksum = manifest["checksum"];
   manifest.erase("checksum");
-  if (hex(textChecksum(manifest.dump())) != checksum)
+  if (checksumOf(manifest) != checksum)
     throw InputError(std::string(manifest_name) +
                      " has another checksum than it states: it is damaged");
   return manifest;
@@ -203,8 +214,8 @@ void Checkpoints::removeOutdated(const std::string& latest) const {
   for (fs::directory_iterator at(_folder, none), end; !none && at != end; at.increment(none)) {
     const fs::path& entry = at->path();
     const std::string suffix = entry.extension().string();
-    if (entry.filename().string().compare(0, 5, "step-") == 0 && entry != latest &&
-        entry != before && (suffix.empty() || suffix == ".tmp" || suffix == ".old"))
+    if (isStepName(entry.stem().string()) && entry != latest && entry != before &&
+        (suffix.empty() || suffix == ".tmp" || suffix == ".old"))
       outdated.push_back(entry);
   }
   for (const fs::path& entry : outdated)
@@ -217,7 +228,7 @@ std::vector<std::string> Checkpoints::all(const std::string& folder) const {
   for (auto at = fs::directory_iterator(folder, none); at != fs::directory_iterator();
        at.increment(none)) {
     const std::string name = at->path().filename().string();
-    if (name.compare(0, 5, "step-") == 0 && name.find('.') == std::string::npos)
+    if (isStepName(name))
       paths.push_back(at->path().string());
   }
   std::sort(paths.begin(), paths.end());
@@ -230,7 +241,7 @@ std::string Checkpoints::nearest(const std::string& path) const {
   const fs::path parent = place.has_parent_path() ? place.parent_path() : ".";
   const auto stepOf = [](const fs::path& checkpoint) { // step-77 and step-000000000077 alike
     const std::string name = checkpoint.filename().string();
-    return name.compare(0, 5, "step-") == 0 ? std::atoll(name.c_str() + 5) : INT64_MAX;
+    return isStepName(name) ? std::atoll(name.c_str() + 5) : INT64_MAX;
   };
   for (const std::string& folder : {parent.string(), (parent / "checkpoints").string(), _folder}) {
     std::string best;

@@ -22,8 +22,9 @@ std::vector<std::string> entriesOf(const std::string& deck) {
     }
     const std::string entry = block + line;
     const std::string key = entry.substr(0, entry.find(' '));
-    if (block != "output.checkpoint." && block != "partition." && key != "time.steps" &&
-        key != "limits.wall_time" && key != "mesh.file" && key != "search.decomposition")
+    if (block != "output.checkpoint." && block != "partition." && block != "skip." &&
+        key != "title" && key != "units" && key != "time.steps" && key != "limits.wall_time" &&
+        key != "mesh.file" && key != "search.decomposition")
       entries.push_back(entry);
   }
   return entries;

@@ -4,10 +4,12 @@
 #include "contact/base/to_device.hpp"
 #include "contact/base/vec3.hpp"
 #include "io/wall/wall_layout.hpp"
+#include "mechanics/mesh/combine_by_body.hpp"
 #include "miniapp/scene/loads.hpp"
 
 #include <algorithm>
 #include <sstream>
+#include <unordered_map>
 
 namespace brickwall::miniapp {
 
@@ -40,31 +42,54 @@ const Units* unitsOf(double gravity) {
   return nullptr;
 }
 
-// The box of each body and its lowest wave speed decide the times; a body may lie on several ranks.
-void addCrossings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
-                  Magnitudes& result) {
-  constexpr int width = 7; // low and -high corner, wave speed: minima
-  std::vector<double> bodies(static_cast<std::size_t>(width * part.num_global_bodies), HUGE_VAL);
+// The box of a body, low corner and negative high one, and its lowest wave speed.
+struct BodyExtent {
+  global_id body;
+  double least[7] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+
+  void include(int i, double value) { least[i] = minOf(least[i], value); }
+};
+
+// Of each body with elements on this rank, which may have only some of them.
+std::vector<BodyExtent> extentsHere(const Config& config, const io::MeshPart& part) {
+  std::vector<BodyExtent> extents;
+  std::unordered_map<global_id, std::size_t> place_of_body;
+  std::size_t place = 0;
   for (int elem = 0; elem < part.numElems(); ++elem) {
-    double* body = &bodies[static_cast<std::size_t>(width * part.elem_body[elem])];
+    const global_id id = part.elem_body[elem];
+    if (elem == 0 || id != part.elem_body[elem - 1])
+      place = place_of_body.emplace(id, extents.size()).first->second;
+    if (place == extents.size())
+      extents.push_back({id});
+    BodyExtent& body = extents[place];
     for (int corner = 0; corner < 8; ++corner)
       for (int d = 0; d < 3; ++d) {
         const auto node = static_cast<std::size_t>(part.elem_nodes[8 * elem + corner]);
         const double x = part.coordinates[3 * node + d];
-        body[d] = minOf(body[d], x);
-        body[3 + d] = minOf(body[3 + d], -x);
+        body.include(d, x);
+        body.include(3 + d, -x);
       }
     const auto& block = part.blocks[part.elem_block[elem]];
-    body[6] = minOf(body[6], config.materialOf(block.name)->dilatationalSpeed());
+    body.include(6, config.materialOf(block.name)->dilatationalSpeed());
   }
-  allReduce(comm, bodies.data(),
-            checkedInt(static_cast<std::int64_t>(bodies.size()), "boxes of bodies"), MPI_MIN);
-  for (std::size_t first = 0; first < bodies.size(); first += width)
+  return extents;
+}
+
+void addCrossings(MPI_Comm comm, const Config& config, const io::MeshPart& part,
+                  Magnitudes& result) {
+  const auto extents = mechanics::combineByBody(comm, extentsHere(config, part),
+                                                [](BodyExtent& a, const BodyExtent& b) {
+                                                  for (int i = 0; i < 7; ++i)
+                                                    a.include(i, b.least[i]);
+                                                });
+  for (const BodyExtent& body : extents)
     for (int d = 0; d < 3; ++d) {
-      const double time = (-bodies[first + 3 + d] - bodies[first + d]) / bodies[first + 6];
+      const double time = (-body.least[3 + d] - body.least[d]) / body.least[6];
       result.shortest_crossing = minOf(result.shortest_crossing, time);
       result.longest_crossing = maxOf(result.longest_crossing, time);
     }
+  result.shortest_crossing = allReduce(comm, result.shortest_crossing, MPI_MIN);
+  result.longest_crossing = allReduce(comm, result.longest_crossing, MPI_MAX);
 }
 
 void raisePressure(Magnitudes& result, double pressure, const char* source) {

@@ -136,9 +136,11 @@ expect "repetitions that kept their lists have no figure of merit" 0 '^no FOM' 1
 rotation=("$inputs/one_brick.toml" --set 'material.brick.model="linear"' --set 'load.pressure[0].peak=1'
   --set 'initial.velocity[0].angular_velocity=[0,0,1000]' --set time.end=1e-3 --set output.checkpoint.steps=1000)
 expect "the rotation of a linear body gives a warning" 0 'warning: element [0-9]+ .*linear material has rotated' 1 run "${rotation[@]}"
+mkdir "$work/out/checkpoints/step-keep" # no name of a checkpoint
 expect "a restarted run knows its warnings" 0 '^PASS' 1 run "${rotation[@]}" --restart latest --extend-to 1.1e-3
 { [[ $(grep -c 'has rotated' "$work/out/report.json") -eq 1 ]] && ! grep -q 'has rotated' "$work/log"; } ||
   { echo "FAILED: a restarted run does not report its warning once"; failures=$((failures + 1)); }
+[[ -d $work/out/checkpoints/step-keep ]] || { echo "FAILED: a folder beside the checkpoints is removed"; failures=$((failures + 1)); }
 expect "a checkpoint that is not there names the nearest one" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \
   1 run "${rotation[@]}" --restart "$work/out/checkpoints/step-5"
 expect "a folder without checkpoints names those of the run" 2 'no manifest.json.*the nearest one can: --restart .*/checkpoints/step-0' \

@@ -57,11 +57,12 @@ std::vector<ContactRecord> contactsOf(const View<const global_id*>& node_ids,
   for (const ContactRecord& record : records) {
     row = row_of.findNear(row, record.node);
     if (row == RowOfId::none)
-      throw Error(ExitCode::internal, "setHistory: found a contact of node " +
+      throw Error(ExitCode::internal, "setHistory: found a record of node " +
                                           std::to_string(record.node) +
                                           ", which is not on the surface of this rank");
     if (record.steps_since > 0) {
-      last_step(static_cast<std::size_t>(row)) = last.num_steps + 1 - record.steps_since;
+      if (last_step.extent(0) > 0) // otherwise nothing has friction
+        last_step(static_cast<std::size_t>(row)) = last.num_steps + 1 - record.steps_since;
       continue;
     }
     active.push_back(record);

@@ -10,7 +10,6 @@ namespace brickwall::contact {
 
 class FaceRecords {
 public:
-  FaceRecords() = default;
   FaceRecords(const exec_space& space, const Surface& surface, const NodeFaces& node_faces);
 
   // Collective. Updates the records of all faces that rows which are awake refer to.

@@ -3,7 +3,7 @@
 #include "contact/base/group_by_key.hpp"
 #include "contact/base/tags.hpp"
 #include "contact/base/to_device.hpp"
-#include "contact/surface/merge_runs.hpp"
+#include "contact/surface/id_holders.hpp"
 #include "contact/surface/row_of_id.hpp"
 
 #include <algorithm>
@@ -52,46 +52,34 @@ struct HostSurface {
   HostCopy<decltype(Surface::face_attributes)> attributes;
 };
 
-// Collective. [node] the rank of its owner, of nodes that are not owned here. The directory is
-// distributed over ranks by node id.
+// Collective. [node] the rank of its owner.
 std::vector<int> findOwners(const Communicator& comm, const HostSurface& surface) {
-  const int size = sizeOf(comm);
-  std::vector<std::vector<global_id>> registered(size), asked(size);
-  for (int node = 0; node < surface.num_nodes; ++node) {
-    const global_id id = surface.node_ids(node);
-    (surface.owned(node) ? registered : asked)[id % size].push_back(id);
-  }
-  const auto known = exchangeByRank(comm, std::move(registered));
-  const auto questions = exchangeByRank(comm, asked);
-  std::vector<std::vector<int>> answers(size);
-  rethrowOnAllRanks(comm, [&] {
-    std::vector<std::pair<global_id, int>> directory;
-    std::vector<std::size_t> ends;
-    for (int q = 0; q < size; ++q) {
-      for (const global_id id : known[q])
-        directory.emplace_back(id, q);
-      ends.push_back(directory.size());
-    }
-    sortRuns(directory, std::move(ends), std::less<>());
-    for (int q = 0; q < size; ++q)
-      for (const global_id id : questions[q]) {
-        const auto at = std::lower_bound(directory.begin(), directory.end(), std::make_pair(id, 0));
-        if (at == directory.end() || at->first != id)
-          throw Error(ExitCode::internal,
-                      "NodeFaces: surface node with id " + std::to_string(id) + " of rank " +
-                          std::to_string(q) + " is on the surface of no rank that owns it; " +
-                          "the owner's surface must list it, even without a face there");
-        answers[q].push_back(at->second);
-      }
-  });
-  const auto replies = exchangeByRank(comm, answers);
-  std::vector<int> owners(surface.num_nodes, rankOf(comm));
-  std::vector<std::size_t> next(size, 0);
+  std::vector<global_id> owned, others;
   for (int node = 0; node < surface.num_nodes; ++node)
-    if (!surface.owned(node)) {
-      const global_id q = surface.node_ids(node) % size;
-      owners[node] = replies[q][next[q]++];
-    }
+    (surface.owned(node) ? owned : others).push_back(surface.node_ids(node));
+  const IdHolders owner_of(comm, owned);
+  const auto answer = [&](const std::vector<std::vector<global_id>>& asked) {
+    std::vector<std::vector<int>> owners(asked.size());
+    rethrowOnAllRanks(comm, [&] {
+      for (std::size_t q = 0; q < asked.size(); ++q)
+        for (const global_id id : asked[q]) {
+          owners[q].push_back(owner_of(id));
+          if (owners[q].back() == IdHolders::none)
+            throw Error(ExitCode::internal,
+                        "NodeFaces: surface node with id " + std::to_string(id) + " of rank " +
+                            std::to_string(q) + " is on the surface of no rank that owns it; " +
+                            "the owner's surface must list it, even without a face there");
+        }
+    });
+    return owners;
+  };
+  const std::vector<int> of_others = answersByKey(
+      comm, others, [](global_id id) { return id; }, answer);
+  std::vector<int> owners(surface.num_nodes, rankOf(comm));
+  auto next = of_others.begin();
+  for (int node = 0; node < surface.num_nodes; ++node)
+    if (!surface.owned(node))
+      owners[node] = *next++;
   return owners;
 }
 

@@ -37,7 +37,6 @@ struct RecordSelection {
 
 class NodeFaces {
 public:
-  NodeFaces() = default;
   // Collective. Uses ids, ownership, connectivity and the surface mass of `surface`. Throws on all
   // ranks if a node is owned by no rank that has it on its surface, since its contacts would be
   // missed.

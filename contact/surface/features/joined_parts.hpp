@@ -23,12 +23,6 @@ struct Meeting {
   friend bool operator<(const Meeting& a, const Meeting& b) { return a.ids() < b.ids(); }
 };
 
-// The values of all ranks, by rank. Collective.
-template <class T>
-std::vector<T> gatherFromAll(MPI_Comm comm, const std::vector<T>& values) {
-  return joined(exchangeByRank(comm, std::vector<std::vector<T>>(sizeOf(comm), values)));
-}
-
 // Calls visit(a, b) for each two that meet; `meetings` are sorted. Where more than two have the
 // same ids, none meet.
 template <class T, class Visit>

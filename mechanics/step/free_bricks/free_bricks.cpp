@@ -69,6 +69,7 @@ NodeSelection selectNodes(const exec_space& space, const std::vector<char>& mark
       appendNode(node, runs);
   NodeSelection selection;
   selection.all = false;
+  selection.num_nodes = static_cast<int>(marks.size());
   selection.runs = toDevice(space, "mechanics::FreeBricks::node_runs", runs);
   return selection;
 }

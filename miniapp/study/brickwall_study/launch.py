@@ -26,7 +26,7 @@ def environment(ranks, threads, cores):
              "OMPI_MCA_orte_execute_quiet": "1"}
     usual.update({f"{name}_ALLOW_RUN_AS_ROOT{more}": "1" for name in ("OMPI", "PRTE") for more in ("", "_CONFIRM")})
     if ranks * threads > cores:
-        usual.update({"OMP_WAIT_POLICY": "passive", "OMPI_MCA_mpi_yield_when_idle": "1"})
+        usual.update({"OMP_WAIT_POLICY": "passive", "OMPI_MCA_mpi_yield_when_idle": "1", "KOKKOS_DISABLE_WARNINGS": "1"})
     return {**found, **{name: os.environ.get(name, value) for name, value in usual.items()}}
 
 

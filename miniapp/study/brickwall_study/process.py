@@ -5,6 +5,8 @@ import signal
 import subprocess
 from pathlib import Path
 
+PATIENCE = 10  # seconds between the signals that end a process
+
 
 def execute(command, log, limit, environment=None):
     """Runs `command` with additional variables in its `environment`. Returns ("ok" | "failed" |
@@ -32,10 +34,11 @@ def last_words(log):
 
 
 def end(process):
-    for how in (signal.SIGTERM, signal.SIGKILL):
+    # run.sh starts its launcher in a session of its own; a second signal makes it end that at once.
+    for how in (signal.SIGTERM, signal.SIGTERM, signal.SIGKILL):
         try:
             os.killpg(process.pid, how)
-            process.wait(timeout=10)
+            process.wait(timeout=PATIENCE)
             return
         except subprocess.TimeoutExpired:
             continue

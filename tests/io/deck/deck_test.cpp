@@ -297,6 +297,9 @@ TEST(Deck, NamesTheOptionOfAWrongOverride) {
   // nothing more: the block is not missing
   EXPECT_EQ(faultsOf(good, {"limits=1"}), "--set limits=1: limits: found the integer 1, expected "
                                           "one table [limits], whose keys are wall_time");
+  EXPECT_CONTAINS(faultsOf(good, {"title=b\xe9"}), "found bytes that are not UTF-8");
+  EXPECT_CONTAINS(faultsOf(good, {"title=\xf0\x9f\xa7"}), "found bytes that are not UTF-8");
+  EXPECT_EQ(faultsOf(good, {"title=b\xc3\xa9 \xf0\x9f\xa7\xb1"}), "");
   EXPECT_CONTAINS(faultsOf(good, {"wal.gap=1"}), "did you mean \"[wall]\"?");
   EXPECT_CONTAINS(faultsOf(good, {"wall.gap=wide"}),
                   "found the text \"wide\", expected a finite number");

@@ -291,6 +291,8 @@ TEST(MeshReader, ListsEmptyBlocksApart) {
   ASSERT_EQ(part.blocks.size(), 2u);
   EXPECT_EQ(part.blocks[1].id, 30);
   EXPECT_EQ(part.empty_blocks, std::vector<std::string>{"block_20"});
+  const MeshPart moved = redistribute(MPI_COMM_WORLD, part, std::vector<int>(part.numElems(), 0));
+  EXPECT_EQ(moved.empty_blocks, part.empty_blocks);
 }
 
 TEST(MeshReader, RefusesANodeAtTwoCornersOfAnElement) {

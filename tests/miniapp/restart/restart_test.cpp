@@ -33,6 +33,8 @@ TEST(DeckDifference, IgnoresWhatResultsDoNotDependOn) {
   EXPECT_EQ(deckDifference(deck, replaced(deck, "wall_time = 5.0", "wall_time = 6.0")), "");
   EXPECT_EQ(deckDifference(deck, std::string(deck) + "[output.checkpoint]\nsteps = 3\n"), "");
   EXPECT_EQ(deckDifference(deck, std::string(deck) + "[partition]\ninterval = 3\n"), "");
+  EXPECT_EQ(deckDifference(deck, std::string(deck) + "[skip]\nfree_bricks = false\n"), "");
+  EXPECT_EQ(deckDifference(deck, replaced(deck, "\"x\"", "\"y\"")), "");
 }
 
 TEST(DeckDifference, NamesTheFirstKeyThatDiffers) {

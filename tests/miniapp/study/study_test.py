@@ -13,7 +13,7 @@ from unittest import mock
 
 from support import HERE, ROOT, FolderTest
 from json_schema import faults_of
-from brickwall_study import study_output
+from brickwall_study import process, study_output
 from brickwall_study.problem_size import memory_needed
 from brickwall_study.report_command import main as report
 from brickwall_study.study_command import main
@@ -253,6 +253,14 @@ class Failures(StudyTest):
             with self.subTest(text=text):
                 self.assertIn(words, self.fault(main, self.folder / "study.toml", "--program", FAKE, "-o", self.out))
         self.assertIn("No such file", self.fault(main, self.folder / "none.toml", "--program", FAKE))
+
+
+class Processes(FolderTest):
+    def test_a_run_out_of_time_gets_a_second_signal_which_ends_its_launcher(self):
+        script = 'trap "trap \\"echo ended; exit\\" TERM" TERM; while true; do sleep 0.05; done'  # as run.sh
+        with mock.patch.object(process, "PATIENCE", 0.5):
+            self.assertEqual(process.execute(["bash", "-c", script], self.folder / "log", 0.5)[0], "out of time")
+        self.assertIn("ended", (self.folder / "log").read_text())
 
 
 class Schema(StudyTest):
