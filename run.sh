@@ -229,8 +229,9 @@ usual OMP_PROC_BIND=$bind OMP_PLACES=cores
 if [[ $((ranks * threads)) -gt $cores ]]; then
   usual OMP_WAIT_POLICY=passive OMPI_MCA_mpi_yield_when_idle=1 KOKKOS_DISABLE_WARNINGS=1
 fi
-if [[ -n ${BRICKWALL_MPIEXEC:-} ]]; then
-  mapfile -t launcher < <(xargs -n 1 printf '%s\n' <<<"$BRICKWALL_MPIEXEC") # quotes as in a shell
+if [[ ${BRICKWALL_MPIEXEC:-} == *[![:space:]]* ]]; then
+  words=$(xargs -n 1 printf '%s\n' <<<"$BRICKWALL_MPIEXEC") || die "BRICKWALL_MPIEXEC: found no words in $BRICKWALL_MPIEXEC"
+  mapfile -t launcher <<<"$words"
 else
   launcher=("$(cached MPIEXEC_EXECUTABLE)")
   [[ -n ${launcher[0]} ]] || launcher=(mpiexec)
@@ -308,7 +309,7 @@ join_rank_files() {
   local epu other numbers
   for other in "$joined".*; do
     numbers=${other#"$joined".}
-    [[ $numbers =~ ^([1-9][0-9]*)\.([0-9]+)$ && ${BASH_REMATCH[1]} -ne $ranks ]] || continue
+    [[ $numbers =~ ^([1-9][0-9]*)\.([0-9]+)$ && ${BASH_REMATCH[1]} -ne $ranks && ${BASH_REMATCH[1]} -gt 1 ]] || continue
     [[ ${#BASH_REMATCH[2]} -eq ${#BASH_REMATCH[1]} && 10#${BASH_REMATCH[2]} -lt ${BASH_REMATCH[1]} ]] && rm -f "$other"
   done
   [[ $ranks -gt 1 ]] || return 0

@@ -11,6 +11,7 @@
 # or by a build folder that was configured without this script. Packages are checked then, but not
 # installed, and Zoltan and SEACAS are built unless the user provides them in the same ways.
 set -euo pipefail
+[[ -z ${BRICKWALL_CACHE:-} ]] || BRICKWALL_CACHE=$(realpath -m "$BRICKWALL_CACHE")
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset=default
@@ -38,7 +39,7 @@ fail() {
 cached() { # the value of a variable in the CMake cache of the build folder
   sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true
 }
-cache_folder=$(realpath -m "${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}")
+cache_folder=${BRICKWALL_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/brickwall}
 
 # users PACKAGE: prints the location of a package that the user provides; fails if there is none.
 users() {

@@ -274,18 +274,24 @@ template <class T>
 std::vector<T> gatherFromAll(MPI_Comm comm, const std::vector<T>& values) {
   static_assert(std::is_trivially_copyable_v<T>);
   const int size = sizeOf(comm);
-  int count = checkedInt(static_cast<std::int64_t>(values.size()), "values to gather");
-  std::vector<int> counts(size), places(size, 0);
+  const auto count = static_cast<std::int64_t>(values.size());
+  std::vector<std::int64_t> counts_of_ranks(size);
   MPI_Datatype type = MPI_DATATYPE_NULL;
   checkMpi(MPI_Type_contiguous(sizeof(T), MPI_BYTE, &type), "MPI_Type_contiguous");
   checkMpi(MPI_Type_commit(&type), "MPI_Type_commit");
   const Region region(waiting_region);
-  checkMpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm), "MPI_Allgather");
-  for (int q = 1; q < size; ++q)
-    places[q] = checkedInt(std::int64_t(places[q - 1]) + counts[q - 1], "gathered values");
-  std::vector<T> all(static_cast<std::size_t>(places.back()) + counts.back());
-  checkMpi(MPI_Allgatherv(values.data(), count, type, all.data(), counts.data(), places.data(),
-                          type, comm),
+  checkMpi(MPI_Allgather(&count, 1, MPI_INT64_T, counts_of_ranks.data(), 1, MPI_INT64_T, comm),
+           "MPI_Allgather");
+  std::vector<int> counts, places;
+  std::int64_t total = 0;
+  for (const std::int64_t of_rank : counts_of_ranks) { // all ranks find the same sizes
+    places.push_back(checkedInt(total, "gathered values"));
+    counts.push_back(checkedInt(of_rank, "gathered values"));
+    total += of_rank;
+  }
+  std::vector<T> all(static_cast<std::size_t>(total));
+  checkMpi(MPI_Allgatherv(values.data(), counts[rankOf(comm)], type, all.data(), counts.data(),
+                          places.data(), type, comm),
            "MPI_Allgatherv");
   MPI_Type_free(&type);
   return all;

@@ -8,6 +8,7 @@
 #include "miniapp/scene/loads.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <unordered_map>
 

@@ -6,7 +6,8 @@ final state and contact history. An audit (search.audit) must find no missed pai
 Usage: restart.py BRICKWALL MPIEXEC EPU DECK "LEG ..." "LEG ..." ... [program options from the first --]
 The first list is the reference. Each leg after the first of a list restarts from the latest
 checkpoint. A leg is RANKSxTHREADS@END: END is the last step, `end` for that of the deck, or `kill`
-for SIGKILL to all ranks at the leg's first checkpoint; with END+TIME, the leg extends the run to TIME.
+for SIGKILL to all ranks at the leg's first checkpoint; with END+TIME, the leg extends the run to TIME. RANKSxTHREADS!@END
+prints checksums of all steps, which changes skip.free_bricks.
 """
 import csv
 import itertools
@@ -79,7 +80,8 @@ def run_legs(folder, legs):
     more = []
     for leg in legs.split():
         layout, end = leg.split("@")
-        ranks, threads = (int(n) for n in layout.split("x"))
+        more += ["--checksums"] if layout.endswith("!") else []
+        ranks, threads = (int(n) for n in layout.rstrip("!").split("x"))
         end, _, time = end.partition("+")
         more += ["--extend-to", time] if time else []
         if end == "kill":

@@ -35,10 +35,10 @@ expect 0 mesh "$inputs/one_brick.toml" -n2 -t1 -o without_blank
 [[ -s without_blank/one_brick.exo.2.1 ]] || fail "-n2 is not two ranks"
 
 # One rank in the same folder removes the rank files of the earlier run, and nothing else; -o names another folder.
-touch out/one_brick/one_brick.exo.{2024.01.15,10.7,3.3,notes.0}
+touch out/one_brick/one_brick.exo.{2024.01.15,1.0,10.7,3.3,notes.0}
 expect 0 "$inputs/one_brick.toml" --steps 20 --no-picture
 [[ ! -e out/one_brick/one_brick.exo.2.0 && ! -e out/one_brick/one_brick.exo.2.1 ]] || fail "rank files of an earlier run are still there"
-[[ $(ls out/one_brick/one_brick.exo.*) == *.10.7*.2024.01.15*.3.3*.notes.0 ]] || fail "files that are not of ranks are removed"
+[[ $(ls out/one_brick/one_brick.exo.*) == *.1.0*.10.7*.2024.01.15*.3.3*.notes.0 ]] || fail "files that are not of ranks are removed"
 # A mesh does not replace the results of a run that is at work.
 (
   flock 8

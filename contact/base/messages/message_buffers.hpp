@@ -151,8 +151,8 @@ public:
     growTo(space, receive, receive_offsets.back());
     split(senders, receive_offsets, sends_empty, _received, _peers_received);
     if (!_received.empty()) {
-      space.fence(); // `receive` and its staging may be read until then
       growStaging(0, receive_offsets.back());
+      space.fence(); // `receive` may be read or freed until then
       for (std::size_t i = 0; i < _received.size(); ++i)
         _messages.receive(receiveData() + _received[i].begin, _probed[i]);
     }

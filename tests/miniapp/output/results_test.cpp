@@ -4,6 +4,7 @@
 #include "mechanics/element/stress_measures.hpp"
 #include "miniapp/output/earlier_results.hpp"
 #include "miniapp/output/results.hpp"
+#include "miniapp/output/run_output.hpp"
 #include "tests/miniapp/simulation/case.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -347,6 +348,18 @@ TEST(EarlierResults, AreReplacedAsAWholeOrNotAtAll) {
     EXPECT_EQ(textOf(foreign), "foreign");
     EXPECT_FALSE(std::filesystem::exists(base + ".new.ranks"));
   }
+}
+
+TEST(Ticker, IsDueOnceAnIntervalAndInEachStepIfIntervalsAreTooShortToCount) {
+  Ticker counted(0.1, false), uncounted(1e-320, false);
+  int due = 0;
+  for (int step = 0; step <= 100; ++step) {
+    due += counted.due(0.01 * step);
+    EXPECT_EQ(uncounted.due(0.01 * step), step > 0);
+  }
+  EXPECT_EQ(due, 10);
+  EXPECT_EQ(counted.last(), 10);
+  EXPECT_EQ(uncounted.last(), 0);
 }
 
 } // namespace

@@ -258,8 +258,8 @@ class Failures(StudyTest):
 class Processes(FolderTest):
     def test_a_run_out_of_time_gets_a_second_signal_which_ends_its_launcher(self):
         script = 'trap "trap \\"echo ended; exit\\" TERM" TERM; while true; do sleep 0.05; done'  # as run.sh
-        with mock.patch.object(process, "PATIENCE", 0.5):
-            self.assertEqual(process.execute(["bash", "-c", script], self.folder / "log", 0.5)[0], "out of time")
+        with mock.patch.object(process, "PATIENCE", 3):
+            self.assertEqual(process.execute(["bash", "-c", script], self.folder / "log", 2)[0], "out of time")
         self.assertIn("ended", (self.folder / "log").read_text())
 
 
