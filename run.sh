@@ -168,6 +168,8 @@ if [[ -n $study ]]; then
   [[ -z $deck ]] || die "a study takes no deck, found $deck"
 else
   positive -n "${ranks:=1}"
+  [[ -z $threads ]] || positive -t "$threads"
+  [[ -z $deck || -e $deck ]] || die "$deck: found no such deck"
 fi
 
 if [[ -z $program ]]; then

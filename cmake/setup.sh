@@ -78,8 +78,10 @@ else
   export CMAKE_PREFIX_PATH=$dependencies${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}
 fi
 
-# CMake caches the location of each package, so other dependencies need a new cache.
 mkdir -p "$build"
+exec 8>"$build/setup.lock" # two builds in one folder would disturb each other
+flock -n 8 || { say "waiting for another set-up of $build/"; flock 8; }
+# CMake caches the location of each package, so other dependencies need a new cache.
 if [[ -e $build/setup.dependencies && $(<"$build/setup.dependencies") != "$dependencies" ]]; then
   rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"
 fi
@@ -113,7 +115,7 @@ show_progress() {
 }
 
 # One compiler needs up to 1.5 GB of memory.
-cores=$(nproc)
+cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc) # nproc obeys these
 fitting=$(awk '/^MemAvailable/ { print int($2 / 1.5e6) }' /proc/meminfo 2>/dev/null || echo "$cores")
 jobs=$((fitting < cores ? fitting : cores))
 jobs=$((jobs < 1 ? 1 : jobs))
