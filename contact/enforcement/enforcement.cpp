@@ -99,12 +99,13 @@ Enforcement::Enforcement(const exec_space& space, MPI_Comm comm, const Surface& 
                          const Quantum& quantum, const LimbScale& energy_scale)
     : _comm(checkedCopy(space, comm, surface, node_mass, config, quantum, energy_scale)),
       _num_nodes(surface.num_nodes), _num_faces(surface.num_faces), _config(config),
-      _quantum(quantum), _energy_scale(energy_scale), _node_mass(node_mass),
-      _node_faces(space, _comm, surface), _records(space, surface, _node_faces),
+      _quantum(quantum), _node_mass(node_mass), _node_faces(space, _comm, surface),
+      _records(space, surface, _node_faces),
       _has_sought_joints(config.scheme != Scheme::energy_neutral),
-      _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum),
-      _motion(space, "contact::Enforcement", surface), _stationary("contact::Enforcement", surface),
-      _sleeping(space, "contact::Enforcement", surface.num_nodes) {
+      _set(space, "contact::Enforcement", surface, surface.num_nodes, 4, config, quantum,
+           energy_scale),
+      _motion(space, "contact::Enforcement", surface),
+      _idle(space, "contact::Enforcement", surface) {
   _totals = View<std::int64_t* [3]>("contact::Enforcement::forces", surface.num_nodes);
   _forces.nodes = _totals;
   _touched = TouchedNodes("contact::Enforcement", surface.num_nodes);
@@ -136,9 +137,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   const FaceAccess faces{surface, ghosts};
   if (_config.skip_stationary) {
     _motion.update(space, surface); // waits for the device
-    _stationary.update(space, surface, _motion, pairs.step_test);
-    // Ghosts of other ranks may have moved.
-    _sleeping.wake(space, pairs, _motion, _stationary.isUnchanged() && ghosts.count == 0);
+    _idle.update(space, surface, _motion, pairs, ghosts.count > 0);
   } else if (edges != nullptr) {
     space.fence(); // select() of edges reads what was launched
   }
@@ -146,10 +145,10 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   std::function<ContactSums()> selected_nodes, selected_edges;
   if (_has_sought_joints && canSkipAll()) {
     _set.selectNone(space, faces);
-    if (!_stationary.isUnchanged())
+    if (!_idle.isUnchanged())
       _records.invalidate(space);
   } else {
-    _records.update(space, faces, pairs, _stationary.flags(), _sleeping, _node_faces);
+    _records.update(space, faces, pairs, _idle, _node_faces);
     selected_nodes = selectInteractions(space, faces, pairs, steps.dt);
   }
   if (edges != nullptr)
@@ -173,17 +172,15 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
     _forces.ghost_corners = _set.forces().ghost_corners;
   else if (!_has_totals)
     collectForces(space, edges);
-  _set.advance();
+  _set.advance(steps.dt);
   if (edges != nullptr)
     edges->advance(steps.dt);
-  _previous_dt = steps.dt;
   return sums;
 }
 
 void Enforcement::restore(const exec_space& space, const Surface& surface,
                           const ContactCarry& carry) {
-  _set.restore(space, surface.node_ids, carry.records, atNode);
-  _previous_dt = carry.previous_dt;
+  _set.restore(space, surface.node_ids, carry, atNode);
   _has_forces = carry.has_forces;
   _joints = jointAreasOf(space, surface.node_ids, carry.joints);
   _has_sought_joints = true;
@@ -191,8 +188,7 @@ void Enforcement::restore(const exec_space& space, const Surface& surface,
 
 void Enforcement::addWork(const exec_space& space, const CandidatePairs& pairs,
                           const View<std::int64_t**>& work) const {
-  const RowWork of_row{pairs, history().row_count, _stationary.flags(), _sleeping.state(),
-                       _sleeping.mayHaveAsleep()};
+  const RowWork of_row{pairs, history().row_count, _idle.state()};
   Kokkos::parallel_for(
       "contact::Enforcement::addWork", rangePolicy(space, pairs.num_rows),
       KOKKOS_LAMBDA(const std::int64_t row) { work(of_row.pairs.node(row), 0) += of_row(row); });
@@ -244,8 +240,7 @@ void Enforcement::agreeOnForces(const EnforcementSums& sums, EdgeContact* edges,
 // On several ranks, faces around a node may belong to others and move, and their areas are
 // exchanged.
 bool Enforcement::canSkipAll() const {
-  return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 &&
-         (_stationary.isUnchanged() || _sleeping.areAllAsleep());
+  return sizeOf(_comm) == 1 && !_has_status && _set.history().count == 0 && _idle.areAll();
 }
 
 NodeFaceKinematics Enforcement::kinematicsOf(const FaceAccess& faces) const {
@@ -270,22 +265,13 @@ std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& s
                                                              const FaceAccess& faces,
                                                              const CandidatePairs& pairs,
                                                              double dt) {
-  SelectInteractions<NodeFaceKinematics> select;
-  select.step.energy_scale = _energy_scale;
-  select.step.law.dt = dt;
-  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
-  select.step.faces = faces;
-  select.stationary = _stationary.flags();
-  select.sleep = _sleeping.state();
-  select.has_asleep = _sleeping.mayHaveAsleep();
-  select.step.kinematics = kinematicsOf(faces);
-  return [this, space, faces, pairs, kinematics = select.step.kinematics,
-          finish = _set.select(space, pairs, select)] {
+  const NodeFaceKinematics kinematics = kinematicsOf(faces);
+  return [this, space, faces, pairs, kinematics,
+          finish = _set.select(space, kinematics, faces, pairs, _idle.state(), dt)] {
     const ContactSums sums = finish();
     _has_status = sums.penetrating > 0;
     if (_config.skip_stationary)
-      _sleeping.putToSleep(space, kinematics, faces, pairs, _motion, _set.next().row_count,
-                           _stationary.flags().known_apart);
+      _idle.putToSleep(space, kinematics, faces, pairs, _motion, _set.next().row_count);
     return sums;
   };
 }

@@ -94,7 +94,7 @@ public:
   const View<double*>& gap() const { return _gap; }
 
   // Dormant rows of candidates.
-  const SleepingBlocks& sleeping() const { return _sleeping; }
+  const SleepingBlocks& sleeping() const { return _idle.sleeping(); }
   // The contact history, for the next call.
   const ContactHistory& history() const { return _set.history(); }
 
@@ -106,8 +106,9 @@ public:
   // What enforce() carries to the next step, for restart files; restore() takes the records of the
   // nodes that this rank owns, in any order, before the next enforce(). Not collective.
   ContactCarry carry(const exec_space& space, const Surface& surface) const {
-    return {_set.records(space, surface.node_ids), _previous_dt, _has_forces,
-            recordsOf(space, surface.node_ids, _joints)};
+    ContactCarry carry = _set.carry(space, surface.node_ids, _has_forces);
+    carry.joints = recordsOf(space, surface.node_ids, _joints);
+    return carry;
   }
   void restore(const exec_space& space, const Surface& surface, const ContactCarry& carry);
 
@@ -136,7 +137,6 @@ private:
   int _num_nodes, _num_faces;
   EnforcementConfig _config;
   Quantum _quantum;
-  LimbScale _energy_scale;
   View<const double*> _node_mass;
   NodeFaces _node_faces;
   FaceRecords _records;
@@ -144,14 +144,12 @@ private:
   JointAreas _joints;
   InteractionSet _set;
   SurfaceMotion _motion;
-  StationaryNodes _stationary;
-  SleepingBlocks _sleeping;
+  IdleRows _idle;
   TouchedNodes _touched;
   ContactForces _forces; // the nodal forces are _totals or those of _set
   View<std::int64_t* [3]> _totals; // [surface node][xyz], quanta; 0 at nodes that are not listed
   bool _has_forces = false; // on any rank; otherwise _forces are zero
   bool _has_totals = false; // _forces are
-  double _previous_dt = 0;
   bool _has_status = false; // whether _status of any node differs from 0
   View<int*> _status;
   View<double*> _gap;

@@ -136,8 +136,7 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
                          const FeatureEdges& edges, const View<const double*>& node_mass,
                          const SearchConfig& search, double margin, const EnforcementConfig& config,
                          const Quantum& quantum, const LimbScale& energy_scale)
-    : _beside(queueBeside(space)), _search(comm, search, margin), _config(config),
-      _energy_scale(energy_scale) {
+    : _beside(queueBeside(space)), _search(comm, search, margin), _config(config) {
   checkEnforcementInput(space, comm, "EdgeContact", surface, node_mass, config, quantum,
                         energy_scale);
   _config.max_activation_depth = HUGE_VAL; // edges have bounds of their own
@@ -164,9 +163,9 @@ EdgeContact::EdgeContact(const exec_space& space, MPI_Comm comm, const Surface& 
   _ghost_records = View<EdgeRecord*>("contact::EdgeContact::ghost_records", 0);
   _edges.coordinates_old = _old;
   _edges.coordinates_new = _new;
-  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, _config, quantum);
-  _stationary = StationaryNodes("contact::EdgeContact", _edges, _corner_to_node);
-  _sleeping = SleepingBlocks(space, "contact::EdgeContact", _edges.num_nodes);
+  _set = InteractionSet(space, "contact::EdgeContact", _edges, _num_corners, 2, _config, quantum,
+                        energy_scale);
+  _idle = IdleRows(space, "contact::EdgeContact", _edges, _corner_to_node);
 }
 
 // Also measures the largest excursions outside the boxes of the last search, since the coordinates
@@ -192,48 +191,39 @@ void EdgeContact::findCandidates(const exec_space& space) {
 
 bool EdgeContact::canSkipAll() const {
   return _search.ghosts().count == 0 && !_has_touched && _set.history().count == 0 &&
-         (_stationary.isUnchanged() || _sleeping.areAllAsleep());
+         _idle.areAll();
 }
 
 std::function<ContactSums()> EdgeContact::select(const exec_space& space, double dt,
                                                  const SurfaceMotion& motion) {
   const CandidatePairs& pairs = _search.pairs();
-  if (_config.skip_stationary) {
-    _stationary.update(_beside, _edges, motion, pairs.step_test);
-    _sleeping.wake(_beside, pairs, motion,
-                   _stationary.isUnchanged() && _search.ghosts().count == 0);
-  }
+  if (_config.skip_stationary)
+    _idle.update(_beside, _edges, motion, pairs, _search.ghosts().count > 0);
   if (canSkipAll()) {
     _beside.fence();
     _set.selectNone(space, access());
     findTouched(space);
     return [] { return ContactSums(); };
   }
-  SelectInteractions<EdgeEdgeKinematics> select;
-  select.step.energy_scale = _energy_scale;
-  select.step.law.dt = dt;
-  select.step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
-  select.step.faces = access();
-  select.first_row = _num_corners; // rows of corners, which the searches list first
-  select.stationary = _stationary.flags();
-  select.sleep = _sleeping.state();
-  select.has_asleep = _sleeping.mayHaveAsleep();
-  select.step.kinematics.lateral_tolerance = _config.lateral_tolerance;
-  select.step.kinematics.edge_tolerance = _config.edge_tolerance;
-  select.step.kinematics.num_corners = _num_corners;
-  select.step.kinematics.node_mass = _corner_mass;
-  select.step.kinematics.records = {_records, _ghost_records};
-  select.step.kinematics.previous = _set.history().interactions;
-  return [this, space, kinematics = select.step.kinematics, faces = select.step.faces, &pairs,
-          &motion, finish = _set.select(_beside, pairs, select)] {
-    const ContactSums sums = finish();
-    _has_touched = sums.penetrating > 0;
-    if (_config.skip_stationary)
-      _sleeping.putToSleep(space, kinematics, faces, pairs, motion, _set.next().row_count,
-                           _stationary.flags().known_apart);
-    findTouched(space);
-    return sums;
-  };
+  EdgeEdgeKinematics kinematics;
+  kinematics.lateral_tolerance = _config.lateral_tolerance;
+  kinematics.edge_tolerance = _config.edge_tolerance;
+  kinematics.num_corners = _num_corners;
+  kinematics.node_mass = _corner_mass;
+  kinematics.records = {_records, _ghost_records};
+  kinematics.previous = _set.history().interactions;
+  const FaceAccess faces = access();
+  // The searches list the rows of corners first, which have no candidates.
+  return
+      [this, space, kinematics, faces, &pairs, &motion,
+       finish = _set.select(_beside, kinematics, faces, pairs, _idle.state(), dt, _num_corners)] {
+        const ContactSums sums = finish();
+        _has_touched = sums.penetrating > 0;
+        if (_config.skip_stationary)
+          _idle.putToSleep(space, kinematics, faces, pairs, motion, _set.next().row_count);
+        findTouched(space);
+        return sums;
+      };
 }
 
 void EdgeContact::collectForces(const exec_space& space, const View<std::int64_t* [3]>& nodes) {
@@ -326,24 +316,17 @@ PairMotion EdgeContact::fastestPair(const exec_space& space, MPI_Comm comm, cons
 
 void EdgeContact::restore(const exec_space& space, const ContactCarry& carry) {
   const auto edge_to_nodes = toHost(_edges.face_to_nodes);
-  _set.restore(space, _edges.node_ids, carry.records, [&](int row) {
+  _set.restore(space, _edges.node_ids, carry, [&](int row) {
     ContactPoint point;
     for (int end = 0; end < 2; ++end)
       point.node[end] = edge_to_nodes(row - _num_corners, end);
     return point;
   });
-  _previous_dt = carry.previous_dt;
   _has_forces_anywhere = carry.has_forces;
 }
 
-void EdgeContact::advance(double dt) {
-  _set.advance();
-  _previous_dt = dt;
-}
-
 void EdgeContact::addWork(const exec_space& space, const View<std::int64_t**>& work) const {
-  const RowWork of_row{_search.pairs(), history().row_count, _stationary.flags(), _sleeping.state(),
-                       _sleeping.mayHaveAsleep()};
+  const RowWork of_row{_search.pairs(), history().row_count, _idle.state()};
   const auto edge_to_nodes = _edge_to_nodes;
   const int num_corners = _num_corners;
   Kokkos::parallel_for(

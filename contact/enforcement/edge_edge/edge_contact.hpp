@@ -2,8 +2,7 @@
 // with the same search and the same interactions as node-to-face contact.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/dormancy/idle_rows.hpp"
 #include "contact/enforcement/edge_edge/edge_surface.hpp"
 #include "contact/enforcement/reports/largest_force.hpp"
 #include "contact/enforcement/selection/interaction_set.hpp"
@@ -74,7 +73,7 @@ public:
   }
   std::int64_t takeInvalid(const exec_space& space) { return _set.takeInvalid(space); }
   void addTouched(const exec_space& space, TouchedNodes& of_surface);
-  void advance(double dt);
+  void advance(double dt) { _set.advance(dt); }
 
   void setReferenceStep(double dt) { _set.setReferenceStep(dt); } // see Enforcement
   // The fastest pair of edges among the candidates of this step (pair_motion.hpp). Collective.
@@ -93,7 +92,7 @@ public:
   } // in the present step, from contacts of this rank
   std::int64_t numEdges() const { return _edges.num_faces; } // of this rank
   const CandidateSearch& search() const { return _search; }
-  const SleepingBlocks& sleeping() const { return _sleeping; } // see Enforcement
+  const SleepingBlocks& sleeping() const { return _idle.sleeping(); } // see Enforcement
   const ContactHistory& history() const { return _set.history(); }
   // See Enforcement; the work of an edge stands at one of its nodes.
   void addWork(const exec_space& space, const View<std::int64_t**>& work) const;
@@ -101,7 +100,7 @@ public:
   View<const global_id*> nodeIds() const { return _edges.node_ids; }
   // As those of Enforcement.
   ContactCarry carry(const exec_space& space) const {
-    return {_set.records(space, _edges.node_ids), _previous_dt, _has_forces_anywhere, {}};
+    return _set.carry(space, _edges.node_ids, _has_forces_anywhere);
   }
   void restore(const exec_space& space, const ContactCarry& carry);
 
@@ -134,14 +133,11 @@ private:
   View<EdgeRecord*> _records, _ghost_records; // [own edge], [ghost]
   CandidateSearch _search;
   InteractionSet _set;
-  StationaryNodes _stationary;
-  SleepingBlocks _sleeping;
+  IdleRows _idle;
   bool _has_gathered = false; // coordinates of a step
   bool _has_touched = false; // in the last step, with a force or without
   bool _has_forces_anywhere = false; // in the present step, on any rank
   EnforcementConfig _config;
-  LimbScale _energy_scale;
-  double _previous_dt = 0;
   TouchedNodes _touched; // of corners
   FastestPair _fastest_pair;
   View<double* [3]> _accelerations; // [corner]

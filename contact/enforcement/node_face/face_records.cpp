@@ -55,8 +55,7 @@ FaceRecords::FaceRecords(const exec_space& space, const Surface& surface,
       _is_requested("contact::FaceRecords::is_requested", surface.num_faces) {}
 
 void FaceRecords::update(const exec_space& space, const FaceAccess& faces,
-                         const CandidatePairs& pairs, const StationaryFlags& stationary,
-                         const SleepingBlocks& sleeping, NodeFaces& node_faces) {
+                         const CandidatePairs& pairs, const IdleRows& idle, NodeFaces& node_faces) {
   const int first_ghost = faces.surface.num_faces + node_faces.numRemote();
   const auto num_records = static_cast<std::int64_t>(first_ghost) + faces.ghosts.count;
   if (num_records > static_cast<std::int64_t>(_records.extent(0)))
@@ -64,8 +63,10 @@ void FaceRecords::update(const exec_space& space, const FaceAccess& faces,
   growTo(space, _records, num_records);
   RecordSelection selection;
   selection.is_current = _is_current;
+  const StationaryFlags stationary = idle.state().stationary;
   if (stationary.is_any)
     selection.stationary = stationary.faces;
+  const SleepingBlocks& sleeping = idle.sleeping();
   if (min_asleep_ratio * sleeping.numAwake(space) < sleeping.numBlocks()) {
     markRequested(space, pairs, sleeping.state(), node_faces.lists(), sleeping.numBlocks(),
                   _is_requested);

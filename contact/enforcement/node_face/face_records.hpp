@@ -2,8 +2,7 @@
 // recomputed, and where most rows of candidates are dormant, only faces of the other rows are.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/dormancy/idle_rows.hpp"
 #include "contact/enforcement/node_face/node_faces.hpp"
 
 namespace brickwall::contact {
@@ -14,8 +13,7 @@ public:
 
   // Collective. Updates the records of all faces that rows which are awake refer to.
   void update(const exec_space& space, const FaceAccess& faces, const CandidatePairs& pairs,
-              const StationaryFlags& stationary, const SleepingBlocks& sleeping,
-              NodeFaces& node_faces);
+              const IdleRows& idle, NodeFaces& node_faces);
   // To be called instead in a step that needs no records although faces have moved.
   void invalidate(const exec_space& space);
 

@@ -260,8 +260,9 @@ void correctAll(const exec_space& space, CorrectAll functor) {
 
 InteractionSet::InteractionSet(const exec_space& space, const std::string& label,
                                const SweptBoxes& surface, int num_nodes, int face_corners,
-                               const EnforcementConfig& config, const Quantum& quantum)
-    : _config(config), _quantum(quantum), _face_corners(face_corners),
+                               const EnforcementConfig& config, const Quantum& quantum,
+                               const LimbScale& energy_scale)
+    : _config(config), _quantum(quantum), _energy_scale(energy_scale), _face_corners(face_corners),
       _corrected(label + "::corrected", 0), _num_corrected(label + "::num_corrected"),
       _history(emptyHistory(space, label + "::history", surface.num_nodes)),
       _next(emptyHistory(space, label + "::next", surface.num_nodes)),

@@ -34,7 +34,7 @@ public:
   // first two corners of a face carry weight.
   InteractionSet(const exec_space& space, const std::string& label, const SweptBoxes& surface,
                  int num_nodes, int face_corners, const EnforcementConfig& config,
-                 const Quantum& quantum);
+                 const Quantum& quantum, const LimbScale& energy_scale);
 
   // What kinematics record of each node, [as rows of the history]: select() clears it before.
   void recordIn(const View<int*>& status, const View<double*>& gap) {
@@ -42,13 +42,15 @@ public:
     _gap = gap;
   }
 
-  // Launches SelectInteractions<Kinematics> over the rows of `pairs`. The function returned waits
-  // for the device, and launches again with more memory if the interactions, or the contacts of
-  // crowded rows, did not fit. Afterwards next() holds the interactions of this step, history()
-  // those of the last one, and forces() the forces of next() (pair_forces.hpp).
-  template <class Select>
-  std::function<ContactSums()> select(const exec_space& space, const CandidatePairs& pairs,
-                                      Select functor);
+  // Launches SelectInteractions<Kinematics> over the rows of `pairs` from `first_row` on, in a step
+  // of length `dt`. The function returned waits for the device, and launches again with more memory
+  // if the interactions, or the contacts of crowded rows, did not fit. Afterwards next() holds the
+  // interactions of this step, history() those of the last one, and forces() the forces of next()
+  // (pair_forces.hpp).
+  template <class Kinematics>
+  std::function<ContactSums()> select(const exec_space& space, const Kinematics& kinematics,
+                                      const FaceAccess& faces, const CandidatePairs& pairs,
+                                      const IdleState& idle, double dt, int first_row = 0);
 
   // The same in a step without any interaction that follows a step without any.
   void selectNone(const exec_space& space, const FaceAccess& faces);
@@ -80,22 +82,25 @@ public:
   // later; active contacts are never stiffened.
   void setReferenceStep(double dt) { _config.reference_step = dt; }
 
-  // Ends the step: its interactions become the history.
-  void advance() { std::swap(_history, _next); }
+  // Ends a step of length `dt`: its interactions become the history.
+  void advance(double dt) {
+    std::swap(_history, _next);
+    _previous_dt = dt;
+  }
 
   const ContactForces& forces() const { return _forces; }
   bool hasForces() const { return !_are_nodes_zero; } // in the present step
   const ContactHistory& history() const { return _history; }
   const ContactHistory& next() const { return _next; } // of the present step, until advance()
-  // The history for restart files; see contact_records.hpp.
-  std::vector<ContactRecord> records(const exec_space& space,
-                                     const View<const global_id*>& node_ids) const {
-    return recordsOf(space, node_ids, _history, _last);
+  // For restart files: the history, without joints; see contact_records.hpp.
+  ContactCarry carry(const exec_space& space, const View<const global_id*>& node_ids,
+                     bool has_forces) const {
+    return {recordsOf(space, node_ids, _history, _last), _previous_dt, has_forces, {}};
   }
   void restore(const exec_space& space, const View<const global_id*>& node_ids,
-               const std::vector<ContactRecord>& records,
-               const std::function<ContactPoint(int row)>& pointOf) {
-    setHistory(space, node_ids, records, _config.friction > 0, pointOf, _history, _last);
+               const ContactCarry& carry, const std::function<ContactPoint(int row)>& pointOf) {
+    setHistory(space, node_ids, carry.records, _config.friction > 0, pointOf, _history, _last);
+    _previous_dt = carry.previous_dt;
   }
 
 private:
@@ -118,6 +123,8 @@ private:
 
   EnforcementConfig _config;
   Quantum _quantum;
+  LimbScale _energy_scale;
+  double _previous_dt = 0;
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   View<int*> _corrected; // [place] those of this round, on devices
@@ -146,11 +153,21 @@ private:
   bool _are_nodes_zero = true; // of _forces
 };
 
-template <class Select>
-std::function<ContactSums()> InteractionSet::select(const exec_space& space,
-                                                    const CandidatePairs& pairs, Select functor) {
+template <class Kinematics>
+std::function<ContactSums()>
+InteractionSet::select(const exec_space& space, const Kinematics& kinematics,
+                       const FaceAccess& faces, const CandidatePairs& pairs, const IdleState& idle,
+                       double dt, int first_row) {
+  SelectInteractions<Kinematics> functor;
+  functor.first_row = first_row;
+  functor.idle = idle;
   auto& step = functor.step;
   step.law.config = _config;
+  step.law.dt = dt;
+  step.law.previous_dt = _previous_dt > 0 ? _previous_dt : dt;
+  step.energy_scale = _energy_scale;
+  step.kinematics = kinematics;
+  step.faces = faces;
   step.number = ++_last.num_steps;
   step.last_contact = _last.step;
   step.pairs = pairs;

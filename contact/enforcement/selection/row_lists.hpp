@@ -171,7 +171,7 @@ private:
     step.next.row_count(node) = count;
     step.kinematics.record(node, count, deepest);
     step.returns(node);
-    select.stationary.known_apart(node) = 0;
+    select.idle.stationary.known_apart(node) = 0;
     return true;
   }
 

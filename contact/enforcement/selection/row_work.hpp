@@ -1,8 +1,7 @@
 // The work that a row of candidates was in the last step, for decompositions that balance it.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/dormancy/idle_rows.hpp"
 
 namespace brickwall::contact {
 
@@ -16,14 +15,13 @@ struct WorkUnits {
 struct RowWork {
   CandidatePairs pairs;
   View<const int*> row_count; // [node] contacts
-  StationaryFlags stationary;
-  SleepState sleep;
-  bool has_asleep = false; // otherwise `sleep` is not read
+  IdleState idle;
 
   KOKKOS_INLINE_FUNCTION std::int64_t operator()(std::int64_t row) const {
     const int node = pairs.node(row);
+    const StationaryFlags& stationary = idle.stationary;
     const bool is_tested =
-        !(has_asleep && sleep.sleeps(row / CandidatePairs::rows_per_block)) &&
+        !idle.sleeps(row / CandidatePairs::rows_per_block) &&
         !(stationary.is_any && stationary.nodes(node) && stationary.known_apart(node));
     return WorkUnits::contact * row_count(node) +
            (is_tested ? WorkUnits::pair * (pairs.end(row) - pairs.begin(row)) : 0);

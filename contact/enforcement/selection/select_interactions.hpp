@@ -5,8 +5,7 @@
 // `Kinematics` provides the geometry; its contract is in kinematics.hpp.
 #pragma once
 
-#include "contact/enforcement/dormancy/sleeping_blocks.hpp"
-#include "contact/enforcement/dormancy/stationary_nodes.hpp"
+#include "contact/enforcement/dormancy/idle_rows.hpp"
 #include "contact/enforcement/selection/persist_in_lanes.hpp"
 #include "contact/enforcement/selection/select_active_faces.hpp"
 #include "contact/enforcement/selection/write_interactions.hpp"
@@ -44,9 +43,7 @@ struct SelectInteractions {
 
   EnforcementStep<Kinematics> step;
   std::int64_t first_row = 0; // rows before it are empty
-  StationaryFlags stationary;
-  SleepState sleep;
-  bool has_asleep = false; // otherwise `sleep` is not read
+  IdleState idle;
 
   // Rows that may have a contact, and their persistent contacts: row r has persistent[first[r]] ..
   // persistent[first[r + 1] - 1]. A crowded row is alone in its batch.
@@ -63,7 +60,7 @@ struct SelectInteractions {
     std::int64_t awake_rows[rows_at_once];
     int num_awake_rows = 0;
     forAwakeRows(part, [&](std::int64_t row) {
-      if (!isEmpty(row) && !stationary.isKnownApart(step.pairs, row))
+      if (!isEmpty(row) && !idle.stationary.isKnownApart(step.pairs, row))
         awake_rows[num_awake_rows++] = row;
     });
     // They arrive while this part is selected.
@@ -77,7 +74,7 @@ struct SelectInteractions {
         return;
     }
     if constexpr (simd_width > 1 && Kinematics::projects_persistent_contacts)
-      num_awake_rows = PersistInLanes<Kinematics, rows_at_once>{step, stationary.known_apart}(
+      num_awake_rows = PersistInLanes<Kinematics, rows_at_once>{step, idle.stationary.known_apart}(
           awake_rows, num_awake_rows, sums);
     selectBatches(awake_rows, num_awake_rows, sums);
   }
@@ -87,15 +84,15 @@ struct SelectInteractions {
     const std::int64_t begin = part * rows_at_once;
     const std::int64_t end = minOf<std::int64_t>(begin + rows_at_once, step.pairs.num_rows);
     for (std::int64_t first = begin; first < end; first += rows_of_block)
-      if (!(has_asleep && sleep.sleeps(first / rows_of_block)))
+      if (!idle.sleeps(first / rows_of_block))
         for (std::int64_t row = first; row < minOf(first + rows_of_block, end); ++row)
           body(row);
   }
   // The tests by which operator() rejects rows, for one row.
   KOKKOS_INLINE_FUNCTION bool mayHaveContact(std::int64_t row) const {
-    if (has_asleep && sleep.sleeps(row / rows_of_block))
+    if (idle.sleeps(row / rows_of_block))
       return false;
-    if (isEmpty(row) || stationary.isKnownApart(step.pairs, row))
+    if (isEmpty(row) || idle.stationary.isKnownApart(step.pairs, row))
       return false;
     if constexpr (Kinematics::tests_rows_at_once) {
       return keepRowsThatMayActivate(&row, 1) > 0;
@@ -144,7 +141,7 @@ struct SelectInteractions {
       prefetchFaces(row);
     if (count > 0) {
       const int node = step.pairs.node(row);
-      stationary.known_apart(node) = 0;
+      idle.stationary.known_apart(node) = 0;
       if constexpr (Kinematics::projects_persistent_contacts)
         step.steady.forget(node);
       findPersistent(row, node, count, batch);
@@ -157,7 +154,7 @@ struct SelectInteractions {
     const int node = step.pairs.node(row);
     const bool is_empty = step.previous.row_count(node) == 0;
     if (is_empty)
-      stationary.known_apart(node) = 1;
+      idle.stationary.known_apart(node) = 1;
     return is_empty;
   }
   // The data of a row are scattered in memory, so those of a part are prefetched while the part
@@ -201,7 +198,7 @@ struct SelectInteractions {
       if (step.previous.row_count(node) == 0) {
         while (p < end && !step.kinematics.mayPenetrate(step.faces, node, step.pairs.faces(p)))
           ++p;
-        stationary.known_apart(node) = p == end;
+        idle.stationary.known_apart(node) = p == end;
         if (p == end)
           continue;
         step.kinematics.prefetchNode(node);
@@ -240,7 +237,7 @@ struct SelectInteractions {
       const std::int64_t row = rows[r];
       const bool has_none = without_history >> r & 1u, may_activate = activating >> r & 1u;
       if (has_none)
-        stationary.known_apart(step.pairs.node(row)) = !may_activate;
+        idle.stationary.known_apart(step.pairs.node(row)) = !may_activate;
       rows[num_kept] = row;
       num_kept += !has_none || may_activate;
     }
