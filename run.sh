@@ -21,7 +21,7 @@ Commands:
 Options:
   DECK                default inputs/brick_wall.toml
   -n, --ranks N       MPI ranks (default 1)
-  -t, --threads N     threads of each rank (default: physical cores divided by ranks)
+  -t, --threads N     threads of each rank (default: OMP_NUM_THREADS, else physical cores divided by ranks)
   -o, --output DIR    output folder (default out/<deck name>/)
   -h, --help          print this text; with --study NAME, the help of that study
   --preset NAME       build and run this preset of CMakePresets.json (default "default")
@@ -168,7 +168,7 @@ if [[ -n $study ]]; then
   [[ -z $deck ]] || die "a study takes no deck, found $deck"
 else
   positive -n "${ranks:=1}"
-  [[ -z $threads ]] || positive -t "$threads"
+  if [[ -n $threads ]]; then positive -t "$threads"; else positive OMP_NUM_THREADS "${OMP_NUM_THREADS:-1}"; fi
   [[ -z $deck || -e $deck ]] || die "$deck: found no such deck"
 fi
 
@@ -200,11 +200,7 @@ cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null || true
 cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l || true)
 usable=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 [[ $cores -ge 1 && $cores -le $usable ]] || cores=$usable
-if [[ -z $threads ]]; then
-  threads=$((cores / ranks))
-  [[ $threads -ge 1 ]] || threads=1
-fi
-positive -t "$threads"
+threads=${threads:-${OMP_NUM_THREADS:-$((cores > ranks ? cores / ranks : 1))}}
 if [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $((8 * cores)) && $oversubscribe == no ]]; then
   die "$ranks ranks are more than 8 for each of the $(counted "$cores" core); --oversubscribe runs them all the same"
 elif [[ -z ${BRICKWALL_MPIEXEC:-} && $ranks -gt $cores ]]; then

@@ -25,6 +25,10 @@ while [[ $# -gt 0 ]]; do
     *) echo "setup: unknown argument $1" >&2; exit 2 ;;
   esac
 done
+if ! grep -qsF "\"name\": \"$preset\"" CMakePresets.json CMakeUserPresets.json; then
+  echo "setup: found no preset \"$preset\" in CMakePresets.json; cmake --list-presets names them" >&2
+  exit 2
+fi
 build=build
 [[ $preset == default ]] || build=build-$preset
 log=$build/setup.log

@@ -67,7 +67,8 @@ void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshCo
 
 std::string nameOfElem(const std::string& file_name, global_id elem) {
   const auto id = readMap(ExodusFile::open(file_name), EX_ELEM_MAP, elem, elem + 1).front();
-  return "the element of id " + std::to_string(id) + " in elem_num_map";
+  return id == elem + 1 ? "the element of 1-based id " + std::to_string(id)
+                        : "the element of id " + std::to_string(id) + " in elem_num_map";
 }
 
 } // namespace brickwall::io

@@ -37,11 +37,10 @@ const io::Schema& deckSchema() {
 }
 
 const mechanics::Material* Config::materialOf(const std::string& block) const {
-  for (const std::string& name : {block, std::string(block == "half_brick" ? "brick" : "")})
-    for (const MaterialConfig& material : materials)
-      if (material.block == name)
-        return &material.material;
-  return nullptr;
+  for (const MaterialConfig& material : materials)
+    if (material.block == block)
+      return &material.material;
+  return wall && block == "half_brick" ? materialOf("brick") : nullptr;
 }
 
 Config readConfig(MPI_Comm comm, const std::string& deck_path,

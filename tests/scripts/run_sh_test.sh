@@ -34,6 +34,14 @@ fi
 expect 0 mesh "$inputs/one_brick.toml" -n2 -t1 -o without_blank
 [[ -s without_blank/one_brick.exo.2.1 ]] || fail "-n2 is not two ranks"
 
+# Threads are those of -t, or of OMP_NUM_THREADS.
+threads_of() { sed -n 's/.*"threads": *\([0-9]*\).*/\1/p' "$1/report.json" | head -n 1; }
+OMP_NUM_THREADS=1 expect 0 "$inputs/one_brick.toml" --steps 2 --no-picture -o single
+OMP_NUM_THREADS=1 expect 0 "$inputs/one_brick.toml" --steps 2 --no-picture -o double -t 2
+[[ $(threads_of single)$(threads_of double) == 12 ]] || fail "the numbers of threads are not those asked for"
+OMP_NUM_THREADS=2,1 expect 2 "$inputs/one_brick.toml" --steps 2 --no-picture -o lists
+grep -q '^run.sh: OMP_NUM_THREADS needs a positive number, not "2,1"' log || fail "a list of threads is not refused"
+
 # One rank in the same folder removes the rank files of the earlier run, and nothing else; -o names another folder.
 touch out/one_brick/one_brick.exo.{2024.01.15,1.0,10.7,3.3,notes.0}
 expect 0 "$inputs/one_brick.toml" --steps 20 --no-picture

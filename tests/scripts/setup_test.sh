@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 mkdir "$work/cmake" "$work/build" "$work/bin"
 cp "$1" "$work/cmake/setup.sh"
 cd "$work"
-touch CMakePresets.json
+echo '"name": "default"' >CMakePresets.json
 echo dependencies >build/setup.dependencies
 touch build/build.ninja build/CMakeCache.txt
 printf '#!/bin/sh\n' >cmake/install_packages.sh
@@ -31,6 +31,10 @@ expect() {
   [[ $code -eq $1 ]] || fail "exit code $code instead of $1"
 }
 
+code=0
+cmake/setup.sh --preset nope >log 2>&1 || code=$?
+[[ $code -eq 2 ]] && grep -q '^setup: found no preset "nope"' log || fail "an unknown preset is not refused"
+[[ ! -e build-nope ]] || fail "an unknown preset leaves a folder"
 expect 0 4
 [[ ! -s log ]] || fail "a build with nothing to compile gives a message"
 expect 0 140

@@ -265,7 +265,7 @@ TEST(MeshReader, RefusesAnElementThatAppearsTwice) {
   const TemporaryFolder folder(MPI_COMM_WORLD);
   writeRaw(folder / "twice.exo", 24, {cubes({0, 2, 4}), cubes({2})});
   expectInputError(folder / "twice.exo",
-                   "another element has the corners of the element of id 2 in elem_num_map too");
+                   "another element has the corners of the element of 1-based id 2 too");
 }
 
 TEST(MeshReader, RefusesIdsThatAppearTwice) {
@@ -301,7 +301,7 @@ TEST(MeshReader, RefusesANodeAtTwoCornersOfAnElement) {
   block.nodes[15] = block.nodes[14];
   writeRaw(folder / "wedge.exo", 12, {block});
   expectInputError(folder / "wedge.exo",
-                   "the element of id 2 in elem_num_map has node 11 at several corners");
+                   "the element of 1-based id 2 has node 11 at several corners");
 }
 
 TEST(MeshReader, RefusesAnotherNumberOfElementsThanTheBlocksHave) {

@@ -38,12 +38,20 @@ TEST(DeckDifference, IgnoresWhatResultsDoNotDependOn) {
 }
 
 TEST(DeckDifference, NamesTheFirstKeyThatDiffers) {
-  EXPECT_EQ(
-      deckDifference(deck, replaced(deck, "peak = 1.0", "peak = 2.0")),
-      "it was written with load.pressure.peak = 1.0, and the deck has load.pressure.peak = 2.0");
+  EXPECT_EQ(deckDifference(deck, replaced(deck, "peak = 1.0", "peak = 2.0")),
+            "it was written with load.pressure[0].peak = 1.0, and the deck has "
+            "load.pressure[0].peak = 2.0");
   EXPECT_NE(deckDifference(deck, replaced(deck, "end = 1.0", "end = 2.0")).find("--extend-to"),
             std::string::npos);
-  EXPECT_NE(deckDifference(deck, std::string(deck) + "[damping]\nmass = 1.0\n"), "");
+  const std::string damped = std::string(deck) + "[damping]\nmass = 1.0\n";
+  EXPECT_EQ(deckDifference(deck, damped),
+            "it was written without damping.mass, and the deck has damping.mass = 1.0");
+  EXPECT_EQ(deckDifference(damped, deck),
+            "it was written with damping.mass = 1.0, and the deck has no damping.mass");
+  const std::string second = "[[load.pressure]]\npeak = 3.0\n";
+  EXPECT_EQ(deckDifference(deck + second, deck + replaced(second, "3", "4")),
+            "it was written with load.pressure[1].peak = 3.0, and the deck has "
+            "load.pressure[1].peak = 4.0");
 }
 
 TEST(MeshChecksum, KnowsAllThatResultsDependOn) {

@@ -236,7 +236,7 @@ TEST(MeshScene, AnElementWithOneCornerEightTimesIsReportedWithFileAndItsIdThere)
       part.elem_nodes[8 + corner] = part.elem_nodes[8];
   });
   const std::string fault = faultOf(mesh.config(""));
-  EXPECT_NE(fault.find(mesh.path() + ": the element of id 2 in elem_num_map"), std::string::npos)
+  EXPECT_NE(fault.find(mesh.path() + ": the element of 1-based id 2"), std::string::npos)
       << fault;
 }
 
