@@ -106,7 +106,7 @@ KOKKOS_INLINE_FUNCTION constexpr T maxOf(T a, T b) {
 
 // count / by, rounded up; both > 0, or count 0.
 template <class T>
-KOKKOS_INLINE_FUNCTION constexpr T dividedUp(T count, T by) {
+KOKKOS_INLINE_FUNCTION constexpr T dividedUp(T count, std::common_type_t<T> by) {
   return count / by + (count % by != 0);
 }
 

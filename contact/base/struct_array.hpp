@@ -137,7 +137,7 @@ public:
   }
 
 private:
-  static std::int64_t numPacks(std::int64_t count) { return (count + pack_size - 1) / pack_size; }
+  static std::int64_t numPacks(std::int64_t count) { return dividedUp(count, pack_size); }
 
   View<std::conditional_t<is_plain, T, StructPack<T, pack_size>>*> _packs;
 };

@@ -16,7 +16,7 @@ template <class Teams>
 typename Teams::policy teamPolicy(const exec_space& space, std::int64_t n, int teams_at_once) {
   const int team_size = host_accessible ? 1 : +Teams::team_size;
   const std::int64_t fitting = maxOf(1, teams_at_once * (concurrency(space) / 2048)),
-                     needed = maxOf<std::int64_t>(1, (n + team_size - 1) / team_size);
+                     needed = maxOf<std::int64_t>(1, dividedUp(n, team_size));
   typename Teams::policy policy(space, static_cast<int>(minOf(fitting, needed)), team_size);
   policy.set_scratch_size(0, Kokkos::PerTeam(+Teams::scratch_bytes));
   return policy;

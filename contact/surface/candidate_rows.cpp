@@ -5,7 +5,7 @@ namespace brickwall::contact {
 void layOutRowsByNode(const exec_space& space, int num_nodes,
                       const View<const std::int64_t*>& offsets, CandidatePairs& pairs) {
   constexpr int width = CandidatePairs::rows_per_block;
-  const std::int64_t num_blocks = (std::int64_t(num_nodes) + width - 1) / width;
+  const std::int64_t num_blocks = dividedUp<std::int64_t>(num_nodes, width);
   growTo(space, pairs.row_nodes, num_nodes);
   growTo(space, pairs.block_begin, num_blocks);
   growTo(space, pairs.row_begin, num_blocks * (width + 1));

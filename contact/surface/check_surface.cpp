@@ -80,7 +80,7 @@ public:
   }
   std::int64_t count() const {
     const std::int64_t per_round = std::int64_t(num_samples) << _log_run;
-    return (_num_rows + per_round - 1) / per_round << _log_run;
+    return dividedUp(_num_rows, per_round) << _log_run;
   }
   std::int64_t numRows() const { return _num_rows; }
 

@@ -155,7 +155,7 @@ private:
   using FaceColumns = Kokkos::View<T* [columns], Kokkos::LayoutLeft, memory_space>;
 
   std::int64_t numPacks() const { // of simd_width faces
-    return (static_cast<std::int64_t>(_face_to_nodes.extent(0)) + simd_width - 1) / simd_width;
+    return dividedUp(static_cast<std::int64_t>(_face_to_nodes.extent(0)), simd_width);
   }
   void listNodes(const exec_space& space, const std::vector<int>& face_to_nodes);
 

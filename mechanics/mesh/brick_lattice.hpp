@@ -26,9 +26,7 @@ struct BrickLattice {
   KOKKOS_INLINE_FUNCTION int numElems() const { return nx * ny * nz; }
   // Elements of a layer are placed in lanes by their lowest corner; one place at the end of each
   // row is empty.
-  KOKKOS_INLINE_FUNCTION int layerPacks() const {
-    return (rowNodes() * ny + simd_width - 1) / simd_width;
-  }
+  KOKKOS_INLINE_FUNCTION int layerPacks() const { return dividedUp(rowNodes() * ny, simd_width); }
   KOKKOS_INLINE_FUNCTION GeometryPlace geometryPlace(int elem) const {
     const int inside = elem - first_elem, i = inside % nx, j = inside / nx % ny;
     const int place = i + rowNodes() * j;

@@ -25,7 +25,7 @@ struct NodeSelection {
     return all_nodes;
   }
   int numRuns() const {
-    return all ? (num_nodes + nodes_per_run - 1) / nodes_per_run : static_cast<int>(runs.extent(0));
+    return all ? dividedUp(num_nodes, nodes_per_run) : static_cast<int>(runs.extent(0));
   }
   KOKKOS_INLINE_FUNCTION NodeRun run(int r) const {
     if (!all)

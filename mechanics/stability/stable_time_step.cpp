@@ -208,7 +208,7 @@ template <class LimitsOf>
 Limits sumOfLimits(const exec_space& space, const char* label, std::int64_t num_elems,
                    const LimitsOf& limits_of) {
   Limits limits;
-  const std::int64_t parts = (num_elems + items_per_memory - 1) / items_per_memory;
+  const std::int64_t parts = dividedUp(num_elems, items_per_memory);
   Kokkos::parallel_reduce(label, rangePolicy(space, parts),
                           AddLimits<LimitsOf>{limits_of, num_elems}, PlusReducer<Limits>(limits));
   return limits;

@@ -3,9 +3,8 @@
 namespace brickwall::contact {
 
 SleepingBlocks::SleepingBlocks(const exec_space& space, const std::string& label, int num_nodes)
-    : _num_blocks((num_nodes + CandidatePairs::rows_per_block - 1) /
-                  CandidatePairs::rows_per_block),
-      _num_awake(_num_blocks), _counted(label + "::num_awake") {
+    : _num_blocks(dividedUp(num_nodes, CandidatePairs::rows_per_block)), _num_awake(_num_blocks),
+      _counted(label + "::num_awake") {
   const auto n = static_cast<std::size_t>(_num_blocks);
   _state.num_bounds = allocate<View<unsigned char*>>(space, label + "::num_bounds", n);
   // the first putToSleep() allocates them

@@ -113,7 +113,7 @@ void measureMotion(const exec_space& space, const Measure& measure) {
   if (num_pieces == 0)
     return;
   if constexpr (by_lanes) {
-    const auto teams = (num_pieces + Measure::team_size - 1) / Measure::team_size;
+    const auto teams = dividedUp(num_pieces, Measure::team_size);
     Kokkos::parallel_for(
         "contact::SurfaceMotion::measureMotion",
         typename Measure::Policy(space, static_cast<int>(teams), Measure::team_size, vector_lanes),

@@ -271,8 +271,7 @@ void makeRecords(const exec_space& space, const Make& make) {
     return;
   if constexpr (by_teams) {
     using Scratch = typename Make::Scratch;
-    typename Make::Policy policy(space, (num_faces + Make::num_threads - 1) / Make::num_threads,
-                                 Make::team_size);
+    typename Make::Policy policy(space, dividedUp(num_faces, Make::num_threads), Make::team_size);
     policy.set_scratch_size(0,
                             Kokkos::PerTeam(static_cast<int>(sizeof(Scratch) + alignof(Scratch))));
     Kokkos::parallel_for("contact::NodeFaces::ownRecords", policy, make);

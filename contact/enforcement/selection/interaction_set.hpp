@@ -222,7 +222,7 @@ void InteractionSet::selectRows(const exec_space& space, const Select& functor) 
   } else {
     const std::int64_t num_rows = functor.step.pairs.num_rows;
     const std::int64_t begin = functor.first_row / Select::rows_at_once;
-    const std::int64_t end = (num_rows + Select::rows_at_once - 1) / Select::rows_at_once;
+    const std::int64_t end = dividedUp(num_rows, Select::rows_at_once);
     _sums.add("contact::selectInteractions", space, begin, end, functor);
     if (_owners.areKnown())
       addOthers(space, _owners, _forces.nodes);

@@ -12,7 +12,7 @@ KOKKOS_FORCEINLINE_FUNCTION void joinBody(global_id body, global_id& of_all, boo
 
 void nameBodies(const exec_space& space, const SweptBoxes& surface, ClusterOrder& order) {
   const int num_faces = surface.num_faces, num_nodes = surface.num_nodes;
-  const std::int64_t num_blocks = (std::int64_t(num_faces) + block_size - 1) / block_size;
+  const std::int64_t num_blocks = dividedUp<std::int64_t>(num_faces, block_size);
   order.cluster_body =
       allocate<View<global_id*>>(space, "contact::ClusterOrder::cluster_body", order.num_clusters);
   order.block_body =

@@ -51,7 +51,7 @@ double medianOf(const exec_space& space, const View<double*>& values) {
 template <int Width>
 void sortWithin(const exec_space& space, const View<int*>& order, std::int64_t n) {
   Kokkos::parallel_for(
-      "contact::ClusterOrder::sortWithin", rangePolicy(space, (n + Width - 1) / Width),
+      "contact::ClusterOrder::sortWithin", rangePolicy(space, dividedUp(n, Width)),
       KOKKOS_LAMBDA(const std::int64_t run) {
         sortRow(&order(run * Width), minOf<std::int64_t>(Width, n - run * Width),
                 [](const int a, const int b) { return a < b; });

@@ -70,10 +70,9 @@ void setCapacity(const exec_space& space, int num_clusters, const View<std::int6
 
 PairCounts searchByClusters(const exec_space& space, const FindRows& find) {
   PairCounts counts;
-  Kokkos::parallel_reduce(
-      "contact::ClusterPairs::find",
-      dynamicPolicy(space, (find.num_clusters + group_size - 1) / group_size, 8), find,
-      PlusReducer<PairCounts>(counts));
+  Kokkos::parallel_reduce("contact::ClusterPairs::find",
+                          dynamicPolicy(space, dividedUp(find.num_clusters, group_size), 8), find,
+                          PlusReducer<PairCounts>(counts));
   return counts;
 }
 

@@ -350,7 +350,7 @@ void launchByGroups(const exec_space& space, const Find& find,
   const int teams_at_once = Find::teams_at_once - (find.groups.kind == GroupKind::far);
   const int fitting = // threads of `vector_lanes` lanes, by registers
       host_accessible ? concurrency(space) : concurrency(space) / 2048 * teams_at_once * team_size;
-  const int num_teams = (minOf(fitting, find.numGroups()) + team_size - 1) / team_size;
+  const int num_teams = dividedUp(minOf(fitting, find.numGroups()), team_size);
   using Scratch = typename Find::Scratch;
   typename Find::Policy policy(space, num_teams, team_size, vector_lanes);
   policy.set_scratch_size(0, Kokkos::PerTeam(static_cast<int>(alignof(Scratch))),

@@ -258,7 +258,7 @@ struct TeamRefit {
   static void refitFaces(const exec_space& space, const Input& input, RefitScratch& scratch,
                          RefitSums&) {
     const BoxTree& tree = input.tree;
-    const int tiles = (tree.num_items + RefitTile::faces - 1) / RefitTile::faces;
+    const int tiles = dividedUp(tree.num_items, RefitTile::faces);
     launch(space, "contact::SurfaceClusters::faces", tiles, 1,
            sizeof(RefitTile::Scratch) + alignof(RefitTile::Scratch), 0,
            RefitTile{input.corners, input.corner_bounds, tree});

@@ -75,7 +75,7 @@ public:
   // The same addressed by these nodes; zero for those of the first row.
   const std::int64_t* atNodes(int axis, int p) const { return behind(axis, p - _row); }
 
-  static int packs(int count) { return (count + W - 1) / W; }
+  static int packs(int count) { return dividedUp(count, W); }
   // Packs of elements in a layer, including one place at the end of each row.
   static int numPacks(const BrickLattice& lattice) {
     return packs(lattice.rowNodes() * lattice.ny);

@@ -17,7 +17,7 @@ int largestChunk(int num_elems, int threads) {
   if (threads == 1)
     return INT_MAX;
   const int share = std::max(num_elems / (8 * threads), 8 * simd_width);
-  return (share + simd_width - 1) / simd_width * simd_width;
+  return dividedUp(share, simd_width) * simd_width;
 }
 
 // Consecutive elements of one body and one block, cut into chunks.
