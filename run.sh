@@ -215,11 +215,11 @@ usual() {
     [[ -v ${assignment%%=*} ]] || export "${assignment?}"
   done
 }
-# Open MPI may run as root and with more ranks than cores, and prints nothing if the program ends
-# with an exit code.
+# Open MPI may run as root and with more ranks than cores; if the program ends with an exit code, it
+# prints nothing and does not wait two seconds.
 usual OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
 usual OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
-usual OMPI_MCA_orte_execute_quiet=1
+usual OMPI_MCA_orte_execute_quiet=1 OMPI_MCA_odls_base_sigkill_timeout=0
 usual OMPI_MCA_hwloc_base_binding_policy=none PRTE_MCA_hwloc_default_binding_policy=none
 # Ranks that bind their threads themselves would all take the same first cores.
 if [[ $ranks -eq 1 && $threads -le $cores ]]; then bind=close; else bind=false; fi

@@ -35,7 +35,7 @@ expect 0 mesh "$inputs/one_brick.toml" -n2 -t1 -o without_blank
 [[ -s without_blank/one_brick.exo.2.1 ]] || fail "-n2 is not two ranks"
 
 # Threads are those of -t, or of OMP_NUM_THREADS.
-threads_of() { sed -n 's/.*"threads": *\([0-9]*\).*/\1/p' "$1/report.json" | head -n 1; }
+threads_of() { sed -n 's/.*"threads_per_rank": *\([0-9]*\).*/\1/p' "$1/report.json" | head -n 1; }
 OMP_NUM_THREADS=1 expect 0 "$inputs/one_brick.toml" --steps 2 --no-picture -o single
 OMP_NUM_THREADS=1 expect 0 "$inputs/one_brick.toml" --steps 2 --no-picture -o double -t 2
 [[ $(threads_of single)$(threads_of double) == 12 ]] || fail "the numbers of threads are not those asked for"

@@ -23,7 +23,7 @@ def environment(ranks, threads, cores):
     usual = {"OMP_PLACES": "cores", "OMP_PROC_BIND": "close" if ranks == 1 and threads <= cores else "false",
              "OMPI_MCA_hwloc_base_binding_policy": "none", "PRTE_MCA_hwloc_default_binding_policy": "none",
              "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-             "OMPI_MCA_orte_execute_quiet": "1"}
+             "OMPI_MCA_orte_execute_quiet": "1", "OMPI_MCA_odls_base_sigkill_timeout": "0"}
     usual.update({f"{name}_ALLOW_RUN_AS_ROOT{more}": "1" for name in ("OMPI", "PRTE") for more in ("", "_CONFIRM")})
     if ranks * threads > cores:
         usual.update({"OMP_WAIT_POLICY": "passive", "OMPI_MCA_mpi_yield_when_idle": "1", "KOKKOS_DISABLE_WARNINGS": "1"})
