@@ -141,22 +141,7 @@ EnforcementSums Enforcement::enforce(const exec_space& space, const Surface& sur
   } else if (edges != nullptr) {
     space.fence(); // select() of edges reads what was launched
   }
-  EnforcementSums sums;
-  std::function<ContactSums()> selected_nodes, selected_edges;
-  if (_has_sought_joints && canSkipAll()) {
-    _set.selectNone(space, faces);
-    if (!_idle.isUnchanged())
-      _records.invalidate(space);
-  } else {
-    _records.update(space, faces, pairs, _idle, _node_faces);
-    selected_nodes = selectInteractions(space, faces, pairs, steps.dt);
-  }
-  if (edges != nullptr)
-    selected_edges = edges->select(space, steps.dt, _motion);
-  if (selected_nodes)
-    sums.nodes = selected_nodes();
-  if (selected_edges)
-    sums.edges = selected_edges();
+  EnforcementSums sums = select(space, faces, pairs, steps.dt, edges);
   const bool had_forces = _has_forces;
   agreeOnForces(sums, edges);
   if (!_has_sought_joints) {
@@ -261,10 +246,31 @@ NodeFaceKinematics Enforcement::kinematicsOf(const FaceAccess& faces) const {
   return kinematics;
 }
 
-std::function<ContactSums()> Enforcement::selectInteractions(const exec_space& space,
-                                                             const FaceAccess& faces,
-                                                             const CandidatePairs& pairs,
-                                                             double dt) {
+// The contacts of edges are selected beside those of nodes.
+EnforcementSums Enforcement::select(const exec_space& space, const FaceAccess& faces,
+                                    const CandidatePairs& pairs, double dt, EdgeContact* edges) {
+  std::function<ContactSums()> selected_nodes, selected_edges;
+  if (_has_sought_joints && canSkipAll()) {
+    _set.selectNone(space, faces);
+    if (!_idle.isUnchanged())
+      _records.invalidate(space);
+  } else {
+    _records.update(space, faces, pairs, _idle, _node_faces);
+    selected_nodes = selectNodes(space, faces, pairs, dt);
+  }
+  if (edges != nullptr)
+    selected_edges = edges->select(space, dt, _motion);
+  EnforcementSums sums;
+  if (selected_nodes)
+    sums.nodes = selected_nodes();
+  if (selected_edges)
+    sums.edges = selected_edges();
+  return sums;
+}
+
+std::function<ContactSums()> Enforcement::selectNodes(const exec_space& space,
+                                                      const FaceAccess& faces,
+                                                      const CandidatePairs& pairs, double dt) {
   const NodeFaceKinematics kinematics = kinematicsOf(faces);
   return [this, space, faces, pairs, kinematics,
           finish = _set.select(space, kinematics, faces, pairs, _idle.state(), dt)] {

@@ -118,9 +118,11 @@ private:
                    EdgeContact* edges);
   bool canSkipAll() const;
   NodeFaceKinematics kinematicsOf(const FaceAccess& faces) const;
-  // The function returned waits for the device and completes the step.
-  std::function<ContactSums()> selectInteractions(const exec_space& space, const FaceAccess& faces,
-                                                  const CandidatePairs& pairs, double dt);
+  EnforcementSums select(const exec_space& space, const FaceAccess& faces,
+                         const CandidatePairs& pairs, double dt, EdgeContact* edges);
+  // The function returned waits for the device and completes the selection.
+  std::function<ContactSums()> selectNodes(const exec_space& space, const FaceAccess& faces,
+                                           const CandidatePairs& pairs, double dt);
   void correctEnergy(const exec_space& space, const FaceAccess& faces, const StepLengths& steps,
                      const NeutralInput* neutral, EdgeContact* edges, EnforcementSums& sums);
 
