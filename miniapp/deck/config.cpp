@@ -40,7 +40,7 @@ const mechanics::Material* Config::materialOf(const std::string& block) const {
   for (const MaterialConfig& material : materials)
     if (material.block == block)
       return &material.material;
-  return wall && block == "half_brick" ? materialOf("brick") : nullptr;
+  return block == "half_brick" ? materialOf("brick") : nullptr;
 }
 
 Config readConfig(MPI_Comm comm, const std::string& deck_path,

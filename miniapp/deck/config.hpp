@@ -256,8 +256,7 @@ struct Config {
   std::string resolved_deck; // TOML, all defaults filled in, resolves to itself
   std::vector<std::string> warnings; // former names and unused keys in the deck, one line each
 
-  // The material of an element block; "half_brick" of a wall falls back to "brick". Null when there
-  // is none.
+  // The material of an element block; "half_brick" falls back to "brick". Null when there is none.
   const mechanics::Material* materialOf(const std::string& block) const;
 };
 

@@ -146,8 +146,9 @@ io::Schema sceneBlocks() {
                meshKeys),
       withKeys(
           {"material", BlockKind::named,
-           "material of the element block <name>; walls have the blocks brick and half_brick, and "
-           "without [material.half_brick] both have that of brick"},
+           "material of the element block <name>; walls, and meshes written from them, have the "
+           "blocks brick and half_brick, and without [material.half_brick] both have that of "
+           "brick"},
           materialKeys),
       withKeys({"element", BlockKind::single, "the hexahedral element"}, elementKeys),
   };
