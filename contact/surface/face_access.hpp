@@ -63,6 +63,13 @@ struct FaceAccess {
       q.corner[j] = corner(face, j, surface.coordinates_new, ghosts.coordinates_new);
     return q;
   }
+  // The same at x^n.
+  KOKKOS_INLINE_FUNCTION Quad oldQuad(int face) const {
+    Quad q;
+    for (int j = 0; j < 4; ++j)
+      q.corner[j] = corner(face, j, surface.coordinates_old, ghosts.coordinates_old);
+    return q;
+  }
   // Prefetches the corner numbers of a face; prefetchCorners() then prefetches values of its
   // corners.
   KOKKOS_FORCEINLINE_FUNCTION void prefetchNumbers(int face) const {

@@ -14,7 +14,8 @@ void contactKeys(BlockKeys& keys, ContactConfig& contact) {
   // Node and face together reach twice as far: not through a brick of one element.
   keys.add("tolerance", contact.tolerance,
            "inflation of the search boxes of nodes and faces over the shortest element edge; a new "
-           "contact may be twice as deep")
+           "contact may be twice as deep; the boxes reach at least 0.375 of the larger of "
+           "lateral_tolerance and edge_tolerance of the longest edge")
       .above(0)
       .atMost(0.45);
   keys.add(

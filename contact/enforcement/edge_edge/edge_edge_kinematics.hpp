@@ -27,9 +27,10 @@ struct EdgeEdgeKinematics {
   // other. The edge must end beyond the side by this many lateral tolerances of half its width;
   // nearer nodes are in contact with the side.
   static constexpr double side_overhang = 0.8;
-  // Edges that have crossed less deeply than this, relative to the shorter edge, may become active.
-  // Edges of bricks that lie flat on each other cross at zero depth and angle; once they have
-  // rotated by `least_sine`, nodes an element away have let them in by as much.
+  // Edges that have crossed less deeply than this, relative to the shorter edge, may become active
+  // whether or not they had met (EdgesFacing::hadMet()). Edges of bricks that lie flat on each other
+  // cross at zero depth and angle; once they have rotated by `least_sine`, nodes an element away
+  // have let them in by as much.
   static constexpr double shallow_depth = 0.06;
   // how far the pushing edge continues over the next one, in lengths of the edge
   static constexpr double overhang = 1.0;
@@ -149,8 +150,8 @@ struct EdgeEdgeKinematics {
     const double limit = contact.previous < 0 ? max_activation_depth : max_depth;
     if (!(depth * depth < limit * limit * minOf(aa, bb)))
       return false;
-    const EdgeCone cone_b(faces.quad(other), faces.attributes<EdgeAttributes>(other));
-    if (dot(normal, cone_b.first + cone_b.second) < 0) {
+    const CrossedEdge crossed_b(faces, other, faces.quad(other), t);
+    if (dot(normal, crossed_b.cone.first + crossed_b.cone.second) < 0) {
       normal = -normal;
       depth = -depth;
     }
@@ -160,17 +161,14 @@ struct EdgeEdgeKinematics {
         !isOn(continuedEnds(faces, other), t, depth, std::sqrt(bb), continues,
               is_retained ? overhang : lateral_tolerance))
       return false;
-    const EdgeCone cone_a(faces.quad(own), faces.attributes<EdgeAttributes>(own));
-    const double in_a = cone_a.depthOf(-normal), in_b = cone_b.depthOf(normal);
-    const bool leads_out =
-        continues
-            ? minOf(in_a, in_b) > -max_outside
-            : (in_a > least_sine || isSpanned(faces, own, cone_a, -normal, in_a, s, t, db)) &&
-                  (in_b > least_sine || isSpanned(faces, other, cone_b, normal, in_b, t, s, da));
-    if (!leads_out || sharesNode(faces, own, other))
+    const CrossedEdge crossed_a(faces, own, faces.quad(own), s);
+    const bool faces_out = continues ? minOf(crossed_a.cone.depthOf(-normal),
+                                             crossed_b.cone.depthOf(normal)) > -max_outside
+                                     : facing().holds(crossed_a, crossed_b, normal);
+    if (!faces_out || sharesNode(faces, own, other))
       return false;
     if (contact.previous < 0 && depth * depth > shallow_depth * shallow_depth * minOf(aa, bb) &&
-        !wereApart(faces, own, other, normal))
+        facing().hadMet(faces, own, other, normal))
       return false;
     setContact(s, t, normal, depth, other, contact);
     return true;
@@ -182,24 +180,7 @@ struct EdgeEdgeKinematics {
   KOKKOS_INLINE_FUNCTION EdgeActivationLimits activationLimits() const {
     return {least_sine, 0.5 * lateral_tolerance, max_activation_depth, sideOverhang()};
   }
-  // Whether the direction n, on the rim of the edge's cone, leads out of a side that the other edge
-  // spans; the edges cross at the weights `at` and `at_other`.
-  KOKKOS_INLINE_FUNCTION bool isSpanned(const FaceAccess& faces, int edge, const EdgeCone& cone,
-                                        const Vec3& n, double inside, double at, double at_other,
-                                        const Vec3& other_edge) const {
-    if (!(inside > -least_sine))
-      return false;
-    const Quad quad = faces.quad(edge);
-    const bool is_first_side = dot(n, cone.first) > dot(n, cone.second);
-    EdgeSide side;
-    side.inward =
-        is_first_side ? cross(cone.first, cone.tangent) : cross(cone.tangent, cone.second);
-    side.tangent = cone.tangent;
-    side.width = faces.attributes<EdgeAttributes>(edge).width[is_first_side ? 0 : 1];
-    side.length = norm(quad.corner[1] - quad.corner[0]);
-    side.continued_ends = continuedEnds(faces, edge);
-    return side.isSpannedBy(other_edge, at, at_other, sideOverhang());
-  }
+  KOKKOS_INLINE_FUNCTION EdgesFacing facing() const { return {least_sine, sideOverhang()}; }
   KOKKOS_INLINE_FUNCTION static void setContact(double s, double t, const Vec3& normal,
                                                 double depth, int other, FaceContact& contact) {
     contact.weight[0] = 1 - t, contact.weight[1] = t;

@@ -77,20 +77,61 @@ struct EdgeSide {
   }
 };
 
-// Whether the edges had not crossed at x^n, where their common normal pointed to the same side as
-// `normal`. A contact becomes active when edges come to cross, not when edges that have crossed
-// come to lie side by side.
-KOKKOS_INLINE_FUNCTION bool wereApart(const FaceAccess& faces, int own, int other,
-                                      const Vec3& normal) {
-  const auto& nodes = faces.surface.coordinates_old;
-  const auto& ghosts = faces.ghosts.coordinates_old;
-  const Vec3 a = faces.corner(own, 0, nodes, ghosts), b = faces.corner(other, 0, nodes, ghosts);
-  Vec3 old_normal =
-      cross(faces.corner(own, 1, nodes, ghosts) - a, faces.corner(other, 1, nodes, ghosts) - b);
-  if (dot(old_normal, normal) < 0)
-    old_normal = -old_normal;
-  return dot(a - b, old_normal) >= 0;
-}
+// An edge of a pair of edges that cross.
+struct CrossedEdge {
+  Vec3 way; // from its first end to its second
+  EdgeCone cone;
+  double at; // weight of the crossing
+  const EdgeAttributes& attributes;
+
+  KOKKOS_INLINE_FUNCTION CrossedEdge(const FaceAccess& faces, int edge, const Quad& quad,
+                                     double weight)
+      : way(quad.corner[1] - quad.corner[0]), cone(quad, faces.attributes<EdgeAttributes>(edge)),
+        at(weight), attributes(faces.attributes<EdgeAttributes>(edge)) {}
+
+  // The side out of which a direction on the rim of the cone leads.
+  KOKKOS_INLINE_FUNCTION EdgeSide sideAlong(const Vec3& n) const {
+    const bool is_first = dot(n, cone.first) > dot(n, cone.second);
+    return {is_first ? cross(cone.first, cone.tangent) : cross(cone.tangent, cone.second),
+            cone.tangent, attributes.width[is_first ? 0 : 1], norm(way),
+            static_cast<int>(attributes.goes_on)};
+  }
+};
+
+// Edges face each other if their common normal leads out of one and, reversed, out of the other:
+// it lies inside the cone of an edge, or on its rim where the other edge spans a side.
+struct EdgesFacing {
+  double least_sine; // to the rim
+  double overhang; // see EdgeSide::isSpannedBy()
+
+  // `normal` leads from b to a.
+  KOKKOS_INLINE_FUNCTION bool holds(const CrossedEdge& a, const CrossedEdge& b,
+                                    const Vec3& normal) const {
+    return leadsOut(-normal, a, b) && leadsOut(normal, b, a);
+  }
+  // Whether the edges had crossed at x^n already, with the normal on the same side, and faced each
+  // other. A contact becomes active when edges come to cross or, after other edges have held the
+  // bodies, come to face each other, not when edges that have crossed come to lie side by side.
+  KOKKOS_INLINE_FUNCTION bool hadMet(const FaceAccess& faces, int own, int other,
+                                     const Vec3& normal) const {
+    const Quad quad_a = faces.oldQuad(own), quad_b = faces.oldQuad(other);
+    const Vec3 da = quad_a.corner[1] - quad_a.corner[0], db = quad_b.corner[1] - quad_b.corner[0];
+    const Vec3 between = quad_a.corner[0] - quad_b.corner[0], across = cross(da, db);
+    const Vec3 old_normal = ((dot(across, normal) < 0 ? -1 : 1) / norm(across)) * across;
+    const Crossing crossing(da, db, between);
+    return dot(between, old_normal) < 0 &&
+           holds({faces, own, quad_a, crossing.s}, {faces, other, quad_b, crossing.t}, old_normal);
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION bool leadsOut(const Vec3& n, const CrossedEdge& of,
+                                       const CrossedEdge& other) const {
+    const double inside = of.cone.depthOf(n);
+    return inside > least_sine ||
+           (inside > -least_sine &&
+            of.sideAlong(n).isSpannedBy(other.way, of.at, other.at, overhang));
+  }
+};
 
 // Whether the two edges belong to one body and share a node, or `own` is the second of the pair.
 // Such a pair is never in contact.

@@ -16,25 +16,72 @@ KOKKOS_INLINE_FUNCTION bool isCornerFast(const View<const unsigned char*>& nodes
   return any != 0;
 }
 
-// Motion of nodes relative to the four corners of faces.
+// The vectors from the corners of one to those of another, at x^n and x^{n+1}. Between, corners move
+// on straight lines, so that each vector between points of both is in the convex hull of these.
+struct VectorsBetween {
+  Vec3 before[4], after[4];
+
+  // The largest square of a relative motion of corners.
+  KOKKOS_INLINE_FUNCTION double squaredMotion() const {
+    double largest = 0;
+    for (int k = 0; k < 4; ++k)
+      largest = maxOf(largest, dot(after[k] - before[k], after[k] - before[k]));
+    return largest;
+  }
+  // False if the two are apart during the step or only move away from each other: the hull has
+  // one side of a plane through 0 to itself.
+  KOKKOS_INLINE_FUNCTION bool mayMeet() const {
+    Vec3 motion = {0, 0, 0};
+    for (int k = 0; k < 4; ++k)
+      motion += after[k] - before[k];
+    const Vec3 directions[4] = {motion, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int d = 0; d < 4; ++d) {
+      double least = HUGE_VAL, most = -HUGE_VAL, size = 0;
+      for (int k = 0; k < 4; ++k)
+        for (const Vec3* v : {&before[k], &after[k]}) {
+          const double along = dot(*v, directions[d]);
+          least = minOf(least, along);
+          most = maxOf(most, along);
+          size = maxOf(size, dot(*v, *v));
+        }
+      const double rounding = 1e-9 * std::sqrt(size * dot(motion, motion));
+      if (d == 0 ? least >= -rounding : least > 0 || most < 0)
+        return false;
+    }
+    return true;
+  }
+};
+
+// How nodes and faces move towards each other.
 struct NodeAndFace {
   FaceAccess faces;
   KOKKOS_INLINE_FUNCTION bool isFast(const View<const unsigned char*>& nodes, int node) const {
     return nodes(node) != 0;
   }
+  // The square of the largest change of the distance from the planes of the face at its corners,
+  // towards its inside, no more than that of the relative motion.
   KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int face) const {
-    const Vec3 of_node = faces.nodeMotion(node);
-    double largest = 0;
-    for (int corner = 0; corner < 4; ++corner) {
-      const Vec3 against = of_node - faces.cornerMotion(face, corner);
-      largest = maxOf(largest, dot(against, against));
+    const Quad before = faces.oldQuad(face), after = faces.quad(face);
+    const Vec3 x_before = rowOf(faces.surface.coordinates_old, node);
+    const Vec3 x_after = rowOf(faces.surface.coordinates_new, node);
+    VectorsBetween vectors;
+    for (int k = 0; k < 4; ++k) {
+      vectors.before[k] = x_before - before.corner[k];
+      vectors.after[k] = x_after - after.corner[k];
     }
-    return largest;
+    if (!vectors.mayMeet())
+      return 0;
+    const Vec3 area_before = areaVector(before), area_after = areaVector(after);
+    double inwards = 0;
+    for (int k = 0; k < 4; ++k)
+      inwards = maxOf(inwards, dot(vectors.before[k], area_before) / norm(area_before) -
+                                   dot(vectors.after[k], area_after) / norm(area_after));
+    return minOf(vectors.squaredMotion(), inwards * inwards);
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(int node) const { return faces.surface.node_ids(node); }
 };
 
-// Motion of the ends of edges, corners 0 and 1, relative to each other.
+// How the ends of edges, corners 0 and 1, move relative to each other.
 struct EdgeAndEdge {
   FaceAccess faces;
   int num_corners;
@@ -42,14 +89,14 @@ struct EdgeAndEdge {
     return isCornerFast(nodes, faces, node - num_corners);
   }
   KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int other) const {
-    const int own = node - num_corners;
-    double largest = 0;
-    for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b) {
-        const Vec3 against = faces.cornerMotion(own, a) - faces.cornerMotion(other, b);
-        largest = maxOf(largest, dot(against, against));
-      }
-    return largest;
+    const Quad own_before = faces.oldQuad(node - num_corners), before = faces.oldQuad(other);
+    const Quad own_after = faces.quad(node - num_corners), after = faces.quad(other);
+    VectorsBetween vectors;
+    for (int k = 0; k < 4; ++k) {
+      vectors.before[k] = own_before.corner[k / 2] - before.corner[k % 2];
+      vectors.after[k] = own_after.corner[k / 2] - after.corner[k % 2];
+    }
+    return vectors.mayMeet() ? vectors.squaredMotion() : 0;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(int node) const {
     return faces.surface.face_ids(node - num_corners);

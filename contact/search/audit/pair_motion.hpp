@@ -1,5 +1,5 @@
 // The greatest relative motion, in one step, of nodes and faces or of pairs of edges that may
-// touch. Where it exceeds the reach of the search, one may have passed through the other without
+// meet in the step: of nodes that towards the inside of the face, of edges that of their ends. Where it exceeds the reach of the search, one may have passed through the other without
 // being detected, or may lie too deep to be detected later.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace brickwall::contact {
 // end of its edge); among equal motions that of the lowest ids. The ids are set where `motion`
 // exceeds the given limit; edges have the id 4 * face + side of the face.
 struct PairMotion : PairIds {
-  double motion = 0; // |difference of the motions x^{n+1} - x^n|, length; 0 without pairs
+  double motion = 0; // length; 0 without pairs that may meet
   bool is_of_edges = false;
 };
 

@@ -103,6 +103,60 @@ TEST(EdgeContact, SlidesAlongSegmentsOfAnEdgeAsAlongOneEdge) {
   }
 }
 
+// A bar whose lower side lies across a ridge, with edges 0.6 apart.
+struct BarOnRidge {
+  explicit BarOnRidge(double left, double right)
+      : run(sceneAt(left, right), MPI_COMM_SELF, onOneRank) {}
+
+  // The next step, with the edges at these heights above the ridge.
+  void step(double left, double right) {
+    run.scene.step();
+    const Scene moved = sceneAt(left, right);
+    run.scene.x_new = moved.x_new;
+    run.step();
+  }
+  static Scene sceneAt(double left, double right) {
+    const double sine = (right - left) / 0.6, cosine = std::sqrt(1 - sine * sine);
+    Scene scene;
+    scene.addBrick({3, 3, 3}, {3, 3, 3}, 1, [](const Vec3& p) {
+      const double c = std::sqrt(0.5), y = p.y - 3, z = p.z - 3; // y = z = 0 is the ridge
+      return Vec3{p.x - 1.5, c * (y - z), c * (y + z)};
+    });
+    scene.addBrick({0.6, 3, 0.6}, {1, 3, 1}, 1, [&](const Vec3& p) {
+      return Vec3{-0.3 + cosine * p.x - sine * p.z, p.y - 1.513, left + sine * p.x + cosine * p.z};
+    });
+    return scene;
+  }
+  EdgeRun run;
+};
+
+// While the left edge carries the bar, the right one sinks in without facing the ridge.
+TEST(EdgeContact, EdgeThatComesToFaceAnotherCarriesFromThereOnHoweverDeepItIs) {
+  BarOnRidge bar(0.001, 0.1);
+  bar.run.step();
+  for (const double left : {-0.01, -0.06, -0.12, -0.18}) {
+    bar.step(left, left + 0.1);
+    ASSERT_EQ(bar.run.sums.interactions, 1) << left;
+  }
+  for (const double right : {-0.12, -0.16}) {
+    bar.step(-0.18, right);
+    ASSERT_EQ(bar.run.sums.interactions, 1) << right;
+  }
+  bar.step(-0.18, -0.19); // the sine to the side is 0.033 before and -0.017 now; the ridge spans it
+  EXPECT_EQ(bar.run.sums.interactions, 2);
+  const auto pairs = toHost(bar.run.edges->history().interactions);
+  const int second = pairs(0).offset > pairs(1).offset ? 0 : 1;
+  EXPECT_GT(pairs(second).offset, 0.15); // only what this step added is loaded
+  EXPECT_NEAR(pairs(second).depth, 0.03, 0.005);
+}
+
+TEST(EdgeContact, EdgesThatHaveMetDeepWithoutContactStayWithout) {
+  BarOnRidge bar(-0.18, -0.21);
+  bar.run.step();
+  bar.step(-0.181, -0.212);
+  EXPECT_EQ(bar.run.sums.interactions, 0);
+}
+
 TEST(EdgeContact, ParallelAndFlushEdgesAreLeftToNodeToFaceContact) {
   Scene scene; // a running bond: edges cross at right angles in one plane
   scene.addBox({0, 0, 0}, {2, 1, 1}, {2, 1, 1});
