@@ -28,27 +28,29 @@ struct VectorsBetween {
       largest = maxOf(largest, dot(after[k] - before[k], after[k] - before[k]));
     return largest;
   }
-  // False if the two are apart during the step or only move away from each other: the hull has
-  // one side of a plane through 0 to itself.
+  // False if the two are apart during the step or only move away from each other: the hull lies on
+  // one side of a plane through 0.
   KOKKOS_INLINE_FUNCTION bool mayMeet() const {
     Vec3 motion = {0, 0, 0};
-    for (int k = 0; k < 4; ++k)
+    double size = 0;
+    for (int k = 0; k < 4; ++k) {
       motion += after[k] - before[k];
-    const Vec3 directions[4] = {motion, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int d = 0; d < 4; ++d) {
-      double least = HUGE_VAL, most = -HUGE_VAL, size = 0;
-      for (int k = 0; k < 4; ++k)
-        for (const Vec3* v : {&before[k], &after[k]}) {
-          const double along = dot(*v, directions[d]);
-          least = minOf(least, along);
-          most = maxOf(most, along);
-          size = maxOf(size, dot(*v, *v));
-        }
-      const double rounding = 1e-9 * std::sqrt(size * dot(motion, motion));
-      if (d == 0 ? least >= -rounding : least > 0 || most < 0)
-        return false;
+      size = maxOf(size, maxOf(dot(before[k], before[k]), dot(after[k], after[k])));
     }
-    return true;
+    const double rounding = 1e-9 * std::sqrt(size * dot(motion, motion));
+    return !(leastAlong(motion) >= -rounding) && isOnBothSides({1, 0, 0}) &&
+           isOnBothSides({0, 1, 0}) && isOnBothSides({0, 0, 1});
+  }
+
+private:
+  KOKKOS_INLINE_FUNCTION double leastAlong(const Vec3& direction) const {
+    double least = HUGE_VAL;
+    for (int k = 0; k < 4; ++k)
+      least = minOf(least, minOf(dot(before[k], direction), dot(after[k], direction)));
+    return least;
+  }
+  KOKKOS_INLINE_FUNCTION bool isOnBothSides(const Vec3& direction) const {
+    return leastAlong(direction) <= 0 && leastAlong(-direction) <= 0;
   }
 };
 
@@ -58,25 +60,25 @@ struct NodeAndFace {
   KOKKOS_INLINE_FUNCTION bool isFast(const View<const unsigned char*>& nodes, int node) const {
     return nodes(node) != 0;
   }
-  // The square of the largest change of the distance from the planes of the face at its corners,
-  // towards its inside, no more than that of the relative motion.
-  KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int face) const {
+  // From the corners of the face to the node.
+  KOKKOS_INLINE_FUNCTION VectorsBetween vectors(int node, int face) const {
     const Quad before = faces.oldQuad(face), after = faces.quad(face);
-    const Vec3 x_before = rowOf(faces.surface.coordinates_old, node);
-    const Vec3 x_after = rowOf(faces.surface.coordinates_new, node);
-    VectorsBetween vectors;
+    VectorsBetween of_corner;
     for (int k = 0; k < 4; ++k) {
-      vectors.before[k] = x_before - before.corner[k];
-      vectors.after[k] = x_after - after.corner[k];
+      of_corner.before[k] = rowOf(faces.surface.coordinates_old, node) - before.corner[k];
+      of_corner.after[k] = rowOf(faces.surface.coordinates_new, node) - after.corner[k];
     }
-    if (!vectors.mayMeet())
-      return 0;
-    const Vec3 area_before = areaVector(before), area_after = areaVector(after);
+    return of_corner;
+  }
+  // The square of the largest change of the distance from the planes of the face at its corners,
+  // towards its inside.
+  KOKKOS_INLINE_FUNCTION double squaredApproach(const VectorsBetween& vectors, int face) const {
+    const Vec3 before = areaVector(faces.oldQuad(face)), after = areaVector(faces.quad(face));
     double inwards = 0;
     for (int k = 0; k < 4; ++k)
-      inwards = maxOf(inwards, dot(vectors.before[k], area_before) / norm(area_before) -
-                                   dot(vectors.after[k], area_after) / norm(area_after));
-    return minOf(vectors.squaredMotion(), inwards * inwards);
+      inwards = maxOf(inwards, dot(vectors.before[k], before) / norm(before) -
+                                   dot(vectors.after[k], after) / norm(after));
+    return inwards * inwards;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(int node) const { return faces.surface.node_ids(node); }
 };
@@ -88,15 +90,18 @@ struct EdgeAndEdge {
   KOKKOS_INLINE_FUNCTION bool isFast(const View<const unsigned char*>& nodes, int node) const {
     return isCornerFast(nodes, faces, node - num_corners);
   }
-  KOKKOS_INLINE_FUNCTION double squaredMotion(int node, int other) const {
+  KOKKOS_INLINE_FUNCTION VectorsBetween vectors(int node, int other) const {
     const Quad own_before = faces.oldQuad(node - num_corners), before = faces.oldQuad(other);
     const Quad own_after = faces.quad(node - num_corners), after = faces.quad(other);
-    VectorsBetween vectors;
+    VectorsBetween of_ends;
     for (int k = 0; k < 4; ++k) {
-      vectors.before[k] = own_before.corner[k / 2] - before.corner[k % 2];
-      vectors.after[k] = own_after.corner[k / 2] - after.corner[k % 2];
+      of_ends.before[k] = own_before.corner[k / 2] - before.corner[k % 2];
+      of_ends.after[k] = own_after.corner[k / 2] - after.corner[k % 2];
     }
-    return vectors.mayMeet() ? vectors.squaredMotion() : 0;
+    return of_ends;
+  }
+  KOKKOS_INLINE_FUNCTION double squaredApproach(const VectorsBetween&, int) const {
+    return HUGE_VAL;
   }
   KOKKOS_INLINE_FUNCTION global_id idOf(int node) const {
     return faces.surface.face_ids(node - num_corners);
@@ -121,6 +126,7 @@ struct FindFastest {
   Pair pair_of;
   CandidatePairs pairs;
   View<const unsigned char*> is_fast;
+  double square; // of the limit
 
   KOKKOS_INLINE_FUNCTION void operator()(const std::int64_t row, LeadingPair& all) const {
     const int node = pairs.node(row);
@@ -131,14 +137,21 @@ struct FindFastest {
       const int face = pairs.faces(pair);
       if (!is_node_fast && !isCornerFast(is_fast, pair_of.faces, face))
         continue;
+      const VectorsBetween vectors = pair_of.vectors(node, face);
       LeadingPair one;
-      one.value = pair_of.squaredMotion(node, face);
-      if (one.value < all.value || !pair_of.faces.isOfThisStep(pairs.step_test, node, face))
+      one.value = vectors.squaredMotion();
+      if (!mayLead(one.value, all) || !vectors.mayMeet())
+        continue;
+      one.value = minOf(one.value, pair_of.squaredApproach(vectors, face));
+      if (!mayLead(one.value, all) || !pair_of.faces.isOfThisStep(pairs.step_test, node, face))
         continue;
       one.pair = {pair_of.idOf(node), pair_of.faces.id(face), pair_of.faces.surface.node_body(node),
                   pair_of.faces.body(face)};
       all += one;
     }
+  }
+  KOKKOS_INLINE_FUNCTION bool mayLead(double value, const LeadingPair& all) const {
+    return !(value <= square) && !(value < all.value);
   }
 };
 
@@ -155,7 +168,7 @@ PairMotion fastestOf(const exec_space& space, MPI_Comm comm, const Pair& pair_of
                                 share * limit * share * limit, is_fast});
   LeadingPair local;
   Kokkos::parallel_reduce("contact::FastestPair::find", rangePolicy(space, pairs.num_rows),
-                          FindFastest<Pair>{pair_of, pairs, is_fast},
+                          FindFastest<Pair>{pair_of, pairs, is_fast, limit * limit},
                           PlusReducer<LeadingPair>(local));
   const double square = allReduce(comm, local.value, MPI_MAX);
   PairMotion fastest;

@@ -1,5 +1,5 @@
-// The greatest relative motion, in one step, of nodes and faces or of pairs of edges that may
-// meet in the step: of nodes that towards the inside of the face, of edges that of their ends. Where it exceeds the reach of the search, one may have passed through the other without
+// The greatest motion, in one step, of nodes and faces or of pairs of edges that may meet in the
+// step. Where it exceeds the reach of the search, one may have passed through the other without
 // being detected, or may lie too deep to be detected later.
 #pragma once
 
@@ -11,16 +11,16 @@
 
 namespace brickwall::contact {
 
-// The pair whose node (an end of the pushing edge) moves most relative to a corner of its face (an
-// end of its edge); among equal motions that of the lowest ids. The ids are set where `motion`
+// The pair whose node moves most towards the inside of its face, or whose edges' ends move most
+// relative to each other; among equal motions that of the lowest ids. The ids are set where `motion`
 // exceeds the given limit; edges have the id 4 * face + side of the face.
 struct PairMotion : PairIds {
-  double motion = 0; // length; 0 without pairs that may meet
+  double motion = 0; // length
   bool is_of_edges = false;
 };
 
 // Finds the fastest of all candidate pairs of a step on all ranks: the same on every rank and for
-// any margin of the search, if its motion exceeds `limit`; otherwise one that moves by no more.
+// any margin of the search, if its motion exceeds `limit`; otherwise none, which moves by 0.
 // Pairs whose nodes all move by less than half the limit relative to `mean` are passed over, so
 // that any mean is correct, and one that most nodes follow is fast; length. Collective: one
 // reduction of one number, and further ones where the motion exceeds the limit.
