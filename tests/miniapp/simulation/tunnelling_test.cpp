@@ -123,14 +123,21 @@ TEST(TunnellingGuard, StopsInThePreviousStateAndNamesThePair) {
       thrown(0.15, "guard = \"stop\"\nedges = false\n[gravity]\nacceleration = [0, 0.01, 0.02]\n"));
   auto& simulation = bricks.simulation;
   simulation.start();
-  simulation.step(); // moves by 0.12, too far for boxes that reach 0.1
-  const auto before = stateOf(bricks);
-  const double time = simulation.clock().time;
-  const std::string message = errorOfStep(bricks);
+  auto before = stateOf(bricks);
+  std::int64_t step = 0;
+  double time = 0;
+  std::string message;
+  while (message.empty() && step < 10) { // each moves by 0.12, until the bricks may meet
+    before = stateOf(bricks);
+    step = simulation.clock().step;
+    time = simulation.clock().time;
+    message = errorOfStep(bricks);
+  }
   for (const char* part : {"node ", "of body 0", "of body 1", "moves by 0.12 against face ",
                            "in one step; contact is reliable up to 0.05. "})
     EXPECT_NE(message.find(part), std::string::npos) << message;
-  EXPECT_EQ(simulation.clock().step, 1);
+  EXPECT_GT(step, 0);
+  EXPECT_EQ(simulation.clock().step, step);
   EXPECT_EQ(simulation.clock().time, time);
   EXPECT_EQ(stateOf(bricks), before);
 }
