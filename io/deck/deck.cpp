@@ -71,7 +71,8 @@ std::string readDeckFile(const std::string& path) {
   if (text.size() > largest)
     throw InputError(path + ": found more than 4 MiB, expected a deck (a TOML file)");
   if (text.find('\0') != std::string::npos)
-    throw InputError(path + ": found a binary file, expected a deck (a TOML file); a mesh is named " +
+    throw InputError(path +
+                     ": found a binary file, expected a deck (a TOML file); a mesh is named " +
                      "by file in [mesh]");
   return text;
 }

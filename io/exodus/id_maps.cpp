@@ -65,10 +65,14 @@ void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshCo
                  "element");
 }
 
+std::string idInWords(global_id position, global_id id, const char* map) {
+  return id == position + 1 ? "1-based id " + std::to_string(id)
+                            : "id " + std::to_string(id) + " in " + map;
+}
+
 std::string nameOfElem(const std::string& file_name, global_id elem) {
   const auto id = readMap(ExodusFile::open(file_name), EX_ELEM_MAP, elem, elem + 1).front();
-  return id == elem + 1 ? "the element of 1-based id " + std::to_string(id)
-                        : "the element of id " + std::to_string(id) + " in elem_num_map";
+  return "the element of " + idInWords(elem, id, "elem_num_map");
 }
 
 } // namespace brickwall::io

@@ -23,6 +23,10 @@ IdMaps readIdMaps(const ExodusFile& file, const MeshContents& contents, int rank
 void refuseRepeatedIds(MPI_Comm comm, const std::string& file_name, const MeshContents& contents,
                        const IdMaps& maps);
 
+// The id of the entity at `position`, from 0, in words: "id 71 in node_num_map", or "1-based id 6"
+// where it is that of the position.
+std::string idInWords(global_id position, global_id id, const char* map);
+
 // The element at position `elem`, from 0, as other programs know it: "the element of id 7 in
 // elem_num_map". Throws InputError.
 std::string nameOfElem(const std::string& file_name, global_id elem);

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace brickwall::miniapp {
 
 namespace {
 
-struct Entry {
-  std::string key; // "block.key"; of the blocks of a list as in --set, "block[0].key"
-  std::string value; // with its comment
-};
+// Keys, "block.key" or, of the blocks of a list as in --set, "block[0].key", and their values with
+// comments, in the order of the deck.
+using Entries = std::vector<std::pair<std::string, std::string>>;
 
 // The keys that results depend on.
-std::vector<Entry> entriesOf(const std::string& deck) {
-  std::vector<Entry> entries;
+Entries entriesOf(const std::string& deck) {
+  Entries entries;
   std::map<std::string, int> num_listed; // blocks of each list
   std::istringstream lines(deck);
   std::string line, name, block;
@@ -35,32 +35,28 @@ std::vector<Entry> entriesOf(const std::string& deck) {
     if (name != "output.checkpoint" && name != "partition" && name != "skip" && key != "title" &&
         key != "units" && key != "time.steps" && key != "limits.wall_time" && key != "mesh.file" &&
         key != "search.decomposition")
-      entries.push_back({key, line.substr(blank)});
+      entries.emplace_back(key, line.substr(blank));
   }
   return entries;
-}
-
-const Entry* find(const std::vector<Entry>& entries, const std::string& key) {
-  const auto at = std::find_if(entries.begin(), entries.end(),
-                               [&](const Entry& entry) { return entry.key == key; });
-  return at == entries.end() ? nullptr : &*at;
 }
 
 } // namespace
 
 std::string deckDifference(const std::string& of_checkpoint, const std::string& of_run) {
-  const auto before = entriesOf(of_checkpoint), now = entriesOf(of_run);
-  for (const Entry& was : before) {
-    const Entry* const is = find(now, was.key);
-    if (is == nullptr)
-      return "it was written with " + was.key + was.value + ", and the deck has no " + was.key;
-    if (is->value != was.value)
-      return "it was written with " + was.key + was.value + ", and the deck has " + is->key +
-             is->value + (is->key == "time.end" ? "; --extend-to moves the end" : "");
+  const Entries before = entriesOf(of_checkpoint), now = entriesOf(of_run);
+  const std::map<std::string, std::string> values_before(before.begin(), before.end());
+  const std::map<std::string, std::string> values_now(now.begin(), now.end());
+  for (const auto& [key, was] : before) {
+    const auto is = values_now.find(key);
+    if (is == values_now.end())
+      return "it was written with " + key + was + ", and the deck has no " + key;
+    if (is->second != was)
+      return "it was written with " + key + was + ", and the deck has " + key + is->second +
+             (key == "time.end" ? "; --extend-to moves the end" : "");
   }
-  for (const Entry& is : now)
-    if (find(before, is.key) == nullptr)
-      return "it was written without " + is.key + ", and the deck has " + is.key + is.value;
+  for (const auto& [key, is] : now)
+    if (values_before.count(key) == 0)
+      return "it was written without " + key + ", and the deck has " + key + is;
   return "";
 }
 

@@ -1,6 +1,7 @@
 #include "miniapp/scene/entity_names.hpp"
 
 #include "contact/base/mpi.hpp"
+#include "io/exodus/id_maps.hpp"
 #include "miniapp/scene/scene.hpp"
 
 #include <algorithm>
@@ -11,16 +12,14 @@ namespace brickwall::miniapp {
 
 namespace {
 
-// "id 71 in node_num_map", or "1-based id 6" where that is the id. `ids` ascend.
+// See io::idInWords(). `ids` ascend. Collective.
 std::string idOf(MPI_Comm comm, global_id entity, const std::vector<global_id>& ids,
                  const std::vector<global_id>& numbers, const char* map) {
   const auto at = std::lower_bound(ids.begin(), ids.end(), entity);
   const bool is_here = at != ids.end() && *at == entity && !numbers.empty();
   const global_id number = allReduce(
       comm, is_here ? numbers[static_cast<std::size_t>(at - ids.begin())] : INT64_MIN, MPI_MAX);
-  return number == INT64_MIN || number == entity + 1
-             ? "1-based id " + std::to_string(entity + 1)
-             : "id " + std::to_string(number) + " in " + map;
+  return io::idInWords(entity, number == INT64_MIN ? entity + 1 : number, map);
 }
 
 } // namespace

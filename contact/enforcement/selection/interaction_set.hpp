@@ -124,7 +124,7 @@ private:
   EnforcementConfig _config;
   Quantum _quantum;
   LimbScale _energy_scale;
-  double _previous_dt = 0;
+  double _previous_dt = 0; // of the last step, time; 0 before the first
   int _face_corners = 4;
   View<unsigned char*> _is_corrected; // [as interactions] the last round was to change it
   View<int*> _corrected; // [place] those of this round, on devices

@@ -100,6 +100,7 @@ struct EdgeAndEdge {
     }
     return of_ends;
   }
+  // Edges may pass each other in any direction.
   KOKKOS_INLINE_FUNCTION double squaredApproach(const VectorsBetween&, int) const {
     return HUGE_VAL;
   }

@@ -236,8 +236,7 @@ TEST(MeshScene, AnElementWithOneCornerEightTimesIsReportedWithFileAndItsIdThere)
       part.elem_nodes[8 + corner] = part.elem_nodes[8];
   });
   const std::string fault = faultOf(mesh.config(""));
-  EXPECT_NE(fault.find(mesh.path() + ": the element of 1-based id 2"), std::string::npos)
-      << fault;
+  EXPECT_NE(fault.find(mesh.path() + ": the element of 1-based id 2"), std::string::npos) << fault;
 }
 
 TEST(MeshScene, ASideOfThreeElementsIsReportedWithFileAndElement) {
